@@ -114,7 +114,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
     let mut workspace = strips.half_space.workspace();
     for index in 0..count {
         let start = Instant::now();
-        let germ = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.germ_len());
+        let germ = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
         germs_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let map = strips.surface.generate(&germ);

@@ -189,7 +189,7 @@ impl Strips<'_> {
     /// Generates the map of strip number `index`.
     pub fn map(&self, index: usize) -> HeightMap {
         let mut stream = random::stream(self.seed, "friction/strip", index as u64);
-        self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
+        self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()))
     }
 
     /// Returns the converged solution of one strip, or the reason why there is none.

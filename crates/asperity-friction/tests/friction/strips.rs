@@ -47,7 +47,7 @@ fn field(grid: Grid, length_m: f64) -> SpectralField {
 
 fn rough(grid: Grid, sample: u64) -> HeightMap {
     let field = field(grid, 12e-6);
-    field.generate(&random::standard_normal(&mut random::stream(4, "friction test", sample), field.germ_len()))
+    field.generate(&random::standard_normal(&mut random::stream(4, "friction test", sample), field.xi_len()))
 }
 
 /// Computes the contacts of a window as wide as the strip.

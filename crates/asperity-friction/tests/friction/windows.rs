@@ -34,7 +34,7 @@ fn solve(map: &HeightMap, periodic: bool, control: Control, hardness_pa: Option<
 fn rough(grid: Grid) -> HeightMap {
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, 12e-6).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    field.generate(&random::standard_normal(&mut random::stream(4, "friction windows", 0), field.germ_len()))
+    field.generate(&random::standard_normal(&mut random::stream(4, "friction windows", 0), field.xi_len()))
 }
 
 /// A rectangle as wide as the strip and a narrower one, an ellipse, and a mask with a hole and two parts.

@@ -181,8 +181,8 @@ mod tests {
         {
             let covariance = Covariance::new(CorrelationModel::Exponential, 1.0, length_x, length_y).unwrap();
             let field = SpectralField::periodic(&covariance, grid);
-            let germ = random::standard_normal(&mut random::stream(17, "decay", 0), field.germ_len());
-            let mut heights = field.generate(&germ).heights_m().clone();
+            let xi = random::standard_normal(&mut random::stream(17, "decay", 0), field.xi_len());
+            let mut heights = field.generate(&xi).heights_m().clone();
             if hole {
                 heights.slice_mut(ndarray::s![20..50, 30..70]).fill(f64::NAN);
             }

@@ -155,8 +155,8 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let grid = Grid::new(300, 240, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::Exponential, 1.0, 6.0, 3.0).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    let germ = random::standard_normal(&mut random::stream(11, "threads", 0), field.germ_len());
-    let full = field.generate(&germ);
+    let xi = random::standard_normal(&mut random::stream(11, "threads", 0), field.xi_len());
+    let full = field.generate(&xi);
     let mut heights = full.heights_m().clone();
     heights.iter_mut().step_by(13).for_each(|z| *z = f64::NAN);
     let holes = HeightMap::new(grid, heights).unwrap();

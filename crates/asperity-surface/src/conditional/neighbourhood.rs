@@ -19,7 +19,7 @@ use self::noise::{LEAST_NOISE, likeliest_noise};
 use self::pyramid::Pyramid;
 use super::lags::Lags;
 use super::{ConditionalError, Standardised, check, map, places, scores};
-use crate::gaussian::check_germ;
+use crate::gaussian::check_xi;
 use crate::{RandomSurface, SpectralField};
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::law::Marginal;
@@ -75,7 +75,7 @@ pub struct NeighbourhoodSurface {
     groups: Vec<Group>,
     measured: HeightMap,
     mean_m: f64,
-    law: Option<Marginal>,
+    marginal: Option<Marginal>,
     /// Variance of the noise over that of the Gaussian field, and the standard deviation of this.
     noise: f64,
     std: f64,
@@ -105,22 +105,22 @@ impl NeighbourhoodSurface {
     ///
     /// # Errors
     /// As there, and a law with a parameter outside its range or that makes a measured height impossible.
-    pub fn with_law(
+    pub fn with_marginal(
         covariance: &dyn StationaryCovariance,
         measured: &HeightMap,
-        law: &Marginal,
+        marginal: &Marginal,
         nugget: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, ConditionalError> {
-        let scores = scores(law, measured)?;
-        Self::assemble(&Standardised(covariance), measured, (0.0, scores), Some(law.clone()), nugget, monitor)
+        let scores = scores(marginal, measured)?;
+        Self::assemble(&Standardised(covariance), measured, (0.0, scores), Some(marginal.clone()), nugget, monitor)
     }
 
     fn assemble(
         covariance: &dyn StationaryCovariance,
         measured: &HeightMap,
         (mean_m, values): (f64, Vec<f64>),
-        law: Option<Marginal>,
+        marginal: Option<Marginal>,
         nugget: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, ConditionalError> {
@@ -140,7 +140,7 @@ impl NeighbourhoodSurface {
             groups,
             measured: measured.clone(),
             mean_m,
-            law,
+            marginal,
             noise,
             std,
         })
@@ -161,7 +161,7 @@ impl NeighbourhoodSurface {
         self.noise
     }
 
-    /// The maps of several germs of [`RandomSurface::germ_len`] values each. They share the factors of the neighbourhoods,
+    /// The maps of several germs of [`RandomSurface::xi_len`] values each. They share the factors of the neighbourhoods,
     /// so many at once take less time than one by one, and memory for each.
     ///
     /// # Errors
@@ -171,17 +171,17 @@ impl NeighbourhoodSurface {
     /// If a germ has another length or a value that is not finite.
     pub fn draw(
         &self,
-        germs: impl IntoIterator<Item = Vec<f64>>,
+        xis: impl IntoIterator<Item = Vec<f64>>,
         monitor: &dyn Monitor,
     ) -> Result<Vec<HeightMap>, Cancelled> {
         let noise_std = self.std * self.noise.sqrt();
         let (mut drawn, mut misses) = (Vec::new(), Vec::new());
-        for germ in germs {
+        for xi in xis {
             if monitor.cancelled() {
                 return Err(Cancelled);
             }
-            check_germ(&germ, self.germ_len());
-            let (of_field, of_noise) = germ.split_at(self.field.germ_len());
+            check_xi(&xi, self.xi_len());
+            let (of_field, of_noise) = xi.split_at(self.field.xi_len());
             let map = self.field.generate(of_field).heights_m().clone();
             let flat = map.as_slice().unwrap_or_default();
             let mut missed: Vec<f64> =
@@ -237,8 +237,8 @@ impl NeighbourhoodSurface {
 
     /// Heights in metre of a Gaussian map; measured ones are put in as they are.
     fn heights(&self, gaussian: Array2<f64>) -> HeightMap {
-        let mut heights = match &self.law {
-            Some(law) => gaussian.mapv(|g| law.translate(g)),
+        let mut heights = match &self.marginal {
+            Some(marginal) => gaussian.mapv(|g| marginal.translate(g)),
             None => gaussian.mapv(|z| z + self.mean_m),
         };
         heights.zip_mut_with(self.measured.heights_m(), |z, measured| {
@@ -251,19 +251,19 @@ impl NeighbourhoodSurface {
 }
 
 impl RandomSurface for NeighbourhoodSurface {
-    fn germ_len(&self) -> usize {
-        self.field.germ_len() + if self.noise > LEAST_NOISE { self.values.len() } else { 0 }
+    fn xi_len(&self) -> usize {
+        self.field.xi_len() + if self.noise > LEAST_NOISE { self.values.len() } else { 0 }
     }
 
     fn grid(&self) -> Grid {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        let drawn = self.draw([germ.to_vec()], &Silent);
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        let drawn = self.draw([xi.to_vec()], &Silent);
         match drawn.map(|mut maps| maps.pop()) {
             Ok(Some(map)) => map,
-            _ => unreachable!("one germ makes one map, and nobody cancels"),
+            _ => unreachable!("one xi makes one map, and nobody cancels"),
         }
     }
 }

@@ -113,16 +113,16 @@ fn padded(spectrum: &[Complex64], rows: usize, columns: usize) -> Vec<Complex64>
 }
 
 impl RandomSurface for Respaced<'_> {
-    fn germ_len(&self) -> usize {
-        self.surface.germ_len()
+    fn xi_len(&self) -> usize {
+        self.surface.xi_len()
     }
 
     fn grid(&self) -> Grid {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        let map = self.surface.generate(germ);
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        let map = self.surface.generate(xi);
         match HeightMap::new(self.grid, self.changed_m(&map)) {
             Ok(map) => map,
             Err(_) => unreachable!("a generator fills its grid with finite heights"),
@@ -142,13 +142,13 @@ mod tests {
     struct Fixed(HeightMap);
 
     impl RandomSurface for Fixed {
-        fn germ_len(&self) -> usize {
+        fn xi_len(&self) -> usize {
             0
         }
         fn grid(&self) -> Grid {
             self.0.grid()
         }
-        fn generate(&self, _germ: &[f64]) -> HeightMap {
+        fn generate(&self, _xi: &[f64]) -> HeightMap {
             self.0.clone()
         }
     }
@@ -214,10 +214,10 @@ mod tests {
         let grid = Grid::new(32, 24, 1.0, 1.0).unwrap();
         let covariance = Covariance::isotropic(CorrelationModel::Exponential, 1.0, 4.0).unwrap();
         let surface = SpectralField::periodic(&covariance, grid);
-        let germ = random::standard_normal(&mut random::stream(4, "waves", 0), surface.germ_len());
-        let coarse = surface.generate(&germ);
+        let xi = random::standard_normal(&mut random::stream(4, "waves", 0), surface.xi_len());
+        let coarse = surface.generate(&xi);
         for edges in [Edges::Periodic, Edges::Mirrored] {
-            let fine = Respaced::with_half_the_pitch(&surface, edges).unwrap().generate(&germ);
+            let fine = Respaced::with_half_the_pitch(&surface, edges).unwrap().generate(&xi);
             for ((row, column), z) in coarse.heights_m().indexed_iter() {
                 assert!((fine.heights_m()[[2 * row, 2 * column]] - z).abs() < 1e-12, "{edges:?} ({row}, {column})");
             }

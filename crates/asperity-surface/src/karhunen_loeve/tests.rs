@@ -27,7 +27,7 @@ fn functions(found: &ClassModes) -> Array2<f64> {
 
 fn assert_orthonormal(surface: &KarhunenLoeve) {
     let cell = surface.grid().cell_area_m2();
-    let functions: Vec<_> = (0..surface.germ_len()).map(|j| surface.mode_per_m(j)).collect();
+    let functions: Vec<_> = (0..surface.xi_len()).map(|j| surface.mode_per_m(j)).collect();
     for (i, a) in functions.iter().enumerate() {
         for (j, b) in functions.iter().enumerate().take(i + 1) {
             let product = cell * (a * b).sum();
@@ -218,11 +218,11 @@ fn a_map_is_the_sum_of_its_terms_on_every_route() {
     for route in [ModesRoute::Separable, ModesRoute::General, ModesRoute::Periodic] {
         let surface = KarhunenLoeve::new(&covariance, grid, 30, route).unwrap();
         assert_orthonormal(&surface);
-        let germ = random::standard_normal(&mut random::stream(5, "karhunen-loeve", 0), 30);
+        let xi = random::standard_normal(&mut random::stream(5, "karhunen-loeve", 0), 30);
         let mut sum = Array2::<f64>::zeros(grid.shape());
         let mut variance = Array2::<f64>::zeros(grid.shape());
         let mut with_point = Array2::<f64>::zeros(grid.shape());
-        for (j, xi) in germ.iter().enumerate() {
+        for (j, xi) in xi.iter().enumerate() {
             let mode = surface.mode_per_m(j);
             let value = surface.eigenvalues_m2()[j];
             sum.scaled_add(3.0 * value.sqrt() * xi, &mode);
@@ -230,7 +230,7 @@ fn a_map_is_the_sum_of_its_terms_on_every_route() {
             with_point.scaled_add(9.0 * value * mode[[3, 4]], &mode);
         }
         let close = |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
-        assert!(close(&sum, surface.generate(&germ).heights_m()), "{route:?}");
+        assert!(close(&sum, surface.generate(&xi).heights_m()), "{route:?}");
         assert!(close(&variance, &surface.pointwise_std_m().mapv(|s| s * s)), "{route:?}");
         assert!(close(&with_point, &surface.covariance_with_m2(3, 4)), "{route:?}");
         assert!(surface.eigenvalues_m2().windows(2).all(|pair| pair[0] >= pair[1]));
@@ -245,8 +245,8 @@ fn the_ensemble_has_the_variance_of_its_modes_within_four_standard_errors() {
     let count = 2000;
     let powers: Vec<f64> = (0..count)
         .map(|index| {
-            let germ = random::standard_normal(&mut random::stream(9, "ensemble", index), 40);
-            let map = surface.generate(&germ);
+            let xi = random::standard_normal(&mut random::stream(9, "ensemble", index), 40);
+            let map = surface.generate(&xi);
             map.present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
         })
         .collect();

@@ -177,9 +177,9 @@ impl FourierModes {
     }
 
     /// Writes Σ_j √λ_j φ_j ξ_j, cropped to the first `rows` × `columns` points, in row order.
-    pub(crate) fn synthesise(&self, germ: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+    pub(crate) fn synthesise(&self, xi: &[f64], rows: usize, columns: usize) -> Vec<f64> {
         self.superpose(
-            self.modes.iter().zip(germ).map(|(mode, xi)| (mode, mode.eigenvalue_m2.sqrt() * xi)),
+            self.modes.iter().zip(xi).map(|(mode, xi)| (mode, mode.eigenvalue_m2.sqrt() * xi)),
             rows,
             columns,
         )

@@ -15,10 +15,10 @@ use asperity_base::random;
 fn sample(covariance: &Covariance, grid: Grid, missing: f64, index: u64) -> HeightMap {
     let field = SpectralField::free(covariance, grid).unwrap();
     let mut stream = random::stream(21, "fit", index);
-    let germ = random::standard_normal(&mut stream, field.germ_len());
+    let xi = random::standard_normal(&mut stream, field.xi_len());
     let mask = random::standard_normal(&mut stream, grid.points());
     let cut = asperity_base::law::standard_normal_quantile(missing);
-    let mut heights = field.generate(&germ).heights_m().clone();
+    let mut heights = field.generate(&xi).heights_m().clone();
     heights.iter_mut().zip(mask).filter(|(_, m)| *m < cut).for_each(|(z, _)| *z = f64::NAN);
     HeightMap::new(grid, heights).unwrap()
 }
@@ -135,10 +135,10 @@ fn against_model(missing_share: f64) {
     let spectra: Vec<RadialSpectrum> = (0..24)
         .map(|index| {
             let mut stream = random::stream(11, "radial", index);
-            let germ = random::standard_normal(&mut stream, field.germ_len());
+            let xi = random::standard_normal(&mut stream, field.xi_len());
             let mask = random::standard_normal(&mut stream, grid.points());
             let cut = asperity_base::law::standard_normal_quantile(missing_share);
-            let mut heights = field.generate(&germ).heights_m().clone();
+            let mut heights = field.generate(&xi).heights_m().clone();
             heights.iter_mut().zip(mask).filter(|(_, m)| *m < cut).for_each(|(z, _)| *z = f64::NAN);
             radial_spectrum(&HeightMap::new(grid, heights).unwrap()).unwrap()
         })
@@ -175,8 +175,8 @@ fn profile_spectra_tell_the_directions_apart() {
     let bin = 4;
     let q = bin as f64 * TAU / 128.0;
     for index in 0..count {
-        let germ = random::standard_normal(&mut random::stream(12, "profiles", index), field.germ_len());
-        let map = field.generate(&germ);
+        let xi = random::standard_normal(&mut random::stream(12, "profiles", index), field.xi_len());
+        let map = field.generate(&xi);
         for (sum, axis) in sums.iter_mut().zip([Axis::X, Axis::Y]) {
             let value = profile_spectrum(&map, axis).unwrap().psd_m3[bin];
             sum.0 += value;

@@ -26,7 +26,7 @@ const MEMORY: usize = 8;
 const LEAST_GAIN: f64 = 1e-3;
 /// Armijo's share of the slope that a step must gain, and the least share of a step that is tried.
 const SUFFICIENT: f64 = 1e-4;
-const LEAST_SHARE: f64 = 1e-6;
+const LEAST_FRACTION: f64 = 1e-6;
 
 /// Corrected translation by Fourier synthesis: the Gaussian field whose translated correlation is that of a target, or as
 /// near to it as a correlation can be.
@@ -124,10 +124,10 @@ impl TranslationCorrection {
     pub fn periodic(
         &self,
         target: &dyn StationaryCovariance,
-        law: &Marginal,
+        marginal: &Marginal,
         grid: Grid,
     ) -> Result<CorrectedField, TranslationError> {
-        self.field(target, law, grid, &Lags::periodic(target, grid))
+        self.field(target, marginal, grid, &Lags::periodic(target, grid))
     }
 
     /// The Gaussian field on a `grid` whose opposite edges do not know each other: a crop of a periodic domain of at least
@@ -138,26 +138,26 @@ impl TranslationCorrection {
     pub fn free(
         &self,
         target: &dyn StationaryCovariance,
-        law: &Marginal,
+        marginal: &Marginal,
         grid: Grid,
     ) -> Result<CorrectedField, TranslationError> {
         let lags = embedding(target, grid)?;
-        self.field(target, law, grid, &lags)
+        self.field(target, marginal, grid, &lags)
     }
 
     fn field(
         &self,
         target: &dyn StationaryCovariance,
-        law: &Marginal,
+        marginal: &Marginal,
         grid: Grid,
         lags: &Lags,
     ) -> Result<CorrectedField, TranslationError> {
-        let translation = Translation::new(law)?;
+        let translation = Translation::new(marginal)?;
         let mut work = lags.fft.workspace();
         let wanted = lags.wrapped(target)?;
         let unclipped = lags.spectrum(&wanted, &mut work);
         // Targets that the law does not reach are raised to the least correlation.
-        let normal = lags.wrapped(&Predistorted::new(Borrowed(target), law)?)?;
+        let normal = lags.wrapped(&Predistorted::new(Borrowed(target), marginal)?)?;
         let predistorted = lags.spectrum(&normal, &mut work);
         let least_target = lags.least(&wanted);
         let feasibility = Feasibility {
@@ -342,7 +342,7 @@ impl Search<'_> {
             let (next, there) = loop {
                 let next: Vec<f64> = spectrum.iter().zip(&direction).map(|(s, d)| s + share * d).collect();
                 let there = self.height(&next);
-                if there.value <= highest + SUFFICIENT * share * slope || share < LEAST_SHARE {
+                if there.value <= highest + SUFFICIENT * share * slope || share < LEAST_FRACTION {
                     break (next, there);
                 }
                 share *= 0.5;

@@ -21,8 +21,8 @@ impl<C: StationaryCovariance> Predistorted<C> {
     ///
     /// # Errors
     /// A law with a parameter outside its range.
-    pub fn new(target: C, law: &Marginal) -> Result<Self, LawError> {
-        let translation = Translation::new(law)?;
+    pub fn new(target: C, marginal: &Marginal) -> Result<Self, LawError> {
+        let translation = Translation::new(marginal)?;
         let least = translation.least_correlation();
         Ok(Self { target, translation, least })
     }

@@ -22,8 +22,8 @@ fn maps(model: CorrelationModel, law: &Marginal, lengths: usize, count: u64) -> 
     let field = SpectralField::periodic(&covariance(model), Grid::new(domain, domain, 1.0, 1.0).unwrap());
     let field = Translated::new(field, law.standardised(0.0, 1.0).unwrap()).unwrap();
     (0..count).map(move |index| {
-        let germ = random::standard_normal(&mut random::stream(41, "maps", index), field.germ_len());
-        let heights = field.generate(&germ).heights_m().slice(s![..side, ..side]).to_owned();
+        let xi = random::standard_normal(&mut random::stream(41, "maps", index), field.xi_len());
+        let heights = field.generate(&xi).heights_m().slice(s![..side, ..side]).to_owned();
         HeightMap::new(Grid::new(side, side, 1.0, 1.0).unwrap(), heights).unwrap()
     })
 }

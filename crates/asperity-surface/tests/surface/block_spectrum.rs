@@ -15,8 +15,8 @@ fn the_expected_density_is_the_mean_of_the_densities_of_maps() {
         let field = SpectralField::free(&covariance, Grid::new(128, 96, 1.0, 1.0).unwrap()).unwrap();
         let maps: Vec<BlockSpectrum> = (0..24)
             .map(|index| {
-                let germ = random::standard_normal(&mut random::stream(3, "blocks", index), field.germ_len());
-                BlockSpectrum::of(&field.generate(&germ)).unwrap()
+                let xi = random::standard_normal(&mut random::stream(3, "blocks", index), field.xi_len());
+                BlockSpectrum::of(&field.generate(&xi)).unwrap()
             })
             .collect();
         let (mut squares, mut compared) = (0.0, 0.0);

@@ -21,7 +21,7 @@ fn all_lags(map: &HeightMap) -> Autocorrelation {
 }
 
 fn draw(field: &SpectralField, stage: &str, index: u64) -> HeightMap {
-    field.generate(&random::standard_normal(&mut random::stream(31, stage, index), field.germ_len()))
+    field.generate(&random::standard_normal(&mut random::stream(31, stage, index), field.xi_len()))
 }
 
 fn sample(covariance: &dyn StationaryCovariance, grid: Grid, index: u64) -> HeightMap {

@@ -34,7 +34,7 @@ pub(super) struct Group {
     /// Places of the missing points.
     pub(super) targets: Vec<u32>,
     /// Weight of this group at each of them; over all groups, the weights at a point add up to 1.
-    pub(super) shares: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     /// Numbers of the measured heights.
     pub(super) heights: Vec<u32>,
 }
@@ -96,10 +96,10 @@ pub(super) fn groups(
     monitor.progress("neighbourhoods", total, total);
     let mut sums = vec![0.0; nx * ny];
     for group in &found {
-        group.targets.iter().zip(&group.shares).for_each(|(place, share)| sums[*place as usize] += share);
+        group.targets.iter().zip(&group.weights).for_each(|(place, weight)| sums[*place as usize] += weight);
     }
     for group in &mut found {
-        group.targets.iter().zip(&mut group.shares).for_each(|(place, share)| *share /= sums[*place as usize]);
+        group.targets.iter().zip(&mut group.weights).for_each(|(place, weight)| *weight /= sums[*place as usize]);
     }
     Ok(found)
 }
@@ -133,7 +133,7 @@ impl Cutter<'_> {
     fn tile(&self, places: &[u32]) -> Group {
         let most = self.most_heights(places.len());
         let heights = self.heights(places, most).unwrap_or_else(|| self.fewest_heights(places));
-        Group { targets: places.to_vec(), shares: vec![1.0; places.len()], heights }
+        Group { targets: places.to_vec(), weights: vec![1.0; places.len()], heights }
     }
 
     /// Halves a part until its neighbourhood is small enough for the number of its points.
@@ -145,7 +145,7 @@ impl Cutter<'_> {
         let (longer, side) = if sides[0] >= sides[1] { (0, sides[0]) } else { (1, sides[1]) };
         // Parts overlap by an eighth of their side on either side of a cut.
         let overlap = if part.whole { 0 } else { (sides[0].min(sides[1]) / 8).max(2) };
-        let (targets, shares) = self.points(part, overlap);
+        let (targets, weights) = self.points(part, overlap);
         let within = |axis: usize, at: usize| (part.first[axis]..part.end[axis]).contains(&at);
         if !targets.iter().any(|place| within(0, *place as usize % self.nx) && within(1, *place as usize / self.nx)) {
             return Vec::new();
@@ -155,7 +155,7 @@ impl Cutter<'_> {
         if !(divisible && too_large) {
             let heights = self.heights(&targets, self.most_heights(targets.len()));
             if let Some(heights) = heights.or_else(|| (!divisible).then(|| self.fewest_heights(&targets))) {
-                return vec![Group { targets, shares, heights }];
+                return vec![Group { targets, weights, heights }];
             }
         }
         let middle = part.first[longer] + side / 2;
@@ -171,17 +171,17 @@ impl Cutter<'_> {
     fn points(&self, part: &Part, overlap: usize) -> (Vec<u32>, Vec<f64>) {
         let ny = self.labels.len() / self.nx;
         let span = |axis: usize, n: usize| part.first[axis].saturating_sub(overlap)..(part.end[axis] + overlap).min(n);
-        let (mut targets, mut shares) = (Vec::new(), Vec::new());
+        let (mut targets, mut weights) = (Vec::new(), Vec::new());
         for row in span(1, ny) {
             for column in span(0, self.nx) {
                 let place = row * self.nx + column;
                 if self.labels[place] == part.label {
                     targets.push(place as u32);
-                    shares.push(share(part, 0, column, overlap) * share(part, 1, row, overlap));
+                    weights.push(weight(part, 0, column, overlap) * weight(part, 1, row, overlap));
                 }
             }
         }
-        (targets, shares)
+        (targets, weights)
     }
 
     /// Heights whose factorisation is worth it for so many missing points.
@@ -210,7 +210,7 @@ fn numbers(found: Vec<(f64, u32)>) -> Vec<u32> {
 }
 
 /// A trapezoid: one half at the edges of the part, falling to zero where its neighbour is alone.
-fn share(part: &Part, axis: usize, at: usize, overlap: usize) -> f64 {
+fn weight(part: &Part, axis: usize, at: usize, overlap: usize) -> f64 {
     if overlap == 0 {
         return 1.0;
     }

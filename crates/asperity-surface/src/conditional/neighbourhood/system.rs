@@ -23,14 +23,14 @@ impl NeighbourhoodSurface {
             |misses: &Vec<f64>| factor.solve(Mat::from_fn(heights, 1, |i, _| misses[group.heights[i] as usize]));
         let weights: Vec<Mat<f64>> = misses.iter().map(solve).collect();
         let mut correlations = vec![0.0; heights];
-        let points = group.targets.iter().zip(&group.shares);
-        for ((place, share), out) in points.zip(corrections.chunks_exact_mut(count)) {
+        let points = group.targets.iter().zip(&group.weights);
+        for ((place, fraction), out) in points.zip(corrections.chunks_exact_mut(count)) {
             let (column, row) = self.column_and_row(*place as usize);
             for (value, (x, y)) in correlations.iter_mut().zip(&at) {
                 *value = self.lags.at(column - x, row - y);
             }
             for (weights, out) in weights.iter().zip(out) {
-                *out = share * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+                *out = fraction * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         corrections

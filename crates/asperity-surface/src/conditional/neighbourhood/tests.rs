@@ -9,14 +9,14 @@ fn grid(nx: usize, ny: usize) -> Grid {
     Grid::new(nx, ny, 1.0, 1.0).unwrap()
 }
 
-fn germ(len: usize, stage: &str, index: u64) -> Vec<f64> {
+fn xi(len: usize, stage: &str, index: u64) -> Vec<f64> {
     random::standard_normal(&mut random::stream(21, stage, index), len)
 }
 
 /// A map of unit variance with what `missing` says missing.
 fn measured(covariance: &dyn StationaryCovariance, grid: Grid, missing: impl Fn(usize, usize) -> bool) -> HeightMap {
     let field = SpectralField::free(covariance, grid).unwrap();
-    let mut heights = field.generate(&germ(field.germ_len(), "truth", 0)).heights_m().clone();
+    let mut heights = field.generate(&xi(field.xi_len(), "truth", 0)).heights_m().clone();
     heights.indexed_iter_mut().filter(|((row, column), _)| missing(*row, *column)).for_each(|(_, z)| *z = f64::NAN);
     HeightMap::new(grid, heights).unwrap()
 }
@@ -95,7 +95,7 @@ fn block(row: usize, column: usize) -> bool {
 
 /// One point in five, wherever it is.
 fn salt(row: usize, column: usize) -> bool {
-    germ(1, "salt", (1000 * row + column) as u64)[0] > 0.84
+    xi(1, "salt", (1000 * row + column) as u64)[0] > 0.84
 }
 
 #[test]
@@ -112,8 +112,8 @@ fn the_heights_around_a_void_are_worth_all_heights() {
             let surface = thrifty(&*covariance, &map);
             for Weighed { exact, met, variance } in weighed(&surface) {
                 // The mean is off by a root of this of its standard deviation.
-                let share = met / exact - 1.0;
-                assert!((-1e-6..0.01).contains(&share), "{name}: {met:e} {exact:e}");
+                let fraction = met / exact - 1.0;
+                assert!((-1e-6..0.01).contains(&fraction), "{name}: {met:e} {exact:e}");
                 assert!((variance - 1.0).abs() < 1e-6, "{name}: {variance}");
             }
         }
@@ -172,7 +172,7 @@ fn no_weights_of_neighbourhoods_are_better_than_those_of_all_heights_where_the_t
             let surface = thrifty(&*covariance, &map);
             let found = weighed(&surface);
             let fold = |value: &dyn Fn(&Weighed) -> f64| found.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
-            let share = |w: &Weighed| (w.met - w.exact) / (w.exact + 1e-8);
+            let fraction = |w: &Weighed| (w.met - w.exact) / (w.exact + 1e-8);
             assert!(found.iter().all(|w| w.met > w.exact - 1e-6), "{name}, {what}");
             assert!(found.iter().all(|w| (w.variance - 1.0).abs() < 1e-3), "{name}, {what}");
             println!(
@@ -181,8 +181,8 @@ fn no_weights_of_neighbourhoods_are_better_than_those_of_all_heights_where_the_t
                 -fold(&|w| -w.exact),
                 fold(&|w| w.exact),
                 fold(&|w| w.met - w.exact),
-                fold(&share),
-                found.iter().map(share).sum::<f64>() / found.len() as f64,
+                fold(&fraction),
+                found.iter().map(fraction).sum::<f64>() / found.len() as f64,
                 1.0 + fold(&|w| (w.variance - 1.0).abs()),
             );
         }
@@ -222,11 +222,11 @@ fn voids_of_a_smooth_map_are_as_steep_as_the_map_inside_and_across_their_edges()
     let (mut inside, mut across) = (Vec::new(), Vec::new());
     let field = SpectralField::free(&smooth, grid(200, 200)).unwrap();
     for index in 0..20 {
-        let mut heights = field.generate(&germ(field.germ_len(), "truth", index)).heights_m().clone();
+        let mut heights = field.generate(&xi(field.xi_len(), "truth", index)).heights_m().clone();
         heights.indexed_iter_mut().filter(|((r, c), _)| void(*r, *c)).for_each(|(_, z)| *z = f64::NAN);
         let map = HeightMap::new(field.grid(), heights).unwrap();
         let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
-        let drawn = surface.generate(&germ(surface.germ_len(), "fill", index));
+        let drawn = surface.generate(&xi(surface.xi_len(), "fill", index));
         let mut sums = [(0.0, 0.0); 3];
         for (row, heights) in drawn.heights_m().outer_iter().enumerate() {
             for column in 0..199 {
@@ -254,15 +254,16 @@ fn the_parts_of_a_large_void_show_no_seam() {
     let ratios: Vec<f64> = (0..12)
         .map(|index| {
             let field = SpectralField::free(&smooth, size).unwrap();
-            let mut heights = field.generate(&germ(field.germ_len(), "truth", index)).heights_m().clone();
+            let mut heights = field.generate(&xi(field.xi_len(), "truth", index)).heights_m().clone();
             heights.indexed_iter_mut().filter(|((r, c), _)| void(*r, *c)).for_each(|(_, z)| *z = f64::NAN);
             let map = HeightMap::new(size, heights).unwrap();
             let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
             assert!(surface.groups.len() > 3);
-            let drawn = surface.generate(&germ(surface.germ_len(), "fill", index));
+            let drawn = surface.generate(&xi(surface.xi_len(), "fill", index));
             let z = drawn.heights_m();
-            let fading = surface.groups.iter().flat_map(|group| group.targets.iter().zip(&group.shares));
-            let fading = fading.filter(|(_, share)| (0.01..0.99).contains(*share)).map(|(place, _)| *place as usize);
+            let fading = surface.groups.iter().flat_map(|group| group.targets.iter().zip(&group.weights));
+            let fading =
+                fading.filter(|(_, fraction)| (0.01..0.99).contains(*fraction)).map(|(place, _)| *place as usize);
             let (mut sum, mut count) = (0.0, 0.0);
             for (row, column) in fading.map(|place| (place / 190, place % 190)) {
                 let along_x = z[[row, column - 1]] - 2.0 * z[[row, column]] + z[[row, column + 1]];
@@ -292,14 +293,14 @@ fn every_missing_point_belongs_to_groups_whose_shares_add_up_to_one() {
         let mut sums = Array2::<f64>::zeros((120, 130));
         for group in &surface.groups {
             assert!(group.heights.len() <= 2000 && !group.heights.is_empty() || group.targets.len() > 24);
-            for (place, share) in group.targets.iter().zip(&group.shares) {
-                sums[[*place as usize / 130, *place as usize % 130]] += share;
+            for (place, fraction) in group.targets.iter().zip(&group.weights) {
+                sums[[*place as usize / 130, *place as usize % 130]] += fraction;
             }
         }
         for ((row, column), sum) in sums.indexed_iter() {
             assert!((sum - f64::from(u8::from(missing(row, column)))).abs() < 1e-12, "{row} {column}: {sum}");
         }
-        let drawn = surface.generate(&germ(surface.germ_len(), "fill", 0));
+        let drawn = surface.generate(&xi(surface.xi_len(), "fill", 0));
         assert_eq!(drawn.missing_points(), 0);
     }
 }
@@ -311,7 +312,7 @@ fn heights_rougher_than_their_correlation_do_not_swing_the_voids() {
     let map = measured(&rough, grid(80, 80), |row, column| block(row, column) || block(80 - row, 80 - column));
     let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
     assert!(surface.noise() >= 1e-3, "{:e}", surface.noise());
-    let drawn = surface.generate(&germ(surface.germ_len(), "fill", 0));
+    let drawn = surface.generate(&xi(surface.xi_len(), "fill", 0));
     let largest = |map: &HeightMap| map.present_m().fold(0.0_f64, |m, z| m.max(z.abs()));
     assert!(largest(&drawn) < 1.3 * largest(&map), "{}", largest(&drawn));
     // Their own correlation explains them.
@@ -341,9 +342,9 @@ fn maps_are_the_same_alone_together_and_with_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 1e-3, &Silent).unwrap();
-            let germs: Vec<Vec<f64>> = (0..3).map(|i| germ(surface.germ_len(), "fill", i)).collect();
-            let alone = surface.generate(&germs[2]);
-            let together = surface.draw(germs, &Silent).unwrap();
+            let xis: Vec<Vec<f64>> = (0..3).map(|i| xi(surface.xi_len(), "fill", i)).collect();
+            let alone = surface.generate(&xis[2]);
+            let together = surface.draw(xis, &Silent).unwrap();
             assert!(alone == together[2], "not one bit may differ");
             together
         })
@@ -369,7 +370,7 @@ fn who_is_asked_to_stop_stops() {
     let error = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Stopped).unwrap_err();
     assert!(matches!(error, ConditionalError::Cancelled(_)));
     let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Silent).unwrap();
-    assert!(surface.draw([germ(surface.germ_len(), "fill", 0)], &Stopped).is_err());
+    assert!(surface.draw([xi(surface.xi_len(), "fill", 0)], &Stopped).is_err());
     assert!(matches!(
         NeighbourhoodSurface::new(&rough, &map, 0.0, -1.0, &Silent),
         Err(ConditionalError::Parameter { parameter: "nugget", .. })
