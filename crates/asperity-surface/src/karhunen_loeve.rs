@@ -326,7 +326,7 @@ impl RandomSurface for KarhunenLoeve {
     }
 
     fn is_periodic_and_stationary(&self) -> bool {
-        matches!(&self.basis, Basis::Fourier(modes) if modes.unpaired_share() < 1e-3)
+        matches!(&self.basis, Basis::Fourier(modes) if modes.unpaired_fraction() < 1e-3)
     }
 }
 

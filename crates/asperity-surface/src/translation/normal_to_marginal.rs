@@ -1,4 +1,4 @@
-//! The map g ↦ F⁻¹(Φ(g)) at the speed of maps.
+//! Tabulated map g ↦ F⁻¹(Φ(g)), fast enough for whole maps.
 
 use asperity_base::law::Marginal;
 
@@ -6,13 +6,14 @@ use asperity_base::law::Marginal;
 const NODES_PER_UNIT: f64 = 128.0;
 const REACH: f64 = 8.0;
 
-/// g ↦ offset + scale·F⁻¹(Φ(g)).
+/// The map g ↦ offset + scale·F⁻¹(Φ(g)).
 #[derive(Debug, Clone)]
 pub(super) struct NormalToMarginal {
     marginal: Marginal,
     offset: f64,
     scale: f64,
-    /// Values at −REACH, …, REACH and two nodes beyond each end: where the quantile needs a root search for each value.
+    /// Values at −REACH, …, REACH and two nodes beyond each end; only for distributions whose quantile needs a root
+    /// search.
     table: Option<Vec<f64>>,
 }
 
@@ -34,7 +35,8 @@ impl NormalToMarginal {
     }
 }
 
-/// Cubic Hermite interpolation at `position` (in nodes after the second) with fourth-order slopes: error O(h⁴).
+/// Interpolates at `position` (in nodes after the second) by a cubic Hermite polynomial with fourth-order slopes: error
+/// O(h⁴).
 fn interpolate(table: &[f64], position: f64) -> f64 {
     let left = (position.floor() as usize + 2).min(table.len() - 4);
     let t = position - (left as f64 - 2.0);

@@ -12,7 +12,7 @@ fn beta() -> Marginal {
 }
 
 #[test]
-fn the_table_is_the_quantile() {
+fn the_table_equals_the_quantile() {
     for marginal in [beta(), Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(), Marginal::beta(30.0, 2.0, 0.0, 1.0).unwrap()]
     {
         let map = NormalToMarginal::new(&marginal, 0.0, 1.0);
@@ -25,8 +25,8 @@ fn the_table_is_the_quantile() {
 }
 
 #[test]
-fn heights_have_the_law_at_every_point_also_of_a_truncated_field() {
-    // 12 modes hold about half of the variance, unevenly; Kolmogorov's distance stays below its 1e−3 quantile.
+fn heights_have_the_distribution_at_every_point_also_of_a_truncated_field() {
+    // 12 modes have about half of the variance, unevenly. Kolmogorov's distance stays below its 1e−3 quantile.
     let grid = Grid::new(16, 16, 1.0, 1.0).unwrap();
     let field =
         KarhunenLoeve::new(&covariance(CorrelationModel::Exponential, 4.0), grid, 12, ModesRoute::Separable).unwrap();
@@ -49,7 +49,7 @@ fn heights_have_the_law_at_every_point_also_of_a_truncated_field() {
 }
 
 #[test]
-fn a_plain_lognormal_translation_distorts_as_the_closed_form_says() {
+fn a_plain_lognormal_translation_has_the_closed_form_distortion() {
     // ρ_X = (e^{σ²ρ} − 1)/(e^{σ²} − 1).
     let sigma = 0.8_f64;
     let target = covariance(CorrelationModel::SquaredExponential, 4.0);
@@ -68,7 +68,7 @@ fn a_plain_lognormal_translation_distorts_as_the_closed_form_says() {
 }
 
 #[test]
-fn the_corrected_translation_meets_the_target_and_the_plain_one_does_not() {
+fn the_corrected_translation_reproduces_the_target_and_the_plain_one_does_not() {
     let target = covariance(CorrelationModel::Exponential, 5.0);
     let grid = Grid::new(48, 48, 1.0, 1.0).unwrap();
     let marginal = Marginal::lognormal(0.0, 0.8, 0.0).unwrap();
@@ -83,8 +83,8 @@ fn the_corrected_translation_meets_the_target_and_the_plain_one_does_not() {
 }
 
 #[test]
-fn the_predistortion_of_the_papers_beta_is_the_published_one() {
-    // ρ_G for ρ_X = e⁻¹, e^{−.1} and e⁻².
+fn the_predistortion_of_the_papers_beta_distribution_is_the_published_one() {
+    // Published ρ_G for ρ_X = e⁻¹, e^{−.1} and e⁻².
     let gaussian = Predistorted::new(covariance(CorrelationModel::Exponential, 1.0), &beta()).unwrap();
     for (lag, wanted) in [(1.0, 0.375_013_83), (0.1, 0.907_643_18), (2.0, 0.138_828_91)] {
         assert!((gaussian.correlation(lag, 0.0) - wanted).abs() < 5e-8);
@@ -92,7 +92,7 @@ fn the_predistortion_of_the_papers_beta_is_the_published_one() {
 }
 
 #[test]
-fn sampled_heights_have_the_correlation_that_is_computed() {
+fn sampled_heights_have_the_computed_correlation() {
     let target = covariance(CorrelationModel::SquaredExponential, 3.0);
     let grid = Grid::new(24, 24, 1.0, 1.0).unwrap();
     let predistorted = Predistorted::new(target, &beta()).unwrap();

@@ -145,11 +145,11 @@ fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
                     plain.largest_deviation,
                     predistorted.largest_deviation,
                     corrected.largest_deviation,
-                    feasibility.predistorted_negative_share
+                    feasibility.predistorted_negative_fraction
                 );
                 assert!(corrected.largest_deviation < 3e-3, "{model:?} {text} {boundary}");
                 assert!(corrected.largest_deviation <= predistorted.largest_deviation);
-                assert!(feasibility.target_negative_share < 1e-8);
+                assert!(feasibility.target_negative_fraction < 1e-8);
                 if text != "normal" {
                     assert!(plain.largest_deviation > 3.0 * corrected.largest_deviation);
                 }
@@ -205,7 +205,7 @@ fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_
             published.largest_deviation,
             published.rms_deviation,
         );
-        assert!(!report.feasibility.is_feasible() && report.feasibility.predistorted_negative_share > 1e-3);
+        assert!(!report.feasibility.is_feasible() && report.feasibility.predistorted_negative_fraction > 1e-3);
         assert!(report.corrected.largest_deviation < 0.75 * report.predistorted.largest_deviation, "{text}");
         assert!(report.corrected.largest_deviation < 1.1 * published.largest_deviation, "{text}");
         assert!(report.corrected.rms_deviation < 1.1 * published.rms_deviation, "{text}");
