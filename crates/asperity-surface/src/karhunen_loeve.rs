@@ -227,12 +227,12 @@ fn mean_squared_slope_per_m2(grid: Grid, values: &Array2<f64>) -> f64 {
     mean(Axis(1), grid.dx_m()) + mean(Axis(0), grid.dy_m())
 }
 
-/// Returns about the number of modes of a covariance on a grid that include the fraction `share` of its mean squared
+/// Returns about the number of modes of a covariance on a grid that include the given `fraction` of its mean squared
 /// slope and of its variance.
 ///
 /// The number is exact for the Fourier modes of the covariance wrapped onto the grid, which resemble the modes of a
 /// patch of several correlation lengths.
-pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, share: f64) -> usize {
+pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, fraction: f64) -> usize {
     let fft = RealFft2::new(grid.nx(), grid.ny());
     let spectrum = wrapped_spectrum(covariance, grid, &fft);
     let symbol = |k: usize, n: usize, pitch_m: f64| {
@@ -253,7 +253,7 @@ pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, share
     let total = modes.iter().fold((0.0, 0.0), |sum, (value, slope, n)| (sum.0 + n * value, sum.1 + n * slope));
     let (mut variance, mut slopes, mut count) = (0.0, 0.0, 0.0);
     for (value, slope, n) in modes {
-        if variance >= share * total.0 && slopes >= share * total.1 {
+        if variance >= fraction * total.0 && slopes >= fraction * total.1 {
             break;
         }
         (variance, slopes, count) = (variance + n * value, slopes + n * slope, count + n);
@@ -333,7 +333,7 @@ impl RandomSurface for KarhunenLoeve {
 impl GaussianSurface for KarhunenLoeve {
     fn pointwise_std_m(&self) -> Array2<f64> {
         let (ny, nx) = self.grid.shape();
-        let shares = match &self.basis {
+        let fractions = match &self.basis {
             Basis::Fourier(fourier) => fourier.pointwise_variance(ny, nx),
             Basis::Tensor { x, y, pairs } => {
                 let (x2, y2) = (x.mapv(|v| v * v), y.mapv(|v| v * v));
@@ -348,7 +348,7 @@ impl GaussianSurface for KarhunenLoeve {
                 Array2::from_shape_fn((ny, nx), |(row, column)| sum[row * nx + column])
             }
         };
-        shares.mapv(|share| self.std_m * share.max(0.0).sqrt())
+        fractions.mapv(|fraction| self.std_m * fraction.max(0.0).sqrt())
     }
 
     fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {

@@ -223,7 +223,7 @@ impl Uncertainty {
         let tail = *tail;
         let lengths = Lengths::new(cells, window, sums, removal, tail);
         let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
-        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.share, &draws);
+        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.fraction, &draws);
         let lengths_m = values.lengths_m();
         Ok(Estimates {
             sa_m: sums.sa(window, values.sa_m, removal, tail),
@@ -287,10 +287,10 @@ impl Uncertainty {
         let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
         let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
         let sums = HeightSums::of(&cells);
-        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
+        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.fraction);
         let removal = Removal::of(&window, &sums, self.removed_terms as f64);
         let tail = 0.5 * (1.0 - self.level);
-        (removal.share <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removal, tail })
+        (removal.fraction <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removal, tail })
     }
 }
 

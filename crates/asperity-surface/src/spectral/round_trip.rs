@@ -38,19 +38,19 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
 
 /// Fits the known model to several maps. The mean of each parameter must lie within four standard errors, plus 2 % for
 /// the curvature of the estimator.
-fn recovers(planted: Covariance, missing: f64) {
-    let family = match planted.model() {
+fn recovers(known: Covariance, missing: f64) {
+    let family = match known.model() {
         CorrelationModel::SquaredExponential => CorrelationFamily::SquaredExponential,
         CorrelationModel::Exponential => CorrelationFamily::Exponential,
         CorrelationModel::Matern { .. } => CorrelationFamily::Matern,
         CorrelationModel::SelfAffine { .. } => CorrelationFamily::SelfAffine,
     };
     let grid = Grid::new(160, 128, 1.0, 1.0).unwrap();
-    let name = planted.model().name();
+    let name = known.model().name();
     let fits: Vec<CovarianceFit> = (0..12)
         .map(|index| {
-            let map = sample(&planted, grid, missing, index);
-            fitted(&map, planted.std_m(), &[family]).named(name).unwrap().clone()
+            let map = sample(&known, grid, missing, index);
+            fitted(&map, known.std_m(), &[family]).named(name).unwrap().clone()
         })
         .collect();
     let shape = |covariance: &Covariance| match covariance.model() {
@@ -60,15 +60,15 @@ fn recovers(planted: Covariance, missing: f64) {
     };
     let values =
         |covariance: &Covariance| [("length x", covariance.length_x_m()), ("length y", covariance.length_y_m())];
-    for (i, (label, wanted)) in values(&planted).into_iter().enumerate() {
+    for (i, (label, wanted)) in values(&known).into_iter().enumerate() {
         let (mean, error) = mean_and_error(&fits.iter().map(|fit| values(&fit.covariance)[i].1).collect::<Vec<_>>());
         assert!(
             (mean - wanted).abs() < 4.0 * error + 0.02 * wanted,
-            "{name} {label}: {mean} ± {error}, planted {wanted}"
+            "{name} {label}: {mean} ± {error}, known {wanted}"
         );
     }
     let (mean, error) = mean_and_error(&fits.iter().map(|fit| shape(&fit.covariance)).collect::<Vec<_>>());
-    assert!((mean - shape(&planted)).abs() < 4.0 * error + 0.02, "{name} shape: {mean} ± {error}");
+    assert!((mean - shape(&known)).abs() < 4.0 * error + 0.02, "{name} shape: {mean} ± {error}");
 }
 
 #[test]
@@ -98,10 +98,10 @@ fn the_known_family_is_ranked_first_or_not_distinguishable_from_the_first() {
     const VERY_STRONG: f64 = 10.0;
     let grid = Grid::new(256, 256, 1.0, 1.0).unwrap();
     for model in [CorrelationModel::SquaredExponential, CorrelationModel::Exponential] {
-        let planted = Covariance::new(model, 1.0, 5.0, 5.0).unwrap();
+        let known = Covariance::new(model, 1.0, 5.0, 5.0).unwrap();
         let mut first = 0;
         for index in 0..5 {
-            let fits = fitted(&sample(&planted, grid, 0.0, 100 + index), 1.0, &CorrelationFamily::ALL);
+            let fits = fitted(&sample(&known, grid, 0.0, 100 + index), 1.0, &CorrelationFamily::ALL);
             let other = if model.name() == "exponential" { "squared_exponential" } else { "exponential" };
             // Both models have two parameters; any other model has three and a larger penalty.
             let [own, other] = [model.name(), other].map(|name| fits.named(name).unwrap().deviance);
@@ -119,8 +119,8 @@ fn the_known_family_is_ranked_first_or_not_distinguishable_from_the_first() {
 fn a_correlation_that_does_not_decay_along_an_axis_is_a_warning() {
     let grid = Grid::new(64, 64, 1.0, 1.0).unwrap();
     let ridge = |long: f64| {
-        let planted = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 4.0, long).unwrap();
-        sample(&planted, grid, 0.0, 7)
+        let known = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 4.0, long).unwrap();
+        sample(&known, grid, 0.0, 7)
     };
     let fits = fitted(&ridge(400.0), 1.0, &CorrelationFamily::ALL);
     let extrapolated =

@@ -21,7 +21,7 @@ fn square(points: usize) -> Grid {
     Grid::new(points, points, 1.0, 1.0).unwrap()
 }
 
-/// cos(2πx/period), and one at zero.
+/// The correlation cos(2πx/period), and 1 at zero.
 struct Wave(f64);
 
 impl StationaryCovariance for Wave {
@@ -34,8 +34,8 @@ impl StationaryCovariance for Wave {
     }
 }
 
-/// Ensemble autocorrelation of a periodic surface averaged over rings of one point, Σ z z'/Σ z² with the law's known mean,
-/// and the standard error of each ring by the scatter of the realisations.
+/// Returns the ensemble autocorrelation of a periodic surface averaged over rings of one point, Σ z z'/Σ z² with the
+/// known mean of the distribution, and the standard error of each ring from the variability of the realisations.
 fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, stage: &str) -> Vec<(f64, f64)> {
     let grid = surface.grid();
     let lags = Lags::periodic(&mirrored(), grid);
@@ -76,8 +76,8 @@ fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, 
 
 #[test]
 fn corrected_surfaces_keep_the_target_correlation_to_a_hundredth_over_two_hundred_realisations() {
-    // A side of 32 lengths: the variance of a lag's estimate is at most about πℓ²/A per map (Bartlett), 0.055² here, so that
-    // 200 maps leave 0.004, and less where ring averages and the common variance take part of it out.
+    // On a side of 32 lengths the variance of a lag's estimate is at most about πℓ²/A per map (Bartlett), 0.055² here.
+    // So 200 maps have an error of 0.004, reduced further by ring averages and the common variance.
     let target = covariance(CorrelationModel::SquaredExponential, 4.0);
     let grid = square(128);
     let ring_mean = |of: &dyn Fn(f64, f64) -> f64, ring: usize| {
@@ -117,14 +117,14 @@ fn corrected_surfaces_keep_the_target_correlation_to_a_hundredth_over_two_hundre
             report.corrected.largest_deviation
         );
         assert!(largest < 0.01, "{text}: {largest}");
-        // The plain map's largest error, max |T(ρ) − ρ| over ρ in [0, 1], of which no lag of the grid holds more.
+        // Largest error of the plain map, max |T(ρ) − ρ| over ρ in [0, 1]; no lag of the grid exceeds it.
         assert!(report.plain.largest_deviation <= plain_error + 1e-4, "{text}: {:?}", report.plain);
         assert!((largest_plain - plain_error).abs() < 6e-3, "{text}: {largest_plain}");
     }
 }
 
 #[test]
-fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
+fn models_and_distributions_of_a_study_are_reproduced_on_both_boundaries() {
     for model in [
         CorrelationModel::Exponential,
         CorrelationModel::SquaredExponential,
@@ -158,7 +158,7 @@ fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
     }
 }
 
-/// The published iteration, for comparison: S ← S (S_target/S_met)^1.4, from the target's spectrum.
+/// Runs the published iteration for comparison: S ← S (S_target/S_met)^1.4, from the target's spectrum.
 fn translation_approximation(lags: &Lags, translation: &Translation, target: &[f64], iterations: usize) -> Vec<f64> {
     let mut work = lags.fft.workspace();
     let mut wanted = lags.spectrum(target, &mut work);
@@ -176,7 +176,7 @@ fn translation_approximation(lags: &Lags, translation: &Translation, target: &[f
 }
 
 #[test]
-fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_iteration() {
+fn strongly_distorted_targets_are_approached_better_than_by_clipping_or_the_published_iteration() {
     let grid = square(64);
     let lags = Lags::periodic(&mirrored(), grid);
     for (text, model) in [
@@ -214,8 +214,8 @@ fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_
 
 #[test]
 fn the_search_ends_where_no_admissible_spectrum_is_better() {
-    // Two checks that know nothing of the search: its gradient is that of difference quotients, and a step against it comes
-    // back to the same spectrum by projection.
+    // Two checks independent of the search: its gradient equals difference quotients, and a step against it returns
+    // to the same spectrum by projection.
     let lags = Lags::within(&mirrored(), Grid::new(6, 5, 1.0, 1.0).unwrap(), Grid::new(12, 10, 1.0, 1.0).unwrap());
     let marginal = marginal("lognormal:0,1.5");
     let target = covariance(CorrelationModel::SquaredExponential, 2.5);
@@ -231,7 +231,7 @@ fn the_search_ends_where_no_admissible_spectrum_is_better() {
     let here = search.height(&projected);
     let ny = lags.fft.ny();
     for place in [0, 1, 3, ny + 2, 3 * ny] {
-        // Even spectra alone: the partner (k_x, −k_y) moves along.
+        // Only even spectra: the partner (k_x, −k_y) changes too.
         let partner = (place / ny) * ny + (ny - place % ny) % ny;
         let along = |h: f64| {
             let mut moved = projected.clone();
@@ -271,7 +271,7 @@ fn the_projection_is_the_nearest_admissible_spectrum() {
         let mut projected = given.clone();
         lags.project(&mut projected);
         assert!((lags.sum(projected.iter().copied()) / points - 1.0).abs() < 1e-13);
-        // By bisection of the offset.
+        // Computes the offset by bisection.
         let total = |offset: f64| lags.sum(given.iter().map(|s| (s - offset).max(0.0)));
         let (mut low, mut high) = (-1e3, 1e3);
         for _ in 0..200 {
@@ -281,7 +281,7 @@ fn the_projection_is_the_nearest_admissible_spectrum() {
         for (s, p) in given.iter().zip(&projected) {
             assert!(((s - low).max(0.0) - p).abs() < 1e-12);
         }
-        // An admissible spectrum stays where it is.
+        // The projection leaves an admissible spectrum unchanged.
         let mut again = projected.clone();
         lags.project(&mut again);
         assert!(again.iter().zip(&projected).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -289,8 +289,8 @@ fn the_projection_is_the_nearest_admissible_spectrum() {
 }
 
 #[test]
-fn correlations_below_the_least_one_of_the_law_are_reported() {
-    // Least correlations: −0.95158625 of the friction law, −e^{−σ²} of a lognormal one, since
+fn correlations_below_the_least_one_of_the_distribution_are_reported() {
+    // Least correlations: −0.95158625 of the distribution of friction, −e^{−σ²} of a lognormal one, since
     // (e^{−σ²} − 1)/(e^{σ²} − 1) = −e^{−σ²}.
     let correction = TranslationCorrection::default();
     for (text, least) in [("beta:2.1,5", -0.951_586_25), ("lognormal:0,0.5", -(-0.25_f64).exp())] {
@@ -324,7 +324,7 @@ fn a_target_that_is_no_correlation_is_an_error() {
 
 #[test]
 fn the_field_has_the_correlation_that_the_report_states() {
-    // Two ways to the same number: the spectrum of the search, and the modes of the generator.
+    // Two independent computations of the same number: the spectrum of the search, and the modes of the generator.
     let target = covariance(CorrelationModel::SquaredExponential, 5.0);
     let marginal = marginal("lognormal:0,1");
     let correction = TranslationCorrection::default();
@@ -334,8 +334,7 @@ fn the_field_has_the_correlation_that_the_report_states() {
     ] {
         let CorrectedField { field, report } = corrected;
         assert_eq!(report.achieved.dim(), if free { (32, 32) } else { (17, 17) });
-        // A free field needs twice the sides, and not one more point for the sake of a spectrum that no domain makes
-        // positive.
+        // A free field needs twice the sides. Larger domains do not make the spectrum positive.
         assert_eq!(field.xi_len(), if free { 64 * 64 } else { 32 * 32 });
         let surface = Translated::new(field, marginal.clone()).unwrap();
         let met = surface.correlation_with(0, 0).unwrap();
@@ -348,12 +347,12 @@ fn the_field_has_the_correlation_that_the_report_states() {
 }
 
 #[test]
-fn a_lay_at_an_angle_is_met_on_both_of_its_sides() {
+fn an_oblique_lay_is_reproduced_on_both_of_its_sides() {
     let long = Covariance::new(CorrelationModel::Exponential, 1.0, 7.0, 2.5).unwrap();
     let target = Rotated::new(long, 0.6).unwrap();
     let marginal = marginal("lognormal:0,0.5");
     let correction = TranslationCorrection::default();
-    // An even and an odd side, where half a period is a lag or is none.
+    // An even and an odd side: half a period is a lag only on an even side.
     for grid in [Grid::new(48, 45, 1.0, 1.0).unwrap(), Grid::new(45, 48, 1.0, 1.0).unwrap()] {
         for (free, corrected) in [
             (false, correction.periodic(&target, &marginal, grid).unwrap()),
@@ -363,7 +362,7 @@ fn a_lay_at_an_angle_is_met_on_both_of_its_sides() {
             assert!(report.corrected.largest_deviation < 0.01, "{free}: {:?}", report.corrected);
             assert!(report.plain.largest_deviation > 0.02, "{:?}", report.plain);
             let surface = Translated::new(field, marginal.clone()).unwrap();
-            // The correlation with one point in the middle, whose lags have either sign.
+            // Correlation with one point in the middle, whose lags have either sign.
             let met = surface.correlation_with(20, 20).unwrap();
             for (x, y) in [(3_i32, 2_i32), (-3, 2), (6, 4), (-6, 4), (2, 6), (-2, 6)] {
                 let value = met[[(20 + y) as usize, (20 + x) as usize]];
