@@ -45,7 +45,7 @@ impl Elastic {
         0.5 * self.youngs_modulus_pa / (1.0 + self.poisson_ratio)
     }
 
-    /// 3 − 4ν.
+    /// Returns 3 − 4ν.
     pub(super) fn kolosov(&self) -> f64 {
         3.0 - 4.0 * self.poisson_ratio
     }

@@ -86,44 +86,44 @@ impl Clusters {
         clusters
     }
 
-    /// Number of clusters.
+    /// Returns the number of clusters.
     pub fn count(&self) -> usize {
         self.cells.len()
     }
 
-    /// Number of the cluster of each cell, from 1, shape `[ny, nx]`; 0 out of contact.
+    /// Returns the number of the cluster of each cell, from 1, shape `[ny, nx]`; 0 out of contact.
     pub fn labels(&self) -> &Array2<u32> {
         &self.labels
     }
 
-    /// Number of cells of each cluster, starting with cluster 1.
+    /// Returns the number of cells of each cluster, starting with cluster 1.
     pub fn cells(&self) -> &[usize] {
         &self.cells
     }
 
-    /// Area of each cluster in square metre, cells counted whole.
+    /// Returns the area of each cluster in square metre, cells counted whole.
     pub fn areas_m2(&self) -> Vec<f64> {
         self.cells.iter().map(|cells| *cells as f64 * self.cell_area_m2).collect()
     }
 
-    /// Load of each cluster in newton.
+    /// Returns the load of each cluster in newton.
     pub fn loads_n(&self) -> &[f64] {
         &self.loads_n
     }
 
-    /// Number, from 1, of the cluster with the most cells (the first of equal ones); `None` without contact.
+    /// Returns the number, from 1, of the cluster with the most cells (the first of equal ones); `None` without contact.
     pub fn largest(&self) -> Option<u32> {
         let largest = self.cells.iter().max()?;
         let place = self.cells.iter().position(|cells| cells == largest)?;
         Some(place as u32 + 1)
     }
 
-    /// Area of the largest cluster in square metre; 0 without contact.
+    /// Returns the area of the largest cluster in square metre; 0 without contact.
     pub fn largest_m2(&self) -> f64 {
         self.cells.iter().max().map_or(0.0, |cells| *cells as f64 * self.cell_area_m2)
     }
 
-    /// Cells of the largest cluster over all cells in contact; `None` without contact.
+    /// Returns the number of cells of the largest cluster over that of all cells in contact; `None` without contact.
     pub fn largest_fraction(&self) -> Option<f64> {
         let largest = self.cells.iter().max()?;
         Some(*largest as f64 / self.cells.iter().sum::<usize>() as f64)

@@ -181,17 +181,17 @@ impl<'a> LoadPath<'a> {
         Ok(steps)
     }
 
-    /// Heights without load, z − u_pl, in metre.
+    /// Returns the heights without load, z − u_pl, in metre.
     pub fn residual_heights_m(&self) -> &Array2<f64> {
         &self.residual_heights_m
     }
 
-    /// Plastic displacement of all loads together in metre, ≥ 0.
+    /// Returns the plastic displacement of all loads together in metre, ≥ 0.
     pub fn plastic_displacement_m(&self) -> Array2<f64> {
         self.original_heights_m - &self.residual_heights_m
     }
 
-    /// Work dissipated by all loads together in joule.
+    /// Returns the work dissipated by all loads together in joule.
     pub fn plastic_work_j(&self) -> f64 {
         self.plastic_work_j
     }

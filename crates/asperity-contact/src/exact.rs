@@ -236,7 +236,7 @@ mod tests {
         assert!((ratio / (0.5 * PI) - 1.0).abs() < 1e-11);
     }
 
-    /// ∫ f over (0, top) by Simpson's rule.
+    /// Returns ∫ f over (0, top) by Simpson's rule.
     fn integral(top: f64, f: impl Fn(f64) -> f64) -> f64 {
         let steps = 4000;
         let weight = |i: usize| if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };

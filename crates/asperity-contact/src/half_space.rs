@@ -242,27 +242,27 @@ impl HalfSpace {
         grid.width_m().max(grid.height_m()) / (std::f64::consts::PI * modulus_pa)
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Contact modulus E* in pascal of the body at the surface.
+    /// Returns the contact modulus E* in pascal of the body at the surface.
     pub fn modulus_pa(&self) -> f64 {
         self.substrate.modulus_pa()
     }
 
-    /// The elastic body under the surface.
+    /// Returns the elastic body under the surface.
     pub fn substrate(&self) -> Substrate {
         self.substrate
     }
 
-    /// Condition beyond the edge of the grid.
+    /// Returns the condition beyond the edge of the grid.
     pub fn boundary(&self) -> Boundary {
         self.boundary
     }
 
-    /// The same half-space on cells twice as wide.
+    /// Returns the same half-space on cells twice as wide.
     pub(super) fn coarse(&self) -> Option<&Self> {
         self.coarse.as_deref()
     }

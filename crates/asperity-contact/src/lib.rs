@@ -46,8 +46,8 @@ pub use solver::Solver;
 pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
 pub use substrate::{Base, Layer, Substrate};
 
-/// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
-/// pascal and Poisson's ratio ν.
+/// Returns the contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's
+/// modulus E in pascal and Poisson's ratio ν.
 pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
     youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
 }

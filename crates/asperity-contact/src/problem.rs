@@ -151,17 +151,17 @@ impl<'a> Problem<'a> {
         Ok(self)
     }
 
-    /// The half-space.
+    /// Returns the half-space.
     pub fn half_space(&self) -> &'a HalfSpace {
         self.half_space
     }
 
-    /// The undeformed heights in metre.
+    /// Returns the undeformed heights in metre.
     pub fn heights_m(&self) -> &'a Array2<f64> {
         self.heights_m
     }
 
-    /// The prescribed quantity.
+    /// Returns the prescribed quantity.
     pub fn control(&self) -> Control {
         self.control
     }
@@ -171,22 +171,22 @@ impl<'a> Problem<'a> {
         self.hardness_pa
     }
 
-    /// Mean of the heights in metre.
+    /// Returns the mean of the heights in metre.
     pub fn mean_height_m(&self) -> f64 {
         self.mean_height_m
     }
 
-    /// Standard deviation of the heights in metre, the scale of the normalised residuals.
+    /// Returns the standard deviation of the heights in metre, the scale of the normalised residuals.
     pub fn rms_height_m(&self) -> f64 {
         self.rms_height_m
     }
 
-    /// Highest point in metre.
+    /// Returns the highest point in metre.
     pub fn highest_m(&self) -> f64 {
         self.highest_m
     }
 
-    /// Height of the plane in metre, if the control prescribes it.
+    /// Returns the height of the plane in metre, if the control prescribes it.
     pub fn plane_m(&self) -> Option<f64> {
         match self.control {
             Control::Plane { height_m } => Some(height_m),
@@ -203,7 +203,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Mean pressure in pascal, if the control prescribes it.
+    /// Returns the mean pressure in pascal, if the control prescribes it.
     pub fn mean_pressure_pa(&self) -> Option<f64> {
         match self.control {
             Control::MeanPressure { pascal } => Some(pascal),

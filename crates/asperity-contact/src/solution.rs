@@ -59,12 +59,12 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Condition beyond the edge of the grid.
+    /// Returns the condition beyond the edge of the grid.
     pub fn boundary(&self) -> Boundary {
         self.boundary
     }
@@ -74,84 +74,86 @@ impl Solution {
         self.hardness_pa
     }
 
-    /// Normal pressure in pascal, ≥ 0 in compression.
+    /// Returns the normal pressure in pascal, ≥ 0 in compression.
     pub fn pressure_pa(&self) -> &Array2<f64> {
         &self.pressure_pa
     }
 
-    /// Elastic displacement u = S p in metre, positive away from the flat.
+    /// Returns the elastic displacement u = S p in metre, positive away from the flat.
     pub fn displacement_m(&self) -> &Array2<f64> {
         &self.displacement_m
     }
 
-    /// Distance between the deformed surface and the plane in metre: ≥ 0, and 0 in elastic and in plastic contact.
+    /// Returns the distance between the deformed surface and the plane in metre: ≥ 0, and 0 in elastic and in plastic
+    /// contact.
     pub fn gap_m(&self) -> Array2<f64> {
         Array2::from_shape_fn(self.pressure_pa.dim(), |cell| self.gap_at_m(cell))
     }
 
-    /// Plastic displacement in metre: the overlap that elastic deformation alone leaves where p = H; 0 elsewhere.
+    /// Returns the plastic displacement in metre: the overlap that elastic deformation alone leaves where p = H; 0
+    /// elsewhere.
     pub fn plastic_displacement_m(&self) -> Array2<f64> {
         Array2::from_shape_fn(self.pressure_pa.dim(), |cell| self.plastic_displacement_at_m(cell))
     }
 
-    /// [`Solution::gap_m`] of the cell (row, column).
+    /// Returns [`Solution::gap_m`] of the cell (row, column).
     pub fn gap_at_m(&self, cell: (usize, usize)) -> f64 {
         if self.pressure_pa[cell] > 0.0 { 0.0 } else { self.signed_gap_m[cell].max(0.0) }
     }
 
-    /// [`Solution::plastic_displacement_m`] of the cell (row, column).
+    /// Returns [`Solution::plastic_displacement_m`] of the cell (row, column).
     pub fn plastic_displacement_at_m(&self, cell: (usize, usize)) -> f64 {
         if self.is_plastic(cell) { (-self.signed_gap_m[cell]).max(0.0) } else { 0.0 }
     }
 
-    /// Whether p = H in the cell (row, column).
+    /// Returns whether p = H in the cell (row, column).
     pub fn is_plastic(&self, cell: (usize, usize)) -> bool {
         self.hardness_pa.is_some_and(|hardness_pa| self.pressure_pa[cell] >= hardness_pa)
     }
 
-    /// Fraction of all cells with p > 0. Counting cells overestimates the area; see
+    /// Returns the fraction of all cells with p > 0. Counting cells overestimates the area; see
     /// [`Solution::corrected_contact_fraction`].
     pub fn contact_fraction(&self) -> f64 {
         self.pressure_pa.iter().filter(|p| **p > 0.0).count() as f64 / self.grid.points() as f64
     }
 
-    /// Fraction of all cells with p = H.
+    /// Returns the fraction of all cells with p = H.
     pub fn plastic_fraction(&self) -> f64 {
         let plastic = self.pressure_pa.indexed_iter().filter(|(cell, _)| self.is_plastic(*cell)).count();
         plastic as f64 / self.grid.points() as f64
     }
 
-    /// Mean pressure over all cells in pascal.
+    /// Returns the mean pressure over all cells in pascal.
     pub fn mean_pressure_pa(&self) -> f64 {
         self.pressure_pa.sum() / self.grid.points() as f64
     }
 
-    /// Load on the patch in newton.
+    /// Returns the load on the patch in newton.
     pub fn load_n(&self) -> f64 {
         self.pressure_pa.sum() * self.grid.cell_area_m2()
     }
 
-    /// Highest pressure in pascal.
+    /// Returns the highest pressure in pascal.
     pub fn max_pressure_pa(&self) -> f64 {
         self.pressure_pa.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Mean gap in metre over all cells.
+    /// Returns the mean gap in metre over all cells.
     pub fn mean_gap_m(&self) -> f64 {
         self.gap_m().sum() / self.grid.points() as f64
     }
 
-    /// Height of the plane in the coordinates of the map, in metre.
+    /// Returns the height of the plane in the coordinates of the map, in metre.
     pub fn plane_m(&self) -> f64 {
         self.plane_m
     }
 
-    /// Height of the plane above the mean of the undeformed heights, in metre.
+    /// Returns the height of the plane above the mean of the undeformed heights, in metre.
     pub fn separation_m(&self) -> f64 {
         self.plane_m - self.mean_height_m
     }
 
-    /// Depth of the plane below the highest undeformed point, in metre.
+    /// Returns the depth of the plane below the highest undeformed point, in metre.
     pub fn penetration_m(&self) -> f64 {
         self.highest_m - self.plane_m
     }
@@ -161,17 +163,17 @@ impl Solution {
         self.iterations
     }
 
-    /// Residuals, recomputed from the final pressure.
+    /// Returns the residuals, recomputed from the final pressure.
     pub fn residual(&self) -> Residual {
         self.residual
     }
 
-    /// Reason why the solver stopped.
+    /// Returns the reason why the solver stopped.
     pub fn stop_reason(&self) -> StopReason {
         self.stop_reason
     }
 
-    /// Whether all residuals are below the tolerance.
+    /// Returns whether all residuals are below the tolerance.
     pub fn converged(&self) -> bool {
         self.stop_reason == StopReason::Converged
     }
@@ -300,7 +302,7 @@ mod tests {
         }
     }
 
-    /// The plane and the residuals of pressure `p` with v on four cells of unit rms height.
+    /// Returns the plane and the residuals of pressure `p` with v on four cells of unit rms height.
     fn certified(hardness_pa: Option<f64>, closure: Closure, p: [f64; 4], v: [f64; 4]) -> (f64, Residual) {
         let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();

@@ -62,7 +62,7 @@ pub enum Substrate {
 }
 
 impl Substrate {
-    /// Contact modulus E* in pascal of the body at the surface.
+    /// Returns the contact modulus E* in pascal of the body at the surface.
     pub fn modulus_pa(&self) -> f64 {
         match self {
             Self::HalfSpace { modulus_pa } => *modulus_pa,

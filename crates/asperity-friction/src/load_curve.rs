@@ -152,7 +152,7 @@ impl LoadCurve {
         Ok(Self { points, slopes_per_m })
     }
 
-    /// The points, from the shallowest.
+    /// Returns the points, from the shallowest.
     pub fn points(&self) -> &[LoadPoint] {
         &self.points
     }

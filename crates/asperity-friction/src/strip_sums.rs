@@ -114,7 +114,7 @@ impl StripSums {
         Self { grid, periodic, of_columns, prefixes }
     }
 
-    /// The grid of the strip.
+    /// Returns the grid of the strip.
     pub(super) fn grid(&self) -> Grid {
         self.grid
     }

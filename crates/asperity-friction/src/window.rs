@@ -144,38 +144,38 @@ impl Window {
         self.runs.len() == self.rows && self.runs.iter().all(|run| run.start == 0 && run.end == self.cells)
     }
 
-    /// Length in metre.
+    /// Returns the length in metre.
     pub fn length_m(&self) -> f64 {
         self.cells as f64 * self.cell_m
     }
 
-    /// Width in metre.
+    /// Returns the width in metre.
     pub fn width_m(&self) -> f64 {
         self.rows as f64 * self.row_m
     }
 
-    /// Area of its cells in square metre.
+    /// Returns the area of its cells in square metre.
     pub fn area_m2(&self) -> f64 {
         let cells: usize = self.runs.iter().map(|run| run.end - run.start).sum();
         cells as f64 * self.cell_m * self.row_m
     }
 
-    /// Length of a cell along x in metre.
+    /// Returns the length of a cell along x in metre.
     pub fn cell_m(&self) -> f64 {
         self.cell_m
     }
 
-    /// Cells along x.
+    /// Returns the number of cells along x.
     pub fn cells(&self) -> usize {
         self.cells
     }
 
-    /// Cells along y.
+    /// Returns the number of cells along y.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Distance between neighbouring positions in metre.
+    /// Returns the distance between neighbouring positions in metre.
     pub fn step_m(&self) -> f64 {
         self.step_cells as f64 * self.cell_m
     }

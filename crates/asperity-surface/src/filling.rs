@@ -128,17 +128,17 @@ impl Filling {
         Ok(Self { measured, form_m, surface })
     }
 
-    /// Number of filled heights.
+    /// Returns the number of filled heights.
     pub fn filled_points(&self) -> usize {
         self.measured.missing_points()
     }
 
-    /// The measured map, surrounded by the missing points of the extension.
+    /// Returns the measured map, surrounded by the missing points of the extension.
     pub fn measured(&self) -> &HeightMap {
         &self.measured
     }
 
-    /// The random heights without the form.
+    /// Returns the random heights without the form.
     pub fn surface(&self) -> &NeighbourhoodSurface {
         &self.surface
     }

@@ -75,7 +75,7 @@ pub enum GeneratorError {
 
 /// A random surface whose heights are jointly Gaussian with mean zero: linear in ξ.
 pub trait GaussianSurface: RandomSurface {
-    /// Standard deviation at each point in metre, shape `[ny, nx]`.
+    /// Returns the standard deviation at each point in metre, shape `[ny, nx]`.
     fn pointwise_std_m(&self) -> Array2<f64>;
 
     /// Returns the covariance of the heights with the height at (`row`, `column`), in m², shape `[ny, nx]`.

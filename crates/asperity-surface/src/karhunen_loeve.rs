@@ -136,17 +136,17 @@ impl KarhunenLoeve {
         Self { std_m: self.std_m / captured.sqrt(), ..self }
     }
 
-    /// Standard deviation σ of the expanded field, in metre.
+    /// Returns the standard deviation σ of the expanded field, in metre.
     pub fn std_m(&self) -> f64 {
         self.std_m
     }
 
-    /// Method for the eigenproblem.
+    /// Returns the method for the eigenproblem.
     pub fn route(&self) -> ModesRoute {
         self.route
     }
 
-    /// Eigenvalues λ_j of unit variance in m², falling.
+    /// Returns the eigenvalues λ_j of unit variance in m², falling.
     pub fn eigenvalues_m2(&self) -> &[f64] {
         &self.eigenvalues_m2
     }

@@ -42,10 +42,10 @@ use asperity_base::map::{Grid, HeightMap};
 /// A random surface: a map that is a deterministic function of the vector ξ of independent standard normal
 /// variables. Samplers and chaos expansions choose ξ.
 pub trait RandomSurface: Sync {
-    /// Number of normal variables ξ; the most important come first.
+    /// Returns the number of normal variables ξ; the most important come first.
     fn xi_len(&self) -> usize;
 
-    /// Grid of the generated maps.
+    /// Returns the grid of the generated maps.
     fn grid(&self) -> Grid;
 
     /// Generates the map of one ξ of [`RandomSurface::xi_len`] values.

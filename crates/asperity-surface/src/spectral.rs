@@ -82,7 +82,7 @@ impl SpectralField {
         self
     }
 
-    /// The modes, on the grid itself or on the embedding of a free field.
+    /// Returns the modes, on the grid itself or on the embedding of a free field.
     pub(super) fn modes(&self) -> &FourierModes {
         &self.modes
     }
@@ -105,8 +105,9 @@ impl SpectralField {
         Self { grid, std_m, modes, clipped_variance: spectrum.clipped }
     }
 
-    /// Fraction of the variance in negative eigenvalues of the wrapped covariance. They are set to zero and the
-    /// others scaled to conserve the variance, so the covariance deviates from the requested one by about this much.
+    /// Returns the fraction of the variance in negative eigenvalues of the wrapped covariance. They are set to zero and
+    /// the others scaled to conserve the variance, so the covariance deviates from the requested one by about this
+    /// much.
     pub fn clipped_variance(&self) -> f64 {
         self.clipped_variance
     }

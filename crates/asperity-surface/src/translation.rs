@@ -101,17 +101,17 @@ impl<S: GaussianSurface> Translated<S> {
         Ok(Self { gaussian, marginal, map, inverse_std_per_m, least_variance_fraction })
     }
 
-    /// The underlying Gaussian field.
+    /// Returns the underlying Gaussian field.
     pub fn gaussian(&self) -> &S {
         &self.gaussian
     }
 
-    /// Marginal distribution of the heights before shift and scale.
+    /// Returns the marginal distribution of the heights before shift and scale.
     pub fn marginal(&self) -> &Marginal {
         &self.marginal
     }
 
-    /// Least pointwise variance of the Gaussian field over its largest; 1 for a stationary field.
+    /// Returns the least pointwise variance of the Gaussian field over its largest; 1 for a stationary field.
     pub fn least_variance_fraction(&self) -> f64 {
         self.least_variance_fraction
     }

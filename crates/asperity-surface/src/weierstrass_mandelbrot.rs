@@ -65,12 +65,12 @@ impl WeierstrassProfile {
         Ok(Self { dimension, gamma, roughness_m, form, exponents })
     }
 
-    /// Wavenumbers γ^j in rad/m, rising.
+    /// Returns the wavenumbers γ^j in rad/m, rising.
     pub fn wavenumbers_rad_per_m(&self) -> Vec<f64> {
         self.exponents.iter().map(|j| self.gamma.powf(*j)).collect()
     }
 
-    /// Amplitudes G^{D−1} γ^{(D−2)j} in metre, falling.
+    /// Returns the amplitudes G^{D−1} γ^{(D−2)j} in metre, falling.
     pub fn amplitudes_m(&self) -> Vec<f64> {
         let scale = self.roughness_m.powf(self.dimension - 1.0);
         self.exponents.iter().map(|j| scale * self.gamma.powf((self.dimension - 2.0) * j)).collect()
@@ -225,17 +225,17 @@ impl WeierstrassMandelbrot {
         Ok(self)
     }
 
-    /// Fractal dimension D of the surface.
+    /// Returns the fractal dimension D of the surface.
     pub fn dimension(&self) -> f64 {
         self.dimension
     }
 
-    /// Ratio γ of neighbouring wavenumbers.
+    /// Returns the ratio γ of neighbouring wavenumbers.
     pub fn gamma(&self) -> f64 {
         self.gamma
     }
 
-    /// Fractal roughness G in metre.
+    /// Returns the fractal roughness G in metre.
     pub fn roughness_m(&self) -> f64 {
         self.roughness_m
     }

@@ -12,7 +12,7 @@ fn load(newton: f64) -> Control {
     Control::Load { newton }
 }
 
-/// A random map of about unit slope whose spectrum falls as q^{-3.6}.
+/// Returns a random map of about unit slope whose spectrum falls as q^{-3.6}.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -29,7 +29,7 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
     Array2::from_shape_vec((n, n), heights).unwrap()
 }
 
-/// A paraboloid of radius 1 on a square.
+/// Returns a paraboloid of radius 1 on a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let c = 0.5 * side_m;
@@ -41,7 +41,7 @@ fn largest_difference(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Rough surfaces with either boundary, their hardness and a load that makes much of the contact plastic.
+/// Returns rough surfaces with either boundary, their hardness and a load that makes much of the contact plastic.
 fn surfaces() -> Vec<(HalfSpace, Array2<f64>, f64, f64)> {
     let grid = Grid::new(32, 32, 1.0, 0.8).unwrap();
     let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };

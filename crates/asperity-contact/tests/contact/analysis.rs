@@ -44,7 +44,7 @@ fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
     stiffness
 }
 
-/// A paraboloid of radius 1, its summit in a cell centre, on an elastic square of E* = 1.
+/// Returns a paraboloid of radius 1, its summit in a cell centre, on an elastic square of E* = 1.
 fn paraboloid(n: usize, side_m: f64) -> (HalfSpace, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * (side_m + grid.dx_m());

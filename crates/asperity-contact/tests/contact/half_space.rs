@@ -21,7 +21,7 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
     solution
 }
 
-/// A paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
+/// Returns a paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
 fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * side_m + offset * grid.dx_m();
@@ -29,7 +29,7 @@ fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
     (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
 }
 
-/// A random map whose spectrum falls as q^{-2(1+hurst)} beyond a roll-off.
+/// Returns a random map whose spectrum falls as q^{-2(1+hurst)} beyond a roll-off.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());

@@ -34,7 +34,7 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
     solution
 }
 
-/// A paraboloid of radius 1 in the middle of a square.
+/// Returns a paraboloid of radius 1 in the middle of a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let c = 0.5 * side_m;
@@ -42,7 +42,7 @@ fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
     (grid, map.heights_m().clone())
 }
 
-/// A random map whose spectrum falls as q^{-3.6} beyond a roll-off.
+/// Returns a random map whose spectrum falls as q^{-3.6} beyond a roll-off.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());

@@ -37,7 +37,7 @@ fn rough(grid: Grid) -> HeightMap {
     field.generate(&random::standard_normal(&mut random::stream(4, "friction windows", 0), field.xi_len()))
 }
 
-/// A rectangle as wide as the strip and a narrower one, an ellipse, and a mask with a hole and two parts.
+/// Returns a rectangle as wide as the strip and a narrower one, an ellipse, and a mask with a hole and two parts.
 fn shapes(grid: Grid) -> [Window; 4] {
     let (length_m, width_m) = (33.0 * grid.dx_m(), 7.0 * grid.dy_m());
     let mask = Array2::from_shape_fn((6, 32), |(row, column)| {

@@ -149,18 +149,18 @@ impl NeighbourhoodSurface {
         })
     }
 
-    /// Number of measured heights.
+    /// Returns the number of measured heights.
     pub fn measured_points(&self) -> usize {
         self.values.len()
     }
 
-    /// Fraction of the variance that the embedding clipped; see [`SpectralField::clipped_variance`].
+    /// Returns the fraction of the variance that the embedding clipped; see [`SpectralField::clipped_variance`].
     pub fn clipped_variance(&self) -> f64 {
         self.field.clipped_variance()
     }
 
-    /// Variance of the noise on the measured heights over the variance of the field: the nugget, or the estimate if
-    /// larger.
+    /// Returns the variance of the noise on the measured heights over the variance of the field: the nugget, or the
+    /// estimate if larger.
     pub fn noise(&self) -> f64 {
         self.noise
     }

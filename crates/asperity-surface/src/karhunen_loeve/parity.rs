@@ -48,7 +48,7 @@ impl Class {
         half(self.rows, self.odd_y)
     }
 
-    /// Number of coordinates.
+    /// Returns the number of coordinates.
     pub(super) fn len(&self) -> usize {
         self.half_columns() * self.half_rows()
     }

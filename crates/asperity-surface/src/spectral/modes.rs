@@ -151,7 +151,7 @@ impl FourierModes {
         self.modes.iter_mut().for_each(|mode| mode.eigenvalue_m2 *= scale);
     }
 
-    /// The transform of the domain.
+    /// Returns the transform of the domain.
     pub(crate) fn fft(&self) -> &RealFft2 {
         &self.fft
     }
@@ -168,12 +168,12 @@ impl FourierModes {
         spectrum
     }
 
-    /// Number of modes.
+    /// Returns the number of modes.
     pub(crate) fn len(&self) -> usize {
         self.modes.len()
     }
 
-    /// Eigenvalues in m², falling.
+    /// Returns the eigenvalues in m², falling.
     pub(crate) fn eigenvalues_m2(&self) -> impl Iterator<Item = f64> + '_ {
         self.modes.iter().map(|mode| mode.eigenvalue_m2)
     }

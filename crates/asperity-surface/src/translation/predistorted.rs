@@ -28,7 +28,8 @@ impl<C: StationaryCovariance> Predistorted<C> {
         Ok(Self { target, translation, least })
     }
 
-    /// Least correlation that heights of the distribution can have by translation; lower targets are not reached.
+    /// Returns the least correlation that heights of the distribution can have by translation; lower targets are not
+    /// reached.
     pub fn least_correlation(&self) -> f64 {
         self.least
     }

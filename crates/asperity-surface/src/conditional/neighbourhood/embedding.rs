@@ -74,7 +74,7 @@ impl Table {
 }
 
 impl StationaryCovariance for Table {
-    /// The table is used only for correlations.
+    /// Returns 1; the table is used only for correlations.
     fn std_m(&self) -> f64 {
         1.0
     }

@@ -73,7 +73,7 @@ impl Pyramid {
         self.metric.frame((place % self.nx) as f64 + 0.5, (place / self.nx) as f64 + 0.5)
     }
 
-    /// Places of the heights, by their numbers.
+    /// Returns the places of the heights, by their numbers.
     pub(super) fn places(&self) -> &[usize] {
         &self.places
     }

@@ -8,7 +8,7 @@ fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
     Covariance::isotropic(model, 1.0, length_m).unwrap()
 }
 
-/// Any covariance with the symmetry of a lay along an axis.
+/// Returns any covariance with the symmetry of a lay along an axis.
 fn mirrored() -> Covariance {
     covariance(CorrelationModel::Exponential, 1.0)
 }
