@@ -55,7 +55,7 @@ pub struct Pooled {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PoolingError {
     /// A single scan has no spread between scans.
-    #[error("{scans} scan is no sample of a part; at least 2 are needed")]
+    #[error("found {scans} scan, but pooling needs at least 2")]
     TooFew {
         /// Number of scans found.
         scans: usize,

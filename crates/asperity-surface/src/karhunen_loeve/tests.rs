@@ -287,7 +287,7 @@ fn modes_do_not_depend_on_the_number_of_threads() {
             let found = pool.install(|| method(&covariance, grid, 25).unwrap());
             (functions(&found), found.eigenvalues_m2)
         };
-        assert!(with(1) == with(3), "not one bit may differ");
+        assert!(with(1) == with(3), "results must be bit-identical");
     }
 }
 

@@ -250,7 +250,7 @@ struct Best {
 struct Descent {
     best: Best,
     /// The last spectrum, with the least sum of squares.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the tests look where the search ends"))]
+    #[cfg_attr(not(test), expect(dead_code, reason = "only tests read the last spectrum"))]
     last: Vec<f64>,
     iterations: usize,
 }

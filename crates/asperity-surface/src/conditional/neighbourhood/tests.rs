@@ -345,12 +345,12 @@ fn maps_are_the_same_alone_together_and_with_any_number_of_threads() {
             let xis: Vec<Vec<f64>> = (0..3).map(|i| xi(surface.xi_len(), "fill", i)).collect();
             let alone = surface.generate(&xis[2]);
             let together = surface.draw(xis, &Silent).unwrap();
-            assert!(alone == together[2], "not one bit may differ");
+            assert!(alone == together[2], "results must be bit-identical");
             together
         })
     };
     let maps = with(1);
-    assert!(maps == with(3), "not one bit may differ");
+    assert!(maps == with(3), "results must be bit-identical");
     for (before, after) in map.heights_m().iter().zip(maps[0].heights_m()) {
         assert!(before.is_nan() || before.to_bits() == after.to_bits());
     }
