@@ -267,7 +267,7 @@ impl RandomSurface for NeighbourhoodSurface {
         let drawn = self.draw([xi.to_vec()], &Silent);
         match drawn.map(|mut maps| maps.pop()) {
             Ok(Some(map)) => map,
-            _ => unreachable!("one xi makes one map, and nobody cancels"),
+            _ => unreachable!("one ξ gives one map, and nothing cancels"),
         }
     }
 }

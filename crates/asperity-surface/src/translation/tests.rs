@@ -35,7 +35,7 @@ fn heights_have_the_distribution_at_every_point_also_of_a_truncated_field() {
     assert!(surface.least_variance_fraction() < 0.9);
     let count = 4000;
     let maps: Vec<_> = (0..count)
-        .map(|index| surface.generate(&random::standard_normal(&mut random::stream(2, "marginal", index), 12)))
+        .map(|index| surface.generate(&random::standard_normal(&mut random::stream(2, "law", index), 12)))
         .collect();
     for place in [[0, 0], [8, 8], [3, 15]] {
         let mut values: Vec<f64> = maps.iter().map(|map| map.heights_m()[place]).collect();
