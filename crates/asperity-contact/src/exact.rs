@@ -247,26 +247,22 @@ mod tests {
     fn the_pressures_in_contact_carry_the_load_on_the_contact_area() {
         let (modulus, gradient) = (2.0, 0.3);
         for mean in [1e-4, 0.05, 0.3, 2.0] {
-            let distribution = PerssonPressure::new(mean, modulus, gradient, None);
-            let top = mean + 12.0 * distribution.full_contact_std_pa;
-            let area = integral(top, |p| distribution.density_per_pa(p));
+            let dist = PerssonPressure::new(mean, modulus, gradient, None);
+            let top = mean + 12.0 * dist.full_contact_std_pa;
+            let area = integral(top, |p| dist.density_per_pa(p));
             assert!((area / persson_contact_fraction(mean, modulus, gradient) - 1.0).abs() < 1e-9, "{mean}: {area}");
-            assert!((area / distribution.contact_fraction() - 1.0).abs() < 1e-9);
-            let load = integral(top, |p| p * distribution.density_per_pa(p));
+            assert!((area / dist.contact_fraction() - 1.0).abs() < 1e-9);
+            let load = integral(top, |p| p * dist.density_per_pa(p));
             assert!((load / mean - 1.0).abs() < 1e-9, "{mean}: {load}");
             for p in [0.01, 0.2, 0.7] {
-                let cumulative =
-                    1.0 - distribution.contact_fraction() + integral(p, |p| distribution.density_per_pa(p));
-                assert!((distribution.cumulative(p) - cumulative).abs() < 1e-9);
+                let cumulative = 1.0 - dist.contact_fraction() + integral(p, |p| dist.density_per_pa(p));
+                assert!((dist.cumulative(p) - cumulative).abs() < 1e-9);
             }
-            assert_eq!(
-                (distribution.density_per_pa(0.0), distribution.density_per_pa(-1.0), distribution.cumulative(-1.0)),
-                (0.0, 0.0, 0.0)
-            );
+            assert_eq!((dist.density_per_pa(0.0), dist.density_per_pa(-1.0), dist.cumulative(-1.0)), (0.0, 0.0, 0.0));
         }
         // Deep in complete contact the distribution is normal with mean p̄ and standard deviation E* h'rms/2.
-        let distribution = PerssonPressure::new(30.0, 2.0, 3.0, None);
-        assert!((distribution.density_per_pa(33.0) * 3.0 * (2.0 * PI).sqrt() - (-0.5_f64).exp()).abs() < 1e-12);
+        let dist = PerssonPressure::new(30.0, 2.0, 3.0, None);
+        assert!((dist.density_per_pa(33.0) * 3.0 * (2.0 * PI).sqrt() - (-0.5_f64).exp()).abs() < 1e-12);
     }
 
     #[test]
@@ -275,28 +271,26 @@ mod tests {
         for (mean, std, hardness) in
             [(0.1, 0.3, 1.0), (0.1, 1.0, 1.0), (0.9, 0.3, 1.0), (0.5, 0.02, 2.0), (0.3, 2.0, 1.0)]
         {
-            let distribution = PerssonPressure::new(mean, 2.0, std, Some(hardness));
+            let dist = PerssonPressure::new(mean, 2.0, std, Some(hardness));
             let wave = |n: f64, p: f64| (n * PI * p / hardness).sin();
             let decay = |n: f64| (-0.5 * (n * PI * std / hardness).powi(2)).exp();
             for p in [0.01, 0.2, 0.5, 0.95].map(|fraction| fraction * hardness) {
                 let terms = (1..2000).map(f64::from).map(|n| wave(n, mean) * wave(n, p) * decay(n));
                 let wanted = 2.0 / hardness * terms.sum::<f64>();
                 assert!(
-                    (distribution.density_per_pa(p) - wanted).abs() < 1e-13,
-                    "{distribution:?} {p}: {} {wanted}",
-                    distribution.density_per_pa(p)
+                    (dist.density_per_pa(p) - wanted).abs() < 1e-13,
+                    "{dist:?} {p}: {} {wanted}",
+                    dist.density_per_pa(p)
                 );
             }
-            let elastic = integral(hardness, |p| distribution.density_per_pa(p));
-            assert!((distribution.elastic_fraction() - elastic).abs() < 1e-9, "{distribution:?}");
-            let carried =
-                integral(hardness, |p| p * distribution.density_per_pa(p)) + hardness * distribution.plastic_fraction();
-            assert!((carried / mean - 1.0).abs() < 1e-9, "{distribution:?}: {carried}");
+            let elastic = integral(hardness, |p| dist.density_per_pa(p));
+            assert!((dist.elastic_fraction() - elastic).abs() < 1e-9, "{dist:?}");
+            let carried = integral(hardness, |p| p * dist.density_per_pa(p)) + hardness * dist.plastic_fraction();
+            assert!((carried / mean - 1.0).abs() < 1e-9, "{dist:?}: {carried}");
             let middle = 0.4 * hardness;
-            let cumulative =
-                1.0 - distribution.contact_fraction() + integral(middle, |p| distribution.density_per_pa(p));
-            assert!((distribution.cumulative(middle) - cumulative).abs() < 1e-9);
-            assert_eq!((distribution.cumulative(hardness), distribution.density_per_pa(hardness)), (1.0, 0.0));
+            let cumulative = 1.0 - dist.contact_fraction() + integral(middle, |p| dist.density_per_pa(p));
+            assert!((dist.cumulative(middle) - cumulative).abs() < 1e-9);
+            assert_eq!((dist.cumulative(hardness), dist.density_per_pa(hardness)), (1.0, 0.0));
         }
         // A hardness far above the pressure changes nothing. Very large roughness leaves only plastic contact, of the
         // area p̄/H.

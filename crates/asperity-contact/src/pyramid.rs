@@ -43,12 +43,12 @@ pub(super) struct PyramidWork {
     /// Products on the coarser grids.
     products: Vec<Field>,
     coarsest: ConvolutionWork<f32>,
-    scratch: ThreadWork,
+    line: Line,
 }
 
-/// Scratch memory of one thread.
+/// Row buffer of one thread.
 #[derive(Debug, Clone)]
-struct ThreadWork {
+struct Line {
     row: Vec<f32>,
 }
 
@@ -118,12 +118,12 @@ impl Pyramid {
             maps: (0..=levels).map(field).collect(),
             products: (1..=levels).map(field).collect(),
             coarsest: self.coarsest.work(),
-            scratch: self.scratch(),
+            line: self.line(),
         }
     }
 
-    fn scratch(&self) -> ThreadWork {
-        ThreadWork { row: vec![0.0; self.columns + 2] }
+    fn line(&self) -> Line {
+        Line { row: vec![0.0; self.columns + 2] }
     }
 
     /// Multiplies a map by about |q|, in radian per cell, and its mean by `mean`. `slabs` has one entry for each slab
@@ -137,10 +137,10 @@ impl Pyramid {
         take: impl Fn(&mut S, usize, &[f32]) + Sync,
         work: &mut PyramidWork,
     ) {
-        let PyramidWork { maps, products, coarsest, scratch } = work;
+        let PyramidWork { maps, products, coarsest, line } = work;
         let stride = maps[0].stride();
         let chunks = maps[0].inner_mut().chunks_mut(ROWS_OF_SLAB * stride);
-        self.distribute(scratch, slabs.iter_mut().zip(chunks).enumerate(), |_, (number, (slab, rows))| {
+        self.split(line, slabs.iter_mut().zip(chunks).enumerate(), |_, (number, (slab, rows))| {
             for (row, out) in rows.chunks_exact_mut(stride).enumerate() {
                 out.fill(0.0);
                 fill(slab, number * ROWS_OF_SLAB + row, &mut out[1..=self.columns]);
@@ -149,35 +149,30 @@ impl Pyramid {
         self.continue_beyond(&mut maps[0]);
         for level in 1..maps.len() {
             let (finer, coarser) = maps.split_at_mut(level);
-            self.restrict(&finer[level - 1], &mut coarser[0], scratch);
+            self.restrict(&finer[level - 1], &mut coarser[0], line);
         }
         self.multiply_coarsest(mean, &maps[maps.len() - 1], &mut products[maps.len() - 2], coarsest);
         for level in (1..self.stencils.len()).rev() {
             let (finer, coarser) = products.split_at_mut(level);
-            self.combine(level, &maps[level], &coarser[0], &mut finer[level - 1], scratch);
+            self.combine(level, &maps[level], &coarser[0], &mut finer[level - 1], line);
         }
         let (map, coarser) = (&maps[0], &products[0]);
-        self.distribute(scratch, slabs.iter_mut().enumerate(), |scratch, (number, slab)| {
+        self.split(line, slabs.iter_mut().enumerate(), |line, (number, slab)| {
             let first = number * ROWS_OF_SLAB;
             for row in first..(first + ROWS_OF_SLAB).min(self.rows) {
-                self.row(0, map, coarser, row, &mut scratch.row);
-                take(slab, row, &scratch.row[1..=self.columns]);
+                self.row(0, map, coarser, row, &mut line.row);
+                take(slab, row, &line.row[1..=self.columns]);
             }
         });
     }
 
     /// Calls `work` on the items, in parallel if the map is large.
-    fn distribute<I: Send>(
-        &self,
-        scratch: &mut ThreadWork,
-        items: impl Iterator<Item = I>,
-        work: impl Fn(&mut ThreadWork, I) + Sync,
-    ) {
+    fn split<I: Send>(&self, line: &mut Line, items: impl Iterator<Item = I>, work: impl Fn(&mut Line, I) + Sync) {
         if self.rows * self.columns < SHARED_FROM || rayon::current_num_threads() == 1 {
-            items.for_each(|item| work(scratch, item));
+            items.for_each(|item| work(line, item));
         } else {
             let items: Vec<I> = items.collect();
-            items.into_par_iter().for_each_init(|| self.scratch(), |scratch, item| work(scratch, item));
+            items.into_par_iter().for_each_init(|| self.line(), |line, item| work(line, item));
         }
     }
 
@@ -187,14 +182,14 @@ impl Pyramid {
         }
     }
 
-    fn restrict(&self, finer: &Field, coarser: &mut Field, scratch: &mut ThreadWork) {
+    fn restrict(&self, finer: &Field, coarser: &mut Field, line: &mut Line) {
         let (columns, stride) = (coarser.columns, coarser.stride());
         let chunks = coarser.inner_mut().chunks_mut(ROWS_OF_SLAB * stride).enumerate();
-        self.distribute(scratch, chunks, |scratch, (number, rows)| {
+        self.split(line, chunks, |line, (number, rows)| {
             for (row, out) in rows.chunks_exact_mut(stride).enumerate() {
                 let above = 2 * (number * ROWS_OF_SLAB + row);
                 let rows = [0, 1, 2, 3].map(|row| finer.row(above + row));
-                wide::<Restrict, _>((&mut out[1..=columns], rows, scratch.row.as_mut_slice()));
+                wide::<Restrict, _>((&mut out[1..=columns], rows, line.row.as_mut_slice()));
             }
         });
         self.continue_beyond(coarser);
@@ -216,10 +211,10 @@ impl Pyramid {
     }
 
     /// Computes the product on the grid of `level` from the product on the next coarser grid.
-    fn combine(&self, level: usize, map: &Field, coarser: &Field, product: &mut Field, scratch: &mut ThreadWork) {
+    fn combine(&self, level: usize, map: &Field, coarser: &Field, product: &mut Field, line: &mut Line) {
         let stride = product.stride();
         let chunks = product.inner_mut().chunks_mut(ROWS_OF_SLAB * stride).enumerate();
-        self.distribute(scratch, chunks, |_, (number, rows)| {
+        self.split(line, chunks, |_, (number, rows)| {
             for (row, out) in rows.chunks_exact_mut(stride).enumerate() {
                 self.row(level, map, coarser, number * ROWS_OF_SLAB + row, out);
             }

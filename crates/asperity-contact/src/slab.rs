@@ -85,14 +85,14 @@ impl Hardness for Yielding<'_> {
     }
 }
 
-/// Evaluates an expression with the hardness of a slab's cells, compiled separately for infinite hardness.
-macro_rules! for_hardness {
-    ($hardness:expr, |$hardnesses:ident| $work:expr) => {
+/// Evaluates an expression with the hardness H of the cells of a slab, compiled separately for infinite hardness.
+macro_rules! with_h {
+    ($hardness:expr, |$h:ident| $work:expr) => {
         if let Some(hardness) = $hardness.as_deref() {
-            let $hardnesses = Yielding(hardness);
+            let $h = Yielding(hardness);
             $work
         } else {
-            let $hardnesses = Unbounded;
+            let $h = Unbounded;
             $work
         }
     };
@@ -363,7 +363,7 @@ impl Slab {
     fn summarise(&mut self, bound: f64) {
         let Self { lists, trial, open, full, summary, .. } = self;
         let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
-        *summary = for_hardness!(lists.hardness, |hardnesses| wide::<Summarise, _>((p, v, bound, hardnesses)));
+        *summary = with_h!(lists.hardness, |h| wide::<Summarise, _>((p, v, bound, h)));
         trial.resize(p.len(), 0.0);
         *open = wide::<OnBound<false>, _>((trial.as_mut_slice(), p, v, Unbounded));
         full.clear();
@@ -398,9 +398,7 @@ impl Slab {
         let terms = [lambda, 1.0 / unit_m];
         let fields = [lists.p.as_slice(), lists.v.as_slice()];
         let (gradient, moves) = (gradient.as_mut_slice(), moves.as_mut_slice());
-        for_hardness!(lists.hardness, |hardnesses| wide::<Gradient, _>((
-            gradient, moves, fields, terms, all, hardnesses
-        )));
+        with_h!(lists.hardness, |h| wide::<Gradient, _>((gradient, moves, fields, terms, all, h)));
     }
 
     /// Writes the gradient of a row; returns false if it has none.
@@ -457,7 +455,7 @@ impl Slab {
 
     /// Returns the extent of the trial.
     fn extent(&self) -> Extent {
-        for_hardness!(self.lists.hardness, |hardnesses| wide::<Span, _>((self.trial.as_slice(), hardnesses)))
+        with_h!(self.lists.hardness, |h| wide::<Span, _>((self.trial.as_slice(), h)))
     }
 
     /// Copies the pressure into `trial` for the cells between the bounds.
@@ -466,8 +464,7 @@ impl Slab {
         trial.clear();
         let fixed = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
         let itself = |p: f64, hardness: f64| if (p > 0.0) & (p < hardness) { p } else { fixed(p) };
-        for_hardness!(lists.hardness, |hardnesses| trial
-            .extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, hardnesses.at(i)))));
+        with_h!(lists.hardness, |h| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, h.at(i)))));
         self.gradient.clear();
         self.gradient.resize(self.lists.p.len(), 0.0);
         self.extent()
@@ -482,7 +479,7 @@ impl Slab {
     /// Returns the sum of the trial pressures, shifted and within the bounds, and the number of cells that follow a
     /// shift.
     pub(super) fn shifted_sum(&self, shift: f64) -> [f64; 2] {
-        for_hardness!(self.lists.hardness, |hardnesses| wide::<Shifted, _>((self.trial.as_slice(), shift, hardnesses)))
+        with_h!(self.lists.hardness, |h| wide::<Shifted, _>((self.trial.as_slice(), shift, h)))
     }
 
     /// Replaces `trial` by the step to the trial pressure, shifted and within the bounds.
@@ -491,24 +488,17 @@ impl Slab {
         let (trial, p, gradient) = (trial.as_mut_slice(), lists.p.as_slice(), gradient.as_slice());
         *step = if let Some(by) = shift.common() {
             let shifted = |t: f64, hardness: f64| within(t + by, hardness);
-            for_hardness!(lists.hardness, |hardnesses| wide::<Cut, _>((trial, p, gradient, by, shifted, hardnesses)))
+            with_h!(lists.hardness, |h| wide::<Cut, _>((trial, p, gradient, by, shifted, h)))
         } else {
             let shifted = |t: f64, hardness: f64| shift.applied(t, hardness);
-            for_hardness!(lists.hardness, |hardnesses| wide::<Cut, _>((
-                trial,
-                p,
-                gradient,
-                shift.largest(),
-                shifted,
-                hardnesses
-            )))
+            with_h!(lists.hardness, |h| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, h)))
         };
     }
 
     /// Returns the largest multiple of the step that stays within the bounds.
     pub(super) fn longest_feasible(&self) -> f64 {
         let (p, step) = (self.lists.p.as_slice(), self.trial.as_slice());
-        for_hardness!(self.lists.hardness, |hardnesses| wide::<Room, _>((p, step, hardnesses)))
+        with_h!(self.lists.hardness, |h| wide::<Room, _>((p, step, h)))
     }
 
     /// Writes the step of a row, over `unit`; returns false if it has none.
@@ -548,22 +538,14 @@ impl Slab {
         let Self { lists, trial, .. } = self;
         let Lists { p, v, step, image, hardness, .. } = lists;
         let (p, v, step) = (p.as_mut_slice(), v.as_mut_slice(), step.as_mut_slice());
-        for_hardness!(hardness, |hardnesses| wide::<Go, _>((
-            p,
-            v,
-            step,
-            [trial.as_slice()],
-            image.as_slice(),
-            advance,
-            hardnesses
-        )))
+        with_h!(hardness, |h| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, h)))
     }
 
     /// Adds the whole trial step to the pressures only.
     pub(super) fn step_pressure(&mut self) {
         let Lists { p, hardness, .. } = &mut self.lists;
         let steps = p.iter_mut().zip(&self.trial).enumerate();
-        for_hardness!(hardness, |hardnesses| steps.for_each(|(i, (p, s))| *p = within(*p + s, hardnesses.at(i))));
+        with_h!(hardness, |h| steps.for_each(|(i, (p, s))| *p = within(*p + s, h.at(i))));
     }
 }
 

@@ -77,7 +77,10 @@ impl StripSums {
     pub fn new(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
         let p = solution.pressure_pa();
         let (ny, nx) = p.dim();
-        assert!(ploughing_heights_m.is_none_or(|heights| heights.dim() == (ny, nx)), "the heights do not fit the strip");
+        assert!(
+            ploughing_heights_m.is_none_or(|heights| heights.dim() == (ny, nx)),
+            "the heights do not fit the strip"
+        );
         let grid = solution.grid();
         let periodic = matches!(solution.boundary(), Boundary::Periodic { .. });
         let of_columns = windows.iter().all(|window| window.spans_columns());

@@ -82,7 +82,7 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a 
 
     #[inline(always)]
     fn run(
-        (p, v, step, [trial], image, advance, hardnesses): (
+        (p, v, step, [trial], image, advance, hardness): (
             &'a mut [f64],
             &'a mut [f64],
             &'a mut [f32],
@@ -94,17 +94,17 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a 
     ) -> bool {
         let Advance { length, unit_pa, unit_m, .. } = advance;
         let n = p.len();
-        let (v, step, trial, image, hardnesses) =
-            (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], hardnesses.head(n));
+        let (v, step, trial, image, hardness) =
+            (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], hardness.head(n));
         let (along, factor) = (length * unit_m, 1.0 / unit_pa);
         let mut moved = 0_u64;
         for i in 0..n {
             v[i] += along * f64::from(image[i]);
-            let (before, hardness) = (p[i], hardnesses.at(i));
+            let (before, h) = (p[i], hardness.at(i));
             // The step was computed as (bound − p), so a whole step reaches the bound up to rounding.
-            let lands = (length >= 1.0) & (trial[i] == hardness - before);
-            let after = within(before + length * trial[i], hardness);
-            let after = if lands { hardness } else { after };
+            let lands = (length >= 1.0) & (trial[i] == h - before);
+            let after = within(before + length * trial[i], h);
+            let after = if lands { h } else { after };
             moved |= after.to_bits() ^ before.to_bits();
             p[i] = after;
             step[i] = (factor * trial[i]) as f32;
@@ -120,15 +120,15 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
     type Output = Summary;
 
     #[inline(always)]
-    fn run((p, v, bound, hardnesses): (&'a [f64], &'a [f64], f64, C)) -> Summary {
+    fn run((p, v, bound, hardness): (&'a [f64], &'a [f64], f64, C)) -> Summary {
         const L: usize = LANES;
         let (mut pressure, mut free, mut free_v) = ([0.0; L], [0.0; L], [0.0; L]);
         let (mut between_v, mut between, mut idle, mut least) = ([0.0; L], [0.0; L], [0.0; L], [f64::INFINITY; L]);
         for chunk in 0..p.len().div_ceil(L) {
-            let (p, v, hardness): ([f64; L], [f64; L], [f64; L]) =
-                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), hardnesses.chunk(chunk));
+            let (p, v, h): ([f64; L], [f64; L], [f64; L]) =
+                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), hardness.chunk(chunk));
             for i in 0..L {
-                let below = !C::YIELD || p[i] < hardness[i];
+                let below = !C::YIELD || p[i] < h[i];
                 let own = if below { p[i] } else { 0.0 };
                 let one = if own > 0.0 { 1.0 } else { 0.0 };
                 if C::YIELD {
@@ -188,13 +188,13 @@ impl<'a, C: Hardness, const FULL: bool> Kernel<(&'a mut [f64], &'a [f64], &'a [f
     type Output = usize;
 
     #[inline(always)]
-    fn run((out, p, v, hardnesses): (&'a mut [f64], &'a [f64], &'a [f64], C)) -> usize {
+    fn run((out, p, v, hardness): (&'a mut [f64], &'a [f64], &'a [f64], C)) -> usize {
         let mut count = 0;
         for (i, (p, v)) in p.iter().zip(v).enumerate() {
             if let Some(out) = out.get_mut(count) {
                 *out = *v;
             }
-            count += usize::from(if FULL { *p >= hardnesses.at(i) } else { *p <= 0.0 });
+            count += usize::from(if FULL { *p >= hardness.at(i) } else { *p <= 0.0 });
         }
         count
     }
@@ -209,7 +209,7 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f32], &'a mut [f32], [&'a [f64]; 2], [f64
 
     #[inline(always)]
     fn run(
-        (gradient, moves, [p, v], [lambda, factor], all, hardnesses): (
+        (gradient, moves, [p, v], [lambda, factor], all, hardness): (
             &'a mut [f32],
             &'a mut [f32],
             [&'a [f64]; 2],
@@ -219,10 +219,10 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f32], &'a mut [f32], [&'a [f64]; 2], [f64
         ),
     ) {
         let n = p.len();
-        let (gradient, moves, v, hardnesses) = (&mut gradient[..n], &mut moves[..n], &v[..n], hardnesses.head(n));
+        let (gradient, moves, v, hardness) = (&mut gradient[..n], &mut moves[..n], &v[..n], hardness.head(n));
         for i in 0..n {
             let g = v[i] - lambda;
-            let member = all | may_move(p[i], g, hardnesses.at(i));
+            let member = all | may_move(p[i], g, hardness.at(i));
             gradient[i] = if member { (factor * g) as f32 } else { 0.0 };
             moves[i] = if member { 1.0 } else { 0.0 };
         }
@@ -314,12 +314,12 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
     type Output = Extent;
 
     #[inline(always)]
-    fn run((trial, hardnesses): (&'a [f64], C)) -> Extent {
+    fn run((trial, hardness): (&'a [f64], C)) -> Extent {
         const L: usize = LANES;
         let (mut least, mut largest, mut members) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L], [0.0; L]);
         let (mut capacity, mut largest_hardness) = ([0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
-            let (t, hardness): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), hardnesses.chunk(chunk));
+            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), hardness.chunk(chunk));
             for i in 0..L {
                 let moves = t[i].abs() < f64::INFINITY;
                 let (low, high) = if moves { (t[i], t[i]) } else { (f64::INFINITY, f64::NEG_INFINITY) };
@@ -327,7 +327,7 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
                 largest[i] = if high > largest[i] { high } else { largest[i] };
                 members[i] += if moves { 1.0 } else { 0.0 };
                 if C::YIELD {
-                    let own = if moves { hardness[i] } else { 0.0 };
+                    let own = if moves { h[i] } else { 0.0 };
                     capacity[i] += own;
                     largest_hardness[i] = if own > largest_hardness[i] { own } else { largest_hardness[i] };
                 }
@@ -350,15 +350,15 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], f64, C)> for Shifted {
     type Output = [f64; 2];
 
     #[inline(always)]
-    fn run((trial, shift, hardnesses): (&'a [f64], f64, C)) -> [f64; 2] {
+    fn run((trial, shift, hardness): (&'a [f64], f64, C)) -> [f64; 2] {
         const L: usize = LANES;
         let (mut sums, mut follow) = ([0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
-            let (t, hardness): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), hardnesses.chunk(chunk));
+            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), hardness.chunk(chunk));
             for i in 0..L {
                 let value = t[i] + shift;
-                sums[i] += within(value, hardness[i]);
-                follow[i] += if (value > 0.0) & (value < hardness[i]) { 1.0 } else { 0.0 };
+                sums[i] += within(value, h[i]);
+                follow[i] += if (value > 0.0) & (value < h[i]) { 1.0 } else { 0.0 };
             }
         }
         [sums.iter().sum(), follow.iter().sum()]
@@ -394,17 +394,17 @@ impl<'a, C: Hardness, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], 
     type Output = Step;
 
     #[inline(always)]
-    fn run((trial, p, gradient, shift, shifted, hardnesses): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
+    fn run((trial, p, gradient, shift, shifted, hardness): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
         const L: usize = LANES;
         let (mut slope, mut square, mut cut, mut largest) = ([0.0; L], [0.0; L], [0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
             let mut t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
             let (p, g): ([f64; L], [f32; L]) = (load(p, chunk, 0.0), load(gradient, chunk, 0.0));
-            let hardness: [f64; L] = hardnesses.chunk(chunk);
+            let h: [f64; L] = hardness.chunk(chunk);
             for i in 0..L {
                 let value = t[i] + shift;
-                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > hardness[i]));
-                let step = shifted(t[i], hardness[i]) - p[i];
+                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > h[i]));
+                let step = shifted(t[i], h[i]) - p[i];
                 slope[i] += f64::from(g[i]) * step;
                 square[i] += step * step;
                 cut[i] += if outside { 1.0 } else { 0.0 };
@@ -426,14 +426,14 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], C)> for Room {
     type Output = f64;
 
     #[inline(always)]
-    fn run((p, step, hardnesses): (&'a [f64], &'a [f64], C)) -> f64 {
+    fn run((p, step, hardness): (&'a [f64], &'a [f64], C)) -> f64 {
         const L: usize = LANES;
         let mut least = [f64::INFINITY; L];
         for chunk in 0..p.len().div_ceil(L) {
             let (p, step): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(step, chunk, 0.0));
-            let hardness: [f64; L] = hardnesses.chunk(chunk);
+            let h: [f64; L] = hardness.chunk(chunk);
             for i in 0..L {
-                let way = if step[i] > 0.0 { hardness[i] - p[i] } else { p[i] };
+                let way = if step[i] > 0.0 { h[i] - p[i] } else { p[i] };
                 let room = if step[i] == 0.0 { f64::INFINITY } else { way / step[i].abs() };
                 least[i] = if room < least[i] { room } else { least[i] };
             }
