@@ -94,7 +94,7 @@ fn main() -> Result<()> {
         let level = level?;
         solved.push(json!({
             "percentile": percentile, "mean_pressure_pa": level.mean_pressure_pa, "failures": level.failures.len(),
-            "contact_fraction": level.contact_fraction, "plastic_share": level.plastic_share,
+            "contact_fraction": level.contact_fraction, "plastic_share": level.plastic_fraction,
         }));
     }
     let solves = settings.strips * PERCENTILES.len();
@@ -114,7 +114,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
     let mut workspace = strips.half_space.workspace();
     for index in 0..count {
         let start = Instant::now();
-        let germ = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.germ_len());
+        let germ = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
         germs_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let map = strips.surface.generate(&germ);
@@ -132,7 +132,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
             let start = Instant::now();
             let narrower = strips.window.narrower();
             let windows: Vec<&Window> = std::iter::once(strips.window).chain(&narrower).collect();
-            let sums = StripSums::of(&solution, None, &windows);
+            let sums = StripSums::new(&solution, None, &windows);
             let seen: usize = windows.iter().map(|window| window.slide(&sums)[0].len()).sum();
             windows_s += start.elapsed().as_secs_f64();
             assert!(seen > 0, "a strip has windows");

@@ -1,4 +1,4 @@
-//! Real contact area on a grid, with the bias of counting cells removed.
+//! Real contact area on a grid, corrected for the bias of counting cells.
 
 use ndarray::Array2;
 
@@ -7,22 +7,22 @@ use crate::{Boundary, Solution};
 /// Weight of the perimeter in the correction of the contact area, (π − 1 + ln 2)/24.
 pub const PERIMETER_WEIGHT: f64 = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0;
 
-/// Contact area in units of cells, corrected for the perimeter: A = A_px − (π−1+ln 2)/24 · S_d Δx.
+/// Returns the contact area in units of cells, corrected for the perimeter: A = A_px − (π−1+ln 2)/24 · S_d Δx.
 ///
-/// A cell counts as contact when p > 0, so cells cut by the edge of a contact are counted whole. S_d is the length of the
-/// edges between contact and non-contact cells. Only edges of contact cells with p < `hardness_pa` count, since a
-/// cell at the hardness carries its share in full; the border of a free patch does not count, while on a periodic one
+/// A cell counts as contact if p > 0, so cells cut by the edge of a contact count whole. S_d is the length of the
+/// edges between contact and non-contact cells. An edge counts only if its contact cell has p < `hardness_pa`, because a
+/// cell at the hardness carries load on its whole area. The border of a free patch does not count. On a periodic patch
 /// (`wrap_x`, `wrap_y`) opposite borders are neighbours. With unequal pitches each edge weighs dx·dy.
 ///
 /// # References
 /// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, *Tribology International* **114** (2017) 161,
 /// <https://doi.org/10.1016/j.triboint.2017.04.023>.
 pub fn corrected_contact_cells(pressure_pa: &Array2<f64>, hardness_pa: Option<f64>, wrap_x: bool, wrap_y: bool) -> f64 {
-    let upper = hardness_pa.unwrap_or(f64::INFINITY);
-    corrected_cells(pressure_pa, |cell| pressure_pa[cell] >= upper, wrap_x, wrap_y)
+    let hardness = hardness_pa.unwrap_or(f64::INFINITY);
+    corrected_cells(pressure_pa, |cell| pressure_pa[cell] >= hardness, wrap_x, wrap_y)
 }
 
-/// As [`corrected_contact_cells`], where `is_plastic` tells which cells are at their hardness.
+/// Computes [`corrected_contact_cells`]; `is_plastic` returns whether a cell is at its hardness.
 fn corrected_cells(
     pressure_pa: &Array2<f64>,
     is_plastic: impl Fn((usize, usize)) -> bool,
@@ -54,7 +54,7 @@ fn corrected_cells(
 }
 
 impl Solution {
-    /// Contact area over nominal area, corrected for the perimeter; see [`corrected_contact_cells`].
+    /// Returns the contact area over the nominal area, corrected for the perimeter; see [`corrected_contact_cells`].
     pub fn corrected_contact_fraction(&self) -> f64 {
         let wrap = matches!(self.boundary, Boundary::Periodic { .. });
         corrected_cells(&self.pressure_pa, |cell| self.is_plastic(cell), wrap, wrap) / self.grid.points() as f64
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn capped_cells_and_free_borders_have_no_perimeter() {
+    fn plastic_cells_and_free_borders_have_no_perimeter() {
         let mut p = Array2::zeros((4, 5));
         p.column_mut(0).fill(1.0);
         assert_eq!(corrected_contact_cells(&p, Some(1.0), true, true), 4.0);
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_solution_wraps_its_borders_when_it_is_periodic_and_spares_its_capped_cells() {
+    fn periodic_borders_wrap_and_plastic_cells_have_no_perimeter() {
         use crate::{Control, HalfSpace, Problem, Solver};
         use asperity_base::map::Grid;
         // A ridge of one column at the left border: two lines of edges when periodic, one when free.
@@ -94,19 +94,19 @@ mod tests {
         let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
         assert!((lines(periodic, None) - 2.0).abs() < 1e-12);
         assert!((lines(Boundary::Free, None) - 1.0).abs() < 1e-12);
-        // The load is exactly that of four cells at the hardness.
+        // Four cells at the hardness carry exactly this load.
         assert_eq!(lines(periodic, Some(6e-3)), 0.0);
         assert_eq!(lines(Boundary::Free, Some(6e-3)), 0.0);
     }
 
     #[test]
-    fn a_lone_cell_loses_four_edges_and_two_neighbours_lose_six() {
+    fn a_single_cell_has_four_edges_and_two_neighbours_have_six() {
         let mut p = Array2::zeros((5, 5));
         p[[2, 2]] = 1.0;
         assert!((corrected_contact_cells(&p, None, false, false) - (1.0 - 4.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
         p[[2, 3]] = 2.0;
         assert!((corrected_contact_cells(&p, None, true, true) - (2.0 - 6.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
-        // One of the two at the hardness: the other's three edges are left.
+        // One of the two cells is at the hardness. Only the three edges of the other count.
         assert!((corrected_contact_cells(&p, Some(2.0), true, true) - (2.0 - 3.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
     }
 }

@@ -1,11 +1,11 @@
-//! Clusters of contact: cells with p > 0 that hang together.
+//! Contact clusters: connected sets of cells with p > 0.
 
 use ndarray::Array2;
 
 use crate::{Boundary, Solution};
 use asperity_base::map::Grid;
 
-/// Which cells are neighbours.
+/// Definition of neighbouring cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Neighbours {
     /// Cells that share an edge.
@@ -16,7 +16,7 @@ pub enum Neighbours {
 }
 
 impl Neighbours {
-    /// Rows and columns to those neighbours that come earlier in row order.
+    /// Returns the row and column offsets of the neighbours that come earlier in row order.
     fn earlier(self) -> &'static [(isize, isize)] {
         match self {
             Self::Edges => &[(0, -1), (-1, 0)],
@@ -25,7 +25,7 @@ impl Neighbours {
     }
 }
 
-/// The clusters of contact, numbered from 1 in the order of their first cells, row by row from the top.
+/// Contact clusters, numbered from 1 in the order of their first cells, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clusters {
     labels: Array2<u32>,
@@ -35,8 +35,8 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// The clusters of the cells with p > 0 of `pressure_pa`, shape `[ny, nx]`; on the periodic boundary opposite borders are
-    /// neighbours. Time grows in proportion to the cells, but for a factor that is next to constant.
+    /// Finds the clusters of the cells with p > 0 of `pressure_pa`, shape `[ny, nx]`. On the periodic boundary opposite
+    /// borders are neighbours. The time is nearly proportional to the number of cells.
     ///
     /// # References
     /// R. E. Tarjan, *J. ACM* **22** (1975) 215 (union and find), <https://doi.org/10.1145/321879.321884>. J. Hoshen and
@@ -44,7 +44,7 @@ impl Clusters {
     ///
     /// # Panics
     /// If the field does not fit the grid, or has 2³² cells or more.
-    pub fn of(pressure_pa: &Array2<f64>, grid: Grid, boundary: Boundary, neighbours: Neighbours) -> Self {
+    pub fn new(pressure_pa: &Array2<f64>, grid: Grid, boundary: Boundary, neighbours: Neighbours) -> Self {
         assert_eq!(pressure_pa.dim(), grid.shape(), "the pressure does not fit the grid");
         let mut forest = Forest::new(grid.points());
         let wrap = matches!(boundary, Boundary::Periodic { .. });
@@ -86,44 +86,44 @@ impl Clusters {
         clusters
     }
 
-    /// Number of clusters.
+    /// Returns the number of clusters.
     pub fn count(&self) -> usize {
         self.cells.len()
     }
 
-    /// Number of the cluster of each cell, from 1, shape `[ny, nx]`; 0 out of contact.
+    /// Returns the number of the cluster of each cell, from 1, shape `[ny, nx]`; 0 out of contact.
     pub fn labels(&self) -> &Array2<u32> {
         &self.labels
     }
 
-    /// Cells of each cluster, the first entry that of cluster 1.
+    /// Returns the number of cells of each cluster, starting with cluster 1.
     pub fn cells(&self) -> &[usize] {
         &self.cells
     }
 
-    /// Area of each cluster in square metre, cells counted whole.
+    /// Returns the area of each cluster in square metre, cells counted whole.
     pub fn areas_m2(&self) -> Vec<f64> {
         self.cells.iter().map(|cells| *cells as f64 * self.cell_area_m2).collect()
     }
 
-    /// Load of each cluster in newton.
+    /// Returns the load of each cluster in newton.
     pub fn loads_n(&self) -> &[f64] {
         &self.loads_n
     }
 
-    /// Number, from 1, of the cluster of most cells, the first of several; `None` without contact.
+    /// Returns the number, from 1, of the cluster with the most cells (the first of equal ones); `None` without contact.
     pub fn largest(&self) -> Option<u32> {
         let largest = self.cells.iter().max()?;
         let place = self.cells.iter().position(|cells| cells == largest)?;
         Some(place as u32 + 1)
     }
 
-    /// Area of the largest cluster in square metre; 0 without contact.
+    /// Returns the area of the largest cluster in square metre; 0 without contact.
     pub fn largest_m2(&self) -> f64 {
         self.cells.iter().max().map_or(0.0, |cells| *cells as f64 * self.cell_area_m2)
     }
 
-    /// Cells of the largest cluster over all cells in contact; `None` without contact.
+    /// Returns the number of cells of the largest cluster over that of all cells in contact; `None` without contact.
     pub fn largest_fraction(&self) -> Option<f64> {
         let largest = self.cells.iter().max()?;
         Some(*largest as f64 / self.cells.iter().sum::<usize>() as f64)
@@ -131,13 +131,14 @@ impl Clusters {
 }
 
 impl Solution {
-    /// The clusters of contact; see [`Clusters::of`].
+    /// Returns the contact clusters; see [`Clusters::new`].
     pub fn clusters(&self, neighbours: Neighbours) -> Clusters {
-        Clusters::of(&self.pressure_pa, self.grid, self.boundary, neighbours)
+        Clusters::new(&self.pressure_pa, self.grid, self.boundary, neighbours)
     }
 }
 
-/// Sets of cells as trees, each cell pointing at one before it, or at itself: the root is the first cell of its set.
+/// Disjoint sets of cells as trees. Each cell points to an earlier one or, at the root, to itself; the root is the
+/// first cell.
 struct Forest(Vec<u32>);
 
 impl Forest {
@@ -150,7 +151,7 @@ impl Forest {
         let Self(parent) = self;
         let mut cell = cell;
         while parent[cell] as usize != cell {
-            // Every other cell on the way is brought nearer to the root.
+            // Path halving: every other cell now points closer to the root.
             parent[cell] = parent[parent[cell] as usize];
             cell = parent[cell] as usize;
         }
@@ -170,7 +171,7 @@ mod tests {
 
     const PERIODIC: Boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
 
-    /// The labels by flooding one cluster after the other.
+    /// Labels clusters by flood filling one after the other.
     fn flooded(pressure: &Array2<f64>, boundary: Boundary, neighbours: Neighbours) -> Array2<u32> {
         let (ny, nx) = pressure.dim();
         let wrap = boundary != Boundary::Free;
@@ -206,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn clusters_are_those_of_a_flood() {
+    fn clusters_equal_those_of_a_flood_fill() {
         let shapes = [(2, 2), (2, 9), (9, 2), (3, 3), (17, 23), (40, 31)];
         let mut stream = random::stream(4, "clusters", 0);
         let mut several = 0;
@@ -218,7 +219,7 @@ mod tests {
                 let pressure = field.mapv(|v| f64::max(v - threshold, 0.0));
                 for boundary in [Boundary::Free, PERIODIC] {
                     for neighbours in [Neighbours::Edges, Neighbours::EdgesAndCorners] {
-                        let clusters = Clusters::of(&pressure, grid, boundary, neighbours);
+                        let clusters = Clusters::new(&pressure, grid, boundary, neighbours);
                         let wanted = flooded(&pressure, boundary, neighbours);
                         assert_eq!(clusters.labels(), wanted, "{ny} × {nx}, {threshold}, {boundary:?} {neighbours:?}");
                         check_sums(&clusters, &pressure);
@@ -254,18 +255,18 @@ mod tests {
     }
 
     #[test]
-    fn a_chequerboard_hangs_together_by_its_corners_alone() {
+    fn a_chequerboard_is_connected_by_corners_only() {
         let grid = Grid::new(8, 6, 1.0, 1.0).unwrap();
         let board = Array2::from_shape_fn((6, 8), |(row, column)| if (row + column) % 2 == 0 { 1.0 } else { 0.0 });
         for boundary in [Boundary::Free, PERIODIC] {
-            assert_eq!(Clusters::of(&board, grid, boundary, Neighbours::Edges).count(), 24);
-            assert_eq!(Clusters::of(&board, grid, boundary, Neighbours::EdgesAndCorners).count(), 1);
+            assert_eq!(Clusters::new(&board, grid, boundary, Neighbours::Edges).count(), 24);
+            assert_eq!(Clusters::new(&board, grid, boundary, Neighbours::EdgesAndCorners).count(), 1);
         }
     }
 
     #[test]
     fn a_spiral_is_one_cluster() {
-        // The worst case of scans in rows: arms that meet at the centre alone.
+        // The worst case for row scans: arms that meet only at the centre.
         let n = 101_isize;
         let mut spiral = Array2::zeros((n as usize, n as usize));
         let ((mut y, mut x), (mut down, mut right)) = ((0_isize, 0_isize), (0, 1));
@@ -290,7 +291,7 @@ mod tests {
         let cells = spiral.iter().filter(|p| **p > 0.0).count();
         assert!(cells > 5000, "{cells}");
         let grid = Grid::new(n as usize, n as usize, 1.0, 1.0).unwrap();
-        let clusters = Clusters::of(&spiral, grid, Boundary::Free, Neighbours::Edges);
+        let clusters = Clusters::new(&spiral, grid, Boundary::Free, Neighbours::Edges);
         assert_eq!((clusters.count(), clusters.largest_fraction()), (1, Some(1.0)));
     }
 }

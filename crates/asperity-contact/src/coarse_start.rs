@@ -1,4 +1,4 @@
-//! A first guess under a prescribed plane.
+//! Initial pressure under a prescribed plane.
 
 use ndarray::Array2;
 
@@ -7,13 +7,14 @@ use crate::solver::Closure;
 use crate::{Control, Problem, Solver, Workspace};
 use asperity_base::monitor::Monitor;
 
-/// How well the guesses are solved: what is finer than their cells is missing anyway.
+/// Solver of the coarse problems. The tolerance is loose because coarse cells lack the fine waves anyway.
 const SOLVER: Solver = Solver { tolerance: 1e-2, max_iterations: 100 };
 
-/// Pressure under a plane at `plane_m` on cells twice as wide, found in the same way; zero where the cells cannot be halved.
+/// Returns the pressure under a plane at `plane_m`, solved on cells twice as wide and recursively on coarser ones; zero
+/// if the cells cannot be halved.
 ///
-/// Under a prescribed plane the load is unknown, and from zero pressure it builds up slowly, wave by long wave; the coarse
-/// grid settles it at a quarter of the cost.
+/// Under a prescribed plane the load is unknown. From zero pressure it builds up slowly through the long waves. The
+/// coarse grid determines it at a quarter of the cost.
 pub(super) fn under_plane(
     problem: &Problem<'_>,
     plane_m: f64,
@@ -30,15 +31,15 @@ pub(super) fn under_plane(
         0.25 * (fine[[i, j]] + fine[[i, j + 1]] + fine[[i + 1, j]] + fine[[i + 1, j + 1]])
     });
     let control = Control::Plane { height_m: plane_m };
-    // Averages of a rough map may be flat, which is no guess.
+    // Averages of a rough map may be flat; then there is no coarse problem.
     let Ok(guess) = Problem::new(coarse, &heights_m, control, problem.hardness_pa()) else {
         return none();
     };
     let closure = Closure::Plane { height_m: plane_m - guess.mean_height_m() };
     let workspace = &mut **workspace.coarse.get_or_insert_default();
-    coarse.claim(workspace);
+    coarse.prepare(workspace);
     let start = under_plane(&guess, plane_m, workspace, monitor);
     let solution = Descent::new(&guess, closure, &start, None, workspace).run(&SOLVER, monitor);
-    let upper_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
-    fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(upper_pa)).collect()
+    let bound_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(bound_pa)).collect()
 }

@@ -1,21 +1,22 @@
 //! Unloading, re-loading and load cycles of an elasto-plastic contact.
 //!
-//! A contact with hardness H leaves the plastic displacement u_pl where p = H (see [`Problem`]). The surface keeps it:
-//! the next load meets the heights z − u_pl. At the same load the pressure p still solves the problem on these heights,
-//! with no overlap left, so that
+//! A contact with hardness H leaves the plastic displacement u_pl where p = H (see [`Problem`]). It is permanent: the
+//! next load acts on the heights z − u_pl. At the same load the pressure p still solves the problem on these heights,
+//! now without overlap. Two consequences follow.
 //!
-//! - a load that is reached again, or from above, is carried elastically;
-//! - a load that rises step by step ends where one step to it does, provided that no cell at the hardness is relieved
-//!   on the way. On a half-space none is: the pressure that a further approach Δδ adds is that of a flat punch in the
-//!   shape of the contact below the hardness, nowhere negative, and its displacement nowhere exceeds Δδ. (Both follow
-//!   from the maximum principle of the potential 1/r, which the response of a layer need not have; on layers the path
+//! - A load that is reached again, or from above, is carried elastically.
+//! - A load that rises step by step ends in the state of a single step, if the pressure of no cell at the hardness falls
+//!   on the way. On a half-space this holds: the pressure added by a further approach Δδ is that of a flat punch in the
+//!   shape of the contact below the hardness. It is nowhere negative, and its displacement nowhere exceeds Δδ. (Both follow
+//!   from the maximum principle of the potential 1/r. The response of a layer need not obey it, so on layers the path
 //!   may matter.)
 //!
-//! So repeated equal cycles shake down after the first. Over a path that ends unloaded the work of the flat ∮F dδ is
-//! what plastic flow dissipates, Σ H Δu_pl dA: the elastic energy ½ Σ p u dA is that of the current pressure alone.
+//! So repeated equal cycles shake down after the first. Over a path that ends unloaded, the work of the flat ∮F dδ
+//! equals the plastic dissipation Σ H Δu_pl dA, because the elastic energy ½ Σ p u dA depends only on the current
+//! pressure.
 //!
-//! Heights stay in the coordinates of the map as it was: a penetration counts from *its* highest point, a percentile
-//! from *its* heights, whatever has been flattened since.
+//! Heights stay in the coordinates of the original map: a penetration counts from *its* highest point and a percentile
+//! from *its* heights, also after plastic flattening.
 //!
 //! # References
 //! A. Almqvist, F. Sahlin, R. Larsson and S. Glavatskih, *Tribology International* **40** (2007) 574,
@@ -26,7 +27,7 @@ use ndarray::{Array2, Zip};
 use crate::{ContactError, Control, HalfSpace, Problem, Solution, Solver, Workspace};
 use asperity_base::monitor::{Monitor, Silent};
 
-/// A surface on its way through loads, with the imprint they left.
+/// A surface on a load path, with the imprint of the loads so far.
 #[derive(Debug, Clone)]
 pub struct LoadPath<'a> {
     half_space: &'a HalfSpace,
@@ -40,13 +41,13 @@ pub struct LoadPath<'a> {
 /// One load on a path.
 #[derive(Debug, Clone)]
 pub struct LoadStep {
-    /// What was asked for.
+    /// Prescribed load or position.
     pub control: Control,
-    /// The contact on the heights that the loads before had left; `None` after complete unloading, where nothing
+    /// The contact on the heights that the loads before had left; `None` after complete unloading, when nothing
     /// touches.
     pub solution: Option<Solution>,
-    /// Height of the flat in metre, in the coordinates of the map; without load, where it touches the highest point
-    /// left.
+    /// Height of the flat in metre, in the coordinates of the map. Without load the flat touches the highest remaining
+    /// point.
     pub plane_m: f64,
     /// Load in newton.
     pub load_n: f64,
@@ -57,20 +58,20 @@ pub struct LoadStep {
 }
 
 impl LoadStep {
-    /// Whether the contact is solved; an unloaded surface is.
+    /// Returns whether the contact converged; true for an unloaded surface.
     pub fn converged(&self) -> bool {
         self.solution.as_ref().is_none_or(Solution::converged)
     }
 
-    /// Elastic energy ½ Σ p u dA in joule. Under a prescribed load on a periodic half-space it contains the mean
-    /// compliance's share.
+    /// Returns the elastic energy ½ Σ p u dA in joule. Under a prescribed load on a periodic half-space it includes the
+    /// energy of the mean compliance.
     pub fn elastic_energy_j(&self) -> f64 {
         self.solution.as_ref().map_or(0.0, Solution::elastic_energy_j)
     }
 }
 
 impl<'a> LoadPath<'a> {
-    /// A surface that has not been loaded yet; `hardness_pa = None` is elastic and keeps no imprint.
+    /// Creates a surface that has not been loaded yet; `hardness_pa = None` is elastic and keeps no imprint.
     ///
     /// # Errors
     /// As [`Problem::new`].
@@ -79,7 +80,7 @@ impl<'a> LoadPath<'a> {
         heights_m: &'a Array2<f64>,
         hardness_pa: Option<f64>,
     ) -> Result<Self, ContactError> {
-        // Refuses heights and a hardness that pose no problem.
+        // Validates heights and hardness.
         Problem::new(half_space, heights_m, Control::Penetration { metre: 0.0 }, hardness_pa)?;
         Ok(Self {
             half_space,
@@ -91,25 +92,26 @@ impl<'a> LoadPath<'a> {
         })
     }
 
-    /// The problem of pressing on `heights_m`.
+    /// Returns the contact problem on `heights_m`.
     fn problem<'p>(&'p self, heights_m: &'p Array2<f64>, control: Control) -> Result<Problem<'p>, ContactError> {
         Problem::new(self.half_space, heights_m, control, self.hardness_pa)
     }
 
-    /// Presses as `control` says, on the heights left by the loads before, and keeps the imprint. A load or mean
+    /// Applies `control` to the heights left by the loads before, and keeps the imprint. A load or mean
     /// pressure of zero is complete unloading.
     ///
-    /// Plastic displacements below the tolerance of the solution are not taken for true; where they are, the next load
-    /// meets them again. A solution that is not converged leaves no imprint.
+    /// Plastic displacements below the tolerance of the solution are not added to the imprint; if they are real, the
+    /// next load produces them again. A solution that did not converge leaves no imprint.
     ///
     /// # Errors
-    /// As [`Problem::new`], the map being that of the heights left ([`ContactError::Flat`] if nothing of it is), and
+    /// The errors of [`Problem::new`] on the remaining heights ([`ContactError::Flat`] if they are flat) and of
     /// [`Solver::solve`].
     pub fn press(&mut self, control: Control, solver: &Solver) -> Result<LoadStep, ContactError> {
         self.press_with(control, solver, &Silent)
     }
 
-    /// As [`LoadPath::press`]; when the monitor cancels, the solution is not converged and the surface is as it was.
+    /// Applies a load like [`LoadPath::press`]. When the monitor cancels, the solution is not converged and no imprint
+    /// is kept.
     ///
     /// # Errors
     /// As [`LoadPath::press`].
@@ -155,8 +157,8 @@ impl<'a> LoadPath<'a> {
         Ok(LoadStep { control, solution: Some(solution), plane_m, load_n, largest_increment_m, plastic_work_j })
     }
 
-    /// Presses as each of `controls` says, in turn; the steps end early with one that is not converged, as it is when the monitor
-    /// cancels.
+    /// Applies each of `controls` in turn. The steps end early at one that does not converge, for example when the
+    /// monitor cancels.
     ///
     /// # Errors
     /// As [`LoadPath::press`].
@@ -179,22 +181,22 @@ impl<'a> LoadPath<'a> {
         Ok(steps)
     }
 
-    /// The heights that are left without load, z − u_pl, in metre.
+    /// Returns the heights without load, z − u_pl, in metre.
     pub fn residual_heights_m(&self) -> &Array2<f64> {
         &self.residual_heights_m
     }
 
-    /// Plastic displacement of all loads together in metre, ≥ 0.
+    /// Returns the plastic displacement of all loads together in metre, ≥ 0.
     pub fn plastic_displacement_m(&self) -> Array2<f64> {
         self.original_heights_m - &self.residual_heights_m
     }
 
-    /// Work dissipated by all loads together in joule.
+    /// Returns the work dissipated by all loads together in joule.
     pub fn plastic_work_j(&self) -> f64 {
         self.plastic_work_j
     }
 
-    /// The control with a plane that depends on the heights fixed in the coordinates of the map as it was.
+    /// Replaces a control that depends on the heights by the height of its plane in the coordinates of the original map.
     fn in_coordinates_of_the_map(&self, control: Control) -> Result<Control, ContactError> {
         let original = self.problem(self.original_heights_m, control)?;
         Ok(original.plane_m().map_or(control, |height_m| Control::Plane { height_m }))
@@ -202,7 +204,7 @@ impl<'a> LoadPath<'a> {
 }
 
 impl Solution {
-    /// The heights z − u_pl in metre that are left of `heights_m` after complete unloading.
+    /// Returns the heights z − u_pl in metre that remain of `heights_m` after complete unloading.
     ///
     /// # Panics
     /// If the heights do not fit the grid.
@@ -211,9 +213,8 @@ impl Solution {
     }
 }
 
-/// Work −∫F dd in joule that the flat does along `steps`, d being its height, by the trapezoidal rule. With equal steps
-/// of the load from first touch on, where the approach rises as F^{2/3}, its error falls with their number to the power
-/// 5/3.
+/// Returns the work −∫F dd in joule of the flat along `steps`, d being its height, by the trapezoidal rule. After first
+/// touch the approach rises as F^{2/3}, so with equal load steps the error falls with their number to the power 5/3.
 pub fn work_of_flat_j(steps: &[LoadStep]) -> f64 {
     steps.windows(2).map(|pair| 0.5 * (pair[0].load_n + pair[1].load_n) * (pair[0].plane_m - pair[1].plane_m)).sum()
 }

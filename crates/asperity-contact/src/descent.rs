@@ -1,4 +1,4 @@
-//! The moving parts of one solve: see [`Solver`].
+//! State and steps of one solve; see [`Solver`].
 
 use ndarray::{Array2, CowArray, Ix2};
 
@@ -11,35 +11,35 @@ use crate::{Boundary, Problem, Solution, StopReason, Workspace};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::monitor::Monitor;
 
-/// Height over the roughness that is lost in the rounding of displacements.
+/// Height, over the roughness, that is lost in the rounding of displacements.
 const NEGLIGIBLE_HEIGHT: f64 = 1e-14;
-/// Every so many iterations a plain gradient projection guarantees convergence.
+/// Period, in iterations, of the plain gradient projection that guarantees convergence.
 const GRADIENT_PROJECTION_PERIOD: usize = 32;
-/// A clipped step is taken whole when its optimal length is at least this share of it.
+/// Least optimal length, as a fraction of a clipped step, for which the whole step is taken.
 const WHOLE_STEP_FROM: f64 = 0.7;
-/// Under a prescribed sum no step is lengthened more than this, for the sum of a step is zero up to rounding only.
+/// Largest factor on a step under a prescribed sum. The sum of a step is zero only up to rounding.
 const LONGEST_STEP: f64 = 1e6;
-/// Below this residual rounding may be all that is left of the steps,
+/// Residual below which steps may consist of rounding errors only.
 const ROUNDING_RESIDUAL: f64 = 1e-12;
-/// and is taken to be when so many of them have not halved it.
+/// Iterations without halving the residual after which rounding is assumed to dominate below [`ROUNDING_RESIDUAL`].
 const WANDERING_ITERATIONS: usize = 100;
-/// A direction counts as descent when its slope is at least this share of the steepest one's.
+/// Least slope of a descent direction, as a fraction of the steepest slope.
 const LEAST_SLOPE: f64 = 1e-4;
 /// Typical error of a displacement in single precision over the largest displacement.
 const SINGLE_PRECISION: f64 = 6e-8;
-/// Share of the residual that such errors may make up before they are undone.
+/// Largest fraction of the residual due to single-precision errors before v is recomputed.
 const TOLERABLE_DRIFT: f64 = 0.5;
-/// Residuals are bounded from below only while that leaves them so many times too large,
+/// Residuals are bounded from below only while the bound exceeds the tolerance by this factor.
 const CLEARLY: f64 = 4.0;
-/// and no smaller than this: the bound is a difference of sums.
+/// Least such bound that is used: it is a difference of sums.
 const CANCELLATION: f64 = 1e-10;
 
-/// The iterate of one solve. Heights are counted from their mean, and v = S p − z throughout.
+/// Iterate of one solve. Heights are counted from their mean, and v = S p − z throughout.
 ///
-/// Steps are displaced in single precision, which costs half as much and adds an error to v that is small against the step.
-/// Where the errors would matter v is computed afresh in double precision, so what a solve ends on is known in that.
+/// Steps are displaced in single precision. This halves the cost and adds an error to v that is small against the step.
+/// Before the errors matter, v is recomputed in double precision, so the final state has double precision.
 ///
-/// Pressures and v are kept for the cells near contact alone, see [`Slab`].
+/// Pressures and v are stored only for the cells near contact, see [`Slab`].
 pub(super) struct Descent<'a> {
     problem: &'a Problem<'a>,
     closure: Closure,
@@ -48,27 +48,27 @@ pub(super) struct Descent<'a> {
     /// Mean compliance of the half-space beyond that of `mean`, in m/Pa.
     missing_compliance_m_per_pa: f64,
     heights_m: CowArray<'a, f64, Ix2>,
-    /// v of all cells when it was last computed afresh, and whether that is now.
+    /// v of all cells as last recomputed, and whether it is current.
     v: Vec<f64>,
     is_fresh: bool,
-    /// Cells without pressure whose v is at least this are far from contact.
+    /// Least v of a cell without pressure that counts as far from contact.
     bound: f64,
     /// The bound after the next step.
     next_bound: f64,
     lambda: f64,
     summary: Summary,
     products: Products,
-    /// Units of the gradient, of the last step and of its image.
+    /// Units of the gradient, of the last step and of the image of that step.
     gradient_unit_m: f64,
     step_unit_pa: f64,
     image_unit_m: f64,
     step_length: f64,
     has_history: bool,
-    /// How far v may be from S p − z, in metre.
+    /// Estimated error of v = S p − z, in metre.
     drift_m: f64,
 }
 
-/// What one attempt at a direction is built from.
+/// Kind of search direction.
 #[derive(Clone, Copy, PartialEq)]
 enum Attempt {
     Conjugate,
@@ -77,8 +77,8 @@ enum Attempt {
 }
 
 impl<'a> Descent<'a> {
-    /// Starts from the pressure `p` within the bounds, and on a periodic half-space with the mean compliance given here
-    /// if any, in m/Pa.
+    /// Starts from the pressure `p` within the bounds. On a periodic half-space the mean compliance in m/Pa can be
+    /// given.
     pub(super) fn new(
         problem: &'a Problem<'a>,
         closure: Closure,
@@ -119,8 +119,9 @@ impl<'a> Descent<'a> {
         descent
     }
 
-    /// Undoes the drift of rounding in the recurrences: restores the prescribed sum by a common shift of the cells between
-    /// the bounds, and computes v = S p − z afresh. Where the pressure is known to be `uniform` that may need no transform.
+    /// Removes the drift of rounding in the recurrences: restores the prescribed sum by a common shift of the cells
+    /// between the bounds, and recomputes v = S p − z. If the pressure is known to be `uniform`, that may need no
+    /// transform.
     fn refresh(&mut self, uniform: Option<f64>) {
         if matches!(self.closure, Closure::Sum { .. }) {
             let extent = self.workspace.near.fold(Extent::NONE, Slab::propose_itself, Extent::with);
@@ -168,7 +169,7 @@ impl<'a> Descent<'a> {
         self.sum_up();
     }
 
-    /// Looks for the cells near contact all over the grid: those whose v is below `bound`.
+    /// Adds the cells of the whole grid whose v is below `bound` to the lists of cells near contact.
     fn look(&mut self, bound: f64) {
         self.bound = bound;
         self.workspace.near.look(bound, self.is_fresh.then_some(self.v.as_slice()));
@@ -179,7 +180,7 @@ impl<'a> Descent<'a> {
         self.summary = self.workspace.near.iter().map(|slab| slab.summary).fold(Summary::NONE, Summary::with);
     }
 
-    /// Residuals, by the cells near contact; where they are much larger than `tolerance`, bounds from below.
+    /// Returns the residuals from the cells near contact, or lower bounds while they are much larger than `tolerance`.
     fn certified(&mut self, tolerance: f64) -> Residual {
         let bound = self.least_residual();
         if bound.worst() > CLEARLY * tolerance.max(CANCELLATION) {
@@ -189,7 +190,7 @@ impl<'a> Descent<'a> {
             let gap_sum_m = self.gap_sum_m();
             let parts: Vec<Part<'_>> = self.workspace.near.iter().map(Slab::part).collect();
             let (plane_m, residual) = certify(self.problem, self.closure, &parts, gap_sum_m);
-            // What was left out lies apart from the plane as long as its v, which is at least the bound, does.
+            // Cells left out have a gap as long as their v exceeds −plane; their v is at least the bound.
             if -plane_m <= self.bound || self.bound == f64::INFINITY {
                 return residual;
             }
@@ -197,7 +198,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// What the residuals are at least, from sums that are known.
+    /// Returns lower bounds of the residuals, from known sums.
     fn least_residual(&self) -> Residual {
         let Summary { pressure, free, free_v, least_v, .. } = self.summary;
         let rms_height_m = self.problem.rms_height_m();
@@ -208,18 +209,18 @@ impl<'a> Descent<'a> {
         Residual { frank_wolfe, overlap: (-(least_v + plane_m)).max(0.0) / rms_height_m, load }
     }
 
-    /// Sum of the gaps of all cells, where these matter.
+    /// Returns the sum of the gaps of all cells if the residuals need it.
     fn gap_sum_m(&self) -> Option<f64> {
         let Closure::Gap { metre } = self.closure else { return None };
         let gap = |v: f64| v + metre;
-        // Displacements and heights have no mean here, so that Σ(v + gap) over all cells is known.
+        // Displacements and heights have mean zero here, so Σ(v + gap) over all cells is known.
         let all = self.v.len() as f64 * metre;
         let touching = |p: f64, v: f64| if (p > 0.0) | (gap(v) <= 0.0) { gap(v) } else { 0.0 };
         let sum = |part: Part<'_>| part.p.iter().zip(part.v).map(|(p, v)| touching(*p, *v)).sum::<f64>();
         Some(all - self.workspace.near.iter().map(|slab| sum(slab.part())).sum::<f64>())
     }
 
-    /// Iterates until the freshly evaluated residuals are below the tolerance, no progress can be represented, or the monitor
+    /// Iterates until the recomputed residuals are below the tolerance, no progress can be represented, or the monitor
     /// cancels.
     pub(super) fn run(mut self, solver: &Solver, monitor: &dyn Monitor) -> Solution {
         let mut iterations = 0;
@@ -235,7 +236,7 @@ impl<'a> Descent<'a> {
             if !self.is_fresh && (claimed || self.drift_m > tolerable) {
                 self.refresh(None);
                 residual = self.certified(solver.tolerance);
-                // Rounding that undoes the progress made since it last did so leaves none to be made.
+                // If rounding undoes the progress since the last recomputation, no further progress is possible.
                 if claimed && residual.worst() > solver.tolerance {
                     if residual.worst() > 0.5 * last_refuted {
                         break (StopReason::PrecisionLimit, residual);
@@ -270,7 +271,7 @@ impl<'a> Descent<'a> {
                 iterations += 1;
                 continue;
             }
-            // A step too small for any pressure to change may have moved v.
+            // A step too small to change any pressure may have changed v.
             self.has_history = false;
             if !self.is_fresh {
                 self.refresh(None);
@@ -282,8 +283,8 @@ impl<'a> Descent<'a> {
         self.finish(iterations, stop_reason, residual)
     }
 
-    /// The multiplier λ: the negative height of the plane, or the one for which the gradient of the cells that may move has no
-    /// mean.
+    /// Computes the multiplier λ: the negative height of the plane if it is fixed, otherwise the λ for which the
+    /// gradient of the cells that may move has mean zero.
     fn find_multiplier(&mut self) {
         if self.closure.plane_m().is_some() {
             return;
@@ -294,13 +295,13 @@ impl<'a> Descent<'a> {
             let near = &self.workspace.near;
             self.lambda =
                 tangent_multiplier(self.lambda, negligible, |lambda| near.sums(|slab| slab.tangent_sums(lambda)));
-            // Cells that were left out count as soon as their v is below the multiplier, and then lower it.
+            // Cells that were left out count as soon as their v is below the multiplier. They then lower it.
             if self.lambda <= self.bound {
                 break;
             }
             self.look(self.lambda);
         }
-        // Where the multiplier may well be next time, once it has been anywhere.
+        // The multiplier of the next iteration is expected within this margin, once it has changed at least once.
         let margin = if self.has_history { 2.0 * (self.lambda - last_lambda).abs() } else { 0.0 };
         self.next_bound = self.lambda + margin;
     }
@@ -312,10 +313,10 @@ impl<'a> Descent<'a> {
             if self.project_everywhere() {
                 return true;
             }
-            // Other cells may have been looked up.
+            // The projection may have added cells to the lists.
             self.precondition();
         }
-        // A length that served where the bounds cut most of the steps may be out of all proportion later on.
+        // A length from an iteration with many clipped steps may be far too large or small later.
         let lengths = [self.step_length, 1.0];
         for &length in if self.step_length == 1.0 { &lengths[..1] } else { &lengths[..] } {
             self.step_length = length;
@@ -325,7 +326,7 @@ impl<'a> Descent<'a> {
                 }
                 let (step, _) = self.propose(self.direction(attempt));
                 let steepest = (self.products.gg * step.square).sqrt();
-                // The projected gradient is a descent direction whatever its angle with the gradient.
+                // The projected gradient is a descent direction at any angle to the gradient.
                 if step.slope < 0.0 && (attempt == Attempt::Gradient || -step.slope >= LEAST_SLOPE * steepest) {
                     return self.take(step);
                 }
@@ -349,7 +350,7 @@ impl<'a> Descent<'a> {
         self.products = near.iter().map(|slab| slab.products).fold(Products::default(), Products::with);
     }
 
-    /// The gradient's unit for the next iteration: its root mean square now, for squares have to be representable.
+    /// Sets the gradient's unit for the next iteration to its root mean square now, so that squares can be represented.
     fn rescale(&mut self) {
         let rms = (self.products.gg / self.products.members).sqrt();
         if rms.is_finite() && rms > 0.0 {
@@ -357,7 +358,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// A gradient projection over all cells, not over those that may move alone.
+    /// Takes a gradient projection over all cells, not only over those that may move.
     fn project_everywhere(&mut self) -> bool {
         let length = self.gradient_length();
         let (lambda, unit_m) = (self.lambda, self.gradient_unit_m);
@@ -365,7 +366,7 @@ impl<'a> Descent<'a> {
             self.workspace.near.each(|slab| slab.differentiate(lambda, unit_m, true));
             let direction = Direction { gradient: -length * unit_m, ..Direction::default() };
             let (step, shift) = self.propose(direction);
-            // A common shift presses those other cells that lie apart by less than it is worth.
+            // A common shift also presses other cells whose gap is smaller than the shift.
             let reached = lambda + shift.largest() / length;
             if reached <= self.bound || self.bound == f64::INFINITY {
                 return step.slope < 0.0 && self.take(step);
@@ -374,7 +375,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// A length for steps along the gradient that compares with that of the preconditioned one.
+    /// Returns a length for steps along the gradient, comparable to the length of preconditioned steps.
     fn gradient_length(&self) -> f64 {
         let Products { g, z, gg, gz, .. } = self.products;
         let usual = self.problem.half_space().stiffness_unit_pa_per_m();
@@ -382,17 +383,18 @@ impl<'a> Descent<'a> {
         self.step_length * usual * if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
     }
 
-    /// The mean of what sums up to `sum` over the cells that may move, where the sum of the pressure is fixed: steps are without.
+    /// Returns the mean over the cells that may move of a quantity with this `sum`, if the sum of the pressure is
+    /// fixed; steps have mean zero then. Otherwise returns zero.
     fn centre(&self, sum: f64) -> f64 {
         if self.closure.plane_m().is_some() || self.products.members == 0.0 { 0.0 } else { sum / self.products.members }
     }
 
-    /// Unit of the preconditioned gradient.
+    /// Returns the unit of the preconditioned gradient.
     fn preconditioned_unit_pa(&self) -> f64 {
         self.problem.half_space().stiffness_unit_pa_per_m() * self.gradient_unit_m
     }
 
-    /// The step of an attempt.
+    /// Returns the search direction of an attempt.
     fn direction(&self, attempt: Attempt) -> Direction {
         let length = self.step_length * self.preconditioned_unit_pa();
         let preconditioned = Direction {
@@ -409,12 +411,12 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The preconditioned gradient made conjugate to the last realised step, plus the correction of that step's length;
-    /// under a fixed plane the pressure itself is a second such direction, which settles the load level.
+    /// Returns the preconditioned gradient made conjugate to the last realised step, plus the correction of that step's
+    /// length. Under a fixed plane the pressure itself is a second such direction, which adjusts the level of the load.
     fn conjugate_direction(&self, preconditioned: Direction) -> Direction {
         let Products { g, z, s, w, gs, sw, zw, .. } = self.products;
         let (mean_s, mean_z) = (self.centre(s), self.centre(z));
-        // Over the units of gradient, preconditioned gradient, step and image.
+        // In the units of gradient, preconditioned gradient, step and image.
         let curvature = sw - mean_s * w;
         let gradient_step = gs - mean_s * g;
         let conjugacy = zw - mean_z * w;
@@ -422,7 +424,7 @@ impl<'a> Descent<'a> {
         let by_preconditioned = self.preconditioned_unit_pa() / self.step_unit_pa;
         let mut beta = (conjugacy / curvature * by_preconditioned).max(0.0);
         let (mut gamma, mut level) = (-gradient_step / curvature * by_gradient, 0.0);
-        // With nothing at the upper bound all pressure is that of the cells that may move; u = S p is known as v + z.
+        // Without cells at the hardness, the cells that may move carry all pressure. u = S p is known as v + z.
         if self.closure.plane_m().is_some() && self.summary.full == 0.0 {
             let [pw, pg, pu] = self.level();
             let curvature = curvature * self.step_unit_pa * self.image_unit_m;
@@ -441,7 +443,7 @@ impl<'a> Descent<'a> {
         Direction { pressure: level, step: along_step, constant, ..preconditioned }
     }
 
-    /// Σ p w, Σ p g and Σ p u over the cells that may move.
+    /// Returns Σ p w, Σ p g and Σ p u over the cells that may move.
     fn level(&self) -> [f64; 3] {
         let mean_height_m = self.problem.mean_height_m();
         let heights_m = self.heights_m.as_slice().unwrap_or(&[]);
@@ -451,8 +453,8 @@ impl<'a> Descent<'a> {
         [pw * self.image_unit_m, pg * self.gradient_unit_m, pu]
     }
 
-    /// Puts the step of `direction`, within the bounds and with the prescribed sum, on trial; returns what it is and by how much
-    /// it was shifted. With a fixed sum the multiplier drops out of the slope, but keeping it avoids cancellation.
+    /// Computes the trial step of `direction`, within the bounds and with the prescribed sum. Returns the step and its
+    /// shift. With a fixed sum the multiplier drops out of the slope, but keeping it avoids cancellation.
     fn propose(&mut self, direction: Direction) -> (Step, Shift) {
         let extent = self.workspace.near.fold(Extent::NONE, |slab| slab.propose(direction), Extent::with);
         let shift = self.shift_to_sum(extent);
@@ -464,15 +466,15 @@ impl<'a> Descent<'a> {
         (step, shift)
     }
 
-    /// The shift after which the trial has the prescribed sum, if any is.
+    /// Returns the shift after which the trial has the prescribed sum, if a sum is prescribed.
     fn shift_to_sum(&self, extent: Extent) -> Shift {
         let Closure::Sum { pascal } = self.closure else { return Shift::NONE };
         let near = &self.workspace.near;
-        let [held] = near.sums(|slab| [slab.held()]);
-        project_to_sum(extent, held, pascal, |shift| near.sums(|slab| slab.shifted_sum(shift)))
+        let [fixed] = near.sums(|slab| [slab.fixed()]);
+        project_to_sum(extent, fixed, pascal, |shift| near.sums(|slab| slab.shifted_sum(shift)))
     }
 
-    /// Goes along the step on trial, whose slope is negative, as far as lowers the energy.
+    /// Follows the trial step, whose slope is negative, by a length that lowers the energy.
     fn take(&mut self, step: Step) -> bool {
         let half_space = self.problem.half_space();
         let unit_pa = step.largest;
@@ -518,7 +520,7 @@ impl<'a> Descent<'a> {
             self.workspace.near.release();
         }
         let height_m = self.closure.plane_m().unwrap_or(self.summary.resting_m());
-        // A mean compliance that was left out moves surface and plane alike.
+        // A mean compliance that was left out moves surface and plane by the same amount.
         let shift_m = self.missing_compliance_m_per_pa * self.summary.pressure / self.v.len() as f64;
         let mean_height_m = problem.mean_height_m();
         let mut v = self.v;

@@ -1,11 +1,12 @@
-//! Closed-form solutions.
+//! Closed-form solutions of contact problems.
 
 use std::f64::consts::PI;
 
 /// A parabola of revolution pressed into a flat (Hertz).
 ///
 /// # References
-/// K. L. Johnson, *Contact Mechanics*, Cambridge University Press (1985), §4.2, <https://doi.org/10.1017/CBO9781139171731>.
+/// K. L. Johnson, *Contact Mechanics*, Cambridge University Press (1985), §4.2,
+/// <https://doi.org/10.1017/CBO9781139171731>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz {
     /// Contact radius a = (3FR/4E*)^{1/3} in metre.
@@ -17,14 +18,14 @@ pub struct Hertz {
 }
 
 impl Hertz {
-    /// The contact of a sphere of `radius_m` under `load_n` with contact modulus E* = `modulus_pa`.
+    /// Computes the contact of a sphere of `radius_m` under `load_n` with contact modulus E* = `modulus_pa`.
     pub fn new(modulus_pa: f64, radius_m: f64, load_n: f64) -> Self {
         let contact_radius_m = (0.75 * load_n * radius_m / modulus_pa).cbrt();
         let max_pressure_pa = 1.5 * load_n / (PI * contact_radius_m.powi(2));
         Self { contact_radius_m, max_pressure_pa, approach_m: contact_radius_m.powi(2) / radius_m }
     }
 
-    /// The load in newton that makes the approach `approach_m`.
+    /// Returns the load in newton at the approach `approach_m`.
     pub fn load_n(modulus_pa: f64, radius_m: f64, approach_m: f64) -> f64 {
         4.0 / 3.0 * modulus_pa * radius_m.sqrt() * approach_m.powf(1.5)
     }
@@ -45,7 +46,7 @@ pub struct Westergaard {
 }
 
 impl Westergaard {
-    /// The contact of amplitude h and wavelength λ under the mean pressure p̄ ≤ p*.
+    /// Computes the contact of amplitude h and wavelength λ under the mean pressure p̄ ≤ p*.
     ///
     /// # Panics
     /// If the mean pressure is negative or exceeds p*.
@@ -59,7 +60,7 @@ impl Westergaard {
     }
 }
 
-/// Persson's contact fraction A/A₀ = erf(√2 p̄/(E* h'_rms)) of a self-affine surface of rms gradient h'_rms.
+/// Returns Persson's contact fraction A/A₀ = erf(√2 p̄/(E* h'_rms)) of a self-affine surface of rms gradient h'_rms.
 ///
 /// # References
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
@@ -67,10 +68,11 @@ pub fn persson_contact_fraction(mean_pressure_pa: f64, modulus_pa: f64, rms_grad
     statrs::function::erf::erf(std::f64::consts::SQRT_2 * mean_pressure_pa / (modulus_pa * rms_gradient))
 }
 
-/// Contact fraction A/A₀ = √(2π) p̄/(E* h'_rms) of Bush, Gibson and Thomas at light loads, in their limit of many scales.
+/// Returns the contact fraction A/A₀ = √(2π) p̄/(E* h'_rms) of Bush, Gibson and Thomas at light loads, in the limit of
+/// many scales.
 ///
-/// It bounds numerical results from above, as [`persson_contact_fraction`] does from below, whose slope √(8/π) is 1.57 times
-/// smaller. It is a straight line, and meaningless where it comes near one.
+/// It bounds numerical results from above. [`persson_contact_fraction`] bounds them from below; its slope √(8/π) is 1.57
+/// times smaller. The fraction is linear in the pressure and invalid close to one.
 ///
 /// # References
 /// A. W. Bush, R. D. Gibson and T. R. Thomas, *Wear* **35** (1975) 87, <https://doi.org/10.1016/0043-1648(75)90145-3>.
@@ -78,14 +80,14 @@ pub fn bush_gibson_thomas_contact_fraction(mean_pressure_pa: f64, modulus_pa: f6
     (2.0 * PI).sqrt() * mean_pressure_pa / (modulus_pa * rms_gradient)
 }
 
-/// Persson's law of the pressure of a rough contact, elastic or with a hardness.
+/// Persson's distribution of the pressure of a rough contact, elastic or with a hardness.
 ///
-/// In complete contact the pressure has the mean p̄ and the variance V = (E* h'_rms/2)², the sum of (E*|q|/2)²|ẑ|² over all
-/// waves. Added wave by wave, with pressures that reach zero taken out, it diffuses to
-/// P(p) = [exp(−(p−p̄)²/2V) − exp(−(p+p̄)²/2V)]/√(2πV) for p > 0, per area of the whole surface. Its integral is
-/// [`persson_contact_fraction`]; the rest of the surface is an atom at zero. With a hardness H, pressures that reach it are taken
-/// out as well: P is summed over the images of p̄ in both walls, and the load that it does not carry lies on an atom at H. Without
-/// roughness (V = 0) there is no density.
+/// In complete contact the pressure has the mean p̄ and the variance V = (E* h'_rms/2)², the sum of (E*|q|/2)²|ẑ|² over
+/// all waves. Adding wave by wave and absorbing pressures that reach zero gives the diffusion result P(p) =
+/// [exp(−(p−p̄)²/2V) − exp(−(p+p̄)²/2V)]/√(2πV) for p > 0, per area of the whole surface. Its integral is
+/// [`persson_contact_fraction`]. The rest of the surface is a point mass at zero. With a hardness H, pressures that
+/// reach H are absorbed as well: P is the sum over the images of p̄ in both walls, and a point mass at H carries the
+/// remaining load. Without roughness (V = 0) there is no density.
 ///
 /// # References
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>. W. Manners and
@@ -96,30 +98,31 @@ pub struct PerssonPressure {
     pub mean_pressure_pa: f64,
     /// Standard deviation √V of the pressure in complete elastic contact in pascal.
     pub full_contact_std_pa: f64,
-    /// Upper bound of the pressure in pascal, if any.
+    /// Hardness in pascal, the upper bound of the pressure, if any.
     pub hardness_pa: Option<f64>,
 }
 
 impl PerssonPressure {
-    /// √V/H from which less than 10⁻³⁰ of the surface is in elastic contact.
+    /// Value of √V/H above which less than 10⁻³⁰ of the surface is in elastic contact.
     const ALL_PLASTIC: f64 = 4.0;
 
-    /// The law under the mean pressure p̄ with contact modulus E* and rms gradient h'_rms; elastic without a hardness.
+    /// Creates the distribution for the mean pressure p̄, contact modulus E* and rms gradient h'_rms; elastic without a
+    /// hardness.
     pub fn new(mean_pressure_pa: f64, modulus_pa: f64, rms_gradient: f64, hardness_pa: Option<f64>) -> Self {
         Self { mean_pressure_pa, full_contact_std_pa: 0.5 * modulus_pa * rms_gradient, hardness_pa }
     }
 
-    /// Share of the surface in contact, elastic or plastic.
+    /// Returns the fraction of the surface in contact, elastic or plastic.
     pub fn contact_fraction(&self) -> f64 {
         self.elastic_fraction() + self.plastic_fraction()
     }
 
-    /// Share of the surface with 0 < p < H.
+    /// Returns the fraction of the surface with 0 < p < H.
     pub fn elastic_fraction(&self) -> f64 {
         self.elastic_below(self.hardness_pa.unwrap_or(f64::INFINITY))
     }
 
-    /// Share of the surface with p = H.
+    /// Returns the fraction of the surface with p = H.
     pub fn plastic_fraction(&self) -> f64 {
         let Some(hardness_pa) = self.hardness_pa else { return 0.0 };
         // ∫ p G(p − m) dp over (0, H).
@@ -133,7 +136,7 @@ impl PerssonPressure {
         ((mean - elastic_pa) / hardness_pa).max(0.0)
     }
 
-    /// Density P(p) at a pressure p in pascal, per pascal and area of the whole surface; 0 unless 0 < p < H.
+    /// Returns the density P(p) at a pressure p in pascal, per pascal and area of the whole surface; 0 unless 0 < p < H.
     pub fn density_per_pa(&self, pressure_pa: f64) -> f64 {
         if pressure_pa <= 0.0 || self.hardness_pa.is_some_and(|hardness_pa| pressure_pa >= hardness_pa) {
             return 0.0;
@@ -142,7 +145,7 @@ impl PerssonPressure {
         let mean = self.mean_pressure_pa / std;
         let pairs = self.images().map(|shift| {
             let p = (pressure_pa - shift) / std;
-            // The difference of both exponentials, exact to rounding where they nearly cancel.
+            // The difference of both exponentials, exact to rounding even if they nearly cancel.
             if p > 0.0 {
                 -(-2.0 * p * mean).exp_m1() * (-0.5 * (p - mean).powi(2)).exp()
             } else {
@@ -152,7 +155,7 @@ impl PerssonPressure {
         pairs.sum::<f64>() / ((2.0 * PI).sqrt() * std)
     }
 
-    /// Share of the surface, out of contact or in, whose pressure is at most `pressure_pa`.
+    /// Returns the fraction of the surface, in or out of contact, whose pressure is at most `pressure_pa`.
     pub fn cumulative(&self, pressure_pa: f64) -> f64 {
         if pressure_pa < 0.0 {
             0.0
@@ -163,23 +166,24 @@ impl PerssonPressure {
         }
     }
 
-    /// Share of the surface with a pressure above zero and at most `pressure_pa`, none of it plastic.
+    /// Returns the fraction of the surface with a pressure above zero and at most `pressure_pa`, all of it elastic.
     fn elastic_below(&self, pressure_pa: f64) -> f64 {
         let mean = self.mean_pressure_pa;
         let within = |m: f64| 0.5 * (self.erf(pressure_pa - m) + self.erf(m));
         self.images().map(|shift| within(shift + mean) - within(shift - mean)).sum()
     }
 
-    /// erf(p/√(2V)).
+    /// Returns erf(p/√(2V)).
     fn erf(&self, pressure_pa: f64) -> f64 {
         statrs::function::erf::erf(pressure_pa / (std::f64::consts::SQRT_2 * self.full_contact_std_pa))
     }
 
-    /// Multiples of 2H, by which images of ±p̄ are shifted, as far as the density reaches; zero alone in the elastic case.
+    /// Returns the multiples of 2H that shift the images of ±p̄ and contribute to the density; only zero in the elastic
+    /// case.
     fn images(&self) -> impl Iterator<Item = f64> {
         let hardness_pa = self.hardness_pa.unwrap_or(f64::INFINITY);
         let reach = self.full_contact_std_pa / hardness_pa;
-        // Pairs about ±1, ±2, … lie at least 2H|k| − 2H off.
+        // Pairs about ±1, ±2, … are at least 2H|k| − 2H away.
         let pairs = if reach > Self::ALL_PLASTIC { None } else { Some((1.0 + 5.0 * reach).ceil() as i32) };
         let range = match (pairs, self.hardness_pa) {
             (_, None) => 0..1,
@@ -232,7 +236,7 @@ mod tests {
         assert!((ratio / (0.5 * PI) - 1.0).abs() < 1e-11);
     }
 
-    /// ∫ f over (0, top) by Simpson's rule.
+    /// Returns ∫ f over (0, top) by Simpson's rule.
     fn integral(top: f64, f: impl Fn(f64) -> f64) -> f64 {
         let steps = 4000;
         let weight = |i: usize| if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
@@ -243,22 +247,22 @@ mod tests {
     fn the_pressures_in_contact_carry_the_load_on_the_contact_area() {
         let (modulus, gradient) = (2.0, 0.3);
         for mean in [1e-4, 0.05, 0.3, 2.0] {
-            let law = PerssonPressure::new(mean, modulus, gradient, None);
-            let top = mean + 12.0 * law.full_contact_std_pa;
-            let area = integral(top, |p| law.density_per_pa(p));
+            let dist = PerssonPressure::new(mean, modulus, gradient, None);
+            let top = mean + 12.0 * dist.full_contact_std_pa;
+            let area = integral(top, |p| dist.density_per_pa(p));
             assert!((area / persson_contact_fraction(mean, modulus, gradient) - 1.0).abs() < 1e-9, "{mean}: {area}");
-            assert!((area / law.contact_fraction() - 1.0).abs() < 1e-9);
-            let load = integral(top, |p| p * law.density_per_pa(p));
+            assert!((area / dist.contact_fraction() - 1.0).abs() < 1e-9);
+            let load = integral(top, |p| p * dist.density_per_pa(p));
             assert!((load / mean - 1.0).abs() < 1e-9, "{mean}: {load}");
             for p in [0.01, 0.2, 0.7] {
-                let cumulative = 1.0 - law.contact_fraction() + integral(p, |p| law.density_per_pa(p));
-                assert!((law.cumulative(p) - cumulative).abs() < 1e-9);
+                let cumulative = 1.0 - dist.contact_fraction() + integral(p, |p| dist.density_per_pa(p));
+                assert!((dist.cumulative(p) - cumulative).abs() < 1e-9);
             }
-            assert_eq!((law.density_per_pa(0.0), law.density_per_pa(-1.0), law.cumulative(-1.0)), (0.0, 0.0, 0.0));
+            assert_eq!((dist.density_per_pa(0.0), dist.density_per_pa(-1.0), dist.cumulative(-1.0)), (0.0, 0.0, 0.0));
         }
-        // Deep in complete contact it is the normal law of mean p̄ and standard deviation E* h'rms/2.
-        let law = PerssonPressure::new(30.0, 2.0, 3.0, None);
-        assert!((law.density_per_pa(33.0) * 3.0 * (2.0 * PI).sqrt() - (-0.5_f64).exp()).abs() < 1e-12);
+        // Deep in complete contact the distribution is normal with mean p̄ and standard deviation E* h'rms/2.
+        let dist = PerssonPressure::new(30.0, 2.0, 3.0, None);
+        assert!((dist.density_per_pa(33.0) * 3.0 * (2.0 * PI).sqrt() - (-0.5_f64).exp()).abs() < 1e-12);
     }
 
     #[test]
@@ -267,33 +271,34 @@ mod tests {
         for (mean, std, hardness) in
             [(0.1, 0.3, 1.0), (0.1, 1.0, 1.0), (0.9, 0.3, 1.0), (0.5, 0.02, 2.0), (0.3, 2.0, 1.0)]
         {
-            let law = PerssonPressure::new(mean, 2.0, std, Some(hardness));
+            let dist = PerssonPressure::new(mean, 2.0, std, Some(hardness));
             let wave = |n: f64, p: f64| (n * PI * p / hardness).sin();
             let decay = |n: f64| (-0.5 * (n * PI * std / hardness).powi(2)).exp();
-            for p in [0.01, 0.2, 0.5, 0.95].map(|share| share * hardness) {
+            for p in [0.01, 0.2, 0.5, 0.95].map(|fraction| fraction * hardness) {
                 let terms = (1..2000).map(f64::from).map(|n| wave(n, mean) * wave(n, p) * decay(n));
                 let wanted = 2.0 / hardness * terms.sum::<f64>();
                 assert!(
-                    (law.density_per_pa(p) - wanted).abs() < 1e-13,
-                    "{law:?} {p}: {} {wanted}",
-                    law.density_per_pa(p)
+                    (dist.density_per_pa(p) - wanted).abs() < 1e-13,
+                    "{dist:?} {p}: {} {wanted}",
+                    dist.density_per_pa(p)
                 );
             }
-            let elastic = integral(hardness, |p| law.density_per_pa(p));
-            assert!((law.elastic_fraction() - elastic).abs() < 1e-9, "{law:?}");
-            let carried = integral(hardness, |p| p * law.density_per_pa(p)) + hardness * law.plastic_fraction();
-            assert!((carried / mean - 1.0).abs() < 1e-9, "{law:?}: {carried}");
+            let elastic = integral(hardness, |p| dist.density_per_pa(p));
+            assert!((dist.elastic_fraction() - elastic).abs() < 1e-9, "{dist:?}");
+            let carried = integral(hardness, |p| p * dist.density_per_pa(p)) + hardness * dist.plastic_fraction();
+            assert!((carried / mean - 1.0).abs() < 1e-9, "{dist:?}: {carried}");
             let middle = 0.4 * hardness;
-            let cumulative = 1.0 - law.contact_fraction() + integral(middle, |p| law.density_per_pa(p));
-            assert!((law.cumulative(middle) - cumulative).abs() < 1e-9);
-            assert_eq!((law.cumulative(hardness), law.density_per_pa(hardness)), (1.0, 0.0));
+            let cumulative = 1.0 - dist.contact_fraction() + integral(middle, |p| dist.density_per_pa(p));
+            assert!((dist.cumulative(middle) - cumulative).abs() < 1e-9);
+            assert_eq!((dist.cumulative(hardness), dist.density_per_pa(hardness)), (1.0, 0.0));
         }
-        // Out of reach a hardness changes nothing; roughness without end leaves plastic contact alone, of the area p̄/H.
+        // A hardness far above the pressure changes nothing. Very large roughness leaves only plastic contact, of the
+        // area p̄/H.
         let (hard, elastic) =
             (PerssonPressure::new(0.3, 2.0, 1.0, Some(40.0)), PerssonPressure::new(0.3, 2.0, 1.0, None));
         assert!((hard.contact_fraction() / elastic.contact_fraction() - 1.0).abs() < 1e-14);
         assert!(hard.plastic_fraction() < 1e-16 && hard.density_per_pa(0.7) == elastic.density_per_pa(0.7));
-        // Images cancel here, to what the error function is worth.
+        // The images cancel here, to the accuracy of the error function.
         for std in [2.5, 3.9, 4.1, 1e6] {
             let plastic = PerssonPressure::new(0.3, 2.0, std, Some(1.0));
             assert!((plastic.contact_fraction() - 0.3).abs() < 1e-9, "{}", plastic.contact_fraction());

@@ -1,4 +1,4 @@
-//! The rms gradient h'rms of a map, which scales the contact area and the pressures of theories.
+//! Root-mean-square gradient h'rms of a map, the scale of contact area and pressure in theories.
 
 use ndarray::Array2;
 
@@ -6,11 +6,13 @@ use crate::Boundary;
 use asperity_base::fourier::{RealFft2, signed_index};
 use asperity_base::map::Grid;
 
-/// Root-mean-square gradient √⟨|∇z|²⟩ by forward differences, dimensionless; `heights_m` has the shape `[ny, nx]`.
+/// Returns the root-mean-square gradient √⟨|∇z|²⟩ by forward differences, dimensionless; `heights_m` has shape `[ny,
+/// nx]`.
 ///
-/// The mean is over all cells on the periodic boundary, whose last row and column neighbour the first, and over cells with a
-/// right and a lower neighbour on the free one: Sdq of ISO 25178-2 by the simplest stencil. A wave of wavenumber q counts by
-/// sin(qΔ/2)/(qΔ/2) of its gradient. A missing height makes the result NaN.
+/// On the periodic boundary the mean is over all cells, and the last row and column neighbour the first. On the free
+/// boundary it is over cells with a right and a lower neighbour: Sdq of ISO 25178-2 by the simplest stencil. The
+/// differences multiply the gradient of a wave of wavenumber q by sin(qΔ/2)/(qΔ/2). A missing height makes the result
+/// NaN.
 ///
 /// # Panics
 /// If the map does not fit the grid.
@@ -33,10 +35,12 @@ pub fn rms_gradient(heights_m: &Array2<f64>, grid: Grid, boundary: Boundary) -> 
     (sum / (rows * columns) as f64).sqrt()
 }
 
-/// Root-mean-square gradient of a periodic map from its spectrum, √Σ|q|²|ẑ|², dimensionless: no wave is damped.
+/// Returns the root-mean-square gradient of a periodic map from its spectrum, √Σ|q|²|ẑ|², dimensionless, without
+/// damping.
 ///
-/// E*/2 times it is the standard deviation of the pressure in complete contact on a periodic half-space, which is what enters
-/// Persson's theory. On maps rough down to the cell it exceeds [`rms_gradient`], for white noise 1.28 times.
+/// E*/2 times this gradient is the standard deviation of the pressure in complete contact on a periodic half-space, as
+/// used in Persson's theory. On maps rough down to the cell it exceeds [`rms_gradient`], for white noise by a factor of
+/// 1.28.
 ///
 /// # Panics
 /// If the map does not fit the grid.
@@ -45,7 +49,7 @@ pub fn spectral_rms_gradient(heights_m: &Array2<f64>, grid: Grid) -> f64 {
     let (ny, nx) = grid.shape();
     let fft = RealFft2::new(nx, ny);
     let mut spectrum = fft.spectrum();
-    // The mean is taken out first: it would leave its rounding in every wave.
+    // Without subtraction the mean would add its rounding error to every wave.
     let mean_m = heights_m.sum() / grid.points() as f64;
     let heights: Vec<f64> = heights_m.iter().map(|z| z - mean_m).collect();
     fft.forward(&heights, &mut spectrum, &mut fft.workspace());
@@ -71,7 +75,7 @@ mod tests {
     const PERIODIC: Boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
 
     #[test]
-    fn a_wave_has_its_gradient_by_the_spectrum_and_a_little_less_by_differences() {
+    fn differences_damp_the_gradient_of_a_wave_and_the_spectrum_does_not() {
         let grid = Grid::new(48, 30, 0.5, 0.25).unwrap();
         let (qx, qy, h) = (5.0 * TAU / grid.width_m(), -3.0 * TAU / grid.height_m(), 0.01);
         let (dx, dy) = (grid.dx_m(), grid.dy_m());
@@ -95,8 +99,8 @@ mod tests {
 
     #[test]
     fn white_noise_has_its_known_gradients() {
-        // Mean square per axis: 2 by differences, π²/3 by the spectrum, each over the pitch squared; the relative standard
-        // error of a mean square over 65,536 cells stays below 1 %.
+        // Mean square per axis: 2 by differences, π²/3 by the spectrum, each over the pitch squared; the relative
+        // standard error of a mean square over 65,536 cells stays below 1 %.
         let n = 256;
         let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
         let noise = random::standard_normal(&mut random::stream(2, "gradient", 0), n * n);

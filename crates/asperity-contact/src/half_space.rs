@@ -1,4 +1,4 @@
-//! The compliance of a half-space: pressure on a grid in, normal displacement out.
+//! Compliance of a half-space: computes the normal displacement of a pressure on a grid.
 
 use crate::pyramid::{Pyramid, PyramidWork};
 use crate::slab::Slabs;
@@ -7,16 +7,16 @@ use crate::{ContactError, Substrate};
 use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
 use asperity_base::map::Grid;
 
-/// What lies beyond the edge of the grid.
+/// Condition beyond the edge of the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Boundary {
     /// A finite patch on an infinite half-space, unloaded outside (the paper's case).
     Free,
-    /// The patch repeats without end.
+    /// The patch repeats periodically.
     Periodic {
         /// Displacement of the mean plane per mean pressure, K(0), in m/Pa.
         ///
-        /// It has no finite value on a half-space and is therefore an input; it matters when the plane's position is
+        /// It has no finite value on a half-space and is therefore an input. It matters if the position of the plane is
         /// prescribed. [`HalfSpace::default_mean_compliance_m_per_pa`] is the usual choice.
         mean_compliance_m_per_pa: f64,
     },
@@ -25,7 +25,7 @@ pub enum Boundary {
 /// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
 /// pressure.
 ///
-/// Shared by any number of threads; each brings its own [`Workspace`].
+/// Any number of threads can share it; each needs its own [`Workspace`].
 #[derive(Debug, Clone)]
 pub struct HalfSpace {
     grid: Grid,
@@ -34,22 +34,22 @@ pub struct HalfSpace {
     /// The compliance in m/Pa; its symbol is real, because the kernel is even.
     exact: Convolution<f64>,
     compliance: Vec<f64>,
-    /// The same in single precision, over `unit_m_per_pa`, for the steps of a solver.
+    /// The compliance in single precision, over `unit_m_per_pa`, for the steps of a solver.
     quick: Convolution<f32>,
     quick_compliance: Vec<f32>,
     unit_m_per_pa: f64,
-    /// Response to the mean pressure, and its inverse.
+    /// Compliance under the mean pressure, and its inverse.
     mean: MeanMode,
     stiffness: Stiffness,
     unit_pa_per_m: f64,
-    /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
+    /// The same half-space on cells twice as wide, for initial pressures; `None` on odd or small grids.
     coarse: Option<Box<HalfSpace>>,
 }
 
-/// The preconditioner: E*|q|/2, the inverse of the compliance up to the boundary, over some unit.
+/// Preconditioner: E*|q|/2, the inverse of the compliance except for the boundary, over some unit.
 #[derive(Debug, Clone)]
 enum Stiffness {
-    /// About, where the cells are square and can be halved.
+    /// Approximation for square cells that can be halved.
     Pyramid(Pyramid),
     Spectral(Convolution<f32>, Vec<f32>),
 }
@@ -61,8 +61,8 @@ enum StiffnessWork {
     Spectral(ConvolutionWork<f32>),
 }
 
-/// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m. On the free boundary
-/// the compliance is that of the sum over the padded grid.
+/// Response to the mean pressure: displacement per pressure in m/Pa, and its approximate inverse in Pa/m. On the free
+/// boundary the compliance is the sum over the padded grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MeanMode {
     compliance: f64,
@@ -70,35 +70,35 @@ pub(super) struct MeanMode {
 }
 
 impl MeanMode {
-    /// Displacement in metre by the same pressure everywhere on a periodic half-space.
+    /// Returns the displacement in metre by a uniform pressure on a periodic half-space.
     pub(super) fn displacement_m(self, pressure_pa: f64) -> f64 {
         self.compliance * pressure_pa
     }
 }
 
-/// Cells up to which the scratch memory of both precisions is kept at the same time.
+/// Largest number of cells for which the scratch memory of both precisions is kept at the same time.
 pub(super) const MOST_KEPT: usize = 1 << 21;
 /// Cells along either side of the coarsest grid.
 const COARSEST: usize = 8;
 
-/// What a layer has to leave of Love's coefficient of a cell for itself, whose error is 10⁻¹⁰.
+/// Least fraction of Love's coefficient of a cell for itself that must remain with a layer. The error is 10⁻¹⁰ of it.
 const LEAST_LEFT: f64 = 1e-8;
 
 /// Scratch memory of one thread.
 ///
-/// What a solver keeps here serves the next solve on the same half-space: without, much of the time of small problems would go
-/// into finding memory. On another one it begins anew.
+/// A solver reuses it in the next solve on the same half-space; allocation would take much of the time of small
+/// problems. On another half-space it is allocated anew.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
-    /// What the scratch memory fits: the grid, whether its patch is free, and whether what lies under it is homogeneous.
+    /// Key of the scratch memory: the grid, whether the patch is free, and whether the substrate is homogeneous.
     fits: Option<(Grid, bool, bool)>,
     pub(super) transforms: Transforms,
     pub(super) near: Slabs,
-    /// That of the half-space on cells twice as wide, once it is used.
+    /// Workspace of the half-space on cells twice as wide, once it is used.
     pub(super) coarse: Option<Box<Workspace>>,
 }
 
-/// Scratch memory for applying compliance and preconditioner, made when it is needed.
+/// Scratch memory for applying compliance and preconditioner, allocated on first use.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Transforms {
     exact: Option<ConvolutionWork<f64>>,
@@ -120,20 +120,20 @@ impl HalfSpace {
     /// A. E. H. Love, *Phil. Trans. R. Soc. A* **228** (1929) 377, <https://doi.org/10.1098/rsta.1929.0009>.
     /// H. M. Stanley and T. Kato, *J. Tribology* **119** (1997) 481, <https://doi.org/10.1115/1.2833523>.
     pub fn new(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Result<Self, ContactError> {
-        Self::on(Substrate::HalfSpace { modulus_pa }, grid, boundary)
+        Self::with_substrate(Substrate::HalfSpace { modulus_pa }, grid, boundary)
     }
 
-    /// As [`HalfSpace::new`] on any substrate.
+    /// Creates a half-space like [`HalfSpace::new`], on any substrate.
     ///
-    /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is
-    /// added to them, to 10⁻¹⁰ of the largest. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces
-    /// the given one.
+    /// On the free boundary the compliance is Love's coefficients of the layer's material plus the change by the layer,
+    /// with an error of 10⁻¹⁰ of the largest. On the periodic boundary the mean compliance of a layer on a rigid base
+    /// is finite and replaces the given one.
     ///
     /// # Errors
-    /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative; or a layer with a
-    /// free boundary is so much thinner than a cell that hardly anything is left of Love's coefficients, and nothing that can
-    /// be trusted.
-    pub fn on(substrate: Substrate, grid: Grid, boundary: Boundary) -> Result<Self, ContactError> {
+    /// A modulus or thickness is not positive, a Poisson ratio is out of range, or the mean compliance is negative.
+    /// With a free boundary, also a layer so much thinner than a cell that almost nothing remains of Love's
+    /// coefficients and the result would be inaccurate.
+    pub fn with_substrate(substrate: Substrate, grid: Grid, boundary: Boundary) -> Result<Self, ContactError> {
         substrate.validate()?;
         let (boundary, point_load) = match (boundary, &substrate) {
             (Boundary::Periodic { mean_compliance_m_per_pa: value }, _) if !(value.is_finite() && value >= 0.0) => {
@@ -163,7 +163,7 @@ impl HalfSpace {
         let longest_m = grid.width_m().max(grid.height_m());
         let padded = |length: &dyn Fn(usize) -> usize| (length(ny), length(nx));
         let (torus, stiffness_torus) = match boundary {
-            // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
+            // A stiffness decays as 1/r³, so a narrow margin decouples opposite edges.
             Boundary::Free => (padded(&|n| good_length(2 * n - 1)), padded(&|n| good_length(n + (n / 16).max(2)))),
             Boundary::Periodic { .. } => ((ny, nx), (ny, nx)),
         };
@@ -186,7 +186,7 @@ impl HalfSpace {
         };
         let quick = Convolution::<f32>::new((ny, nx), torus);
         let points = (exact.nx() * exact.ny()) as f64;
-        // The constant of a periodic half-space is infinite here, and replaced on use.
+        // The constant term of a periodic half-space is infinite here and replaced on use.
         let unit_m_per_pa = points * compliance.iter().filter(|c| c.is_finite()).fold(0.0_f64, |a, c| a.max(c.abs()));
         let scale = |c: &f64| if c.is_finite() { (c / unit_m_per_pa) as f32 } else { 0.0 };
         let quick_compliance = compliance.iter().map(scale).collect();
@@ -203,7 +203,7 @@ impl HalfSpace {
             let q = wavenumber_rad_per_m(grid, stiffness_torus);
             let shortest = q(nx / 2, (ny / 2) as f64);
             let shortest = if shortest > 0.0 { shortest } else { 1.0 };
-            // Long waves are the stiffest where a thin layer hardly yields to them.
+            // If a thin layer hardly yields to long waves, these are the stiffest.
             let longest = std::f64::consts::TAU / longest_m;
             let unit_pa_per_m = substrate.stiffness_pa_per_m(shortest).max(substrate.stiffness_pa_per_m(longest));
             let symbol = plan.symbol(|kx, ky| match q(kx, ky) {
@@ -236,44 +236,44 @@ impl HalfSpace {
         })
     }
 
-    /// The customary mean compliance of a periodic half-space, 2/(E* q_min) = max(L)/(πE*), in m/Pa: that of its
-    /// longest wave.
+    /// Returns the customary mean compliance of a periodic half-space, 2/(E* q_min) = max(L)/(πE*), in m/Pa: the
+    /// compliance of its longest wave.
     pub fn default_mean_compliance_m_per_pa(grid: Grid, modulus_pa: f64) -> f64 {
         grid.width_m().max(grid.height_m()) / (std::f64::consts::PI * modulus_pa)
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Contact modulus E* in pascal of the body at the surface.
+    /// Returns the contact modulus E* in pascal of the body at the surface.
     pub fn modulus_pa(&self) -> f64 {
         self.substrate.modulus_pa()
     }
 
-    /// What carries the surface.
+    /// Returns the elastic body under the surface.
     pub fn substrate(&self) -> Substrate {
         self.substrate
     }
 
-    /// What lies beyond the edge of the grid.
+    /// Returns the condition beyond the edge of the grid.
     pub fn boundary(&self) -> Boundary {
         self.boundary
     }
 
-    /// The same half-space on cells twice as wide.
+    /// Returns the same half-space on cells twice as wide.
     pub(super) fn coarse(&self) -> Option<&Self> {
         self.coarse.as_deref()
     }
 
-    /// Scratch memory for one thread.
+    /// Creates scratch memory for one thread.
     pub fn workspace(&self) -> Workspace {
         Workspace::default()
     }
 
-    /// Gives up what the workspace holds of another half-space.
-    pub(super) fn claim(&self, workspace: &mut Workspace) {
+    /// Clears the workspace if it was used with another half-space.
+    pub(super) fn prepare(&self, workspace: &mut Workspace) {
         let homogeneous = matches!(self.substrate, Substrate::HalfSpace { .. });
         let fits = Some((self.grid, self.boundary == Boundary::Free, homogeneous));
         if workspace.fits != fits {
@@ -281,7 +281,7 @@ impl HalfSpace {
         }
     }
 
-    /// Displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
+    /// Computes the displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
     ///
     /// # Panics
     /// If a slice does not fit the grid.
@@ -289,12 +289,12 @@ impl HalfSpace {
         self.displace_as(self.mean, pressure_pa, displacement_m, workspace);
     }
 
-    /// As [`HalfSpace::displace`] with the response `mean` to the mean pressure.
+    /// Computes the displacement like [`HalfSpace::displace`], with the response `mean` to the mean pressure.
     fn displace_as(&self, mean: MeanMode, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
         let columns = self.grid.nx();
         let points = self.grid.points();
         assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");
-        self.claim(workspace);
+        self.prepare(workspace);
         let chunk = ROWS_OF_SLAB * columns;
         let mut slabs: Vec<_> = pressure_pa.chunks(chunk).zip(displacement_m.chunks_mut(chunk)).collect();
         let fill = |(pressure_pa, _): &mut (&[f64], &mut [f64]), row: usize, out: &mut [f64]| {
@@ -307,8 +307,8 @@ impl HalfSpace {
         self.displace_by(mean, &mut slabs, fill, take, &mut workspace.transforms);
     }
 
-    /// Moves the surface with the response `mean` to the mean pressure: `fill` writes the rows of pressures of a slab
-    /// of rows into zeros, or returns false if there are none, and `take` gets the displacements.
+    /// Computes displacements with the response `mean` to the mean pressure. `fill` writes the pressures of a slab, row
+    /// by row, into zeros and returns false for an empty row; `take` receives the displacements.
     pub(super) fn displace_by<S: Send>(
         &self,
         mean: MeanMode,
@@ -330,8 +330,8 @@ impl HalfSpace {
         }
     }
 
-    /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic
-    /// boundary leaves open. The free boundary has its own alone.
+    /// Returns the response to the mean pressure. On the periodic boundary another mean compliance in m/Pa can be
+    /// given; on the free boundary it is ignored.
     pub(super) fn mean_mode(&self, mean_compliance_m_per_pa: Option<f64>) -> MeanMode {
         match (self.boundary, mean_compliance_m_per_pa) {
             (Boundary::Periodic { .. }, Some(compliance)) => {
@@ -341,8 +341,9 @@ impl HalfSpace {
         }
     }
 
-    /// Takes up pressures over some unit, in single precision, and returns Σ p·S p over that unit squared and
-    /// [`HalfSpace::compliance_unit_m_per_pa`]; see [`Convolution::forward`]. [`HalfSpace::compliance_backward`] then gives S p.
+    /// Transforms pressures over some unit, in single precision, and returns Σ p·S p over that unit squared and
+    /// [`HalfSpace::compliance_unit_m_per_pa`]; see [`Convolution::forward`]. [`HalfSpace::compliance_backward`] then
+    /// returns S p.
     pub(super) fn compliance_forward<S: Send>(
         &self,
         mean: MeanMode,
@@ -355,8 +356,8 @@ impl HalfSpace {
         self.quick.forward(&self.quick_compliance, constant, slabs, fill, work)
     }
 
-    /// Hands out the displacement, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`]; see
-    /// [`Convolution::backward`].
+    /// Passes the displacement to `take`, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`];
+    /// see [`Convolution::backward`].
     pub(super) fn compliance_backward<S: Send>(
         &self,
         slabs: &mut [S],
@@ -367,13 +368,13 @@ impl HalfSpace {
         self.quick.backward(slabs, take, work);
     }
 
-    /// The largest compliance.
+    /// Returns the largest compliance in m/Pa.
     pub(super) fn compliance_unit_m_per_pa(&self) -> f64 {
         self.unit_m_per_pa
     }
 
-    /// Multiplies displacements over some unit, in single precision, by E*|q|/2: the preconditioner. What `take` gets is over
-    /// the unit of the displacements and [`HalfSpace::stiffness_unit_pa_per_m`].
+    /// Multiplies displacements over some unit, in single precision, by E*|q|/2: the preconditioner. `take` receives
+    /// the result over the unit of the displacements and [`HalfSpace::stiffness_unit_pa_per_m`].
     pub(super) fn stiffen<S: Send>(
         &self,
         mean: MeanMode,
@@ -382,7 +383,7 @@ impl HalfSpace {
         take: impl Fn(&mut S, usize, &[f32]) + Sync,
         transforms: &mut Transforms,
     ) {
-        // A mean that hardly yields would drown the rest in its rounding.
+        // A very stiff mean mode would swamp the other waves with its rounding error.
         let mean = (mean.stiffness / self.unit_pa_per_m).min(1.0);
         let work = transforms.stiffness.get_or_insert_with(|| match &self.stiffness {
             Stiffness::Pyramid(pyramid) => StiffnessWork::Pyramid(pyramid.work()),
@@ -396,18 +397,18 @@ impl HalfSpace {
                 plan.forward(symbol, plan.factor(mean), slabs, fill, work);
                 plan.backward(slabs, take, work);
             }
-            _ => panic!("the workspace is that of another half-space"),
+            _ => panic!("the workspace belongs to another half-space"),
         }
     }
 
-    /// The largest stiffness, about.
+    /// Returns about the largest stiffness in Pa/m.
     pub(super) fn stiffness_unit_pa_per_m(&self) -> f64 {
         self.unit_pa_per_m
     }
 }
 
-/// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
-/// about three times the stiffness of the longest wave serves.
+/// Returns the stiffness of the preconditioner against a mean displacement on the periodic boundary. A mean compliance
+/// of zero has no inverse; then it is about three times the stiffness of the longest wave.
 fn mean_stiffness_pa_per_m(grid: Grid, substrate: &Substrate, mean_compliance_m_per_pa: f64) -> f64 {
     if mean_compliance_m_per_pa > 0.0 {
         1.0 / mean_compliance_m_per_pa
@@ -417,14 +418,14 @@ fn mean_stiffness_pa_per_m(grid: Grid, substrate: &Substrate, mean_compliance_m_
     }
 }
 
-/// |q| in rad/m of the wavenumbers kx and ky on a torus (ny, nx) of points with the grid's pitch.
+/// Returns |q| in rad/m of the wavenumbers kx and ky on a torus (ny, nx) of points with the grid's pitch.
 fn wavenumber_rad_per_m(grid: Grid, (ny, nx): (usize, usize)) -> impl Fn(usize, f64) -> f64 {
     let step_x = std::f64::consts::TAU / (nx as f64 * grid.dx_m());
     let step_y = std::f64::consts::TAU / (ny as f64 * grid.dy_m());
     move |kx, ky| (kx as f64 * step_x).hypot(ky * step_y)
 }
 
-/// Symbol of Love's influence coefficients, and of what a layer adds to them, wrapped around the padded grid.
+/// Computes the symbol of Love's influence coefficients plus the change by a layer, wrapped around the padded grid.
 fn love_symbol(
     plan: &Convolution<f64>,
     grid: Grid,
@@ -439,7 +440,7 @@ fn love_symbol(
         let cells_y = signed_index(row, rows).abs();
         for column in 0..columns {
             let cells_x = signed_index(column, columns).abs();
-            // Lags beyond the patch are never read by the cropped convolution.
+            // The cropped convolution does not read lags beyond the patch.
             if cells_x < nx && cells_y < ny {
                 let (x_m, y_m) = (cells_x * grid.dx_m(), cells_y * grid.dy_m());
                 let added = added.as_ref().map_or(0.0, |added| added[cells_y as usize * grid.nx() + cells_x as usize]);
@@ -460,10 +461,11 @@ fn love_symbol(
     Ok(spectrum.iter().map(|value| value.re / (rows * columns) as f64).collect())
 }
 
-/// Displacement at (x, y) of a unit pressure on the rectangle of sides `dx_m` × `dy_m` about the origin, in m/Pa.
+/// Returns the displacement at (x, y) of a unit pressure on the rectangle of sides `dx_m` × `dy_m` about the origin, in
+/// m/Pa.
 ///
-/// With a = dx/2, b = dy/2 it is Love's closed form of (1/πE*) ∬ dx'dy'/r. The logarithms are taken as differences of
-/// asinh, which do not cancel at negative arguments; farther than 100 half-sides the multipole series to fourth order
+/// With a = dx/2, b = dy/2 it is Love's closed form of (1/πE*) ∬ dx'dy'/r. The logarithms are computed as differences of
+/// asinh, which do not cancel at negative arguments. Farther than 100 half-sides the multipole series to fourth order
 /// (relative error below 10⁻¹²) replaces the closed form, whose own cancellation grows as (r/a)².
 ///
 /// # References
@@ -473,7 +475,7 @@ pub fn love_coefficient(x_m: f64, y_m: f64, dx_m: f64, dy_m: f64, modulus_pa: f6
     let integral = if x_m.hypot(y_m) > 100.0 * a.max(b) {
         distant_rectangle(x_m, y_m, a, b)
     } else {
-        // ∫ asinh-differences: c·[asinh(t₁/c) − asinh(t₀/c)], which vanishes with c.
+        // Difference of asinh: c·[asinh(t₁/c) − asinh(t₀/c)], which vanishes with c.
         let strip = |c: f64, t1: f64, t0: f64| {
             if c == 0.0 { 0.0 } else { c * ((t1 / c.abs()).asinh() - (t0 / c.abs()).asinh()) }
         };
@@ -483,7 +485,7 @@ pub fn love_coefficient(x_m: f64, y_m: f64, dx_m: f64, dy_m: f64, modulus_pa: f6
     integral / (std::f64::consts::PI * modulus_pa)
 }
 
-/// ∬ dx'dy'/r over a rectangle of half-sides a, b seen from afar: the Taylor series of 1/r about its centre.
+/// Returns ∬ dx'dy'/r over a distant rectangle of half-sides a, b, by the Taylor series of 1/r about its centre.
 fn distant_rectangle(x: f64, y: f64, a: f64, b: f64) -> f64 {
     let r2 = x * x + y * y;
     let (x2, y2) = (x * x / r2, y * y / r2);
@@ -501,7 +503,7 @@ mod tests {
     use asperity_base::random;
 
     #[test]
-    fn a_uniformly_pressed_square_moves_as_love_says() {
+    fn a_uniformly_pressed_square_has_loves_displacement() {
         // w E*/(p s): centre, corner, and the centres of neighbouring squares.
         let at = |x: f64, y: f64| love_coefficient(x, y, 1.0, 1.0, 1.0);
         for ((x, y), wanted) in [
@@ -518,11 +520,12 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_displacement_of_the_square_is_loves() {
+    fn the_mean_displacement_of_a_square_has_its_closed_form() {
         // (1/π) ∬∬ 1/r over pairs of points of the unit square, in closed form.
         let closed = 4.0 / std::f64::consts::PI * (1.0_f64.asinh() + (1.0 - 2.0_f64.sqrt()) / 3.0);
         assert!((closed - 0.946402008819).abs() < 1e-12);
-        // The displacement has logarithmic edges; the double exponential rule x = ½ tanh(½π sinh t) does not see them.
+        // The displacement has logarithmic edges, which the double exponential rule x = ½ tanh(½π sinh t) integrates
+        // accurately.
         let step = 0.1;
         let nodes: Vec<(f64, f64)> = (-33..=33)
             .map(|k| {
@@ -542,7 +545,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rectangle_moves_the_surface_as_its_four_quarters_do() {
+    fn a_rectangle_has_the_displacement_of_its_four_quarters() {
         for (dx, dy) in [(1.0, 1.0), (1.0, 64.0), (0.01, 1.0)] {
             for (x, y) in [(0.0, 0.0), (0.3, 0.1), (-1.0, 2.0), (7.0, -40.0), (3e3, 1e3)] {
                 let whole = love_coefficient(x, y, dx, dy, 3.0);
@@ -556,7 +559,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_compliance_can_be_replaced_on_a_periodic_half_space_alone() {
+    fn the_mean_compliance_can_be_replaced_only_on_a_periodic_half_space() {
         let grid = Grid::new(8, 6, 1.0, 1.0).unwrap();
         let p = random::standard_normal(&mut random::stream(1, "mean mode", 0), grid.points());
         let mean_p = p.iter().sum::<f64>() / p.len() as f64;
@@ -573,7 +576,7 @@ mod tests {
     }
 
     #[test]
-    fn the_preconditioner_undoes_the_compliance_of_a_periodic_half_space() {
+    fn the_preconditioner_inverts_the_compliance_of_a_periodic_half_space() {
         let grid = Grid::new(9, 12, 0.5, 0.25).unwrap();
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.7 };
         let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
@@ -595,14 +598,14 @@ mod tests {
     }
 
     #[test]
-    fn a_step_moves_the_surface_as_its_pressure_does_in_single_precision() {
+    fn single_precision_displacements_of_a_step_are_accurate() {
         let (nx, ny) = (37, 40);
         let grid = Grid::new(nx, ny, 1e-6, 0.7e-6).unwrap();
         let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 3e-17 };
         for boundary in [Boundary::Free, periodic] {
             let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
             let mut workspace = half_space.workspace();
-            // Every third cell of all rows but some.
+            // Pressure on every third cell of most rows.
             let mut p = random::standard_normal(&mut random::stream(1, "step", 0), grid.points());
             p.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0 || i / nx % 5 >= 3).for_each(|(_, p)| *p = 0.0);
             let mut wanted = vec![0.0; p.len()];
@@ -663,7 +666,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pressure_wave_moves_the_periodic_surface_by_2_over_the_modulus_and_the_wavenumber() {
+    fn a_pressure_wave_displaces_the_periodic_surface_by_2_over_modulus_and_wavenumber() {
         let grid = Grid::new(12, 10, 0.5, 0.25).unwrap();
         let compliance = 0.3;
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };

@@ -35,7 +35,7 @@ mod solver;
 mod stiffness;
 mod substrate;
 
-pub use bodies::{Body, Elastic, Laid, Pair, composite};
+pub use bodies::{Body, Elastic, Orientation, Pair, composite};
 pub use clusters::{Clusters, Neighbours};
 pub use cycle::{LoadPath, LoadStep, work_of_flat_j};
 pub use gradient::{rms_gradient, spectral_rms_gradient};
@@ -46,19 +46,20 @@ pub use solver::Solver;
 pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
 pub use substrate::{Base, Layer, Substrate};
 
-/// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
-/// pascal and Poisson's ratio ν.
+/// Returns the contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's
+/// modulus E in pascal and Poisson's ratio ν.
 pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
     youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
 }
 
-/// Memory in byte that a contact problem of so many cells needs with its workspace and solution, roughly.
+/// Returns the memory in byte, about, that a contact problem with this number of cells needs with its workspace and
+/// solution.
 pub fn memory_bytes(cells: usize) -> f64 {
     const BYTES_PER_CELL: f64 = 300.0;
     BYTES_PER_CELL * cells as f64
 }
 
-/// Why a contact problem could not be posed or solved.
+/// Reason why a contact problem could not be posed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContactError {
     /// A parameter lies outside its range.
@@ -73,7 +74,7 @@ pub enum ContactError {
         /// Values allowed.
         wanted: &'static str,
     },
-    /// The map is flat, so that nothing scales the gap.
+    /// The map is flat, so the gap has no length scale.
     #[error("the map has no roughness (all heights are equal); contact of two flats is not a rough contact")]
     Flat,
     /// A height is missing.
@@ -109,13 +110,13 @@ pub enum ContactError {
         /// Grid of the upper map.
         upper: Box<Grid>,
     },
-    /// A periodic half-space without mean compliance cannot be overlapped.
+    /// A periodic half-space with zero mean compliance overlaps the prescribed plane.
     #[error(
         "a periodic half-space with zero mean compliance has no solution under an overlapping plane; \
          state a mean compliance, or control the mean pressure, the load or the mean gap"
     )]
     Unbounded,
-    /// The load cannot be carried.
+    /// The mean pressure is not below the hardness.
     #[error("the mean pressure {mean_pressure_pa:e} Pa is not below the hardness {hardness_pa:e} Pa")]
     Overloaded {
         /// Mean pressure asked for.

@@ -1,53 +1,55 @@
-//! A first guess under a prescribed load.
+//! Initial pressure under a prescribed load.
 
 use crate::exact::persson_contact_fraction;
 use crate::{Problem, rms_gradient};
 
-/// Cells pressed at first over those that will be in contact, about.
+/// Number of initially pressed cells over the expected number of cells in contact.
 const MARGIN: f64 = 2.0;
-/// Share of pressed cells from which on all are pressed alike.
+/// Fraction of pressed cells above which the initial pressure is uniform.
 const NEARLY_ALL: f64 = 0.8;
-/// Share of the hardness that no cell exceeds at first.
-const CEILING: f64 = 0.9;
-/// Heights that tell the level above which cells are pressed, and how many of them must be above it; otherwise all tell it.
+/// Largest initial pressure over the hardness.
+const LARGEST: f64 = 0.9;
+/// Number of sampled heights that determine the level, and the least number above it; with fewer, all heights are used.
 const SAMPLE: usize = 4096;
 const ABOVE: f64 = 64.0;
 
-/// Pressure of the mean `pascal`: in proportion to the height above a level that about twice as many cells exceed as will be
-/// in contact, after Persson's A/A₀ = erf(√2 p̄/(E* h′)) with the rms slope h′; the same everywhere where that are most.
+/// Returns a pressure of mean `pascal` in proportion to the height above a level.
+///
+/// About twice as many cells exceed the level as Persson's A/A₀ = erf(√2 p̄/(E* h′)) expects in contact, with the rms
+/// slope h′. If these are most of the cells, the pressure is uniform.
 ///
 /// # References
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
 pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
     let heights_m = problem.heights_m();
-    let upper_pa = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| CEILING * hardness_pa);
-    let uniform = || vec![pascal.min(upper_pa / CEILING); heights_m.len()];
+    let bound_pa = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| LARGEST * hardness_pa);
+    let uniform = || vec![pascal.min(bound_pa / LARGEST); heights_m.len()];
     let half_space = problem.half_space();
     let slope = rms_gradient(heights_m, half_space.grid(), half_space.boundary());
     let least = problem.hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
     let modulus_pa = half_space.modulus_pa();
-    let share = MARGIN * persson_contact_fraction(pascal, modulus_pa, slope).max(least);
-    if !(share > 0.0 && share < NEARLY_ALL) {
+    let fraction = MARGIN * persson_contact_fraction(pascal, modulus_pa, slope).max(least);
+    if !(fraction > 0.0 && fraction < NEARLY_ALL) {
         return uniform();
     }
-    let stride = if share * SAMPLE as f64 > ABOVE { stride(heights_m.len(), heights_m.ncols()) } else { 1 };
+    let stride = if fraction * SAMPLE as f64 > ABOVE { stride(heights_m.len(), heights_m.ncols()) } else { 1 };
     let mut sample: Vec<f64> = heights_m.iter().copied().step_by(stride).collect();
-    let place = (((1.0 - share) * sample.len() as f64) as usize).min(sample.len() - 1);
+    let place = (((1.0 - fraction) * sample.len() as f64) as usize).min(sample.len() - 1);
     let (_, level_m, _) = sample.select_nth_unstable_by(place, f64::total_cmp);
     let level_m = level_m.min(problem.highest_m() - 1e-3 * problem.rms_height_m());
     let mut p: Vec<f64> = heights_m.iter().map(|z| (z - level_m).max(0.0)).collect();
     let scale = pascal * p.len() as f64 / p.iter().sum::<f64>();
     p.iter_mut().for_each(|p| *p *= scale);
-    // What is cut off here, the solver's projection adds again to the cells that are pressed, if they can carry it.
+    // If the cells can carry the load, the solver's projection restores the pressure that is cut off here.
     let mut capacity = 0.0;
     for p in p.iter_mut().filter(|p| **p > 0.0) {
-        *p = p.min(upper_pa);
-        capacity += upper_pa;
+        *p = p.min(bound_pa);
+        capacity += bound_pa;
     }
     if p.iter().all(|p| p.is_finite()) && capacity > pascal * p.len() as f64 { p } else { uniform() }
 }
 
-/// A stride through a map that leaves about [`SAMPLE`] points, from all of its columns.
+/// Returns a stride through a map that leaves about [`SAMPLE`] points, from all of its columns.
 fn stride(points: usize, columns: usize) -> usize {
     let divisor = |mut a: usize, mut b: usize| {
         while b > 0 {
@@ -64,7 +66,7 @@ mod tests {
     use crate::{Boundary, Control, HalfSpace};
     use asperity_base::map::{Grid, HeightMap};
 
-    /// The start on a map under a mean pressure.
+    /// Returns the initial pressure on a map under a mean pressure.
     fn start(grid: Grid, heights: impl Fn(f64, f64) -> f64, pascal: f64, hardness_pa: f64) -> Vec<f64> {
         let map = HeightMap::from_function(grid, heights).unwrap();
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
@@ -77,7 +79,7 @@ mod tests {
         let can_carry = |p: &[f64], pascal: f64, hardness_pa: f64| {
             p.iter().filter(|p| **p > 0.0).count() as f64 * hardness_pa > pascal * p.len() as f64
         };
-        // One summit over a plateau: the level is that of the plateau, above which there is the summit alone.
+        // One summit over a plateau. The level is the plateau, and only the summit lies above it.
         let plateau = |x: f64, y: f64| {
             if x + y < 1.0 {
                 10.0
@@ -89,7 +91,7 @@ mod tests {
         };
         let p = start(Grid::new(64, 64, 1.0, 1.0).unwrap(), plateau, 1e-6, 1e-5);
         assert!(can_carry(&p, 1e-6, 1e-5));
-        // A wave whose crest a stride of as many points as a row has would miss, and a load on a few cells of many.
+        // A wave whose crest a stride of one row would miss, and a load on few of many cells.
         let wave = |x: f64, _: f64| (std::f64::consts::TAU * (x - 8.0) / 16.0).cos() + 1e-3 * x;
         let p = start(Grid::new(16, 4096, 1.0, 1.0).unwrap(), wave, 3e-7, 1e-6);
         assert!(can_carry(&p, 3e-7, 1e-6) && p.iter().filter(|p| **p > 0.0).count() < p.len());
@@ -112,7 +114,7 @@ mod tests {
             assert!(p.iter().all(|p| *p >= 0.0 && *p <= hardness_pa.unwrap_or(f64::INFINITY)));
             let mean = p.iter().sum::<f64>() / p.len() as f64;
             assert!(mean <= pascal * (1.0 + 1e-12) && mean > 0.3 * pascal, "{mean} of {pascal}");
-            // Whatever is pressed lies above whatever is not.
+            // Every pressed cell is at least as high as every other cell.
             let range = |pressed: bool| {
                 let heights = map.heights_m().iter().zip(&p).filter(|(_, p)| (**p > 0.0) == pressed).map(|(z, _)| *z);
                 heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))

@@ -1,21 +1,22 @@
-//! A prescribed mean gap.
+//! Contact under a prescribed mean gap.
 //!
-//! On a periodic half-space that nowhere yields the mean displacement is known, so the gap fixes the plane. Otherwise the
-//! plane that leaves this gap is sought: the mean gap rises with the plane's height, continuously even where the pressure needed
-//! for it does not change (a rigid-plastic contact).
+//! On a periodic half-space without plastic cells the mean displacement is known, so the gap fixes the plane. Otherwise
+//! a search finds the plane of this gap. The mean gap rises continuously with the height of the plane, even where the
+//! required pressure does not change (a rigid-plastic contact).
 
 use crate::descent::Descent;
 use crate::solver::{Closure, rigid_mean};
 use crate::{Boundary, HalfSpace, Problem, Solution, Solver, StopReason, Workspace};
 use asperity_base::monitor::Monitor;
 
-/// Planes tried before giving up.
+/// Largest number of planes that are tried.
 const MOST_PLANES: usize = 200;
-/// Tolerance of the first look at the contact under a plane.
+/// Tolerance of the first solution under each plane.
 const COARSEST_TOLERANCE: f64 = 1e-3;
-/// A miss of the mean gap is believed when it is so many times the tolerance of the fields; otherwise that is tightened.
+/// Ratio of the gap error to the tolerance of the fields above which its sign is trusted; below it the tolerance is
+/// tightened.
 const CLEAR_MISS: f64 = 30.0;
-/// Factor on the tolerance.
+/// Factor by which the tolerance is tightened.
 const TIGHTENING: f64 = 0.03;
 
 /// Solves `problem` for the mean gap `gap_m`.
@@ -35,7 +36,7 @@ pub(super) fn solve(
     }
     let mut search = Search::new(solver, problem, gap_m, workspace, monitor);
     if periodic {
-        // Where nothing yields, the hardness does not matter.
+        // If no cell is plastic, the hardness does not matter.
         let usual = search.mean_compliance.replace(0.0);
         let (_, solution) = search.at(gap_m, vec![0.0; points], COARSEST_TOLERANCE);
         if search.is_met(&solution) || search.is_over() {
@@ -45,13 +46,13 @@ pub(super) fn solve(
     }
     let mut solution = search.run(COARSEST_TOLERANCE);
     if solution.stop_reason == StopReason::PrecisionLimit {
-        // A gap believed too early may have spoiled the bracket.
+        // A gap error trusted too early may have spoiled the bracket.
         solution = search.run(0.0);
     }
     solution
 }
 
-/// One plane tried: its height above the mean height, and how far the mean gap under it misses the wanted one.
+/// A tried plane: its height above the mean height, and the mean gap under it minus the prescribed one.
 #[derive(Clone, Copy)]
 struct Trial {
     height_m: f64,
@@ -64,7 +65,8 @@ struct Search<'a> {
     gap_m: f64,
     workspace: &'a mut Workspace,
     monitor: &'a dyn Monitor,
-    /// How a periodic half-space yields to the mean pressure is free here; the usual value is well conditioned.
+    /// Mean compliance of a periodic half-space. The solution does not depend on it; the usual value is well
+    /// conditioned.
     mean_compliance: Option<f64>,
     iterations: usize,
 }
@@ -83,9 +85,9 @@ impl<'a> Search<'a> {
         Self { solver, problem, gap_m, workspace, monitor, mean_compliance, iterations: 0 }
     }
 
-    /// Closes in on the plane, looking at first with fields of the tolerance `coarsest`.
+    /// Searches the plane; `coarsest` is the tolerance of the first solution under each plane.
     fn run(&mut self, coarsest: f64) -> Solution {
-        // Displacements have a positive mean, so that the gap under this plane is not below the wanted one.
+        // Displacements have a positive mean, so the gap under this plane is not below the prescribed one.
         let points = self.problem.heights_m().len();
         let (mut high, mut best) = self.at(self.gap_m, vec![0.0; points], coarsest);
         let mut low: Option<Trial> = None;
@@ -96,7 +98,7 @@ impl<'a> Search<'a> {
                 break;
             }
             let height_m = match low {
-                // The gap falls by at most the descent of the plane, over the share of cells out of contact.
+                // The gap falls by at most the descent of the plane, divided by the fraction of cells out of contact.
                 None => {
                     step_m = (2.0 * step_m).max(2.0 * high.miss_m / (1.0 - best.contact_fraction()).max(0.05));
                     high.height_m - step_m
@@ -117,7 +119,7 @@ impl<'a> Search<'a> {
             // False position, with the retained end's miss lowered when it is retained twice (Anderson and Björck).
             if trial.miss_m > 0.0 {
                 if let (Some(low), 1) = (&mut low, last_side) {
-                    low.miss_m *= retained_share(trial.miss_m, high.miss_m);
+                    low.miss_m *= retained_factor(trial.miss_m, high.miss_m);
                 }
                 high = trial;
                 last_side = 1;
@@ -125,7 +127,7 @@ impl<'a> Search<'a> {
                 if last_side == -1
                     && let Some(low) = low
                 {
-                    high.miss_m *= retained_share(trial.miss_m, low.miss_m);
+                    high.miss_m *= retained_factor(trial.miss_m, low.miss_m);
                 }
                 low = Some(trial);
                 last_side = -1;
@@ -134,10 +136,11 @@ impl<'a> Search<'a> {
         self.finish(best)
     }
 
-    /// The contact under a plane at `height_m` above the mean height, solved as well as its gap's miss needs.
+    /// Solves the contact under a plane at `height_m` above the mean height, as accurately as the error of its gap
+    /// requires.
     fn at(&mut self, height_m: f64, start: Vec<f64>, coarsest: f64) -> (Trial, Solution) {
         let rms_height_m = self.problem.rms_height_m();
-        // A gap far below the roughness needs fields that are accurate to a share of it.
+        // A gap far below the roughness needs fields that are accurate to a fraction of the gap.
         let finest = (0.1 * self.solver.tolerance * (self.gap_m / rms_height_m).min(1.0)).max(f64::EPSILON);
         let mut tolerance = coarsest.max(finest);
         let mut pressure_pa = start;
@@ -147,7 +150,7 @@ impl<'a> Search<'a> {
             let descent = Descent::new(self.problem, closure, &pressure_pa, self.mean_compliance, self.workspace);
             let mut solution = descent.run(&Solver { tolerance, max_iterations }, self.monitor);
             self.iterations += solution.iterations;
-            // Cells that are about to lose contact still have a gap, which the solution's counts as zero.
+            // Cells that are about to lose contact still have a gap, which the solution counts as zero.
             let mean_gap_m = solution.signed_gap_m.iter().map(|g| g.max(0.0)).sum::<f64>() / self.points();
             let miss_m = mean_gap_m - self.gap_m;
             solution.residual.load = miss_m.abs().max((solution.mean_gap_m() - self.gap_m).abs()) / self.gap_m;
@@ -170,7 +173,7 @@ impl<'a> Search<'a> {
         solution.residual.worst() <= self.solver.tolerance
     }
 
-    /// Whether no more iterations are allowed.
+    /// Returns whether the iteration limit is reached or the monitor cancelled.
     fn is_over(&self) -> bool {
         self.iterations >= self.solver.max_iterations || self.monitor.cancelled()
     }
@@ -190,8 +193,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Share of its miss that the retained end of a bracket keeps, from the misses now and before at the moving end.
-fn retained_share(now: f64, before: f64) -> f64 {
-    let share = 1.0 - now / before;
-    if share > 0.0 { share } else { 0.5 }
+/// Returns the factor on the miss of the retained end of a bracket, from the present and the last miss at the moving
+/// end.
+fn retained_factor(now: f64, before: f64) -> f64 {
+    let factor = 1.0 - now / before;
+    if factor > 0.0 { factor } else { 0.5 }
 }

@@ -1,10 +1,10 @@
-//! What is pressed against what, and how hard.
+//! A contact problem: a rough map, a half-space, a prescribed load or position, and a hardness.
 
 use ndarray::Array2;
 
 use crate::{Boundary, ContactError, HalfSpace};
 
-/// What is prescribed.
+/// Prescribed quantity that closes a contact problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Control {
     /// The plane lies at this height, in the coordinates of the map, in metre.
@@ -17,7 +17,7 @@ pub enum Control {
         /// Penetration in metre, ≥ 0.
         metre: f64,
     },
-    /// The plane lies so that this percentage of the undeformed heights is above it.
+    /// Height of the plane, as the percentage of the undeformed heights that lies above it.
     Percentile {
         /// 0 to 100 percent.
         percent: f64,
@@ -32,8 +32,8 @@ pub enum Control {
         /// Force in newton, > 0.
         newton: f64,
     },
-    /// The mean gap over the whole patch. A gap too small for the tolerance to be met in double precision, about 10⁻¹⁵ of
-    /// the roughness over the tolerance and on the free boundary more, ends as
+    /// The mean gap over the whole patch. The smallest gap that double precision resolves is about 10⁻¹⁵ of the
+    /// roughness over the tolerance, and larger on the free boundary. A smaller gap ends as
     /// [`PrecisionLimit`](crate::StopReason::PrecisionLimit) or at the iteration limit.
     MeanGap {
         /// Mean gap in metre, > 0.
@@ -42,14 +42,15 @@ pub enum Control {
 }
 
 impl Control {
-    /// Whether the position of the plane is prescribed. Only then does the pressure on a periodic half-space depend on its
-    /// mean compliance; otherwise that shifts the separation alone, and zero counts displacements from their mean.
+    /// Returns whether the position of the plane is prescribed. Only then does the pressure on a periodic half-space
+    /// depend on its mean compliance. Otherwise the mean compliance shifts only the separation; zero measures
+    /// displacements from their mean.
     pub fn prescribes_plane(&self) -> bool {
         matches!(self, Self::Plane { .. } | Self::Penetration { .. } | Self::Percentile { .. })
     }
 }
 
-/// A contact problem: heights, a half-space, what is prescribed, and the hardness.
+/// A contact problem: heights, a half-space, a prescribed quantity, and the hardness.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<'a> {
     half_space: &'a HalfSpace,
@@ -62,11 +63,12 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Poses a problem; `hardness_pa = None` is elastic.
+    /// Creates a problem; `hardness_pa = None` is elastic.
     ///
     /// # Errors
-    /// Heights are missing, all equal or beyond all measure, the map does not fit the half-space, a prescribed value is out of range, the
-    /// mean pressure is not below the hardness, or a periodic half-space of zero mean compliance is overlapped.
+    /// Heights are missing, all equal or too large to be squared; the map does not fit the half-space; a prescribed
+    /// value is out of range; the mean pressure is not below the hardness; or the plane overlaps a periodic half-space
+    /// of zero mean compliance.
     pub fn new(
         half_space: &'a HalfSpace,
         heights_m: &'a Array2<f64>,
@@ -87,11 +89,11 @@ impl<'a> Problem<'a> {
         let variance = heights_m.iter().map(|z| (z - mean_height_m).powi(2)).sum::<f64>() / points;
         let highest_m = heights_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let lowest_m = heights_m.iter().copied().fold(f64::INFINITY, f64::min);
-        // Equal heights leave nothing but rounding of the mean in the variance, or heights so small that squares vanish.
+        // The variance of equal heights is the rounding error of the mean. Squares of very small heights underflow.
         if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) || variance <= 0.0 {
             return Err(ContactError::Flat);
         }
-        // Squares of the heights have to be numbers.
+        // Squares of the heights must not overflow.
         if !variance.is_finite() {
             let (value, wanted) = (highest_m.abs().max(lowest_m.abs()), "below about 1e150");
             return Err(ContactError::Parameter { parameter: "height", value, unit: "m", wanted });
@@ -149,42 +151,42 @@ impl<'a> Problem<'a> {
         Ok(self)
     }
 
-    /// The half-space.
+    /// Returns the half-space.
     pub fn half_space(&self) -> &'a HalfSpace {
         self.half_space
     }
 
-    /// The undeformed heights in metre.
+    /// Returns the undeformed heights in metre.
     pub fn heights_m(&self) -> &'a Array2<f64> {
         self.heights_m
     }
 
-    /// What is prescribed.
+    /// Returns the prescribed quantity.
     pub fn control(&self) -> Control {
         self.control
     }
 
-    /// Upper bound of the pressure in pascal, if there is one.
+    /// Hardness in pascal, the upper bound of the pressure, if there is one.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
     }
 
-    /// Mean of the heights in metre.
+    /// Returns the mean of the heights in metre.
     pub fn mean_height_m(&self) -> f64 {
         self.mean_height_m
     }
 
-    /// Standard deviation of the heights in metre, the scale of the normalised residuals.
+    /// Returns the standard deviation of the heights in metre, the scale of the normalised residuals.
     pub fn rms_height_m(&self) -> f64 {
         self.rms_height_m
     }
 
-    /// Highest point in metre.
+    /// Returns the highest point in metre.
     pub fn highest_m(&self) -> f64 {
         self.highest_m
     }
 
-    /// Height of the plane in metre, where the control prescribes it.
+    /// Returns the height of the plane in metre, if the control prescribes it.
     pub fn plane_m(&self) -> Option<f64> {
         match self.control {
             Control::Plane { height_m } => Some(height_m),
@@ -201,7 +203,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Mean pressure in pascal, where the control prescribes it.
+    /// Returns the mean pressure in pascal, if the control prescribes it.
     pub fn mean_pressure_pa(&self) -> Option<f64> {
         match self.control {
             Control::MeanPressure { pascal } => Some(pascal),

@@ -1,30 +1,30 @@
-//! A preconditioner without large transforms: |q| as a sum of small stencils on coarser and coarser grids.
+//! Preconditioner without large transforms: |q| as a sum of small stencils on coarser and coarser grids.
 //!
-//! On an isotropic grid |q| ≈ K₀ + P K₁ R + P P K₂ R R + … + P…P C R…R. K are stencils of nine points, R averages four cells
-//! by four with the weights [1 3 3 1]/8 in either direction, P, four times its adjoint, interpolates linearly between the
-//! centres of the cells, and C multiplies by |q| in the Fourier space of the coarsest grid. The stencils were fitted to |q|
-//! by least squares; the sum stays within about a quarter of it and is symmetric, so that it preconditions about as
-//! well as |q| itself at a fraction of the cost.
+//! On an isotropic grid |q| ≈ K₀ + P K₁ R + P P K₂ R R + … + P…P C R…R. The K are stencils of nine points. R averages
+//! four by four cells with the weights [1 3 3 1]/8 in either direction. P, four times its adjoint, interpolates
+//! linearly between the centres of the cells. C multiplies by |q| in the Fourier space of the coarsest grid. The
+//! stencils were fitted to |q| by least squares. The sum deviates from |q| by up to about a quarter and is symmetric.
+//! As a preconditioner it is about as good as |q| itself at a fraction of the cost.
 
 use rayon::prelude::*;
 
 use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, good_length};
 use asperity_base::wide::{Kernel, wide};
 
-/// Cells along the shorter side of the coarsest grid, at least.
+/// Least number of cells along the shorter side of the coarsest grid.
 const COARSEST: usize = 16;
-/// For one, two … coarser grids: weights of the four edge and of the four corner neighbours on every grid but the coarsest,
-/// and the factor on |q| there. |q| is in radian per finest cell.
+/// For one, two … coarser grids: weights of the four edge and of the four corner neighbours on every grid but the
+/// coarsest, and the factor on |q| there. |q| is in radian per finest cell.
 const FITS: [(&[(f32, f32)], f64); 4] = [
     (&[(0.468, 0.111)], 0.812),
     (&[(0.467, 0.113), (0.155, 0.058)], 0.718),
     (&[(0.468, 0.112), (0.146, 0.070), (0.053, 0.025)], 0.746),
     (&[(0.468, 0.112), (0.147, 0.070), (0.050, 0.028), (0.044, 0.008)], 0.66),
 ];
-/// Cells of a grid from which its rows are worth sharing among threads.
+/// Least number of cells of a grid for which threads share its rows.
 const SHARED_FROM: usize = 1 << 16;
 
-/// |q| times maps of `rows` × `columns` cells, about.
+/// Approximate multiplication by |q| of maps of `rows` × `columns` cells.
 #[derive(Debug, Clone)]
 pub(super) struct Pyramid {
     rows: usize,
@@ -40,15 +40,15 @@ pub(super) struct Pyramid {
 pub(super) struct PyramidWork {
     /// The map on every grid, finest first.
     maps: Vec<Field>,
-    /// What the coarser grids make of it.
+    /// Products on the coarser grids.
     products: Vec<Field>,
     coarsest: ConvolutionWork<f32>,
-    lane: Lane,
+    line: Line,
 }
 
-/// Scratch memory of one thread.
+/// Row buffer of one thread.
 #[derive(Debug, Clone)]
-struct Lane {
+struct Line {
     row: Vec<f32>,
 }
 
@@ -69,12 +69,12 @@ impl Field {
         self.columns + 2
     }
 
-    /// A row with its margin, of which there is one row above the first and one below the last: `row` counts from the former.
+    /// Returns a row with its margin. Row 0 is the margin above the first row of the map.
     fn row(&self, row: usize) -> &[f32] {
         &self.values[row * self.stride()..][..self.stride()]
     }
 
-    /// All rows but the margin's, with their own margins.
+    /// Returns all rows of the map, with their left and right margins.
     fn inner_mut(&mut self) -> &mut [f32] {
         let stride = self.stride();
         &mut self.values[stride..(self.rows + 1) * stride]
@@ -93,8 +93,8 @@ impl Field {
 }
 
 impl Pyramid {
-    /// For maps of `rows` × `columns` square cells, repeated without end or zero beyond their edge. `None` where the cells
-    /// cannot be halved.
+    /// Creates the pyramid for maps of `rows` × `columns` square cells, periodic or zero beyond their edge. Returns
+    /// `None` if the cells cannot be halved.
     pub(super) fn new(rows: usize, columns: usize, wraps: bool) -> Option<Self> {
         let fits = |levels: &usize| {
             let cells = 1 << levels;
@@ -118,16 +118,17 @@ impl Pyramid {
             maps: (0..=levels).map(field).collect(),
             products: (1..=levels).map(field).collect(),
             coarsest: self.coarsest.work(),
-            lane: self.lane(),
+            line: self.line(),
         }
     }
 
-    fn lane(&self) -> Lane {
-        Lane { row: vec![0.0; self.columns + 2] }
+    fn line(&self) -> Line {
+        Line { row: vec![0.0; self.columns + 2] }
     }
 
-    /// Multiplies a map by about |q|, in radian per cell, and its mean by `mean`. There is one of `slabs` for each slab of
-    /// rows: `fill` writes the rows of the map in order into zeros, `take` gets the rows of the product in order.
+    /// Multiplies a map by about |q|, in radian per cell, and its mean by `mean`. `slabs` has one entry for each slab
+    /// of rows: `fill` writes the rows of the map in order into zeros, `take` receives the rows of the product in
+    /// order.
     pub(super) fn apply<S: Send>(
         &self,
         mean: f64,
@@ -136,10 +137,10 @@ impl Pyramid {
         take: impl Fn(&mut S, usize, &[f32]) + Sync,
         work: &mut PyramidWork,
     ) {
-        let PyramidWork { maps, products, coarsest, lane } = work;
+        let PyramidWork { maps, products, coarsest, line } = work;
         let stride = maps[0].stride();
         let chunks = maps[0].inner_mut().chunks_mut(ROWS_OF_SLAB * stride);
-        self.share(lane, slabs.iter_mut().zip(chunks).enumerate(), |_, (number, (slab, rows))| {
+        self.split(line, slabs.iter_mut().zip(chunks).enumerate(), |_, (number, (slab, rows))| {
             for (row, out) in rows.chunks_exact_mut(stride).enumerate() {
                 out.fill(0.0);
                 fill(slab, number * ROWS_OF_SLAB + row, &mut out[1..=self.columns]);
@@ -148,30 +149,30 @@ impl Pyramid {
         self.continue_beyond(&mut maps[0]);
         for level in 1..maps.len() {
             let (finer, coarser) = maps.split_at_mut(level);
-            self.restrict(&finer[level - 1], &mut coarser[0], lane);
+            self.restrict(&finer[level - 1], &mut coarser[0], line);
         }
         self.multiply_coarsest(mean, &maps[maps.len() - 1], &mut products[maps.len() - 2], coarsest);
         for level in (1..self.stencils.len()).rev() {
             let (finer, coarser) = products.split_at_mut(level);
-            self.combine(level, &maps[level], &coarser[0], &mut finer[level - 1], lane);
+            self.combine(level, &maps[level], &coarser[0], &mut finer[level - 1], line);
         }
         let (map, coarser) = (&maps[0], &products[0]);
-        self.share(lane, slabs.iter_mut().enumerate(), |lane, (number, slab)| {
+        self.split(line, slabs.iter_mut().enumerate(), |line, (number, slab)| {
             let first = number * ROWS_OF_SLAB;
             for row in first..(first + ROWS_OF_SLAB).min(self.rows) {
-                self.row(0, map, coarser, row, &mut lane.row);
-                take(slab, row, &lane.row[1..=self.columns]);
+                self.row(0, map, coarser, row, &mut line.row);
+                take(slab, row, &line.row[1..=self.columns]);
             }
         });
     }
 
-    /// Does `work` on the items, shared among threads where the map is large.
-    fn share<I: Send>(&self, lane: &mut Lane, items: impl Iterator<Item = I>, work: impl Fn(&mut Lane, I) + Sync) {
+    /// Calls `work` on the items, in parallel if the map is large.
+    fn split<I: Send>(&self, line: &mut Line, items: impl Iterator<Item = I>, work: impl Fn(&mut Line, I) + Sync) {
         if self.rows * self.columns < SHARED_FROM || rayon::current_num_threads() == 1 {
-            items.for_each(|item| work(lane, item));
+            items.for_each(|item| work(line, item));
         } else {
             let items: Vec<I> = items.collect();
-            items.into_par_iter().for_each_init(|| self.lane(), |lane, item| work(lane, item));
+            items.into_par_iter().for_each_init(|| self.line(), |line, item| work(line, item));
         }
     }
 
@@ -181,14 +182,14 @@ impl Pyramid {
         }
     }
 
-    fn restrict(&self, finer: &Field, coarser: &mut Field, lane: &mut Lane) {
+    fn restrict(&self, finer: &Field, coarser: &mut Field, line: &mut Line) {
         let (columns, stride) = (coarser.columns, coarser.stride());
         let chunks = coarser.inner_mut().chunks_mut(ROWS_OF_SLAB * stride).enumerate();
-        self.share(lane, chunks, |lane, (number, rows)| {
+        self.split(line, chunks, |line, (number, rows)| {
             for (row, out) in rows.chunks_exact_mut(stride).enumerate() {
                 let above = 2 * (number * ROWS_OF_SLAB + row);
                 let rows = [0, 1, 2, 3].map(|row| finer.row(above + row));
-                wide::<Restrict, _>((&mut out[1..=columns], rows, lane.row.as_mut_slice()));
+                wide::<Restrict, _>((&mut out[1..=columns], rows, line.row.as_mut_slice()));
             }
         });
         self.continue_beyond(coarser);
@@ -209,11 +210,11 @@ impl Pyramid {
         self.continue_beyond(product);
     }
 
-    /// The product on the grid of `level`, from that on the next coarser one.
-    fn combine(&self, level: usize, map: &Field, coarser: &Field, product: &mut Field, lane: &mut Lane) {
+    /// Computes the product on the grid of `level` from the product on the next coarser grid.
+    fn combine(&self, level: usize, map: &Field, coarser: &Field, product: &mut Field, line: &mut Line) {
         let stride = product.stride();
         let chunks = product.inner_mut().chunks_mut(ROWS_OF_SLAB * stride).enumerate();
-        self.share(lane, chunks, |_, (number, rows)| {
+        self.split(line, chunks, |_, (number, rows)| {
             for (row, out) in rows.chunks_exact_mut(stride).enumerate() {
                 self.row(level, map, coarser, number * ROWS_OF_SLAB + row, out);
             }
@@ -221,7 +222,7 @@ impl Pyramid {
         self.continue_beyond(product);
     }
 
-    /// A row, with its margin, of the product on the grid of `level`.
+    /// Computes a row, with its margin, of the product on the grid of `level`.
     fn row(&self, level: usize, map: &Field, coarser: &Field, row: usize, out: &mut [f32]) {
         let stencil = self.stencils[level];
         let out = &mut out[1..=map.columns];
@@ -231,7 +232,7 @@ impl Pyramid {
     }
 }
 
-/// Averages four rows with their margins into one of half as many cells; `sum` is scratch memory.
+/// Averages four rows with their margins into one row of half as many cells; `sum` is scratch memory.
 struct Restrict;
 
 impl<'a> Kernel<(&'a mut [f32], [&'a [f32]; 4], &'a mut [f32])> for Restrict {
@@ -252,8 +253,8 @@ impl<'a> Kernel<(&'a mut [f32], [&'a [f32]; 4], &'a mut [f32])> for Restrict {
     }
 }
 
-/// The nine-point stencil on the middle of three rows with their margins, plus the linear interpolation between two rows with
-/// their margins, of which the first is the nearer, of half as many cells.
+/// Applies the nine-point stencil to the middle of three rows with their margins. Adds the linear interpolation between
+/// two rows of half as many cells, the nearer one first.
 struct Stencil;
 
 impl<'a> Kernel<(&'a mut [f32], [&'a [f32]; 3], [&'a [f32]; 2], (f32, f32))> for Stencil {
@@ -329,8 +330,8 @@ mod tests {
                 let (qx, qy) = (turn(kx, columns), turn(ky, rows));
                 let phase = |i: usize| qx * (i % columns) as f64 + qy * (i / columns) as f64;
                 let wave: Vec<f32> = (0..rows * columns).map(|i| phase(i).cos() as f32).collect();
-                let share = product(&wave, &applied(&pyramid, 1.0, &wave)) / product(&wave, &wave) / qx.hypot(qy);
-                assert!((0.73..1.08).contains(&share), "{rows} × {columns}, ({kx}, {ky}): {share}");
+                let ratio = product(&wave, &applied(&pyramid, 1.0, &wave)) / product(&wave, &wave) / qx.hypot(qy);
+                assert!((0.73..1.08).contains(&ratio), "{rows} × {columns}, ({kx}, {ky}): {ratio}");
             }
             let flat = vec![2.0; rows * columns];
             assert!(applied(&pyramid, 3.0, &flat).iter().all(|z| (z - 6.0).abs() < 1e-4));
@@ -338,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_symmetric_and_positive_with_and_without_an_edge() {
+    fn it_is_symmetric_and_positive_for_both_boundaries() {
         for wraps in [true, false] {
             let (rows, columns) = (64, 32);
             let pyramid = Pyramid::new(rows, columns, wraps).unwrap();
@@ -351,8 +352,9 @@ mod tests {
     }
 
     #[test]
-    fn nothing_crosses_an_edge_but_by_the_coarsest_grid() {
-        // A point at the edge of a map that does not wrap leaves the far side alone, beside what |q| itself spreads.
+    fn only_the_coarsest_grid_couples_opposite_edges() {
+        // A point at one edge of a map that is not periodic hardly changes the other edge, apart from the spread of |q|
+        // itself.
         let (rows, columns) = (64, 64);
         let mut map = vec![0.0; rows * columns];
         map[5 * columns] = 1.0;
@@ -364,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_cannot_be_halved_have_none() {
+    fn cells_that_cannot_be_halved_have_no_pyramid() {
         for (rows, columns) in [(33, 64), (64, 31), (16, 64), (30, 64)] {
             assert!(Pyramid::new(rows, columns, true).is_none());
         }
@@ -372,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_do_not_change_a_bit() {
+    fn results_are_bit_identical_for_any_number_of_threads() {
         let (rows, columns) = (288, 320);
         let pyramid = Pyramid::new(rows, columns, true).unwrap();
         let map = noise(rows * columns, 2);

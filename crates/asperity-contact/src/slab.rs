@@ -1,9 +1,9 @@
-//! Cells near contact, slab of rows by slab of rows.
+//! Cells near contact, stored by slabs of rows.
 //!
-//! Most cells of a rough contact are out of contact and stay so. What concerns the others is kept in lists over them alone,
-//! one set for each slab of [`ROWS_OF_SLAB`] rows, so that a slab's lists stay in the cache for all that is done to them at a
-//! time and slabs can be shared among threads; sums are added slab by slab in order, whoever made them. Of the cells far from
-//! contact only v is known, in single precision, to see when they come near.
+//! Most cells of a rough contact are out of contact and stay so. Lists store the data of the other cells, one set of
+//! lists for each slab of [`ROWS_OF_SLAB`] rows. The lists of a slab fit in the cache for a sequence of operations, and
+//! threads can share slabs. Sums are added slab by slab in order, for any number of threads. For cells far from contact
+//! only v is stored, in single precision, to detect when they come near contact.
 
 mod grid;
 mod kernels;
@@ -22,28 +22,28 @@ use crate::solution::Part;
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::wide::wide;
 
-/// Cells far from contact stay in the lists until they are more than one in so many.
+/// Cells far from contact are removed from the lists when more than one in this number is far from contact.
 const IDLE_ONE_IN: f64 = 8.0;
-/// Cells for which the memory of lists no longer in use is kept.
+/// Largest number of cells for which the memory of unused lists is kept.
 const MOST_KEPT: usize = 1 << 11;
 
-/// The largest pressures of listed cells.
-pub(super) trait Caps: Copy + Send + Sync {
-    /// Whether any is finite.
+/// Hardness of the listed cells.
+pub(super) trait Hardness: Copy + Send + Sync {
+    /// Whether a hardness is finite.
     const YIELD: bool;
-    /// Those of the first n cells.
+    /// Returns the hardness of the first n cells.
     fn head(self, n: usize) -> Self;
-    /// That of a cell.
+    /// Returns the hardness of a cell.
     fn at(self, i: usize) -> f64;
-    /// Those of a chunk of cells.
+    /// Returns the hardness of a chunk of cells.
     fn chunk<const L: usize>(self, chunk: usize) -> [f64; L];
 }
 
-/// Nothing yields.
+/// Infinite hardness.
 #[derive(Clone, Copy)]
 struct Unbounded;
 
-impl Caps for Unbounded {
+impl Hardness for Unbounded {
     const YIELD: bool = false;
 
     #[inline(always)]
@@ -62,11 +62,11 @@ impl Caps for Unbounded {
     }
 }
 
-/// The hardness of every cell.
+/// Finite hardness of every cell.
 #[derive(Clone, Copy)]
 struct Yielding<'a>(&'a [f64]);
 
-impl Caps for Yielding<'_> {
+impl Hardness for Yielding<'_> {
     const YIELD: bool = true;
 
     #[inline(always)]
@@ -85,44 +85,44 @@ impl Caps for Yielding<'_> {
     }
 }
 
-/// Evaluates an expression with the caps of a slab's cells, compiled for cells that do not yield apart.
-macro_rules! capped {
-    ($upper:expr, |$caps:ident| $work:expr) => {
-        if let Some(upper) = $upper.as_deref() {
-            let $caps = Yielding(upper);
+/// Evaluates an expression with the hardness H of the cells of a slab, compiled separately for infinite hardness.
+macro_rules! with_h {
+    ($hardness:expr, |$h:ident| $work:expr) => {
+        if let Some(hardness) = $hardness.as_deref() {
+            let $h = Yielding(hardness);
             $work
         } else {
-            let $caps = Unbounded;
+            let $h = Unbounded;
             $work
         }
     };
 }
 
-/// The cells of a slab that carry pressure or may soon do, row by row.
+/// Cells of a slab that carry pressure or may soon carry it, row by row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Slab {
     width: usize,
     lists: Lists,
-    /// Lists in the making.
+    /// Lists under construction.
     next: Lists,
     entrants: Vec<Entrant>,
-    /// The gradient of the cells that may move, zero for others, and 1 for these cells, 0 for others.
+    /// Gradient of the cells that may move, zero for others; and 1 for these cells, 0 for others.
     gradient: Vec<f32>,
     moves: Vec<f32>,
     /// The preconditioned gradient.
     preconditioned: Vec<f32>,
-    /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
-    /// are on. After [`Slab::restrict`] the step to it. Until then, see [`Slab::tangent_sums`], the v of the `open` cells that are on
-    /// the lower bound stand at its front.
+    /// Trial pressure, not yet within the bounds; for cells that may not move, an infinity beyond their bound. After
+    /// [`Slab::restrict`] it is the step to the trial pressure. Before that, see [`Slab::tangent_sums`], its first
+    /// `open` entries are the v of the cells on the lower bound.
     trial: Vec<f64>,
     open: usize,
-    /// The v of the cells on the upper bound.
+    /// The v of the cells at the hardness.
     full: Vec<f64>,
-    /// v of the other cells of the slab's rows as `origin_m` + `unit_m` times this; infinite at the cells in the lists.
+    /// v of the other cells of the slab's rows as `origin_m` + `unit_m` times this value; infinite for the listed cells.
     far: Vec<f32>,
     origin_m: f64,
     unit_m: f64,
-    /// Largest pressure in pascal, where cells yield.
+    /// Hardness in pascal, if any.
     hardness_pa: Option<f64>,
     pub(super) summary: Summary,
     pub(super) products: Products,
@@ -132,15 +132,15 @@ pub(super) struct Slab {
 /// One value for each cell near contact.
 #[derive(Debug, Clone, Default)]
 struct Lists {
-    /// Where the cells of a row begin, with the end of the last row.
+    /// Start of the cells of each row, and the end of the last row.
     starts: [u32; ROWS_OF_SLAB + 1],
     columns: Vec<u32>,
     /// Pressure and S p − z.
     p: Vec<f64>,
     v: Vec<f64>,
-    /// Largest pressure, where cells yield.
-    upper: Option<Vec<f64>>,
-    /// The last step and its image under S, over their units; zero for cells that were not near contact then.
+    /// Hardness, if finite.
+    hardness: Option<Vec<f64>>,
+    /// Last step and its image under S, over their units; zero for cells that were not near contact then.
     step: Vec<f32>,
     image: Vec<f32>,
 }
@@ -153,34 +153,34 @@ impl Lists {
         self.v.clear();
         self.step.clear();
         self.image.clear();
-        self.upper = if yields { Some(self.upper.take().map_or_else(Vec::new, cleared)) } else { None };
+        self.hardness = if yields { Some(self.hardness.take().map_or_else(Vec::new, cleared)) } else { None };
     }
 
-    /// Makes room for that many cells and no more.
+    /// Reserves exactly this number of cells.
     fn reserve(&mut self, cells: usize) {
         self.columns.reserve_exact(cells);
         self.p.reserve_exact(cells);
         self.v.reserve_exact(cells);
         self.step.reserve_exact(cells);
         self.image.reserve_exact(cells);
-        if let Some(list) = &mut self.upper {
+        if let Some(list) = &mut self.hardness {
             list.reserve_exact(cells);
         }
     }
 
-    /// Where the cells of a row stand.
+    /// Returns the range of the cells of a row.
     fn cells(&self, row: usize) -> Range<usize> {
         self.starts[row] as usize..self.starts[row + 1] as usize
     }
 
-    fn push(&mut self, column: u32, [p, v]: [f64; 2], upper: f64, [step, image]: [f32; 2]) {
+    fn push(&mut self, column: u32, [p, v]: [f64; 2], hardness: f64, [step, image]: [f32; 2]) {
         self.columns.push(column);
         self.p.push(p);
         self.v.push(v);
         self.step.push(step);
         self.image.push(image);
-        if let Some(list) = &mut self.upper {
-            list.push(upper);
+        if let Some(list) = &mut self.hardness {
+            list.push(hardness);
         }
     }
 
@@ -191,7 +191,7 @@ impl Lists {
         self.v.extend_from_slice(&other.v[cells.clone()]);
         self.step.extend_from_slice(&other.step[cells.clone()]);
         self.image.extend_from_slice(&other.image[cells.clone()]);
-        if let (Some(list), Some(other)) = (&mut self.upper, &other.upper) {
+        if let (Some(list), Some(other)) = (&mut self.hardness, &other.hardness) {
             list.extend_from_slice(&other[cells]);
         }
     }
@@ -211,20 +211,20 @@ struct Entrant {
     image: f32,
 }
 
-/// How far a step is gone.
+/// Length and units of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Advance {
-    /// Multiple of the step.
+    /// Factor on the step.
     pub(super) length: f64,
-    /// Unit of the step, and of its image.
+    /// Units of the step and of its image.
     pub(super) unit_pa: f64,
     pub(super) unit_m: f64,
-    /// Cells whose v is below this come near contact.
+    /// Cells whose v is below this bound are near contact.
     pub(super) bound: f64,
 }
 
 impl Slab {
-    /// Begins with the pressures `p` of its rows; v is not yet known.
+    /// Initialises the lists with the pressures `p` of its rows; v is not yet known.
     fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<f64>, unit_m: f64) {
         self.width = width;
         (self.origin_m, self.unit_m) = (0.0, unit_m);
@@ -243,7 +243,7 @@ impl Slab {
         }
     }
 
-    /// Gives back the memory of what the next iteration makes anew.
+    /// Frees the buffers of the current iteration.
     pub(super) fn release_scratch(&mut self) {
         (self.gradient, self.moves, self.preconditioned) = (Vec::new(), Vec::new(), Vec::new());
         (self.trial, self.full, self.open) = (Vec::new(), Vec::new(), 0);
@@ -253,13 +253,13 @@ impl Slab {
         self.far.len() / self.width
     }
 
-    /// The bound on [`Slab::far`] that leaves no v below `bound` out.
+    /// Returns a bound on [`Slab::far`] that includes every v below `bound`.
     fn far_bound(&self, bound: f64) -> f32 {
         let over = (bound - self.origin_m) / self.unit_m;
         if over.is_finite() { (over + 1e-6 * over.abs()) as f32 } else { over as f32 }
     }
 
-    /// Writes the pressures of a row of the grid; false if there are none.
+    /// Writes the pressures of a row of the grid; returns false if there are none.
     pub(super) fn write_pressure(&self, row: usize, out: &mut [f64]) -> bool {
         let cells = self.lists.cells(row % ROWS_OF_SLAB);
         for (column, p) in self.lists.columns[cells.clone()].iter().zip(&self.lists.p[cells.clone()]) {
@@ -268,7 +268,7 @@ impl Slab {
         !cells.is_empty()
     }
 
-    /// Takes v of a row of the grid, and after the last row all cells that are near contact.
+    /// Stores v of a row of the grid and, after the last row, adds all cells near contact to the lists.
     pub(super) fn settle(&mut self, row: usize, v: &[f64], origin_m: f64, bound: f64) {
         let row = row % ROWS_OF_SLAB;
         self.origin_m = origin_m;
@@ -286,8 +286,8 @@ impl Slab {
         }
     }
 
-    /// Notes the cells of a row whose v is below `bound`, from the displacements of the last step and all v where these are
-    /// known.
+    /// Collects the cells of a row whose v is below `bound`, with the displacements of the last step and the exact v of
+    /// the row if given.
     fn find(&mut self, row: usize, bound: f64, image: Option<&[f32]>, exact: Option<&[f64]>) {
         let far_bound = self.far_bound(bound);
         let Self { far, entrants, origin_m, unit_m, .. } = self;
@@ -304,7 +304,7 @@ impl Slab {
         }
     }
 
-    /// Looks for the cells whose v is below `bound` among all, of which v is given where it is known.
+    /// Adds all cells whose v is below `bound` to the lists, with the exact v if given.
     fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
         for row in 0..self.rows() {
             let exact = exact.map(|v| &v[row * self.width..][..self.width]);
@@ -313,9 +313,10 @@ impl Slab {
         self.merge(bound);
     }
 
-    /// Takes those who come near contact into the lists, in passing dismisses those who left it, and sums up.
+    /// Adds the new cells near contact to the lists, removes those far from contact if worthwhile, and updates the
+    /// summary.
     fn merge(&mut self, bound: f64) {
-        // How many there were the last time tells when it is worth while.
+        // The number of idle cells in the last summary decides whether removal is worthwhile.
         let dismisses = IDLE_ONE_IN * self.summary.idle > self.lists.p.len() as f64;
         if self.entrants.is_empty() && !dismisses {
             self.summarise(bound);
@@ -325,7 +326,7 @@ impl Slab {
         let Self { lists, next, entrants, far, hardness_pa, origin_m, unit_m, .. } = self;
         next.clear(hardness_pa.is_some());
         next.reserve(lists.p.len() + entrants.len());
-        let upper = hardness_pa.unwrap_or(f64::INFINITY);
+        let hardness = hardness_pa.unwrap_or(f64::INFINITY);
         let mut waiting = entrants.iter().peekable();
         for row in 0..far.len() / width {
             let cells = lists.cells(row);
@@ -334,7 +335,7 @@ impl Slab {
                     let (column, p, v) = (lists.columns[i], lists.p[i], lists.v[i]);
                     let place = row * width + column as usize;
                     if p > 0.0 || v < bound {
-                        next.push(column, [p, v], upper, [lists.step[i], lists.image[i]]);
+                        next.push(column, [p, v], hardness, [lists.step[i], lists.image[i]]);
                     } else {
                         far[place] = ((v - *origin_m) / *unit_m) as f32;
                     }
@@ -344,43 +345,43 @@ impl Slab {
             }
             while let Some(entrant) = waiting.next_if(|entrant| entrant.row == row) {
                 let place = row * width + entrant.column as usize;
-                next.push(entrant.column, [0.0, entrant.v], upper, [0.0, entrant.image]);
+                next.push(entrant.column, [0.0, entrant.v], hardness, [0.0, entrant.image]);
                 far[place] = f32::INFINITY;
             }
             next.starts[row + 1..].fill(next.columns.len() as u32);
         }
         entrants.clear();
         std::mem::swap(lists, next);
-        // Where problems are large, memory is scarcer than the time to ask for it.
+        // In large problems memory is scarcer than the time to allocate it.
         if next.p.capacity() > MOST_KEPT {
             *next = Lists::default();
         }
         self.summarise(bound);
     }
 
-    /// Sums up the lists.
+    /// Computes the summary of the lists.
     fn summarise(&mut self, bound: f64) {
         let Self { lists, trial, open, full, summary, .. } = self;
         let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
-        *summary = capped!(lists.upper, |caps| wide::<Summarise, _>((p, v, bound, caps)));
+        *summary = with_h!(lists.hardness, |h| wide::<Summarise, _>((p, v, bound, h)));
         trial.resize(p.len(), 0.0);
         *open = wide::<OnBound<false>, _>((trial.as_mut_slice(), p, v, Unbounded));
         full.clear();
-        if let Some(upper) = &lists.upper {
+        if let Some(hardness) = &lists.hardness {
             full.resize(p.len(), 0.0);
-            let count = wide::<OnBound<true>, _>((full.as_mut_slice(), p, v, Yielding(upper)));
+            let count = wide::<OnBound<true>, _>((full.as_mut_slice(), p, v, Yielding(hardness)));
             full.truncate(count);
         }
         summary.full = full.len() as f64;
     }
 
-    /// Pressure, v and largest pressure of the cells near contact.
+    /// Returns pressure, v and hardness of the cells near contact.
     pub(super) fn part(&self) -> Part<'_> {
-        Part { p: &self.lists.p, v: &self.lists.v, upper: self.lists.upper.as_deref() }
+        Part { p: &self.lists.p, v: &self.lists.v, hardness: self.lists.hardness.as_deref() }
     }
 
-    /// Sum of the gradients v − λ of the cells that may move, and their number below the upper bound and on it, as long as nothing is on
-    /// trial since the lists were summed up.
+    /// Returns the sum of the gradients v − λ of the cells that may move, and their number below the hardness and at
+    /// it. Valid until a trial is computed after the last summary.
     pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 3] {
         let Self { trial, open, full, summary: Summary { between_v, between, .. }, .. } = self;
         let below = wide::<Beyond<false>, _>((&trial[..*open], lambda));
@@ -397,10 +398,10 @@ impl Slab {
         let terms = [lambda, 1.0 / unit_m];
         let fields = [lists.p.as_slice(), lists.v.as_slice()];
         let (gradient, moves) = (gradient.as_mut_slice(), moves.as_mut_slice());
-        capped!(lists.upper, |caps| wide::<Gradient, _>((gradient, moves, fields, terms, all, caps)));
+        with_h!(lists.hardness, |h| wide::<Gradient, _>((gradient, moves, fields, terms, all, h)));
     }
 
-    /// Writes the gradient of a row into it; false if it has none.
+    /// Writes the gradient of a row; returns false if it has none.
     pub(super) fn scatter_gradient(&self, row: usize, out: &mut [f32]) -> bool {
         let cells = self.lists.cells(row % ROWS_OF_SLAB);
         for (column, gradient) in self.lists.columns[cells.clone()].iter().zip(&self.gradient[cells.clone()]) {
@@ -409,7 +410,7 @@ impl Slab {
         !cells.is_empty()
     }
 
-    /// Takes the preconditioned gradient of a row, and after the last row makes the products.
+    /// Stores the preconditioned gradient of a row and, after the last row, computes the products.
     pub(super) fn take_preconditioned(&mut self, row: usize, values: &[f32]) {
         let row = row % ROWS_OF_SLAB;
         self.preconditioned.resize(self.lists.p.len(), 0.0);
@@ -425,8 +426,8 @@ impl Slab {
         }
     }
 
-    /// [Σ p w, Σ p g, Σ p u] of the cells that may move, u = v + z, from the heights of the slab's rows; w and g over their
-    /// units.
+    /// Returns [Σ p w, Σ p g, Σ p u] of the cells that may move, with u = v + z from the heights of the slab's rows; w
+    /// and g over their units.
     pub(super) fn level(&self, heights_m: &[f64], mean_height_m: f64) -> [f64; 3] {
         let Lists { columns, p, v, image, .. } = &self.lists;
         let mut sums = [0.0; 3];
@@ -442,7 +443,7 @@ impl Slab {
         sums
     }
 
-    /// Puts the pressure on trial in `direction` into `trial`, for the cells that may move.
+    /// Writes the trial pressure in `direction` into `trial`, for the cells that may move.
     pub(super) fn propose(&mut self, direction: Direction) -> Extent {
         let Self { lists, moves, gradient, preconditioned, trial, .. } = self;
         trial.resize(lists.p.len(), 0.0);
@@ -452,54 +453,55 @@ impl Slab {
         self.extent()
     }
 
-    /// That of the trial.
+    /// Returns the extent of the trial.
     fn extent(&self) -> Extent {
-        capped!(self.lists.upper, |caps| wide::<Span, _>((self.trial.as_slice(), caps)))
+        with_h!(self.lists.hardness, |h| wide::<Span, _>((self.trial.as_slice(), h)))
     }
 
-    /// Puts the pressure itself into `trial` where it is between the bounds.
+    /// Copies the pressure into `trial` for the cells between the bounds.
     pub(super) fn propose_itself(&mut self) -> Extent {
         let Self { lists, trial, .. } = self;
         trial.clear();
-        let held = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-        let itself = |p: f64, upper: f64| if (p > 0.0) & (p < upper) { p } else { held(p) };
-        capped!(lists.upper, |caps| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, caps.at(i)))));
+        let fixed = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        let itself = |p: f64, hardness: f64| if (p > 0.0) & (p < hardness) { p } else { fixed(p) };
+        with_h!(lists.hardness, |h| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, h.at(i)))));
         self.gradient.clear();
         self.gradient.resize(self.lists.p.len(), 0.0);
         self.extent()
     }
 
-    /// Pressure of the cells that the trial holds on the upper bound.
-    pub(super) fn held(&self) -> f64 {
-        let Some(upper) = &self.lists.upper else { return 0.0 };
-        self.trial.iter().zip(upper).map(|(t, upper)| if *t == f64::INFINITY { *upper } else { 0.0 }).sum()
+    /// Returns the sum of the pressures of the cells that the trial fixes at the hardness.
+    pub(super) fn fixed(&self) -> f64 {
+        let Some(hardness) = &self.lists.hardness else { return 0.0 };
+        self.trial.iter().zip(hardness).map(|(t, hardness)| if *t == f64::INFINITY { *hardness } else { 0.0 }).sum()
     }
 
-    /// Sum of the trial pressures, shifted and within the bounds, and the number of them that follow a shift.
+    /// Returns the sum of the trial pressures, shifted and within the bounds, and the number of cells that follow a
+    /// shift.
     pub(super) fn shifted_sum(&self, shift: f64) -> [f64; 2] {
-        capped!(self.lists.upper, |caps| wide::<Shifted, _>((self.trial.as_slice(), shift, caps)))
+        with_h!(self.lists.hardness, |h| wide::<Shifted, _>((self.trial.as_slice(), shift, h)))
     }
 
-    /// Makes `trial` the step to the trial pressure, shifted and within the bounds.
+    /// Replaces `trial` by the step to the trial pressure, shifted and within the bounds.
     pub(super) fn restrict(&mut self, shift: Shift) {
         let Self { lists, gradient, trial, step, .. } = self;
         let (trial, p, gradient) = (trial.as_mut_slice(), lists.p.as_slice(), gradient.as_slice());
         *step = if let Some(by) = shift.common() {
-            let shifted = |t: f64, upper: f64| within(t + by, upper);
-            capped!(lists.upper, |caps| wide::<Cut, _>((trial, p, gradient, by, shifted, caps)))
+            let shifted = |t: f64, hardness: f64| within(t + by, hardness);
+            with_h!(lists.hardness, |h| wide::<Cut, _>((trial, p, gradient, by, shifted, h)))
         } else {
-            let shifted = |t: f64, upper: f64| shift.applied(t, upper);
-            capped!(lists.upper, |caps| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, caps)))
+            let shifted = |t: f64, hardness: f64| shift.applied(t, hardness);
+            with_h!(lists.hardness, |h| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, h)))
         };
     }
 
-    /// The largest multiple of the step that stays within the bounds.
+    /// Returns the largest multiple of the step that stays within the bounds.
     pub(super) fn longest_feasible(&self) -> f64 {
         let (p, step) = (self.lists.p.as_slice(), self.trial.as_slice());
-        capped!(self.lists.upper, |caps| wide::<Room, _>((p, step, caps)))
+        with_h!(self.lists.hardness, |h| wide::<Room, _>((p, step, h)))
     }
 
-    /// Writes the step, over `unit`, into a row; false if it has none.
+    /// Writes the step of a row, over `unit`; returns false if it has none.
     pub(super) fn scatter_step(&self, row: usize, unit: f64, out: &mut [f32]) -> bool {
         let cells = self.lists.cells(row % ROWS_OF_SLAB);
         let factor = 1.0 / unit;
@@ -509,8 +511,8 @@ impl Slab {
         !cells.is_empty()
     }
 
-    /// Takes the displacements of a row by the whole step, over their unit, and after the last row goes along the step and
-    /// takes up the cells that are near contact then.
+    /// Receives the displacements of a row by the whole step, over their unit. After the last row, applies the step and
+    /// adds the cells that are then near contact.
     pub(super) fn advance(&mut self, row: usize, advance: Advance, values: &[f32]) {
         let row = row % ROWS_OF_SLAB;
         let factor = (advance.length * advance.unit_m / self.unit_m) as f32;
@@ -531,25 +533,25 @@ impl Slab {
         }
     }
 
-    /// Goes along the step on trial; whether a pressure changed.
+    /// Applies the trial step; returns whether a pressure changed.
     fn go(&mut self, advance: Advance) -> bool {
         let Self { lists, trial, .. } = self;
-        let Lists { p, v, step, image, upper, .. } = lists;
+        let Lists { p, v, step, image, hardness, .. } = lists;
         let (p, v, step) = (p.as_mut_slice(), v.as_mut_slice(), step.as_mut_slice());
-        capped!(upper, |caps| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, caps)))
+        with_h!(hardness, |h| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, h)))
     }
 
-    /// Goes the whole step on trial in the pressures alone.
+    /// Adds the whole trial step to the pressures only.
     pub(super) fn step_pressure(&mut self) {
-        let Lists { p, upper, .. } = &mut self.lists;
+        let Lists { p, hardness, .. } = &mut self.lists;
         let steps = p.iter_mut().zip(&self.trial).enumerate();
-        capped!(upper, |caps| steps.for_each(|(i, (p, s))| *p = within(*p + s, caps.at(i))));
+        with_h!(hardness, |h| steps.for_each(|(i, (p, s))| *p = within(*p + s, h.at(i))));
     }
 }
 
-/// `value`, or the bound of [0, `upper`] that it is beyond.
+/// Returns `value` clamped to [0, `hardness`].
 #[inline(always)]
-pub(super) fn within(value: f64, upper: f64) -> f64 {
+pub(super) fn within(value: f64, hardness: f64) -> f64 {
     let value = if value > 0.0 { value } else { 0.0 };
-    if value < upper { value } else { upper }
+    if value < hardness { value } else { hardness }
 }

@@ -1,16 +1,18 @@
 //! A bound-constrained preconditioned conjugate gradient method with one operator application per iteration.
 //!
-//! Each iteration forms a trial direction, preconditioned by about E*|q|/2 (a pyramid of stencils where cells are square and
-//! can be halved, a transform elsewhere) and made conjugate to the step that was *realised* last; projects the trial point on
-//! the bounds; and applies the compliance to the projected step alone. The exact step length along that feasible step is
-//! then known, as is the correction that the next trial point needs if this step was not of optimal length. Whatever the
-//! preconditioner and the history were, a step is taken only along a feasible descent direction with a length that lowers
-//! the energy, and every 32nd step is a full gradient projection, so the iteration converges to the unique solution; once
-//! the contact area no longer changes it is the preconditioned conjugate gradient method.
+//! Each iteration forms a trial direction. It is preconditioned by about E*|q|/2 (a pyramid of stencils if cells are
+//! square and can be halved, otherwise a transform) and conjugate to the *realised* last step. The trial point is
+//! projected on the bounds, and the compliance is applied to the projected step alone. This gives the exact step length
+//! along that feasible step. If the step was not of optimal length, it also gives the correction that the next trial
+//! point needs.
 //!
-//! Operator and preconditioner are applied to steps in single precision, as in iterative refinement: the displacement of a
-//! step errs by some 10⁻⁷ of it, and the displacement of the pressure is computed afresh in double precision before these errors
-//! make up a share of the residual, and before convergence is claimed.
+//! Every step follows a feasible descent direction with a length that lowers the energy, whatever the preconditioner
+//! and the history are. Every 32nd step is a full gradient projection. So the iteration converges to the unique
+//! solution. Once the contact area no longer changes, it is the preconditioned conjugate gradient method.
+//!
+//! Operator and preconditioner are applied to steps in single precision, as in iterative refinement. The displacement
+//! of a step has a relative error of about 10⁻⁷. The displacement of the pressure is recomputed in double precision
+//! before these errors reach a fraction of the residual, and before the solver reports convergence.
 //!
 //! # References
 //! I. A. Polonsky and L. M. Keer, *Wear* **231** (1999) 206 (conjugate gradients on the contact area),
@@ -38,7 +40,7 @@ impl Default for Solver {
     }
 }
 
-/// What closes the problem. Heights are counted from the mean height of the map.
+/// Fixed quantity that closes the problem. Heights are counted from the mean height of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Closure {
     /// The plane is fixed.
@@ -46,7 +48,7 @@ pub(super) enum Closure {
         /// Height in metre.
         height_m: f64,
     },
-    /// The plane is fixed at this height and the mean of the displacement is zero, so that this is the mean gap.
+    /// The plane is fixed at this height and the mean displacement is zero, so this height is the mean gap.
     Gap {
         /// Mean gap in metre.
         metre: f64,
@@ -59,7 +61,7 @@ pub(super) enum Closure {
 }
 
 impl Closure {
-    /// Height of the plane above the mean height in metre, where it is fixed.
+    /// Returns the height of the plane above the mean height in metre, if it is fixed.
     pub(super) fn plane_m(self) -> Option<f64> {
         match self {
             Self::Plane { height_m } | Self::Gap { metre: height_m } => Some(height_m),
@@ -69,7 +71,7 @@ impl Closure {
 }
 
 impl Solver {
-    /// Solves `problem`. A solution that is not converged says so; it is not an error.
+    /// Solves `problem`. A solution that did not converge is not an error; see [`Solution::converged`].
     ///
     /// # Errors
     /// The tolerance is not positive.
@@ -77,7 +79,7 @@ impl Solver {
         self.solve_with(problem, &mut problem.half_space().workspace())
     }
 
-    /// As [`Solver::solve`] with scratch memory that is reused between solves.
+    /// Solves `problem` like [`Solver::solve`], with scratch memory that is reused between solves.
     ///
     /// # Errors
     /// The tolerance is not positive.
@@ -85,12 +87,12 @@ impl Solver {
         self.solve_from(problem, None, workspace, &Silent)
     }
 
-    /// As [`Solver::solve_with`], beginning with the pressure `start` in pascal of shape `[ny, nx]` if there is one, and
-    /// stopping with [`StopReason::Cancelled`](crate::StopReason::Cancelled) when the monitor asks for it.
+    /// Solves `problem` like [`Solver::solve_with`], from the pressure `start` in pascal of shape `[ny, nx]`, if given.
+    /// Stops with [`StopReason::Cancelled`](crate::StopReason::Cancelled) when the monitor cancels.
     ///
-    /// The pressure of a similar problem saves some iterations where the load differs by a few percent; it is cut at the
-    /// bounds and brought to the prescribed load. It does not change the solution beyond the tolerance. Under a prescribed mean
-    /// gap, where the plane is sought, it is not used.
+    /// The pressure of a similar problem saves some iterations if the loads differ by a few percent. It is clipped to
+    /// the bounds and scaled to the prescribed load. It does not change the solution beyond the tolerance. A prescribed
+    /// mean gap whose plane has to be searched does not use it.
     ///
     /// # Errors
     /// The tolerance is not positive, or the start does not fit the map.
@@ -105,7 +107,7 @@ impl Solver {
             let (parameter, unit, wanted) = ("tolerance", "(relative)", "positive");
             return Err(ContactError::Parameter { parameter, value: self.tolerance, unit, wanted });
         }
-        problem.half_space().claim(workspace);
+        problem.half_space().prepare(workspace);
         let points = problem.heights_m().len();
         let start = start.map(|start| warm_start(problem, start)).transpose()?.flatten();
         if let Some(plane_m) = problem.plane_m() {
@@ -116,21 +118,21 @@ impl Solver {
         if let Control::MeanGap { metre } = problem.control() {
             return Ok(mean_gap::solve(self, problem, metre, workspace, monitor));
         }
-        // The mean displacement shifts the plane alone: without it, nothing large cancels.
+        // The mean displacement shifts the plane alone. Without it, no large numbers cancel.
         let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
         let closure = Closure::Sum { pascal: pascal * points as f64 };
         let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
         Ok(self.run(Descent::new(problem, closure, &start, rigid_mean(problem), workspace), start, monitor))
     }
 
-    /// Runs a descent, whose start is needed no more.
+    /// Runs a descent after freeing its start.
     fn run(&self, descent: Descent<'_>, start: Vec<f64>, monitor: &dyn Monitor) -> Solution {
         drop(start);
         descent.run(self, monitor)
     }
 }
 
-/// The pressure `start` within the bounds, in proportion to the prescribed load; none where there is nothing to begin with.
+/// Returns the pressure `start` within the bounds and scaled to the prescribed load, or `None` if it cannot be used.
 fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f64>>, ContactError> {
     let ((rows, columns), (ny, nx)) = (start.dim(), problem.heights_m().dim());
     if (rows, columns) != (ny, nx) {
@@ -140,18 +142,18 @@ fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f
     let mut p: Vec<f64> = start.iter().map(|p| pressed(*p)).collect();
     let sum: f64 = p.iter().sum();
     let wanted = problem.mean_pressure_pa().map_or(sum, |pascal| pascal * p.len() as f64);
-    let upper_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    let bound_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let mut capacity = 0.0;
     for p in p.iter_mut().filter(|p| **p > 0.0) {
-        *p = (*p * (wanted / sum)).min(upper_pa);
-        capacity += upper_pa;
+        *p = (*p * (wanted / sum)).min(bound_pa);
+        capacity += bound_pa;
     }
-    // What has to carry the load needs to be able to.
+    // The pressed cells must be able to carry the load.
     let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;
     Ok(serves.then_some(p))
 }
 
-/// A mean compliance of zero on the periodic boundary; the free one has no mean mode of its own.
+/// Returns a mean compliance of zero on the periodic boundary; the free boundary has no separate mean mode.
 pub(super) fn rigid_mean(problem: &Problem<'_>) -> Option<f64> {
     matches!(problem.half_space().boundary(), Boundary::Periodic { .. }).then_some(0.0)
 }

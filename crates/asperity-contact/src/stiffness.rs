@@ -1,19 +1,20 @@
-//! The stiffness of a contact against further approach.
+//! Stiffness of a contact against further approach.
 
 use crate::{Boundary, ContactError, HalfSpace, Solution, Workspace};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::monitor::{Monitor, Silent};
 
-/// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane, δ growing as it comes down.
+/// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane. δ grows as the plane comes down.
 ///
-/// The set in contact is held: where 0 < p < H the surface moves with the plane, where p = H the pressure stays (on the way
-/// back it falls, [`Motion`]), and elsewhere it stays zero. With x the pressure per approach, S_cc x = 1 over the cells that
-/// move, and K = Σ x ΔA. This is the slope of the load in the discretised problem, which is a piecewise linear function of the
-/// approach; cells that enter make K grow in steps. Where no cell moves, K is zero.
+/// The set of cells in contact is fixed. Where 0 < p < H the surface moves with the plane. Where p = H the pressure is
+/// constant (or falls on unloading, see [`Motion`]). Elsewhere it stays zero. With x the pressure per approach, S_cc x
+/// = 1 over the cells that move, and K = Σ x ΔA. This is the slope of the load in the discretised problem, which is
+/// piecewise linear in the approach. Cells that come into contact increase K in steps. If no cell moves, K is zero.
 ///
-/// On a periodic half-space δ is the approach of the mean planes, with the mean compliance left out: that belongs to the bulk,
-/// in series with the interface (1/K + c/A₀ of both), and has no finite value. As displacements of the interface have mean zero,
-/// an elastic contact has K/A₀ = −dp̄/dḡ with the mean gap ḡ. In complete contact the gap cannot change, and K is infinite.
+/// On a periodic half-space δ is the approach of the mean planes without the mean compliance c. The mean compliance
+/// belongs to the bulk, in series with the interface (1/K + c/A₀ in total), and has no finite value. Displacements of
+/// the interface have mean zero, so an elastic contact has K/A₀ = −dp̄/dḡ with the mean gap ḡ. In complete contact the
+/// gap cannot change, and K is infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactStiffness {
     /// K in N/m; infinite in complete contact on a periodic half-space.
@@ -22,28 +23,28 @@ pub struct ContactStiffness {
     pub pascal_per_m: f64,
     /// Iterations of the solver.
     pub iterations: usize,
-    /// Root-mean-square of S_cc x − 1 over the cells, evaluated afresh.
+    /// Root-mean-square of S_cc x − 1 over the cells, recomputed from the final x.
     pub residual: f64,
     /// Whether the residual is within the tolerance.
     pub converged: bool,
 }
 
-/// Which way the plane moves.
+/// Direction of motion of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Motion {
-    /// Further down: plastic cells keep flowing at p = H.
+    /// Downwards: plastic cells keep flowing at p = H.
     #[default]
     Loading,
-    /// Back up: plastic flow stays as it is, and all cells in contact move with the plane.
+    /// Upwards: the plastic displacement is fixed, and all cells in contact move with the plane.
     Unloading,
 }
 
-/// Computes a [`ContactStiffness`] by conjugate gradients, preconditioned as the contact itself is.
+/// Computes a [`ContactStiffness`] by conjugate gradients with the preconditioner of the contact solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StiffnessSolver {
-    /// Which way the plane moves; it matters where cells are plastic.
+    /// Direction of motion of the plane; it matters if cells are plastic.
     pub motion: Motion,
-    /// Bound on the residual r. K errs by r·S_cc⁻¹r ΔA alone.
+    /// Bound on the residual r. The error of K is r·S_cc⁻¹r ΔA.
     pub tolerance: f64,
     /// Iterations, each with one operator application, before giving up.
     pub max_iterations: usize,
@@ -56,7 +57,7 @@ impl Default for StiffnessSolver {
 }
 
 impl StiffnessSolver {
-    /// The stiffness of `solution` on the half-space that it was solved on.
+    /// Computes the stiffness of `solution` on the half-space on which it was solved.
     ///
     /// # Errors
     /// The tolerance is not positive, or the solution does not fit the half-space.
@@ -64,10 +65,10 @@ impl StiffnessSolver {
         self.solve_with(half_space, solution, &Silent)
     }
 
-    /// As [`StiffnessSolver::solve`]; what the monitor cancels is not converged.
+    /// Computes the stiffness like [`StiffnessSolver::solve`]. If the monitor cancels, the result is not converged.
     ///
     /// # Errors
-    /// As [`StiffnessSolver::solve`].
+    /// The errors of [`StiffnessSolver::solve`].
     pub fn solve_with(
         &self,
         half_space: &HalfSpace,
@@ -77,10 +78,10 @@ impl StiffnessSolver {
         self.solve_in(half_space, solution, &mut half_space.workspace(), monitor)
     }
 
-    /// As [`StiffnessSolver::solve_with`], in a workspace that the contact may have been solved in.
+    /// Computes the stiffness like [`StiffnessSolver::solve_with`], in a workspace that may be the one of the contact.
     ///
     /// # Errors
-    /// As [`StiffnessSolver::solve`].
+    /// The errors of [`StiffnessSolver::solve`].
     pub fn solve_in(
         &self,
         half_space: &HalfSpace,
@@ -131,39 +132,39 @@ impl StiffnessSolver {
     }
 
     /// Solves S_cc x = 1.
-    fn descend(&self, system: &mut System<'_>, monitor: &dyn Monitor) -> Descended {
+    fn descend(&self, system: &mut System<'_>, monitor: &dyn Monitor) -> CgResult {
         let n = system.cells.len();
-        let (mut x, mut rest) = (vec![0.0; n], vec![1.0; n]);
+        let (mut x, mut residuals) = (vec![0.0; n], vec![1.0; n]);
         let (mut step, mut image, mut steepest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let (mut iterations, mut residual) = (0, 1.0);
-        // Anew from the true residual, should the recurrence have drifted away from it.
-        let goes_on = |iterations: usize| iterations < self.max_iterations && !monitor.cancelled();
-        while residual > self.tolerance && goes_on(iterations) {
+        // Each outer iteration restarts from the true residual, in case the recurrence has drifted away from it.
+        let continues = |iterations: usize| iterations < self.max_iterations && !monitor.cancelled();
+        while residual > self.tolerance && continues(iterations) {
             let (mut updated, mut slope_before) = (residual, f64::INFINITY);
-            while updated > 0.5 * self.tolerance && goes_on(iterations) {
-                system.precondition(&rest, &mut steepest);
-                let slope = dot(&rest, &steepest);
-                let share = slope / slope_before;
-                step.iter_mut().zip(&steepest).for_each(|(step, steepest)| *step = steepest + share * *step);
+            while updated > 0.5 * self.tolerance && continues(iterations) {
+                system.precondition(&residuals, &mut steepest);
+                let slope = dot(&residuals, &steepest);
+                let ratio = slope / slope_before;
+                step.iter_mut().zip(&steepest).for_each(|(step, steepest)| *step = steepest + ratio * *step);
                 system.displace(&step, &mut image);
                 let length = slope / dot(&step, &image);
                 x.iter_mut().zip(&step).for_each(|(x, step)| *x += length * step);
-                rest.iter_mut().zip(&image).for_each(|(rest, image)| *rest -= length * image);
-                (updated, slope_before) = (rms(&rest), slope);
+                residuals.iter_mut().zip(&image).for_each(|(residuals, image)| *residuals -= length * image);
+                (updated, slope_before) = (rms(&residuals), slope);
                 iterations += 1;
             }
             system.displace(&x, &mut image);
-            rest.iter_mut().zip(&image).for_each(|(rest, image)| *rest = 1.0 - image);
-            residual = rms(&rest);
+            residuals.iter_mut().zip(&image).for_each(|(residuals, image)| *residuals = 1.0 - image);
+            residual = rms(&residuals);
         }
-        let sum_pa_per_m = x.iter().zip(&rest).map(|(x, rest)| x + x * rest).sum();
-        Descended { sum_pa_per_m, iterations, residual }
+        let sum_pa_per_m = x.iter().zip(&residuals).map(|(x, residuals)| x + x * residuals).sum();
+        CgResult { sum_pa_per_m, iterations, residual }
     }
 }
 
-/// What a descent came to.
-struct Descended {
-    /// 2 Σ x − x·S_cc x = Σ x (1 + r) with the residual r = 1 − S_cc x: the sum of the exact x less r·S_cc⁻¹r.
+/// Result of the conjugate gradient iteration.
+struct CgResult {
+    /// 2 Σ x − x·S_cc x = Σ x (1 + r) with the residual r = 1 − S_cc x: the sum of the exact x minus r·S_cc⁻¹r.
     sum_pa_per_m: f64,
     iterations: usize,
     residual: f64,
@@ -174,7 +175,7 @@ struct System<'a> {
     half_space: &'a HalfSpace,
     workspace: &'a mut Workspace,
     cells: Vec<usize>,
-    /// Zero but on the cells.
+    /// Values on the cells; zero elsewhere.
     field: Vec<f64>,
     image: Vec<f64>,
 }
@@ -193,7 +194,7 @@ impl<'a> System<'a> {
         out.iter_mut().zip(&self.cells).for_each(|(out, cell)| *out = self.image[*cell]);
     }
 
-    /// The displacement by pressures on the cells, counted from its mean on the periodic boundary.
+    /// Computes the displacement by pressures on the cells; on the periodic boundary it is counted from its mean.
     fn displace(&mut self, pressure_pa: &[f64], displacement_m: &mut [f64]) {
         self.spread(pressure_pa);
         self.half_space.displace(&self.field, &mut self.image, self.workspace);
@@ -204,7 +205,7 @@ impl<'a> System<'a> {
         }
     }
 
-    /// The solver's preconditioner on the cells, in single precision over the unit of both; the mean does not yield.
+    /// Applies the solver's preconditioner on the cells, in single precision over the unit of both. The mean is rigid.
     fn precondition(&mut self, displacement_m: &[f64], pressure_pa: &mut [f64]) {
         self.spread(displacement_m);
         let unit_m = rms(displacement_m);
@@ -221,7 +222,7 @@ impl<'a> System<'a> {
         let take = |(_, image): &mut Fields<'_>, row: usize, values: &[f32]| {
             image[piece(row)].iter_mut().zip(values).for_each(|(p, value)| *p = unit_pa * f64::from(*value));
         };
-        self.half_space.claim(self.workspace);
+        self.half_space.prepare(self.workspace);
         let mean = self.half_space.mean_mode(Some(0.0));
         self.half_space.stiffen(mean, &mut slabs, fill, take, &mut self.workspace.transforms);
         self.gather(pressure_pa);

@@ -1,4 +1,4 @@
-//! What carries the surface: a half-space, or a layer on a rigid or an elastic base.
+//! Elastic body under the surface: a half-space, or a layer on a rigid or an elastic base.
 //!
 //! A pressure wave p̂ e^{iqx} without shear moves the surface by û = C(q) p̂, and C(q) = R(qh)·2/(E*q) with the contact
 //! modulus E* and the thickness h of the layer. The stresses of such a wave follow from Airy's function (A + Bz)
@@ -10,8 +10,8 @@
 //! R = [2a(sinh y − y) + 2y(1+μk₂)(2μ+k₁−1) + (a−b)e^{−y}]
 //!   / [(a−b) sinh y + (a+b)(cosh y − 1 − y²/2) + (1+k₁)² + (1+k₁)(1+μ(k₂−1)/2)y²],
 //!
-//! in which no term is negative, so that none cancels. A rigid base is μ = 0; one without friction has no shear at the
-//! base instead of a displacement along it, and R = (cosh y − 1)/(sinh y + y).
+//! No term of it is negative, so no cancellation occurs. A rigid base is μ = 0. A frictionless base has zero shear
+//! stress at the base instead of zero displacement along it, and R = (cosh y − 1)/(sinh y + y).
 //!
 //! # References
 //! D. M. Burmister, *J. Appl. Phys.* **16** (1945) 89, <https://doi.org/10.1063/1.1707558>. T. C. O'Sullivan and R. B.
@@ -27,7 +27,7 @@ mod point_load;
 
 pub(super) use point_load::PointLoad;
 
-/// What a layer lies on.
+/// Base of a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Base {
     /// A rigid base, to which the layer is bonded.
@@ -38,14 +38,14 @@ pub enum Base {
     Elastic(Elastic),
 }
 
-/// A layer of the same thickness everywhere.
+/// A layer of uniform thickness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
     /// Thickness in metre, > 0, large against the heights of the surface.
     pub thickness_m: f64,
-    /// What it is made of.
+    /// Material of the layer.
     pub material: Elastic,
-    /// What it lies on.
+    /// Base of the layer.
     pub base: Base,
 }
 
@@ -62,7 +62,7 @@ pub enum Substrate {
 }
 
 impl Substrate {
-    /// Contact modulus E* in pascal of the body at the surface.
+    /// Returns the contact modulus E* in pascal of the body at the surface.
     pub fn modulus_pa(&self) -> f64 {
         match self {
             Self::HalfSpace { modulus_pa } => *modulus_pa,
@@ -70,8 +70,8 @@ impl Substrate {
         }
     }
 
-    /// C(q) = û/p̂ in m/Pa at the wavenumber q > 0 in rad/m. At q = 0 it is the limit, which without a rigid base is
-    /// infinite.
+    /// Returns C(q) = û/p̂ in m/Pa at the wavenumber q > 0 in rad/m. At q = 0 it returns the limit, which is infinite
+    /// without a rigid base.
     pub fn compliance_m_per_pa(&self, q_rad_per_m: f64) -> f64 {
         match self {
             Self::HalfSpace { modulus_pa } => 2.0 / (modulus_pa * q_rad_per_m),
@@ -82,9 +82,9 @@ impl Substrate {
         }
     }
 
-    /// The limit of C(q) for long waves in m/Pa: on a rigid base h(1+ν)(1−2ν)/(E(1−ν)) where the layer is bonded, and
-    /// h/E* where it slips (it then widens along the wave; laterally confined layers are stiffer); `None` where it is
-    /// infinite.
+    /// Returns the limit of C(q) for long waves in m/Pa: h(1+ν)(1−2ν)/(E(1−ν)) for a layer bonded to a rigid base, and
+    /// h/E* for one that slips (it then widens along the wave; laterally confined layers are stiffer). Returns `None`
+    /// if the limit is infinite.
     pub fn mean_compliance_m_per_pa(&self) -> Option<f64> {
         let Self::Layer(Layer { thickness_m, material, base }) = self else {
             return None;
@@ -99,14 +99,14 @@ impl Substrate {
         }
     }
 
-    /// The mean compliance of a periodic surface in m/Pa: its own on a rigid base, elsewhere customarily that of the
-    /// longest wave.
+    /// Returns the mean compliance of a periodic surface in m/Pa: the finite limit on a rigid base, otherwise
+    /// customarily the compliance of the longest wave.
     pub fn usual_mean_compliance_m_per_pa(&self, grid: Grid) -> f64 {
         let longest_m = grid.width_m().max(grid.height_m());
         self.mean_compliance_m_per_pa().unwrap_or_else(|| self.compliance_m_per_pa(TAU / longest_m))
     }
 
-    /// 1/C(q) in Pa/m for q > 0.
+    /// Returns 1/C(q) in Pa/m for q > 0.
     pub(super) fn stiffness_pa_per_m(&self, q_rad_per_m: f64) -> f64 {
         match self {
             Self::HalfSpace { modulus_pa } => 0.5 * modulus_pa * q_rad_per_m,
@@ -130,10 +130,10 @@ impl Substrate {
 }
 
 impl Layer {
-    /// R(qh): the compliance over that of a half-space of the layer's material.
+    /// Returns R(qh): the compliance over the compliance of a half-space of the layer's material.
     fn ratio(&self, qh: f64) -> f64 {
         let y = 2.0 * qh;
-        // All terms over e^y.
+        // All terms are multiplied by e^{−y}.
         let decay = (-y).exp();
         let sinh = -0.5 * (-2.0 * y).exp_m1();
         let Some(bond) = self.bond() else {
@@ -146,7 +146,7 @@ impl Layer {
         above / below
     }
 
-    /// The constants of R where the layer is bonded.
+    /// Returns the coefficients of R of a bonded layer.
     fn bond(&self) -> Option<Bond> {
         let k1 = self.material.kolosov();
         let (mu, k2) = match self.base {
@@ -165,7 +165,8 @@ impl Layer {
     }
 }
 
-/// The coefficients of R(y): a, a − b, a + b, and those of y in the numerator and of 1 and y² in the denominator.
+/// Coefficients of R(y): a, a − b, a + b, the coefficient of y in the numerator and those of 1 and y² in the
+/// denominator.
 #[derive(Debug, Clone, Copy)]
 struct Bond {
     stiff: f64,
@@ -176,12 +177,12 @@ struct Bond {
     square: f64,
 }
 
-/// (sinh y − y) e^{−y}.
+/// Returns (sinh y − y) e^{−y}.
 fn sinh_less_y(y: f64) -> f64 {
     if y < 1.0 { (-y).exp() * y * series_of_cosh(y, 1) } else { -0.5 * (-2.0 * y).exp_m1() - y * (-y).exp() }
 }
 
-/// (cosh y − 1 − y²/2) e^{−y}.
+/// Returns (cosh y − 1 − y²/2) e^{−y}.
 fn cosh_less_parabola(y: f64) -> f64 {
     if y < 1.0 {
         (-y).exp() * series_of_cosh(y, 2)
@@ -190,8 +191,8 @@ fn cosh_less_parabola(y: f64) -> f64 {
     }
 }
 
-/// Σ y^{2j}/n! over j ≥ `first`, with n = 2j + 1 when `first` is 1 (sinh y/y) and n = 2j when it is 2 (cosh y), for y <
-/// 1.
+/// Returns Σ y^{2j}/n! over j ≥ `first` for y < 1, with n = 2j + 1 if `first` is 1 (sinh y/y) and n = 2j if it is 2
+/// (cosh y).
 fn series_of_cosh(y: f64, first: u32) -> f64 {
     let shift = if first == 1 { 1.0 } else { 0.0 };
     let (mut sum, mut term) = (0.0, 1.0);

@@ -1,4 +1,4 @@
-//! What else the records of a level say of μ(s): which correlation suits, its spectrum, drifts, and area against load.
+//! Further analysis of the records of a level: correlation models, spectrum, drifts, and area against load.
 
 use crate::strip::Record;
 use crate::window::Window;
@@ -8,7 +8,7 @@ use asperity_base::correlation::{
 };
 use asperity_base::stats::Layout;
 
-/// Models of the correlation that is left when the window is taken out.
+/// Candidate models of the correlation without the effect of the window.
 pub const MODELS: [RecordModel; 3] =
     [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
 /// Largest lag of the cross-correlation in windows.
@@ -17,8 +17,7 @@ const CROSS_WINDOWS: f64 = 2.0;
 /// Correlation models, spectrum, drifts and cross-correlation of the records of one level.
 #[derive(Debug, Clone)]
 pub struct ProcessAnalysis {
-    /// Models of the correlation without the window, the most likely first; windows of another shape than a rectangle have
-    /// none.
+    /// Models of the correlation without the window, the most likely first. Windows that are not rectangles have none.
     pub models: Result<Vec<RankedLength>, EstimateError>,
     /// Power spectral density.
     pub spectrum: Result<RecordSpectrum, EstimateError>,
@@ -29,10 +28,10 @@ pub struct ProcessAnalysis {
 }
 
 impl ProcessAnalysis {
-    /// Analyses records at the mean load ([`Record::at_mean_load`]) of strips of `strip_m` and so many lanes, seen through
-    /// `window`.
-    pub fn of(records: &[Record], window: &Window, layout: impl Into<Layout>, strip_m: f64) -> Self {
-        let Layout { periodic, lanes } = layout.into();
+    /// Analyses records at the mean load ([`Record::at_mean_load`]) of strips of length `strip_m`, averaged over
+    /// `window`. `layout` states whether the strips are periodic and the number of tracks on each.
+    pub fn new(records: &[Record], window: &Window, layout: impl Into<Layout>, strip_m: f64) -> Self {
+        let Layout { periodic, lanes: tracks } = layout.into();
         let (step_m, series) = (window.step_m(), series(records));
         let ends = record_ends(records, window, periodic, strip_m);
         let models = if window.is_rectangle() {
@@ -40,7 +39,7 @@ impl ProcessAnalysis {
                 window_m: window.length_m(),
                 step_m,
                 cell_m: window.cell_m(),
-                lanes,
+                lanes: tracks,
                 records: series.clone(),
             };
             rank_lengths(&[channel], &MODELS, LengthSettings { ends, ..LengthSettings::default() })
@@ -52,9 +51,9 @@ impl ProcessAnalysis {
         let reach = (CROSS_WINDOWS * window.length_m() / step_m).round() as usize;
         Self {
             models,
-            spectrum: record_spectrum(&series, lanes, step_m, ends),
-            stationarity: Stationarity::of(&series, lanes, step_m),
-            area_and_load: cross_correlation(&pairs, lanes, step_m, reach),
+            spectrum: record_spectrum(&series, tracks, step_m, ends),
+            stationarity: Stationarity::of(&series, tracks, step_m),
+            area_and_load: cross_correlation(&pairs, tracks, step_m, reach),
         }
     }
 }
@@ -63,8 +62,8 @@ fn series(records: &[Record]) -> Vec<&[f64]> {
     records.iter().map(|record| record.friction.as_slice()).collect()
 }
 
-/// What lies beyond the ends of records of a window: a periodic strip makes a periodic record only where the steps of the
-/// window go round it evenly.
+/// Returns the end conditions of the records of a window. A periodic strip gives a periodic record only if the length
+/// of the strip is a multiple of the step of the window.
 pub fn record_ends(records: &[Record], window: &Window, periodic: bool, strip_m: f64) -> RecordEnds {
     let round = |record: &Record| (record.friction.len() as f64 * window.step_m() / strip_m - 1.0).abs() < 1e-6;
     if periodic && records.iter().all(round) { RecordEnds::Periodic } else { RecordEnds::Free }

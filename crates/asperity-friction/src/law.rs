@@ -1,4 +1,4 @@
-//! From what a window sees to the friction force on it.
+//! Friction laws: the friction force of a window as a function of its contact.
 
 mod adhesion_ploughing;
 mod bowden_tabor;
@@ -14,17 +14,17 @@ pub use pressure_dependent::PressureDependent;
 
 use crate::window::WindowContact;
 
-/// A law of friction: the force that resists sliding, from the contact in one window.
+/// A friction law: the force that resists sliding, from the contact in one window.
 pub trait FrictionLaw: Debug + Sync {
-    /// Friction force of a window in newton; `None` where it carries no load.
+    /// Returns the friction force of a window in newton; `None` if it carries no load.
     fn force_n(&self, window: &WindowContact) -> Option<f64>;
 
-    /// Whether the force depends on [`WindowContact::ploughing_n`], for which the slopes of the surface are needed.
+    /// Returns whether the force depends on [`WindowContact::ploughing_n`], which requires the slopes of the surface.
     fn ploughs(&self) -> bool {
         false
     }
 
-    /// Friction coefficient F/N of a window; `None` where it carries no load.
+    /// Returns the friction coefficient F/N of a window; `None` if it carries no load.
     fn coefficient(&self, window: &WindowContact) -> Option<f64> {
         self.force_n(window).map(|force_n| force_n / window.load_n)
     }

@@ -1,9 +1,11 @@
 //! The friction coefficient as a stochastic process (paper §4).
 //!
-//! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and a
-//! [`law::FrictionLaw`] turns what it sees into μ(s); [`load_curve::LoadCurve`] is load against depth; [`statistics::FrictionStatistics`] says what kind of
-//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`replicates`] says how few strips leave its moments uncertain; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it, and
-//! [`measured`] fits one to a record from a tribometer.
+//! [`strip::Strips`] solves long strips at several levels of contact. A [`window::Window`] slides along each solution, and a
+//! [`law::FrictionLaw`] computes μ(s) from the contact in the window. [`load_curve::LoadCurve`] relates load and depth.
+//! [`statistics::FrictionStatistics`] estimates the statistics of the process μ(s), and [`window_study::WindowStudy`] separates
+//! its correlation from the effect of the window. [`replicates`] provides the jackknife over strips. [`upscaling`]
+//! converts the variance of one window to the variance of the nominal area. [`process`] simulates the process, and
+//! [`measured`] fits it to a tribometer record.
 
 use thiserror::Error;
 
@@ -25,22 +27,24 @@ pub use strip_sums::StripSums;
 use asperity_base::monitor::Cancelled;
 use asperity_base::stats::StatsError;
 
-/// Why friction could not be computed.
+/// Reason why friction could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FrictionError {
     /// Too few strips converged.
-    #[error("{valid} of {total} strips converged, wanted a share of {wanted}; the first failure: {first}")]
+    #[error(
+        "{valid} of {total} strips converged, but the fraction must be at least {wanted}; the first failure: {first}"
+    )]
     TooFewValid {
         /// Converged strips.
         valid: usize,
         /// All strips.
         total: usize,
-        /// Least share.
+        /// Least fraction.
         wanted: f64,
         /// Reason of the first failure.
         first: String,
     },
-    /// Hardly any window carries load.
+    /// Too few windows carry load.
     #[error(
         "{with_contact} of {windows} windows carry load; statistics of friction need at least ten: press deeper, or take \
          a longer window or more strips"
@@ -54,7 +58,7 @@ pub enum FrictionError {
     /// A statistic is undefined.
     #[error(transparent)]
     Statistics(#[from] StatsError),
-    /// Stopped from outside.
+    /// The monitor cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -1,4 +1,4 @@
-//! Mean pressure against the depth of the plane, N ↔ d.
+//! Load curve: mean pressure against the depth of the plane.
 
 use std::convert::Infallible;
 
@@ -8,10 +8,10 @@ use crate::strip::Level;
 use asperity_base::numeric::bisect;
 use asperity_base::stats::{Interval, student_quantile};
 
-/// Fraction of a segment that is nothing in double precision.
-const NOTHING: f64 = 1e-18;
+/// Fraction of a segment that is negligible in double precision.
+const NEGLIGIBLE: f64 = 1e-18;
 
-/// Why there is no load curve, or no point on it.
+/// Reason why there is no load curve, or no point on it.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LoadCurveError {
     /// Too few levels carry load.
@@ -35,12 +35,12 @@ pub enum LoadCurveError {
         /// Its mean pressure in pascal.
         deep_pa: f64,
     },
-    /// The curve ends before.
+    /// The value lies outside of the curve.
     #[error(
         "{value:e} {unit} lies outside of the solved levels, {low:e} {unit} to {high:e} {unit}; solve one more level"
     )]
     Outside {
-        /// Value asked for.
+        /// Requested value.
         value: f64,
         /// Its unit.
         unit: &'static str,
@@ -58,21 +58,21 @@ pub struct LoadPoint {
     pub penetration_m: f64,
     /// Mean pressure over all strips in pascal.
     pub mean_pressure_pa: f64,
-    /// Its 95 % interval by Student's law over strips, symmetric in the logarithm. Where the pressure is prescribed it is that
-    /// pressure alone.
+    /// 95 % interval of the mean pressure by Student's distribution over strips, symmetric in the logarithm. If the
+    /// pressure is prescribed, both ends equal it.
     pub interval: Interval,
     /// Contact area over nominal area, corrected for the perimeter.
     pub contact_fraction: f64,
 }
 
 impl LoadPoint {
-    /// The point of a level. Of one strip the interval is unknown, from 0 to infinity.
-    pub fn of(level: &Level) -> Self {
+    /// Computes the point of a level. For a single strip the interval is unknown, from 0 to infinity.
+    pub fn from_level(level: &Level) -> Self {
         let (pressures, mean) = (&level.strip_pressures_pa, level.mean_pressure_pa);
         let count = pressures.len() as f64;
         let variance = pressures.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / (count - 1.0);
         let relative = (variance / count).sqrt() / mean;
-        // Rounding of equal pressures is no scatter.
+        // Rounding differences of equal pressures do not count as variability.
         let spread = match relative {
             r if r < 1e-12 => 0.0,
             r if r.is_finite() => student_quantile(0.975, count - 1.0) * r,
@@ -87,35 +87,36 @@ impl LoadPoint {
     }
 }
 
-/// A monotone curve through solved levels: a piecewise cubic in ln p̄ over the penetration, in both directions.
+/// Monotone curve through solved levels: a piecewise cubic in ln p̄ over the penetration, in both directions.
 ///
-/// Slopes at the levels are harmonic means of those of the neighbouring chords, which keeps the cubic monotone; two levels
-/// make a straight line in ln p̄. It does not extrapolate. Levels under a fixed plane of the same strips, whether by
-/// percentile or by height, always lie on one curve; with others mixed in it holds as far as the strips are alike.
+/// Slopes at the levels are harmonic means of the slopes of the neighbouring chords, which keeps the cubic monotone.
+/// Two levels give a straight line in ln p̄. The curve does not extrapolate. Levels of the same strips under a fixed
+/// plane, by percentile or by height, always lie on one curve. With other levels mixed in, the curve is valid as far as
+/// the strips are alike.
 ///
 /// # References
 /// F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300, <https://doi.org/10.1137/0905021>.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadCurve {
     points: Vec<LoadPoint>,
-    /// d ln p̄/dd at the points, per metre.
+    /// Slopes d ln p̄/dd at the points, per metre.
     slopes_per_m: Vec<f64>,
 }
 
 impl LoadCurve {
-    /// The curve through levels in any order. Levels without load are left out.
+    /// Creates the curve through levels in any order. Levels without load are left out.
     ///
     /// # Errors
     /// Fewer than two levels carry load, or a deeper plane does not carry more.
-    pub fn of<'a>(levels: impl IntoIterator<Item = &'a Level>) -> Result<Self, LoadCurveError> {
-        Self::through(levels.into_iter().map(LoadPoint::of).collect())
+    pub fn from_levels<'a>(levels: impl IntoIterator<Item = &'a Level>) -> Result<Self, LoadCurveError> {
+        Self::from_points(levels.into_iter().map(LoadPoint::from_level).collect())
     }
 
-    /// The curve through points in any order. Points without load are left out.
+    /// Creates the curve through points in any order. Points without load are left out.
     ///
     /// # Errors
-    /// As [`LoadCurve::of`].
-    pub fn through(mut points: Vec<LoadPoint>) -> Result<Self, LoadCurveError> {
+    /// The errors of [`LoadCurve::from_levels`].
+    pub fn from_points(mut points: Vec<LoadPoint>) -> Result<Self, LoadCurveError> {
         points.retain(|point| point.mean_pressure_pa > 0.0);
         points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
         if points.len() < 2 {
@@ -140,7 +141,7 @@ impl LoadCurve {
                 (Some(before), Some(after)) => {
                     let (left_m, right_m) =
                         (width_m(&points[index - 1], &points[index]), width_m(&points[index], &points[index + 1]));
-                    // The weighted harmonic mean.
+                    // Weighted harmonic mean of the slopes of both chords.
                     let (w_before, w_after) = (2.0 * right_m + left_m, right_m + 2.0 * left_m);
                     (w_before + w_after) / (w_before / before + w_after / after)
                 }
@@ -151,12 +152,12 @@ impl LoadCurve {
         Ok(Self { points, slopes_per_m })
     }
 
-    /// The points, from the shallowest.
+    /// Returns the points, from the shallowest.
     pub fn points(&self) -> &[LoadPoint] {
         &self.points
     }
 
-    /// Mean pressure in pascal at a penetration in metre.
+    /// Returns the mean pressure in pascal at a penetration in metre.
     ///
     /// # Errors
     /// The penetration lies outside of the levels.
@@ -166,20 +167,20 @@ impl LoadCurve {
         Ok(self.log_pressure(segment, (penetration_m - from.penetration_m) / width_m(from, to)).exp())
     }
 
-    /// Penetration in metre at a mean pressure in pascal.
+    /// Returns the penetration in metre at a mean pressure in pascal.
     ///
     /// # Errors
     /// The pressure lies outside of the levels.
     pub fn penetration_m(&self, mean_pressure_pa: f64) -> Result<f64, LoadCurveError> {
         let segment = self.segment(mean_pressure_pa, "Pa", |point| point.mean_pressure_pa)?;
         let wanted = mean_pressure_pa.ln();
-        let is_below = |share: f64| Ok::<_, Infallible>(self.log_pressure(segment, share) < wanted);
-        let Ok([low, high]) = bisect(0.0, 1.0, NOTHING, is_below);
+        let is_below = |fraction: f64| Ok::<_, Infallible>(self.log_pressure(segment, fraction) < wanted);
+        let Ok([low, high]) = bisect(0.0, 1.0, NEGLIGIBLE, is_below);
         let (from, to) = (&self.points[segment], &self.points[segment + 1]);
         Ok(from.penetration_m + 0.5 * (low + high) * width_m(from, to))
     }
 
-    /// The segment that holds a value of a quantity that grows along the curve.
+    /// Returns the segment that contains a value of a quantity that grows along the curve.
     fn segment(
         &self,
         value: f64,
@@ -194,10 +195,10 @@ impl LoadCurve {
         Ok(self.points.partition_point(|point| quantity(point) <= value).saturating_sub(1).min(last - 1))
     }
 
-    /// ln p̄ at a share of a segment, by the cubic through its ends and their slopes.
-    fn log_pressure(&self, segment: usize, share: f64) -> f64 {
+    /// Returns ln p̄ at a fraction of a segment, by the cubic through its ends and their slopes.
+    fn log_pressure(&self, segment: usize, fraction: f64) -> f64 {
         let (from, to) = (&self.points[segment], &self.points[segment + 1]);
-        let (t, rest, width) = (share, 1.0 - share, width_m(from, to));
+        let (t, rest, width) = (fraction, 1.0 - fraction, width_m(from, to));
         let (low, high) = (from.mean_pressure_pa.ln(), to.mean_pressure_pa.ln());
         rest * rest * (1.0 + 2.0 * t) * low
             + t * t * (3.0 - 2.0 * t) * high
@@ -219,11 +220,11 @@ mod tests {
             let interval = Interval { low: 0.9 * mean_pressure_pa, high: mean_pressure_pa / 0.9 };
             LoadPoint { penetration_m: *d, mean_pressure_pa, interval, contact_fraction: 0.1 }
         };
-        LoadCurve::through(depths_m.iter().map(point).collect())
+        LoadCurve::from_points(depths_m.iter().map(point).collect())
     }
 
     #[test]
-    fn an_exponential_law_is_met_in_both_directions() {
+    fn an_exponential_curve_is_reproduced_in_both_directions() {
         let law = |d: f64| 3e6 * (d / 0.2e-6).exp();
         let curve = curve(law, &[1e-6, 0.2e-6, 0.5e-6, 0.35e-6]).unwrap();
         for d in [0.2e-6, 0.21e-6, 0.35e-6, 0.7e-6, 1e-6] {
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn a_power_law_is_met_to_second_order_or_better_and_stays_monotone() {
+    fn a_power_law_is_reproduced_to_second_order_and_stays_monotone() {
         // Hertz: F ∝ d^{3/2}.
         let law = |d: f64| d.powf(1.5);
         let mut errors = Vec::new();
@@ -249,12 +250,13 @@ mod tests {
             assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
             errors.push(found.iter().zip(&fine).map(|(p, d)| (p / law(*d) - 1.0).abs()).fold(0.0, f64::max));
         }
-        // Largest at the end, whose slope is that of the chord: (4/27)h·½h|f″| with f = 1.5 ln d and h = 0.2.
+        // The error is largest at the end, whose slope is the slope of the chord: (4/27)h·½h|f″| with f = 1.5 ln d and
+        // h = 0.2.
         assert!(errors[0] < 4.5e-3 && errors[1] < errors[0] / 3.5 && errors[2] < errors[1] / 3.5, "{errors:?}");
     }
 
     #[test]
-    fn levels_that_make_no_curve_are_refused() {
+    fn levels_without_a_monotone_curve_are_refused() {
         assert_eq!(curve(|_| 0.0, &[1.0, 2.0]), Err(LoadCurveError::TooFew { loaded: 0 }));
         assert!(matches!(curve(|d| 3.0 - d, &[1.0, 2.0]), Err(LoadCurveError::NotMonotone { .. })));
         assert!(matches!(curve(|d| d, &[1.0, 1.0]), Err(LoadCurveError::NotMonotone { .. })));

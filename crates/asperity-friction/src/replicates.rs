@@ -1,13 +1,13 @@
-//! Moments of μ with each strip left out: how the noise of few strips enters what is done with them.
+//! Moments of μ with each strip left out, for the jackknife estimate of the noise of few strips.
 
 use crate::statistics::correlate;
 use crate::strip::{Level, Record};
 use asperity_base::stats::Moments;
 
-/// Scatter over the mean below which friction does not vary.
+/// Coefficient of variation below which friction counts as constant.
 const ROUNDING: f64 = 1e-12;
 
-/// What of μ is asked for when the surface is uncertain; NaN where undefined.
+/// Moments of μ that the study of an uncertain surface uses; NaN if undefined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelMoments {
     /// Mean: of the quotients, or ΣF/ΣN at the mean load.
@@ -23,17 +23,17 @@ pub struct LevelMoments {
 impl LevelMoments {
     /// Names in the order of [`LevelMoments::values`].
     pub const NAMES: [&'static str; 4] = ["mean", "std", "coefficient_of_variation", "correlation_length_m"];
-    /// Of a level without an answer.
+    /// Moments of a level without a solution.
     pub const NONE: Self =
         Self { mean: f64::NAN, std: f64::NAN, coefficient_of_variation: f64::NAN, correlation_length_m: f64::NAN };
 
-    /// All of them.
+    /// Returns all moments.
     pub fn values(&self) -> [f64; 4] {
         [self.mean, self.std, self.coefficient_of_variation, self.correlation_length_m]
     }
 
-    /// Of records whose positions lie `step_m` apart, so many lanes to a strip.
-    fn of(records: &[&[f64]], lanes: usize, step_m: f64) -> Self {
+    /// Computes the moments of records with positions `step_m` apart and `tracks` records per strip.
+    fn of(records: &[&[f64]], tracks: usize, step_m: f64) -> Self {
         let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
         if moments.n < 2 {
             return Self::NONE;
@@ -45,48 +45,48 @@ impl LevelMoments {
             mean: moments.mean,
             std: moments.std,
             coefficient_of_variation: moments.std / moments.mean,
-            correlation_length_m: correlate(records, lanes, step_m).map_or(f64::NAN, |c| c.exponential.length_m),
+            correlation_length_m: correlate(records, tracks, step_m).map_or(f64::NAN, |c| c.exponential.length_m),
         }
     }
 }
 
-/// Moments of a level, and of all its strips but one, for each strip.
+/// Moments of a level, and of the level without each of its strips.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MomentReplicates {
-    /// With all strips.
+    /// Moments of all strips.
     pub all: LevelMoments,
-    /// Without each of the realisations, in their order; a strip that failed is not missed.
+    /// Moments without each of the realisations, in their order; for a strip that failed, the moments of all strips.
     pub without: Vec<LevelMoments>,
 }
 
 impl MomentReplicates {
-    /// Of the quotient F/N of each window.
+    /// Computes the moments of the quotient F/N of each window.
     pub fn of_quotient(level: &Level, step_m: f64) -> Self {
         Self::by(level, |records| {
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
-            LevelMoments::of(&series, level.lanes, step_m)
+            LevelMoments::of(&series, level.tracks, step_m)
         })
     }
 
-    /// Of windows at the mean load ([`Record::at_mean_load`]), which is that of the strips that are left.
+    /// Computes the moments of windows at the mean load ([`Record::at_mean_load`]) of the remaining strips.
     pub fn at_mean_load(level: &Level, step_m: f64) -> Self {
         Self::by(level, |records| {
             let (mean, records) = Record::at_mean_load(records);
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
-            LevelMoments { mean, ..LevelMoments::of(&series, level.lanes, step_m) }
+            LevelMoments { mean, ..LevelMoments::of(&series, level.tracks, step_m) }
         })
     }
 
     fn by(level: &Level, moments: impl Fn(&[Record]) -> LevelMoments) -> Self {
-        let (all, lanes) = (moments(&level.records), level.lanes.max(1));
-        let strips = level.records.len() / lanes + level.failures.len();
+        let (all, tracks) = (moments(&level.records), level.tracks.max(1));
+        let strips = level.records.len() / tracks + level.failures.len();
         let mut first = 0;
         let without = (0..strips).map(|strip| {
             if level.failures.iter().any(|failure| failure.index == strip) {
                 return all;
             }
-            let kept = [&level.records[..first], &level.records[first + lanes..]].concat();
-            first += lanes;
+            let kept = [&level.records[..first], &level.records[first + tracks..]].concat();
+            first += tracks;
             moments(&kept)
         });
         Self { without: without.collect(), all }

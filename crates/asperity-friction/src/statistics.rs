@@ -1,4 +1,4 @@
-//! What the records of a level say about μ(s) as a process.
+//! Statistics of the process μ(s) from the records of a level.
 
 mod heavy_tail;
 mod tail;
@@ -14,16 +14,16 @@ use asperity_base::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_a
 use asperity_base::law::goodness::ProcessNull;
 use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
 
-pub use heavy_tail::{HeavyTail, ISOLATED_SHARE};
-pub use tail::{LawTail, ReturnLevel, Tail};
+pub use heavy_tail::{HeavyTail, ISOLATED_FRACTION};
+pub use tail::{DistributionTail, ReturnLevel, Tail};
 
-/// Scatter over the mean below which friction does not vary.
+/// Coefficient of variation below which friction counts as constant.
 const ROUNDING: f64 = 1e-12;
 
-/// Contact cells that a window should hold for its area to mean something.
+/// Number of contact cells per window below which its contact area is unreliable.
 pub const WANTED_CONTACT_CELLS: f64 = 30.0;
 
-/// Simulated samples behind a p-value.
+/// Number of simulated samples for a p-value.
 const DRAWS: usize = 499;
 
 /// Statistics of μ(s), pooled over the records of independent strips.
@@ -31,25 +31,26 @@ const DRAWS: usize = 499;
 pub struct FrictionStatistics {
     /// Moments over all windows with contact.
     pub moments: Moments,
-    /// The same with intervals that know the correlation along the strips.
+    /// Moments with intervals that account for the correlation along the strips.
     pub estimates: ProcessMoments,
-    /// Windows without contact, left out of everything else.
+    /// Number of windows without contact, which all other statistics leave out.
     pub empty_windows: usize,
     /// Mean number of contact cells in a window.
     pub contact_cells: f64,
-    /// Share of windows that hold fewer contact cells than [`WANTED_CONTACT_CELLS`], empty ones included.
-    pub sparse_share: f64,
-    /// Number of independent windows that the correlated ones are worth.
+    /// Fraction of windows with fewer contact cells than [`WANTED_CONTACT_CELLS`], empty ones included.
+    pub sparse_fraction: f64,
+    /// Effective sample size: number of independent windows with the same standard error of the mean.
     pub effective_windows: f64,
-    /// Marginal laws ranked by Akaike's criterion, the windows' own among them. The p-values of their distances know the fit and the correlation.
+    /// Marginal distributions ranked by Akaike's criterion, with the empirical one among them. The p-values of their
+    /// distances account for the fit and the correlation.
     pub marginals: Ranking,
-    /// Parameters of the laws, in their order, with intervals.
+    /// Parameters of the distributions, in their order, with intervals.
     pub parameters: Vec<Vec<ParameterEstimate>>,
-    /// The Beta law with bounds fitted by likelihood, where it exists.
+    /// Beta distribution with bounds fitted by likelihood, if it exists.
     pub beta: Option<Fit>,
-    /// How large μ gets; none where the records hold too few separate peaks.
+    /// Upper tail of μ; `None` if the records have too few separate peaks.
     pub tail: Option<Tail>,
-    /// Autocorrelation over lags up to half the strip, or why there is none.
+    /// Autocorrelation over lags up to half the strip, or the reason why there is none.
     pub correlation: Result<ProcessCorrelation, EstimateError>,
     records: Vec<Vec<f64>>,
     layout: Layout,
@@ -60,22 +61,24 @@ pub struct FrictionStatistics {
 pub struct ProcessCorrelation {
     /// Pooled estimate.
     pub estimate: RecordCorrelation,
-    /// e^{−s/ℓ}: ℓ is the paper's ℓ_μ, which contains the window.
+    /// Model e^{−s/ℓ}: ℓ is the paper's ℓ_μ, which includes the window.
     pub exponential: RecordFit,
-    /// 95 % interval of that ℓ by the jackknife over strips or pieces of them; none where they are too few.
+    /// 95 % interval of ℓ_μ by the jackknife over strips or pieces of them; `None` if they are too few.
     pub length_interval: Option<Interval>,
-    /// All models of [`RecordModel::USUAL`] fitted with the window inside, the closest first.
+    /// All models of [`RecordModel::USUAL`] fitted without removing the window, the closest first.
     pub models: Vec<RecordFit>,
 }
 
 impl FrictionStatistics {
-    /// Statistics of the records of one level, whose positions lie `step_m` apart; on a periodic strip the last is a neighbour of
-    /// the first, and lanes of a strip are not taken for independent (`true` and `false` stand for periodic and free strips of
-    /// one lane). A friction coefficient that does not vary at all has no correlation and no marginal law.
+    /// Computes the statistics of the records of one level, with positions `step_m` apart.
+    ///
+    /// On a periodic strip the last position is a neighbour of the first. Tracks on one strip do not count as
+    /// independent. `true` and `false` as `layout` stand for periodic and free strips with one track. A constant
+    /// friction coefficient has no correlation and no marginal distribution.
     ///
     /// # Errors
     /// Fewer than ten windows with contact.
-    pub fn of(records: &[Record], step_m: f64, layout: impl Into<Layout>, seed: u64) -> Result<Self, FrictionError> {
+    pub fn new(records: &[Record], step_m: f64, layout: impl Into<Layout>, seed: u64) -> Result<Self, FrictionError> {
         let layout = layout.into();
         let records = &without_rounding(records)[..];
         let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
@@ -101,7 +104,7 @@ impl FrictionStatistics {
             estimates,
             empty_windows,
             contact_cells: cells().sum::<f64>() / pooled.len() as f64,
-            sparse_share: sparse as f64 / pooled.len() as f64,
+            sparse_fraction: sparse as f64 / pooled.len() as f64,
             effective_windows,
             tail: Tail::of(&series, layout.lanes, step_m, &marginals.fits),
             marginals,
@@ -113,20 +116,20 @@ impl FrictionStatistics {
         })
     }
 
-    /// The marginal law to go on with, [`Ranking::chosen`].
+    /// Returns the marginal distribution to use, [`Ranking::chosen`].
     pub fn marginal(&self) -> Option<&Fit> {
         self.marginals.chosen()
     }
 
-    /// Share of the windows whose μ exceeds a value, and the same with an interval; the laws have
-    /// [`asperity_base::law::Marginal::survival`].
-    pub fn share_above(&self, mu: f64) -> (f64, Option<Estimate>) {
+    /// Returns the fraction of the windows whose μ exceeds a value, and an estimate with interval. For fitted
+    /// distributions see [`asperity_base::law::Marginal::survival`].
+    pub fn fraction_above(&self, mu: f64) -> (f64, Option<Estimate>) {
         let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
         share_above(&series, mu, self.layout)
     }
 }
 
-/// Records whose values differ by rounding alone are made constant, so that nobody takes rounding for a process.
+/// Replaces records whose values differ only by rounding by constant records.
 fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
     let moments = Moments::of_values(records.iter().flat_map(|record| record.friction.iter().copied()));
     if moments.n == 0 || moments.std > ROUNDING * moments.mean.abs() {
@@ -138,12 +141,12 @@ fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
     records.iter().map(settled).collect()
 }
 
-pub(super) fn correlate(series: &[&[f64]], lanes: usize, step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
+pub(super) fn correlate(series: &[&[f64]], tracks: usize, step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
     let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
     let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;
     let length_interval =
-        fitted_length_interval(series, lanes, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
+        fitted_length_interval(series, tracks, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
     let mut models =
         RecordModel::USUAL.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
     models.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));

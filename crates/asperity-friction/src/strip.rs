@@ -1,4 +1,4 @@
-//! Strips of a random surface, solved at several levels of contact and seen through a sliding window.
+//! Strips of a random surface, solved at several levels of contact and evaluated by a sliding window.
 
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -14,21 +14,21 @@ use asperity_base::random;
 use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, Workspace};
 use asperity_surface::RandomSurface;
 
-/// Least share of strips that must converge at a level before its statistics are formed.
-const LEAST_VALID_SHARE: f64 = 0.95;
+/// Least fraction of strips that must converge at a level.
+const LEAST_VALID_FRACTION: f64 = 0.95;
 
-/// What is pressed, and how friction is read off.
+/// Random strips, their contact problem and friction law.
 #[derive(Clone, Copy)]
 pub struct Strips<'a> {
     /// Random strips.
     pub surface: &'a dyn RandomSurface,
     /// Half-space on the strips' grid.
     pub half_space: &'a HalfSpace,
-    /// Sliding window; [`Window::narrower`] ones are slid too, for the window study.
+    /// Sliding window. The windows of [`Window::narrower`] also slide along the strips, for the window study.
     pub window: &'a Window,
     /// Friction law of the contacts.
     pub law: &'a dyn FrictionLaw,
-    /// Hardness in pascal, which caps the pressure; `None` is elastic.
+    /// Hardness in pascal, the upper bound of the pressure; `None` is elastic.
     pub hardness_pa: Option<f64>,
     /// Contact solver.
     pub solver: Solver,
@@ -38,25 +38,25 @@ pub struct Strips<'a> {
     pub seed: u64,
 }
 
-/// μ(s) of one strip, or of one lane of it.
+/// μ(s) of one strip, or of one track on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// Positions of the window in metre.
     pub position_m: Vec<f64>,
-    /// Friction coefficient; NaN where the window carries no load.
+    /// Friction coefficient; NaN if the window carries no load.
     pub friction: Vec<f64>,
     /// Contact cells in the window.
     pub contact_cells: Vec<f64>,
     /// Contact area of the window in square metre, corrected for the perimeter.
     pub area_m2: Vec<f64>,
-    /// Friction force of the window in newton, 0 where it carries no load.
+    /// Friction force of the window in newton, 0 if it carries no load.
     pub friction_force_n: Vec<f64>,
     /// Load of the window in newton.
     pub load_n: Vec<f64>,
 }
 
 impl Record {
-    /// What the windows of one strip say.
+    /// Computes the record of the windows of one track.
     fn of(windows: &[WindowContact], law: &dyn FrictionLaw) -> Self {
         Self {
             position_m: windows.iter().map(|w| w.position_m).collect(),
@@ -68,13 +68,13 @@ impl Record {
         }
     }
 
-    /// The records of a level as one process under constant load: μ̄ + (F − μ̄N)/N̄, with F and N the friction force and load
-    /// of a window, N̄ the mean load and μ̄ = ΣF/ΣN.
+    /// Converts the records of a level to one process under constant load: μ̄ + (F − μ̄N)/N̄, with F and N the friction
+    /// force and load of a window, N̄ the mean load and μ̄ = ΣF/ΣN.
     ///
-    /// It is F/N linearised about the mean load, and what a body feels that rests on many windows: a window that hardly
-    /// carries anything hardly counts, while its own quotient F/N may be huge. Where windows share the load evenly the two
-    /// agree. Unlike the quotient it is a moving average along the strip, so that the correlation of a window applies to it.
-    /// Returns μ̄ and the records; a window without load has μ̄. Where no window carries load, all of it is NaN.
+    /// It is F/N linearised about the mean load, the friction of a body that rests on many windows. A window with
+    /// little load has little weight, while its own quotient F/N may be huge. If windows share the load evenly, the two
+    /// agree. Unlike the quotient it is a moving average along the strip, so the correlation of a window applies to it.
+    /// Returns μ̄ and the records. A window without load has μ̄. If no window carries load, all values are NaN.
     pub fn at_mean_load(records: &[Self]) -> (f64, Vec<Self>) {
         let windows = records.iter().map(|record| record.load_n.len()).sum::<usize>() as f64;
         let force_n: f64 = records.iter().flat_map(|record| &record.friction_force_n).sum();
@@ -92,23 +92,23 @@ impl Record {
     }
 }
 
-/// A strip without an answer.
+/// A strip without a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailedStrip {
     /// Index of the realisation.
     pub index: usize,
-    /// Why.
+    /// Reason of the failure.
     pub reason: String,
 }
 
 /// All strips at one level of contact.
 #[derive(Debug, Clone)]
 pub struct Level {
-    /// Records in the order of realisations and then of lanes, failed strips left out.
+    /// Records in the order of realisations and then of tracks, failed strips left out.
     pub records: Vec<Record>,
-    /// Records per strip: lanes of the window.
-    pub lanes: usize,
-    /// The same seen through the rectangles of [`Window::narrower`].
+    /// Number of records per strip: tracks of the window.
+    pub tracks: usize,
+    /// Records of the rectangles of [`Window::narrower`].
     pub narrower: Vec<(Window, Vec<Record>)>,
     /// Strips left out.
     pub failures: Vec<FailedStrip>,
@@ -120,9 +120,9 @@ pub struct Level {
     pub strip_pressures_pa: Vec<f64>,
     /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
     pub contact_fraction: f64,
-    /// Share of the contact cells with p = H.
-    pub plastic_share: f64,
-    /// Pressure on the first strip in pascal; absent where that strip failed.
+    /// Fraction of the contact cells with p = H.
+    pub plastic_fraction: f64,
+    /// Pressure on the first strip in pascal; absent if that strip failed.
     pub sample_pressure_pa: Option<Array2<f64>>,
 }
 
@@ -139,11 +139,11 @@ struct StripResult {
 }
 
 impl Strips<'_> {
-    /// Solves every strip at every level. The strips are the same at all levels. A level of which fewer than 95 % of the
-    /// strips converged is an error of its own.
+    /// Solves every strip at every level. The strips are the same at all levels. A level at which fewer than 95 % of the
+    /// strips converged has its own error in the result.
     ///
-    /// Levels do not start from one another: at the distance of percentiles that takes more iterations than the solver's own
-    /// start (`time_friction`: 8 to 17 after 8 to 11).
+    /// Levels do not start from one another. At the distance of percentiles this takes more iterations than the
+    /// solver's own start (`time_friction`: 8 to 17 compared with 8 to 11).
     ///
     /// # Errors
     /// The monitor cancelled.
@@ -186,13 +186,13 @@ impl Strips<'_> {
         Ok(by_level.into_iter().map(|results| self.gather(results)).collect())
     }
 
-    /// The map of the strip number `index`.
+    /// Generates the map of strip number `index`.
     pub fn map(&self, index: usize) -> HeightMap {
         let mut stream = random::stream(self.seed, "friction/strip", index as u64);
-        self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
+        self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()))
     }
 
-    /// The converged solution of one strip, or why there is none.
+    /// Returns the converged solution of one strip, or the reason why there is none.
     pub(super) fn solution(
         &self,
         heights_m: &Array2<f64>,
@@ -221,9 +221,9 @@ impl Strips<'_> {
         let solution = self.solution(heights_m, control, None, workspace)?;
         let narrower = self.window.narrower();
         let windows: Vec<&Window> = std::iter::once(self.window).chain(&narrower).collect();
-        let sums = StripSums::of(&solution, self.law.ploughs().then_some(heights_m), &windows);
+        let sums = StripSums::new(&solution, self.law.ploughs().then_some(heights_m), &windows);
         let seen = |window: &Window| -> Vec<Record> {
-            window.slide(&sums).iter().map(|lane| Record::of(lane, self.law)).collect()
+            window.slide(&sums).iter().map(|track| Record::of(track, self.law)).collect()
         };
         let points = heights_m.len() as f64;
         Ok(StripResult {
@@ -241,14 +241,14 @@ impl Strips<'_> {
     fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
         let mut level = Level {
             records: Vec::new(),
-            lanes: self.window.lanes(matches!(self.half_space.boundary(), Boundary::Periodic { .. })).len(),
+            tracks: self.window.tracks(matches!(self.half_space.boundary(), Boundary::Periodic { .. })).len(),
             narrower: self.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
             failures: Vec::new(),
             penetration_m: 0.0,
             mean_pressure_pa: 0.0,
             strip_pressures_pa: Vec::new(),
             contact_fraction: 0.0,
-            plastic_share: 0.0,
+            plastic_fraction: 0.0,
             sample_pressure_pa: None,
         };
         let (mut contact_cells, mut plastic_cells) = (0.0, 0.0);
@@ -262,8 +262,8 @@ impl Strips<'_> {
                     contact_cells += strip.contact_cells;
                     plastic_cells += strip.plastic_cells;
                     level.records.extend(strip.records);
-                    for ((_, records), lanes) in level.narrower.iter_mut().zip(strip.narrower) {
-                        records.extend(lanes);
+                    for ((_, records), tracks) in level.narrower.iter_mut().zip(strip.narrower) {
+                        records.extend(tracks);
                     }
                     if strip.pressure_pa.is_some() {
                         level.sample_pressure_pa = strip.pressure_pa;
@@ -273,15 +273,15 @@ impl Strips<'_> {
             }
         }
         let (valid, total) = (self.realisations - level.failures.len(), self.realisations);
-        if (valid as f64) < LEAST_VALID_SHARE * total as f64 {
+        if (valid as f64) < LEAST_VALID_FRACTION * total as f64 {
             let first = level.failures.first().map_or_else(String::new, |failure| failure.reason.clone());
-            return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_SHARE, first });
+            return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_FRACTION, first });
         }
         let count = valid as f64;
         level.penetration_m /= count;
         level.mean_pressure_pa /= count;
         level.contact_fraction /= count;
-        level.plastic_share = if contact_cells > 0.0 { plastic_cells / contact_cells } else { 0.0 };
+        level.plastic_fraction = if contact_cells > 0.0 { plastic_cells / contact_cells } else { 0.0 };
         Ok(level)
     }
 }

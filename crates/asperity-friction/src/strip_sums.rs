@@ -1,4 +1,4 @@
-//! Sums over the cells of a solved strip, from which those of every window follow.
+//! Sums over the cells of a solved strip, from which the sums of every window follow.
 
 use std::ops::{AddAssign, Sub};
 
@@ -8,31 +8,31 @@ use crate::window::{Run, Window, WindowContact};
 use asperity_base::map::Grid;
 use asperity_contact::{Boundary, Solution, area::PERIMETER_WEIGHT};
 
-/// Prefix sums along x of what windows count: of every row or, where all windows span the strip, of whole columns.
+/// Prefix sums along x of the window sums: of every row or, if all windows span the strip, of whole columns.
 ///
-/// A window is a set of runs of cells, each of which is the difference of two prefixes. Every cell brings half of the edges
-/// around it that count for the perimeter, so that both cells of an edge within a window give it whole, and an edge on the
+/// A window is a set of runs of cells, and each run is the difference of two prefixes. Every cell contributes half of
+/// its edges that count for the perimeter. So an edge between two cells of a window counts whole, and an edge on the
 /// border of the window counts half.
 #[derive(Debug, Clone)]
 pub struct StripSums {
     grid: Grid,
     periodic: bool,
     of_columns: bool,
-    /// nx + 1 prefixes per row.
+    /// Prefixes, nx + 1 per row.
     prefixes: Vec<Tally>,
 }
 
-/// What is added up over cells.
+/// Sums over cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tally {
-    /// Those with p > 0.
+    /// Number of cells with p > 0.
     contact: f64,
     /// Halves of the edges that count for the perimeter.
     half_edges: f64,
     pressure_pa: f64,
-    /// p/H.
-    yield_share: f64,
-    /// p|∂z/∂x| where p = H.
+    /// Sum of p/H.
+    yield_ratio: f64,
+    /// Sum of p|∂z/∂x| where p = H.
     ploughing_pa: f64,
 }
 
@@ -41,7 +41,7 @@ impl AddAssign for Tally {
         self.contact += other.contact;
         self.half_edges += other.half_edges;
         self.pressure_pa += other.pressure_pa;
-        self.yield_share += other.yield_share;
+        self.yield_ratio += other.yield_ratio;
         self.ploughing_pa += other.ploughing_pa;
     }
 }
@@ -54,7 +54,7 @@ impl Sub for Tally {
             contact: self.contact - other.contact,
             half_edges: self.half_edges - other.half_edges,
             pressure_pa: self.pressure_pa - other.pressure_pa,
-            yield_share: self.yield_share - other.yield_share,
+            yield_ratio: self.yield_ratio - other.yield_ratio,
             ploughing_pa: self.ploughing_pa - other.ploughing_pa,
         }
     }
@@ -69,15 +69,18 @@ enum Cell {
 }
 
 impl StripSums {
-    /// The sums that `windows` need on a solved strip. With the undeformed heights of the strip, in metre, ploughing is counted
-    /// too.
+    /// Computes the sums that `windows` need on a solved strip. The undeformed heights of the strip, in metre, are
+    /// required only for ploughing.
     ///
     /// # Panics
     /// If the heights do not have the shape of the solution.
-    pub fn of(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
+    pub fn new(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
         let p = solution.pressure_pa();
         let (ny, nx) = p.dim();
-        assert!(ploughing_heights_m.is_none_or(|heights| heights.dim() == (ny, nx)), "heights of another strip");
+        assert!(
+            ploughing_heights_m.is_none_or(|heights| heights.dim() == (ny, nx)),
+            "the heights do not fit the strip"
+        );
         let grid = solution.grid();
         let periodic = matches!(solution.boundary(), Boundary::Periodic { .. });
         let of_columns = windows.iter().all(|window| window.spans_columns());
@@ -93,7 +96,7 @@ impl StripSums {
                 contact: f64::from(here != Cell::Apart),
                 half_edges: f64::from(counted_edges(&states, cell, periodic)),
                 pressure_pa,
-                yield_share: solution.hardness_pa().map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
+                yield_ratio: solution.hardness_pa().map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
                 ploughing_pa: ploughed.map_or(0.0, |z| pressure_pa * slope_x(z, cell, grid.dx_m(), periodic).abs()),
             }
         };
@@ -114,28 +117,28 @@ impl StripSums {
         Self { grid, periodic, of_columns, prefixes }
     }
 
-    /// The grid of the strip.
+    /// Returns the grid of the strip.
     pub(super) fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Whether the strip is periodic.
+    /// Returns whether the strip is periodic.
     pub(super) fn periodic(&self) -> bool {
         self.periodic
     }
 
-    /// Whether rows were added up.
+    /// Returns whether the sums are over whole columns.
     pub(super) fn of_columns(&self) -> bool {
         self.of_columns
     }
 
-    /// What the window of these runs sees whose first row is `lane` and whose first column is `start`.
-    pub(super) fn window(&self, runs: &[Run], lane: usize, start: usize, position_m: f64) -> WindowContact {
+    /// Computes the contact in a window of these runs with first row `track` and first column `start`.
+    pub(super) fn window(&self, runs: &[Run], track: usize, start: usize, position_m: f64) -> WindowContact {
         let (nx, stride) = (self.grid.nx(), self.grid.nx() + 1);
         let rows = self.prefixes.len() / stride;
         let mut sum = Tally::default();
         for run in runs {
-            let prefix = &self.prefixes[(lane + run.row) % rows * stride..][..stride];
+            let prefix = &self.prefixes[(track + run.row) % rows * stride..][..stride];
             let (first, end) = (start + run.start, start + run.end);
             match (first / nx, (end - 1) / nx) {
                 (a, b) if a == b => sum += prefix[end - b * nx] - prefix[first - a * nx],
@@ -150,14 +153,14 @@ impl StripSums {
             position_m,
             contact_cells: sum.contact,
             area_m2: (sum.contact - PERIMETER_WEIGHT * 0.5 * sum.half_edges) * cell_m2,
-            least_area_m2: sum.yield_share * cell_m2,
+            least_area_m2: sum.yield_ratio * cell_m2,
             load_n: sum.pressure_pa * cell_m2,
             ploughing_n: sum.ploughing_pa * cell_m2,
         }
     }
 }
 
-/// Edges of a cell between contact and no contact that count for the perimeter: those whose contact cell is not plastic.
+/// Counts the edges of a cell between contact and no contact whose contact cell is not plastic.
 fn counted_edges(states: &Array2<Cell>, (row, column): (usize, usize), periodic: bool) -> u8 {
     let (ny, nx) = states.dim();
     let here = states[[row, column]];
@@ -172,7 +175,7 @@ fn counted_edges(states: &Array2<Cell>, (row, column): (usize, usize), periodic:
         + edge(row + 1 < ny, ((row + 1) % ny, column))
 }
 
-/// ∂z/∂x of a cell by central differences; one-sided at the ends of a free strip.
+/// Returns ∂z/∂x of a cell by central differences; one-sided at the ends of a free strip.
 fn slope_x(heights_m: &Array2<f64>, (row, column): (usize, usize), dx_m: f64, periodic: bool) -> f64 {
     let nx = heights_m.ncols();
     let (before, after) = if periodic {
@@ -198,7 +201,7 @@ mod tests {
         }
         let line = Array2::from_shape_fn((1, 6), |(_, column)| 3.0 * column as f64);
         assert_eq!([slope_x(&line, (0, 0), 1.0, false), slope_x(&line, (0, 5), 1.0, false)], [3.0, 3.0]);
-        // On a periodic strip the line falls back by five steps.
+        // On a periodic strip the line drops by five steps at the end.
         assert_eq!(slope_x(&line, (0, 0), 1.0, true), (3.0 - 15.0) / 2.0);
     }
 }

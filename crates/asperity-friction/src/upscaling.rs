@@ -1,8 +1,8 @@
-//! From the scatter of one window to that of the nominal area.
+//! Variance of friction over the nominal area, from the variance of one window.
 //!
-//! A nominal area holds many windows, and their mean scatters less than one of them. The paper lets a single window carry
-//! the whole normal force; at a brake pad's nominal pressure that is a pressure of tens of gigapascal. Both readings are
-//! offered, and results state which is which.
+//! A nominal area contains many windows, and their mean varies less than one of them. In the paper a single window
+//! carries the whole normal force; at a brake pad's nominal pressure its pressure would be tens of gigapascal. Both
+//! interpretations are available, and results state which one they use.
 
 /// Nodes in (0, 1) and weights of Gauss–Legendre quadrature of ten points on (−1, 1), by pairs ±x.
 const GAUSS_10: [(f64, f64); 5] = [
@@ -18,11 +18,11 @@ const PARTS: i32 = 4;
 /// Variance function of a window below which the process counts as uncorrelated.
 const UNCORRELATED: f64 = 1e-9;
 
-/// Variance of the mean of a stationary process over the length L, divided by its variance:
+/// Returns the variance of the mean of a stationary process over the length L, divided by its variance:
 /// Γ(L) = (2/L) ∫₀ᴸ (1 − s/L) ρ(s) ds with the autocorrelation ρ over lags in metre.
 ///
-/// Gauss–Legendre quadrature in octaves of s, so that a correlation length of any size is seen, down to 10⁻¹² of L; kinks of ρ
-/// cost some 10⁻⁵.
+/// Uses Gauss–Legendre quadrature in octaves of s, so that it resolves correlation lengths down to 10⁻¹² of L. Kinks of
+/// ρ cause an error of about 10⁻⁵.
 ///
 /// # References
 /// E. Vanmarcke, *Random Fields: Analysis and Synthesis*, MIT Press (1983), §5.1.
@@ -41,12 +41,13 @@ pub fn variance_function(length_m: f64, correlation: &dyn Fn(f64) -> f64) -> f64
     2.0 * (panel(0.0, 2.0_f64.powi(-OCTAVES)) + (0..OCTAVES).rev().map(octave).sum::<f64>())
 }
 
-/// Variance of μ over the nominal area, divided by that over one window of `window_m` × `window_width_m`.
+/// Returns the variance of μ over the nominal area, divided by its variance over a window of `window_m` ×
+/// `window_width_m`.
 ///
-/// `correlation` is that of friction along the sliding direction without the window, over lags in metre. The mean over the side
-/// L of a square nominal area has the variance Γ(L)/Γ(W) of that of a window W ([`variance_function`]); without any
-/// correlation that is W/L. Across it, windows side by side count as independent. An area smaller than a window keeps the
-/// window's variance.
+/// `correlation` is the correlation of friction along the sliding direction without the window, over lags in metre. The
+/// mean over the side L of a square nominal area has Γ(L)/Γ(W) times the variance of a window W
+/// ([`variance_function`]); without any correlation the factor is W/L. Windows side by side count as independent. An
+/// area smaller than a window has the window's variance.
 pub fn variance_reduction(
     window_m: f64,
     window_width_m: f64,
@@ -64,7 +65,7 @@ pub fn variance_reduction(
     (along.min(1.0) * across.min(1.0)).min(1.0)
 }
 
-/// e^{−s/ℓ}, and nothing at all for ℓ = 0.
+/// Returns the correlation e^{−s/ℓ}; zero for ℓ = 0.
 pub fn exponential(length_m: f64) -> impl Fn(f64) -> f64 {
     move |lag_m| if length_m > 0.0 { (-lag_m / length_m).exp() } else { 0.0 }
 }
@@ -96,8 +97,8 @@ mod tests {
     }
 
     #[test]
-    fn uncorrelated_windows_average_as_their_number() {
-        // 833 mm² hold some 18,500 windows of 75 µm × 600 µm.
+    fn the_variance_of_uncorrelated_windows_falls_with_their_number() {
+        // 833 mm² contain some 18,500 windows of 75 µm × 600 µm.
         let factor = variance_reduction(600e-6, 75e-6, 833e-6, &exponential(0.0));
         assert!((1.0 / factor - 833e-6 / (600e-6 * 75e-6)).abs() < 1e-6);
         assert!((factor.sqrt() - 0.00735).abs() < 1e-5);
@@ -106,8 +107,9 @@ mod tests {
     }
 
     #[test]
-    fn averaging_twice_is_averaging_once() {
-        // The window's moving average has the correlation triangle ⊛ e^{−s/ℓ}; its mean over L ≫ W differs at the ends alone.
+    fn averaging_in_two_steps_equals_averaging_once() {
+        // The window's moving average has the correlation triangle ⊛ e^{−s/ℓ}; its mean over L ≫ W differs only at the
+        // ends.
         let (window_m, length_m, side_m) = (600e-6, 250e-6, 29e-3);
         let direct = variance_function(side_m, &|s| windowed_exponential(s, window_m, length_m));
         let by_ratio =

@@ -1,4 +1,4 @@
-//! A window that slides along a solved strip.
+//! Window that slides along a solved strip.
 
 use ndarray::Array2;
 use thiserror::Error;
@@ -6,19 +6,19 @@ use thiserror::Error;
 use crate::strip_sums::StripSums;
 use asperity_base::map::Grid;
 
-/// Why a window does not fit its strip.
+/// Reason why a window does not fit its strip.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WindowError {
     /// The window is not longer than a cell.
-    #[error("the window is {window_m:e} m long, the cells {cell_m:e} m; a window holds at least two cells")]
+    #[error("the window is {window_m:e} m long, the cells {cell_m:e} m; a window contains at least two cells")]
     TooShort {
         /// Length of the window in metre.
         window_m: f64,
         /// Length of a cell in metre.
         cell_m: f64,
     },
-    /// The strip holds too few independent windows.
-    #[error("the strip is {strip_m:e} m long, the window {window_m:e} m; the strip must hold at least ten windows")]
+    /// The strip contains too few independent windows.
+    #[error("the strip is {strip_m:e} m long, the window {window_m:e} m; the strip must contain at least ten windows")]
     TooLong {
         /// Length of the window in metre.
         window_m: f64,
@@ -54,14 +54,14 @@ pub(super) struct Run {
     pub(super) end: usize,
 }
 
-/// A set of cells that is moved along x, by at most an eighth of its length.
+/// A set of cells that moves along x in steps of a sixteenth of its length, but at least one cell.
 ///
-/// A window narrower than the strip is laid side by side in as many *lanes* as a periodic strip is wide, spread evenly; on a
-/// free strip, whose sides are loaded edges, it has one lane in the middle. Lanes have no cell in common, but neighbours are
-/// correlated where heights are, and all of them share the strip.
+/// On a periodic strip, as many windows as fit lie side by side on *tracks*, evenly spaced. On a free strip, whose
+/// sides are loaded edges, there is one track in the middle. Tracks have no cell in common. Neighbouring tracks are
+/// correlated like the heights, and all tracks belong to one strip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
-    /// Cells along x and along y, and those of the strip along y.
+    /// Cells along x and along y, and cells of the strip along y.
     cells: usize,
     rows: usize,
     strip_rows: usize,
@@ -73,27 +73,27 @@ pub struct Window {
 }
 
 impl Window {
-    /// A rectangle of about `length_m` (rounded to whole cells) and of the whole width of strips of `grid`, moved by a
-    /// sixteenth of its length, rounded down to whole cells.
+    /// Creates a rectangle of about `length_m` (rounded to whole cells) and of the whole width of strips of `grid`. It
+    /// moves by a sixteenth of its length, rounded down to whole cells.
     ///
     /// # Errors
-    /// The window holds fewer than two cells, or the strip fewer than ten windows.
+    /// The window has fewer than two cells, or the strip is shorter than ten windows.
     pub fn new(length_m: f64, grid: Grid) -> Result<Self, WindowError> {
         Ok(Self::box_of(cells_along(length_m, grid)?, grid.ny(), grid))
     }
 
-    /// A rectangle of about `length_m` × `width_m`, rounded to whole cells.
+    /// Creates a rectangle of about `length_m` × `width_m`, rounded to whole cells.
     ///
     /// # Errors
-    /// As [`Window::new`], and where the window is wider than the strip or less than two cells wide.
+    /// The errors of [`Window::new`]; also if the window is wider than the strip or less than two cells wide.
     pub fn rectangle(length_m: f64, width_m: f64, grid: Grid) -> Result<Self, WindowError> {
         Ok(Self::box_of(cells_along(length_m, grid)?, rows_across(width_m, grid)?, grid))
     }
 
-    /// An ellipse of the axes `length_m` along x and `width_m` along y: the cells whose centre lies in it.
+    /// Creates an ellipse of the axes `length_m` along x and `width_m` along y: the cells whose centre lies in it.
     ///
     /// # Errors
-    /// As [`Window::rectangle`].
+    /// The errors of [`Window::rectangle`].
     pub fn ellipse(length_m: f64, width_m: f64, grid: Grid) -> Result<Self, WindowError> {
         let (cells, rows) = (cells_along(length_m, grid)?, rows_across(width_m, grid)?);
         let mask = Array2::from_shape_fn((rows, cells), |(row, column)| {
@@ -103,10 +103,10 @@ impl Window {
         Ok(Self { runs: runs_of(&mask), ..Self::box_of(cells, rows, grid) })
     }
 
-    /// Any set of cells: those that are true in `mask`, of shape [rows, cells], on strips of `grid`.
+    /// Creates a window of any set of cells: those that are true in `mask`, of shape [rows, cells], on strips of `grid`.
     ///
     /// # Errors
-    /// As [`Window::rectangle`] with the size of the mask, or no cell is true.
+    /// The errors of [`Window::rectangle`] with the size of the mask, or no cell is true.
     pub fn from_mask(mask: &Array2<bool>, grid: Grid) -> Result<Self, WindowError> {
         let (rows, cells) = mask.dim();
         let cells = cells_along(cells as f64 * grid.dx_m(), grid)?;
@@ -121,9 +121,9 @@ impl Window {
         Self { cells, rows, strip_rows: grid.ny(), step_cells: (cells / 16).max(1), cell_m, row_m, runs }
     }
 
-    /// Rectangles of a half, a quarter and an eighth of the cells along x and as wide, as far as they hold four, for the
-    /// window study. That knows what a rectangle does to a correlation: a window of another shape is led by the rectangle of
-    /// its whole length.
+    /// Returns rectangles of a half, a quarter and an eighth of the cells along x and of the same width, as long as
+    /// they contain at least four cells along x, for the window study. The window study needs the correlation of a
+    /// rectangle. So for a window of another shape the first entry is the rectangle of its whole length.
     pub fn narrower(&self) -> Vec<Self> {
         let whole = if self.is_rectangle() { None } else { Some(self.cells) };
         let parts = [2, 4, 8].map(|part| self.cells / part).into_iter().filter(|cells| *cells >= 4);
@@ -139,48 +139,48 @@ impl Window {
             .collect()
     }
 
-    /// Whether every cell of its length and width belongs to it.
+    /// Returns whether every cell within its length and width belongs to it.
     pub fn is_rectangle(&self) -> bool {
         self.runs.len() == self.rows && self.runs.iter().all(|run| run.start == 0 && run.end == self.cells)
     }
 
-    /// Length in metre.
+    /// Returns the length in metre.
     pub fn length_m(&self) -> f64 {
         self.cells as f64 * self.cell_m
     }
 
-    /// Width in metre.
+    /// Returns the width in metre.
     pub fn width_m(&self) -> f64 {
         self.rows as f64 * self.row_m
     }
 
-    /// Area of its cells in square metre.
+    /// Returns the area of its cells in square metre.
     pub fn area_m2(&self) -> f64 {
         let cells: usize = self.runs.iter().map(|run| run.end - run.start).sum();
         cells as f64 * self.cell_m * self.row_m
     }
 
-    /// Length of a cell along x in metre.
+    /// Returns the length of a cell along x in metre.
     pub fn cell_m(&self) -> f64 {
         self.cell_m
     }
 
-    /// Cells along x.
+    /// Returns the number of cells along x.
     pub fn cells(&self) -> usize {
         self.cells
     }
 
-    /// Cells along y.
+    /// Returns the number of cells along y.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Distance between neighbouring positions in metre.
+    /// Returns the distance between neighbouring positions in metre.
     pub fn step_m(&self) -> f64 {
         self.step_cells as f64 * self.cell_m
     }
 
-    /// Which cells belong to it, of shape [rows, cells].
+    /// Returns a mask of shape [rows, cells] that is true for the cells of the window.
     pub fn mask(&self) -> Array2<bool> {
         let mut mask = Array2::from_elem((self.rows, self.cells), false);
         for run in &self.runs {
@@ -189,65 +189,65 @@ impl Window {
         mask
     }
 
-    /// First rows of the lanes on a strip.
-    pub fn lanes(&self, periodic: bool) -> Vec<usize> {
+    /// Returns the first rows of the tracks on a strip.
+    pub fn tracks(&self, periodic: bool) -> Vec<usize> {
         if !periodic {
             return vec![(self.strip_rows - self.rows) / 2];
         }
         let count = self.strip_rows / self.rows;
-        (0..count).map(|lane| lane * self.strip_rows / count).collect()
+        (0..count).map(|track| track * self.strip_rows / count).collect()
     }
 
-    /// Whether sums over whole columns are enough for it.
+    /// Returns whether sums over whole columns suffice.
     pub(super) fn spans_columns(&self) -> bool {
         self.rows == self.strip_rows && self.is_rectangle()
     }
 
-    /// First columns of the positions on a strip of `grid`.
+    /// Returns the first columns of the positions on a strip of `grid`.
     fn starts(&self, grid: Grid, periodic: bool) -> Vec<usize> {
         if periodic {
             return (0..grid.nx()).step_by(self.step_cells).collect();
         }
-        // Rounding of the pitches must not cost a cell.
+        // Rounding of the pitches must not remove a cell.
         let margin = (grid.height_m() / grid.dx_m() * (1.0 - 1e-9)).ceil() as usize;
         (margin..(grid.nx() + 1).saturating_sub(self.cells + margin)).step_by(self.step_cells).collect()
     }
 
-    /// Contact and load of every position on a solved strip, lane by lane in the order of sliding.
+    /// Computes contact and load of every position on a solved strip, track by track in the order of sliding.
     ///
-    /// On a periodic strip the window wraps around; on a free one, which is a punch with loaded ends, positions nearer to
+    /// On a periodic strip the window wraps around. A free strip is a punch with loaded ends; positions nearer to
     /// an end than the strip is wide are left out.
     ///
     /// # Panics
-    /// If the sums are those of other windows on another strip.
+    /// If the sums were computed for other windows or another strip.
     pub fn slide(&self, sums: &StripSums) -> Vec<Vec<WindowContact>> {
         let grid = sums.grid();
         assert!(grid.ny() == self.strip_rows && grid.dx_m() == self.cell_m, "the window belongs to another strip");
-        assert!(!sums.of_columns() || self.spans_columns(), "the sums over whole columns do not serve this window");
+        assert!(!sums.of_columns() || self.spans_columns(), "sums over whole columns are invalid for this window");
         let runs = if sums.of_columns() { &self.runs[..1] } else { &self.runs[..] };
         let starts = self.starts(grid, sums.periodic());
         let centre_m = |start: usize| (start as f64 + 0.5 * self.cells as f64) * self.cell_m;
-        self.lanes(sums.periodic())
+        self.tracks(sums.periodic())
             .into_iter()
-            .map(|lane| starts.iter().map(|&start| sums.window(runs, lane, start, centre_m(start))).collect())
+            .map(|track| starts.iter().map(|&start| sums.window(runs, track, start, centre_m(start))).collect())
             .collect()
     }
 }
 
-/// Whole cells along x of a window, if it fits.
+/// Returns the number of cells of a window along x, if it fits.
 fn cells_along(length_m: f64, grid: Grid) -> Result<usize, WindowError> {
     let cells = (length_m / grid.dx_m()).round();
     if cells.is_nan() || cells < 2.0 {
         return Err(WindowError::TooShort { window_m: length_m, cell_m: grid.dx_m() });
     }
-    // Rounding to whole cells may cost a fraction of the tenth window.
+    // Rounding to whole cells may shorten the tenth window by a fraction.
     if 10.0 * length_m > grid.width_m() * (1.0 + 1e-9) {
         return Err(WindowError::TooLong { window_m: length_m, strip_m: grid.width_m() });
     }
     Ok(cells as usize)
 }
 
-/// Whole cells along y of a window, if it fits.
+/// Returns the number of cells of a window along y, if it fits.
 fn rows_across(width_m: f64, grid: Grid) -> Result<usize, WindowError> {
     let rows = (width_m / grid.dy_m()).round();
     if rows.is_nan() || rows < 2.0 {
@@ -259,7 +259,7 @@ fn rows_across(width_m: f64, grid: Grid) -> Result<usize, WindowError> {
     Ok(rows as usize)
 }
 
-/// The rows of a mask as runs of cells.
+/// Returns the rows of a mask as runs of cells.
 fn runs_of(mask: &Array2<bool>) -> Vec<Run> {
     let mut runs = Vec::new();
     for (row, cells) in mask.rows().into_iter().enumerate() {
@@ -278,32 +278,33 @@ fn runs_of(mask: &Array2<bool>) -> Vec<Run> {
     runs
 }
 
-/// What a window sees.
+/// Contact in a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowContact {
     /// Position of the centre of the window in metre.
     pub position_m: f64,
-    /// Cells with p > 0.
+    /// Number of cells with p > 0.
     pub contact_cells: f64,
-    /// Contact area in square metre, corrected for the perimeter. Edges of contact on the border of the window belong half to
-    /// it, so that windows side by side add up.
+    /// Contact area in square metre, corrected for the perimeter. Edges of contact on the border of the window belong
+    /// half to it, so that the areas of adjoining windows add up.
     pub area_m2: f64,
-    /// Least area that carries the load under the hardness, ∫p/H dA, in square metre; 0 where nothing yields.
+    /// Least area that carries the load at the hardness, ∫p/H dA, in square metre; 0 without a hardness.
     pub least_area_m2: f64,
     /// Load in newton.
     pub load_n: f64,
-    /// ∫p|∂z/∂x| dA over the cells with p = H, in newton; 0 where no law asked for it.
+    /// ∫p|∂z/∂x| dA over the cells with p = H, in newton; 0 if the friction law does not use it.
     pub ploughing_n: f64,
 }
 
 impl WindowContact {
-    /// Whether it carries load.
+    /// Returns whether the window carries load.
     pub fn loaded(&self) -> bool {
         self.load_n > 0.0
     }
 
-    /// The corrected contact area, but no less than what carries the load under the hardness, in square metre. The two are
-    /// equal where all contact is plastic; of a few small contacts the correction may take more than there is.
+    /// Returns the corrected contact area in square metre, but at least the area that carries the load at the hardness.
+    /// The two are equal if all contact is plastic. For a few small contacts the perimeter correction may exceed the
+    /// contact area.
     pub fn bearing_area_m2(&self) -> f64 {
         self.area_m2.max(self.least_area_m2)
     }
@@ -328,7 +329,8 @@ mod tests {
             assert_eq!(*inside, mask[[19 - row, column]]);
             assert_eq!(*inside, mask[[row, 19 - column]]);
         }
-        // A circle of radius 10 cells holds its area but for part of a ring of cells: |error| of Gauss' circle problem.
+        // A circle of radius 10 cells contains its area except for part of a ring of cells: the error of Gauss' circle
+        // problem.
         assert!((window.area_m2() / (FRAC_PI_4 * 40e-6 * 20e-6) - 1.0).abs() < 0.02);
         let lengths: Vec<usize> = window.narrower().iter().map(Window::cells).collect();
         assert_eq!(lengths, [20, 10, 5]);
@@ -336,13 +338,13 @@ mod tests {
     }
 
     #[test]
-    fn lanes_lie_side_by_side_on_periodic_strips_and_in_the_middle_of_free_ones() {
-        let lanes = |width_m, periodic| Window::rectangle(40e-6, width_m, grid()).unwrap().lanes(periodic);
-        assert_eq!(lanes(40e-6, true), [0]);
-        assert_eq!(lanes(40e-6, false), [0]);
-        assert_eq!(lanes(10e-6, true), [0, 10, 20, 30]);
-        assert_eq!(lanes(12e-6, true), [0, 13, 26]);
-        assert_eq!(lanes(12e-6, false), [14]);
+    fn tracks_lie_side_by_side_on_periodic_strips_and_in_the_middle_of_free_ones() {
+        let tracks = |width_m, periodic| Window::rectangle(40e-6, width_m, grid()).unwrap().tracks(periodic);
+        assert_eq!(tracks(40e-6, true), [0]);
+        assert_eq!(tracks(40e-6, false), [0]);
+        assert_eq!(tracks(10e-6, true), [0, 10, 20, 30]);
+        assert_eq!(tracks(12e-6, true), [0, 13, 26]);
+        assert_eq!(tracks(12e-6, false), [14]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! What of the correlation of μ(s) is not the window's.
+//! Window study: separates the correlation of μ(s) from the effect of the window.
 //!
-//! A window of length W that slides over uncorrelated friction gives a triangular correlation by itself. One process seen
-//! through several windows tells the two apart: its own length ℓ is the same under all of them.
+//! A window of length W that slides over uncorrelated friction has a triangular correlation. Windows of several lengths
+//! on the same strips separate this effect from the process, whose own length ℓ does not depend on the window.
 
 use rayon::prelude::*;
 
@@ -13,35 +13,36 @@ use asperity_base::correlation::{
 };
 use asperity_base::stats::{Interval, Moments, student_quantile, student_two_sided};
 
-/// Most groups of strips of the jackknife, and the fewest.
+/// Largest and least number of groups of strips of the jackknife.
 const MOST_GROUPS: usize = 20;
 const LEAST_GROUPS: usize = 5;
-/// Difference of Akaike's criterion up to which the exponential is kept where chance may have made it.
+/// Largest difference of Akaike's criterion at which the exponential is kept if chance may have caused the difference.
 const KEPT: f64 = 10.0;
 
 /// One process under several windows, ρ_W = triangle_W ⊛ ρ_0(ℓ), fitted jointly by [`fit_length`].
 ///
-/// Records of several windows are moving averages of the same strips. Where two windows show the same wavenumber they say the
-/// same, so it counts once, and the narrowest window says nearly everything: the others show whether one ℓ holds under
-/// all of them.
+/// Records of several windows are moving averages of the same strips. A wavenumber that two windows share carries the
+/// same information in both, so it counts once. The narrowest window contains almost all information; the others show
+/// whether one ℓ holds for all windows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindowStudy {
-    /// What each window sees, from the longest.
+    /// Results of each window, from the longest.
     pub windows: Vec<WindowCorrelation>,
     /// Model ρ_0 without the window.
     pub model: RecordModel,
-    /// ℓ in metre, without the window; 0 where the windows explain everything.
+    /// ℓ in metre, without the window; 0 if the windows explain the whole correlation.
     pub length_m: f64,
-    /// 95 % interval of ℓ: the wider of that of the likelihood and that of the jackknife over strips.
+    /// 95 % interval of ℓ: the wider of the likelihood interval and the jackknife interval over strips.
     pub interval: Interval,
-    /// Whether the model fits the spectra under all windows.
+    /// Test of the model against the spectra under all windows.
     pub lack_of_fit: Option<LackOfFit>,
-    /// Probability that ℓ from single windows differs as much where one ℓ holds under all: Student tests of the differences from the narrowest
-    /// window, whose scatter is that of the jackknife over strips, by Bonferroni. None with fewer than five strips or two windows.
+    /// Probability of such differences of ℓ between single windows if one ℓ holds for all: Student tests of the
+    /// differences from the narrowest window with jackknife standard errors over strips, combined by Bonferroni. `None`
+    /// with fewer than five strips or two windows.
     pub one_length_p: Option<f64>,
     /// Root mean square misfit of the correlations under all windows.
     pub misfit: f64,
-    /// Shortest step of a window in metre: a shorter ℓ cannot be told from 0.
+    /// Shortest step of a window in metre; a shorter ℓ cannot be distinguished from 0.
     pub resolution_m: f64,
 }
 
@@ -54,35 +55,35 @@ pub struct WindowCorrelation {
     pub std: f64,
     /// Standard deviation that the joint fit expects.
     pub expected_std: f64,
-    /// ℓ in metre of e^{−s/ℓ} fitted to the correlation under this window, which contains the window.
+    /// ℓ in metre of e^{−s/ℓ} fitted to the correlation under this window; it includes the window.
     pub length_m: f64,
-    /// ℓ of ρ_0 without the window, from this window alone; absent where the strips hold too few windows.
+    /// ℓ of ρ_0 without the window, from this window alone; absent if the strips contain too few windows.
     pub own: Option<LengthFit>,
 }
 
 impl WindowStudy {
-    /// The study with ρ_0 = e^{−s/ℓ} of records at the mean load ([`Record::at_mean_load`]), which are moving averages; the
-    /// same strips, in the same order, under every window. Strips are taken for free ones of one lane.
+    /// Fits ρ_0 = e^{−s/ℓ} to records at the mean load ([`Record::at_mean_load`]), which are moving averages. Every
+    /// window has the records of the same strips in the same order. Strips are treated as free strips with one track.
     ///
     /// # Errors
-    /// No strip, records that do not vary, or strips shorter than about three windows.
-    pub fn of(records: &[(Window, Vec<Record>)]) -> Result<Self, EstimateError> {
-        Self::with(records, 1, &[RecordModel::Exponential], LengthSettings::default())
+    /// There is no strip, the records are constant, or the strips are shorter than about three windows.
+    pub fn new(records: &[(Window, Vec<Record>)]) -> Result<Self, EstimateError> {
+        Self::with_models(records, 1, &[RecordModel::Exponential], LengthSettings::default())
     }
 
-    /// The study of strips of so many lanes, with the best of some models or other ends. Ends are periodic only where the positions of every window go round the
-    /// strip evenly.
+    /// Fits the best of several models to strips with `tracks` records each, with given settings. Ends may be periodic
+    /// only if the positions of every window divide the strip evenly.
     ///
     /// # Errors
-    /// As [`WindowStudy::of`].
-    pub fn with(
+    /// The errors of [`WindowStudy::new`].
+    pub fn with_models(
         records: &[(Window, Vec<Record>)],
-        lanes: usize,
+        tracks: usize,
         models: &[RecordModel],
         settings: LengthSettings,
     ) -> Result<Self, EstimateError> {
         let channels: Vec<WindowedRecords<'_>> =
-            records.iter().map(|(window, records)| under(window, records, lanes)).collect();
+            records.iter().map(|(window, records)| under(window, records, tracks)).collect();
         let joint = best(&rank_lengths(&channels, models, settings)?).ok_or(EstimateError::Nothing)?;
         let model = joint.model;
         let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
@@ -118,13 +119,14 @@ impl WindowStudy {
         })
     }
 
-    /// Whether the windows alone explain the correlation: the interval of ℓ includes what cannot be told from 0.
+    /// Returns whether the windows alone explain the correlation: the interval of ℓ includes lengths below the
+    /// resolution.
     pub fn window_only(&self) -> bool {
         self.interval.low < self.resolution_m
     }
 }
 
-/// The exponential, unless another model is better beyond chance or by far.
+/// Returns the exponential, unless another model is better beyond chance or by far.
 fn best(models: &[RankedLength]) -> Option<LengthFit> {
     let simple = |ranked: &&RankedLength| {
         ranked.fit.model == RecordModel::Exponential && !ranked.worse && ranked.aic_difference < KEPT
@@ -132,8 +134,8 @@ fn best(models: &[RankedLength]) -> Option<LengthFit> {
     models.iter().find(simple).or(models.first()).map(|ranked| ranked.fit)
 }
 
-/// Logarithms of ℓ without each group of strips: of all windows together, and of every window alone. Lengths below a tenth of the resolution
-/// count as that.
+/// Logarithms of ℓ without each group of strips: jointly for all windows, and for every window alone. Lengths below a
+/// tenth of the resolution are set to that value.
 struct Scatter {
     joint: Vec<f64>,
     own: Vec<Vec<f64>>,
@@ -147,8 +149,8 @@ impl Scatter {
         settings: LengthSettings,
         resolution_m: f64,
     ) -> Option<Self> {
-        let lanes = channels.first()?.lanes;
-        let strips = channels.iter().map(|channel| channel.records.len() / lanes).min()?;
+        let tracks = channels.first()?.lanes;
+        let strips = channels.iter().map(|channel| channel.records.len() / tracks).min()?;
         let groups = strips.min(MOST_GROUPS);
         let least_m = 0.1 * resolution_m;
         if groups < LEAST_GROUPS {
@@ -158,8 +160,8 @@ impl Scatter {
             let left: Vec<WindowedRecords<'_>> = channels
                 .iter()
                 .map(|channel| {
-                    let kept = |index: &usize| (index / lanes) * groups / strips != group;
-                    let records = (0..strips * lanes).filter(kept).map(|index| channel.records[index]).collect();
+                    let kept = |index: &usize| (index / tracks) * groups / strips != group;
+                    let records = (0..strips * tracks).filter(kept).map(|index| channel.records[index]).collect();
                     WindowedRecords { records, ..channel.clone() }
                 })
                 .collect();
@@ -178,7 +180,7 @@ impl Scatter {
         self.joint.len() as f64 - 1.0
     }
 
-    /// The joint interval, or that of the jackknife where it is wider.
+    /// Returns the joint interval, or the jackknife interval if it is wider.
     fn widened(&self, fit: &LengthFit) -> Interval {
         let reach = student_quantile(0.975, self.freedom()) * Moments::of(&self.joint).std * self.freedom().sqrt();
         let Interval { low, high } = fit.interval;
@@ -201,17 +203,17 @@ impl Scatter {
     }
 }
 
-fn under<'a>(window: &Window, records: &'a [Record], lanes: usize) -> WindowedRecords<'a> {
+fn under<'a>(window: &Window, records: &'a [Record], tracks: usize) -> WindowedRecords<'a> {
     WindowedRecords {
         window_m: window.length_m(),
         step_m: window.step_m(),
         cell_m: window.cell_m(),
-        lanes,
+        lanes: tracks,
         records: records.iter().map(|record| record.friction.as_slice()).collect(),
     }
 }
 
-/// Standard deviation under a window over that under a narrower one.
+/// Returns the standard deviation under a window over the standard deviation under a narrower one.
 fn std_ratio(shape: &WindowedModel, length_m: f64, window_m: f64, narrower_m: f64) -> f64 {
     if length_m == 0.0 {
         return (narrower_m / window_m).sqrt();
@@ -221,7 +223,7 @@ fn std_ratio(shape: &WindowedModel, length_m: f64, window_m: f64, narrower_m: f6
 }
 
 fn correlation(channel: &WindowedRecords<'_>) -> Result<RecordCorrelation, EstimateError> {
-    // Beyond four windows there is nothing left to see of either.
+    // Beyond four windows the correlation is negligible.
     let lags = (4.0 * channel.window_m / channel.step_m) as usize;
     let longest = channel.records.iter().map(|record| record.len()).max().unwrap_or(0);
     let normalisation = LagNormalisation::PairNormalised;

@@ -120,20 +120,20 @@ fn stated_response(problem: &Problem<'_>, ring: &[usize]) -> Option<Vec<f64>> {
     let (ny, nx) = problem.surface().grid().shape();
     let mut weights = Array2::zeros((ny, nx));
     ring.iter().for_each(|i| weights[[i / nx, i % nx]] = 1.0 / ring.len() as f64);
-    problem.surface().germ_response(&weights)
+    problem.surface().xi_response(&weights)
 }
 
 /// Differences of the mean heights of the used rings for each germ variable.
 fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -> Vec<Vec<f64>> {
     let surface = problem.surface();
-    let germ_len = surface.germ_len();
-    if germ_len > LONGEST_GERM {
+    let xi_len = surface.xi_len();
+    if xi_len > LONGEST_GERM {
         return Vec::new();
     }
-    let columns: Vec<Vec<f64>> = (0..germ_len)
+    let columns: Vec<Vec<f64>> = (0..xi_len)
         .into_par_iter()
         .map(|j| {
-            let mut germ = vec![0.0; germ_len];
+            let mut germ = vec![0.0; xi_len];
             let mut means = |xi: f64| -> Vec<f64> {
                 germ[j] = xi;
                 let map = surface.generate(&germ);

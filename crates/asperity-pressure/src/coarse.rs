@@ -42,7 +42,7 @@ impl Coarse {
         let pitch = stride as f64;
         let grid = Grid::new(nx, ny, pitch * grid.dx_m(), pitch * grid.dy_m()).ok()?;
         let fine = problem.half_space();
-        let half_space = HalfSpace::on(fine.substrate(), grid, fine.boundary()).ok()?;
+        let half_space = HalfSpace::with_substrate(fine.substrate(), grid, fine.boundary()).ok()?;
         let (row, column) = problem.cell();
         let first = (row % stride, column % stride);
         Some(Self { half_space, stride, first, cell: (row / stride, column / stride) })

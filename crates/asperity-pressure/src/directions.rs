@@ -28,9 +28,9 @@ impl NamedDirections {
     }
 
     /// The leading variables themselves.
-    pub(super) fn leading(germ_len: usize, most: usize) -> Self {
-        let unit = |j: usize| (0..germ_len).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
-        let count = most.min(germ_len);
+    pub(super) fn leading(xi_len: usize, most: usize) -> Self {
+        let unit = |j: usize| (0..xi_len).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
+        let count = most.min(xi_len);
         Self {
             names: (1..=count).map(|mode| format!("mode {mode}")).collect(),
             directions: Adapted::of_orthonormal((0..count).map(unit).collect()),

@@ -160,7 +160,7 @@ impl NestedSamples {
         let more = plan.iter().map(|(_, more)| *more).max().unwrap_or(0);
         if more > 0 {
             let design =
-                Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, problem.surface().germ_len())?;
+                Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, problem.surface().xi_len())?;
             let counts: Vec<usize> = plan.iter().map(|(_, more)| *more).collect();
             samples.add(problem, &design, &counts, &adapted, monitor)?;
         }

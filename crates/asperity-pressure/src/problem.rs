@@ -124,7 +124,7 @@ pub enum FailureReason {
 impl fmt::Debug for Problem<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Problem")
-            .field("germ_len", &self.surface.germ_len())
+            .field("xi_len", &self.surface.xi_len())
             .field("grid", &self.surface.grid())
             .field("control", &self.control)
             .field("hardness_pa", &self.hardness_pa)

@@ -76,7 +76,7 @@ pub struct Samples {
 pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
     let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_share } = sampling;
     let each = samples.div_ceil(replicates.max(1));
-    let design = Design::new(method, seed, stage, each, problem.surface().germ_len())?;
+    let design = Design::new(method, seed, stage, each, problem.surface().xi_len())?;
     let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
     let samples = each * designs.len();
     let done = AtomicUsize::new(0);
@@ -250,7 +250,7 @@ mod tests {
     }
 
     impl RandomSurface for OftenFlat {
-        fn germ_len(&self) -> usize {
+        fn xi_len(&self) -> usize {
             1
         }
 

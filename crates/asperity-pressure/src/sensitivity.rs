@@ -85,7 +85,7 @@ pub(super) fn of(
 ) -> Vec<Sensitivity> {
     let sets = [
         (VariableSet::Local, NamedDirections::of_cell(problem, MOST_LOCAL)),
-        (VariableSet::Global, NamedDirections::leading(problem.surface().germ_len(), leading)),
+        (VariableSet::Global, NamedDirections::leading(problem.surface().xi_len(), leading)),
     ];
     let sets = sets.map(|(set, named)| {
         let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.of(&samples.germ(i))).collect();

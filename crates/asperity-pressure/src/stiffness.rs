@@ -104,7 +104,7 @@ mod tests {
         let mut workspace = half_space.workspace();
         let (mut sums, mut agree, mut plastic) = ([0.0; 2], 0, 0);
         for i in 0..count {
-            let germ = standard_normal(&mut stream(3, "stiffness", i), surface.germ_len());
+            let germ = standard_normal(&mut stream(3, "stiffness", i), surface.xi_len());
             let solution = under(0.3).solve(&germ, &mut workspace).unwrap();
             plastic += usize::from(solution.pressure_pa().iter().any(|p| Some(*p) == hardness_pa));
             let found = under(0.3).with_stiffness().observe(&germ, &mut workspace).unwrap().stiffness_pa_per_m.unwrap();

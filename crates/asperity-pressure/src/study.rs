@@ -232,7 +232,7 @@ impl Study {
         at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
         at_least("surrogate_samples", self.surrogate_samples, 2, "at least 2")?;
         at_least("variables", self.variables, 1, "at least 1")?;
-        if self.variables > problem.surface().germ_len() {
+        if self.variables > problem.surface().xi_len() {
             return Err(PressureError::Parameter {
                 parameter: "variables",
                 value: self.variables as f64,

@@ -22,7 +22,7 @@ impl Shape {
 }
 
 impl RandomSurface for Shape {
-    fn germ_len(&self) -> usize {
+    fn xi_len(&self) -> usize {
         1
     }
 

@@ -16,23 +16,23 @@ use asperity_base::stats::{Extent, Moments};
 pub use material::{Core, EquivalentLine, MaterialRatio};
 pub use spatial::{Decay, decay};
 
-/// Why a map has no texture parameters.
+/// Reason why a map has no texture parameters.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ArealError {
-    /// All heights are equal: shape, slope and correlation of no roughness are undefined.
+    /// All heights are equal; shape, slope and correlation are undefined without roughness.
     #[error("all {present} heights that are present are equal; a surface without roughness has no texture parameters")]
     Flat {
-        /// Heights present.
+        /// Number of present heights.
         present: usize,
     },
 }
 
-/// Texture parameters; lengths in metre, areas per area as fractions. `None` is undefined, with the reason at the field.
+/// Texture parameters; lengths in metre, areas per area as fractions. `None` is undefined; each field states the reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
-    /// Heights present.
+    /// Number of present heights.
     pub present: usize,
-    /// Heights missing.
+    /// Number of missing heights.
     pub missing: usize,
     /// Arithmetical mean height Sa.
     pub sa_m: f64,
@@ -49,28 +49,31 @@ pub struct Parameters {
     /// Maximum height Sz = Sp + Sv.
     pub sz_m: f64,
     /// Root-mean-square gradient Sdq by forward differences, over the points whose right and lower neighbours are
-    /// present; `None` when there is no such point.
+    /// present; `None` if there is no such point.
     pub sdq: Option<f64>,
     /// Sdq by the seven-point differences of ISO 25178-2, over the present points whose three neighbours on every side
-    /// are present; `None` when there is no such point.
+    /// are present; `None` if there is no such point.
     pub sdq_7point: Option<f64>,
-    /// Developed interfacial area ratio Sdr: the triangulated area over the projected one, less one, over the cells whose
-    /// four corners are present; each cell counts the mean of its two triangulations. `None` when there is no such cell.
+    /// Developed interfacial area ratio Sdr: the triangulated area over the projected one, minus one, over the cells
+    /// whose four corners are present. Each cell counts the mean of its two triangulations. `None` if there is no such
+    /// cell.
     pub sdr: Option<f64>,
-    /// Autocorrelation length Sal: the shortest distance over which the correlation falls to 0.2; `None` when it does so
-    /// in no direction within half the field.
+    /// Autocorrelation length Sal: the shortest distance over which the correlation falls to 0.2; `None` if it falls to
+    /// 0.2 in no direction within half the field.
     pub sal_m: Option<f64>,
-    /// Texture aspect ratio Str: Sal over the longest such distance; `None` when some direction does not decay.
+    /// Texture aspect ratio Str: Sal over the longest such distance; `None` if the correlation does not decay in some
+    /// direction.
     pub str_ratio: Option<f64>,
-    /// Texture direction Std in rad, from 0 to below π: that of the lay, counter-clockwise from x as the map is seen with row
-    /// 0 at the top ([`asperity_base::correlation::AngularSpectrum`]). The wavevectors of the lay, by which some programs tell it, are
-    /// turned by π/2. It exists for every map but tiny ones; whether there is a lay, Str says.
+    /// Texture direction Std in rad, from 0 to below π: the direction of the lay, counter-clockwise from x in the map
+    /// with row 0 at the top ([`asperity_base::correlation::AngularSpectrum`]). Some programs report the direction of
+    /// the wavevectors instead, which is turned by π/2. Std exists for every map except tiny ones; Str shows whether
+    /// there is a lay.
     pub std_rad: Option<f64>,
-    /// Dominant spatial wavelength Ssw: that of the largest spectral density.
+    /// Dominant spatial wavelength Ssw: the wavelength of the largest spectral density.
     pub ssw_m: Option<f64>,
     /// Sk, Spk, Svk, Smrk1 and Smrk2 by the least-squares line, [`EquivalentLine::LeastSquares`].
     pub core: Core,
-    /// The same by the secant, [`EquivalentLine::Secant`].
+    /// The Sk family by the secant, [`EquivalentLine::Secant`].
     pub core_secant: Core,
     /// Peak extreme height Sxp between the material ratios 2.5 % and 50 %.
     pub sxp_m: f64,
@@ -85,7 +88,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Names and values in SI as in tables and JSON; `None` is undefined.
+    /// Returns names and values in SI as in tables and JSON; `None` is undefined.
     pub fn named(&self) -> [(&'static str, Option<f64>); 31] {
         let (core, secant) = (&self.core, &self.core_secant);
         [
@@ -124,39 +127,39 @@ impl Parameters {
     }
 }
 
-/// The texture parameters of a map, and what was estimated on the way to them.
+/// Texture parameters of a map with the intermediate estimates.
 #[derive(Debug, Clone)]
 pub struct Analysis {
     /// The parameters.
     pub parameters: Parameters,
-    /// Autocorrelation, which reaches as far as it takes to fall to 0.2, or to half the field.
+    /// Autocorrelation up to the lag at which it falls to 0.2, or to half the field.
     pub correlation: Autocorrelation,
     /// Radially averaged power spectral density.
     pub spectrum: RadialSpectrum,
 }
 
-/// The texture parameters of a map about its mean height.
+/// Computes the texture parameters of a map about its mean height.
 ///
 /// # References
 /// ISO 25178-2:2021; ISO 13565-2:1996 for the Sk family.
 ///
 /// # Errors
-/// [`ArealError::Flat`] when the heights do not vary.
+/// [`ArealError::Flat`] if all heights are equal.
 pub fn parameters(map: &HeightMap) -> Result<Parameters, ArealError> {
     Ok(Textures::of(map)?.parameters(map))
 }
 
-/// The texture parameters of a map with the autocorrelation and the spectrum that they rest on.
+/// Computes the texture parameters of a map, and the autocorrelation and spectrum used for them.
 ///
 /// # Errors
-/// As [`parameters`].
+/// The errors of [`parameters`].
 pub fn analyse(map: &HeightMap) -> Result<Analysis, ArealError> {
     let textures = Textures::of(map)?;
     let parameters = textures.parameters(map);
     Ok(Analysis { parameters, spectrum: textures.spectrum.radial(), correlation: textures.correlation })
 }
 
-/// How the heights of a map hang together.
+/// Moments, correlation and spectrum of a map.
 struct Textures {
     moments: Moments,
     mean_absolute_m: f64,
@@ -172,7 +175,7 @@ impl Textures {
         let extent = Extent::of(values);
         let (moments, mean_absolute_m) = Moments::with_absolute(&extent, values);
         let flat = ArealError::Flat { present: moments.n };
-        // Equal heights may differ from their mean by its rounding.
+        // Equal heights may differ from their mean by rounding.
         if moments.std <= 8.0 * f64::EPSILON * moments.mean.abs() || moments.std == 0.0 {
             return Err(flat);
         }

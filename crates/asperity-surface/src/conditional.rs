@@ -1,4 +1,4 @@
-//! Random surfaces through measured heights.
+//! Random surfaces conditioned on measured heights.
 
 mod lags;
 mod neighbourhood;
@@ -16,7 +16,7 @@ use asperity_base::law::{LawError, Marginal, standard_normal_quantile};
 use asperity_base::map::{Grid, HeightMap, MapError};
 use asperity_base::monitor::Cancelled;
 
-/// Why a surface could not be conditioned.
+/// Reason why a surface could not be conditioned.
 #[derive(Debug, Error)]
 pub enum ConditionalError {
     /// A parameter lies outside its range.
@@ -29,22 +29,22 @@ pub enum ConditionalError {
         /// Values allowed.
         wanted: &'static str,
     },
-    /// A measured height is impossible under the marginal law.
-    #[error("the height {height_m:e} m at row {row}, column {column} lies outside the support of the {law} law")]
-    OutsideLaw {
+    /// A measured height is impossible under the marginal distribution.
+    #[error("the height {height_m:e} m at row {row}, column {column} is impossible under the {marginal} distribution")]
+    OutsideSupport {
         /// Row of the point.
         row: usize,
         /// Column of the point.
         column: usize,
         /// Height found in metre.
         height_m: f64,
-        /// Name of the law.
-        law: &'static str,
+        /// Name of the distribution.
+        marginal: &'static str,
     },
-    /// The marginal law.
+    /// The marginal distribution is invalid.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// The unconditional field.
+    /// The unconditional field could not be created.
     #[error(transparent)]
     Generator(#[from] GeneratorError),
     /// The monitor cancelled.
@@ -52,8 +52,8 @@ pub enum ConditionalError {
     Cancelled(#[from] Cancelled),
 }
 
-/// The map with `columns` more missing points on its left and on its right, and `rows` above and below: what is to be drawn
-/// to extend it beyond its edges.
+/// Returns the map with `columns` more missing points on its left and on its right, and `rows` above and below. Filling
+/// it extends the map beyond its edges.
 ///
 /// # Errors
 /// Never for a valid map.
@@ -65,7 +65,7 @@ pub fn surrounded(map: &HeightMap, columns: usize, rows: usize) -> Result<Height
     HeightMap::new(grid, heights)
 }
 
-/// The same correlation with a standard deviation of 1.
+/// A covariance scaled to a standard deviation of 1.
 struct Standardised<'a>(&'a dyn StationaryCovariance);
 
 impl StationaryCovariance for Standardised<'_> {
@@ -86,32 +86,36 @@ fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str)
     if valid { Ok(()) } else { Err(ConditionalError::Parameter { parameter, value, wanted }) }
 }
 
-/// Φ⁻¹(F(x)) of the heights present, in row order.
-pub(super) fn scores(law: &Marginal, measured: &HeightMap) -> Result<Vec<f64>, ConditionalError> {
-    law.check()?;
+/// Returns the normal scores Φ⁻¹(F(x)) of the present heights, in row order.
+pub(super) fn scores(marginal: &Marginal, measured: &HeightMap) -> Result<Vec<f64>, ConditionalError> {
+    marginal.check()?;
     let present = measured.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
     let scores = present.map(|((row, column), &height_m)| {
-        let score = score(law, height_m);
-        let outside = ConditionalError::OutsideLaw { row, column, height_m, law: law.name() };
+        let score = score(marginal, height_m);
+        let outside = ConditionalError::OutsideSupport { row, column, height_m, marginal: marginal.name() };
         if score.is_finite() { Ok(score) } else { Err(outside) }
     });
     scores.collect()
 }
 
-/// Φ⁻¹(F(x)), from the nearer tail; infinite outside the support.
-fn score(law: &Marginal, x: f64) -> f64 {
-    if let Marginal::Empirical { sorted } = law {
-        // The last half steps are atoms at the least and the largest value.
+/// Returns Φ⁻¹(F(x)), computed from the nearer tail; infinite outside the support.
+fn score(marginal: &Marginal, x: f64) -> f64 {
+    if let Marginal::Empirical { sorted } = marginal {
+        // The last half steps are point masses at the least and the largest value.
         let (least, largest) = (sorted[0], sorted[sorted.len() - 1]);
         let half_step = 0.5 / sorted.len() as f64;
         let inside = (least..=largest).contains(&x);
-        return if inside { standard_normal_quantile(law.cdf(x).clamp(half_step, 1.0 - half_step)) } else { f64::NAN };
+        return if inside {
+            standard_normal_quantile(marginal.cdf(x).clamp(half_step, 1.0 - half_step))
+        } else {
+            f64::NAN
+        };
     }
-    let (lower, upper) = (law.cdf(x), law.survival(x));
+    let (lower, upper) = (marginal.cdf(x), marginal.survival(x));
     if lower <= upper { standard_normal_quantile(lower) } else { -standard_normal_quantile(upper) }
 }
 
-/// Places of the heights that are present, in row order.
+/// Returns the places of the present heights, in row order.
 fn places(map: &HeightMap) -> Vec<usize> {
     map.heights_m().iter().enumerate().filter(|(_, z)| !z.is_nan()).map(|(place, _)| place).collect()
 }

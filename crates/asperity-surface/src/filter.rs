@@ -12,7 +12,7 @@ pub use gaussian::{GaussianFilter, Regression, Smoothed};
 pub use outliers::{Filtered, reject_outliers};
 pub use waves::{Edges, Respaced};
 
-/// Why a map could not be filtered.
+/// Reason why a map could not be filtered.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FilterError {
     /// The threshold is not positive and finite.
@@ -31,13 +31,13 @@ pub enum FilterError {
         /// Largest one, the shorter side, in metre.
         high_m: f64,
     },
-    /// The robust weights did not settle.
-    #[error("the robust filter did not settle in {iterations} iterations")]
+    /// The robust weights did not converge.
+    #[error("the robust filter did not converge in {iterations} iterations")]
     NotConverged {
         /// Iterations done.
         iterations: usize,
     },
-    /// No height would be left.
+    /// The filter would remove all heights.
     #[error(transparent)]
     Map(#[from] MapError),
 }

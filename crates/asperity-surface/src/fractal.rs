@@ -10,33 +10,33 @@ use asperity_base::map::HeightMap;
 use asperity_base::stats::Moments;
 use asperity_base::stats::blocks::LANES;
 
-/// Bands of neighbouring profiles that are left out in turn for the standard error.
+/// Number of bands of neighbouring profiles, for the jackknife standard error.
 const BANDS: usize = 16;
-/// Profiles that are copied at a time, so that those along y lie in one piece; they fit the second cache.
+/// Number of profiles copied at a time, so that profiles along y are contiguous; they fit the second-level cache.
 const COPIED: usize = 16;
 /// Ratio of neighbouring lags of the logarithmic ladder, before rounding to pixels.
 const LADDER: f64 = 1.15;
-/// A fit needs lags whose longest is at least this many times the shortest.
+/// Least ratio of the longest to the shortest lag of a fit.
 const LEAST_SPAN: f64 = 4.0;
-/// And at least so many of them.
+/// Least number of lags of a fit.
 const LEAST_LAGS: usize = 5;
-/// Without a stated range the fit ends where the structure function reaches this share of 2 Sq², its limit: beyond, the
-/// roll-off bends it.
+/// Fraction of the limit 2 Sq² of the structure function at which a fit without a stated range ends. Beyond it the
+/// roll-off bends the structure function.
 const SATURATION: f64 = 0.2;
-/// Exponents above are those of a surface that is smooth on the scale of its pixels.
+/// Largest accepted exponent. Larger ones belong to a surface that is smooth on the scale of its pixels.
 const SMOOTH: f64 = 0.95;
 /// Largest difference between the exponents of the shorter and the longer half of the lags in one scaling range.
 const LARGEST_BEND: f64 = 0.2;
-/// An exponent that is not known better than this tells nothing about a surface.
+/// Largest accepted standard error of an exponent.
 const LARGEST_ERROR: f64 = 0.1;
 
-/// Why a map has no structure function.
+/// Reason why a map has no structure function.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FractalError {
     /// All heights are equal.
     #[error("all {present} heights that are present are equal; a surface without roughness has no fractal dimension")]
     Flat {
-        /// Heights present.
+        /// Number of present heights.
         present: usize,
     },
     /// The stated range of lags is empty or not positive.
@@ -63,8 +63,8 @@ pub struct StructureFunction {
 }
 
 impl StructureFunction {
-    /// The structure function along an axis; lags without a pair are left out. No form is removed here.
-    pub fn of(map: &HeightMap, axis: Axis) -> Self {
+    /// Computes the structure function along an axis; lags without a pair are left out. No form is removed here.
+    pub fn new(map: &HeightMap, axis: Axis) -> Self {
         let (all, length, pitch_m) = profiles::dimensions(map, axis);
         let band_count = BANDS.min(all);
         let lags = ladder(length / 2);
@@ -88,15 +88,15 @@ impl StructureFunction {
 
     /// Fits S ∝ τ^{2H} by least squares of the logarithms over the lags from `low_m` to `high_m`.
     ///
-    /// The standard error is the jackknife over up to 16 bands of neighbouring profiles: neighbouring lags are far too
-    /// correlated for the residuals of the line to tell it. It does not contain the bias of the roll-off, of the
-    /// instrument's smoothing or of levelling, which shorten the range that scales.
+    /// The standard error is the jackknife over up to 16 bands of neighbouring profiles, because the residuals of the
+    /// line are far too correlated between lags. It does not include the bias of the roll-off, of the instrument's
+    /// smoothing or of levelling, which shorten the scaling range.
     ///
-    /// `None` when there is no scaling: fewer than 5 lags or less than a factor of 4 between them, an exponent outside
-    /// 0 < H < 0.95 (white, or smooth at the pixel), or exponents of the two halves of the range that differ by more than
-    /// 0.2, or a standard error above 0.1.
+    /// Returns `None` if there is no scaling: fewer than 5 lags or less than a factor of 4 between them, an exponent
+    /// outside 0 < H < 0.95 (white, or smooth at the pixel), exponents of the two halves of the range that differ by
+    /// more than 0.2, or a standard error above 0.1.
     pub fn scaling(&self, low_m: f64, high_m: f64) -> Option<ProfileScaling> {
-        // Lags are multiples of the pitch; their rounding must not exclude the ends of the range.
+        // Lags are multiples of the pitch; rounding must not exclude the ends of the range.
         let inside = |lag_m: f64| lag_m >= low_m * (1.0 - 1e-9) && lag_m <= high_m * (1.0 + 1e-9);
         let used: Vec<usize> =
             (0..self.lags_m.len()).filter(|&i| inside(self.lags_m[i]) && self.values_m2[i] > 0.0).collect();
@@ -140,7 +140,7 @@ impl StructureFunction {
 pub struct ProfileScaling {
     /// Hurst exponent H.
     pub hurst: f64,
-    /// Its standard error; `None` for a single profile.
+    /// Standard error of H; `None` for a single profile.
     pub hurst_se: Option<f64>,
     /// Shortest and longest lag of the fit in metre.
     pub range_m: (f64, f64),
@@ -151,29 +151,29 @@ pub struct ProfileScaling {
 pub struct Scaling {
     /// Hurst exponent H: the mean over the axes that scale.
     pub hurst: f64,
-    /// Its standard error, the axes taken as fully dependent: the mean of theirs.
+    /// Standard error of H: the mean of the standard errors of the axes, which are treated as fully dependent.
     pub hurst_se: Option<f64>,
-    /// Fractal dimension D = 3 − H of the surface; that of a profile is one less.
+    /// Fractal dimension D = 3 − H of the surface; the dimension of a profile is one less.
     pub fractal_dimension: f64,
-    /// Along x; `None` where there is no scaling range.
+    /// Result along x; `None` without a scaling range.
     pub x: Option<ProfileScaling>,
-    /// Along y; `None` where there is no scaling range.
+    /// Result along y; `None` without a scaling range.
     pub y: Option<ProfileScaling>,
 }
 
-/// The Hurst exponent and fractal dimension of a map over a range of lags in metre.
+/// Estimates the Hurst exponent and fractal dimension of a map over a range of lags in metre.
 ///
-/// Without a stated range the fit runs from two pixels to the longest lag that is at most an eighth of the profile and at
-/// which S is at most 0.2 of 2 Sq². Remove the form first: a tilt scales with H = 1.
+/// Without a stated range the fit runs from two pixels to the longest lag that is at most an eighth of the profile and
+/// at which S is at most 0.2 of 2 Sq². Remove the form first: a tilt scales with H = 1.
 ///
-/// `Ok(None)` when neither axis has a scaling range ([`StructureFunction::scaling`]).
+/// Returns `Ok(None)` if neither axis has a scaling range ([`StructureFunction::scaling`]).
 ///
 /// # References
-/// Sayles & Thomas, *Nature* **271** (1978) 431, <https://doi.org/10.1038/271431a0>; Mandelbrot, *The Fractal Geometry of
-/// Nature*, Freeman 1982.
+/// Sayles & Thomas, *Nature* **271** (1978) 431, <https://doi.org/10.1038/271431a0>; Mandelbrot, *The Fractal Geometry
+/// of Nature*, Freeman 1982.
 ///
 /// # Errors
-/// The heights do not vary, or the range is not positive and ascending.
+/// All heights are equal, or the range is not positive and ascending.
 pub fn scaling(map: &HeightMap, range_m: Option<(f64, f64)>) -> Result<Option<Scaling>, FractalError> {
     let moments = Moments::of(map.values_m());
     if moments.std <= 8.0 * f64::EPSILON * moments.mean.abs() || moments.std == 0.0 {
@@ -186,7 +186,7 @@ pub fn scaling(map: &HeightMap, range_m: Option<(f64, f64)>) -> Result<Option<Sc
     }
     let grid = map.grid();
     let along = |axis: Axis| {
-        let structure = StructureFunction::of(map, axis);
+        let structure = StructureFunction::new(map, axis);
         let (pitch_m, length_m) = match axis {
             Axis::X => (grid.dx_m(), grid.width_m()),
             Axis::Y => (grid.dy_m(), grid.height_m()),
@@ -210,7 +210,7 @@ pub fn scaling(map: &HeightMap, range_m: Option<(f64, f64)>) -> Result<Option<Sc
     Ok(Some(Scaling { hurst, hurst_se, fractal_dimension: 3.0 - hurst, x, y }))
 }
 
-/// Sums and numbers of squared differences at every lag over neighbouring profiles.
+/// Returns the sums and numbers of squared differences at every lag over neighbouring profiles.
 fn band_sums(map: &HeightMap, axis: Axis, band: Range<usize>, lags: &[usize]) -> Vec<(f64, f64)> {
     let (_, length, _) = profiles::dimensions(map, axis);
     let mut sums = vec![(0.0, 0.0); lags.len()];
@@ -231,10 +231,10 @@ fn band_sums(map: &HeightMap, axis: Axis, band: Range<usize>, lags: &[usize]) ->
     sums
 }
 
-/// Sum and number of the squared differences of a profile at a lag, over the pairs of present heights.
+/// Returns the sum and number of the squared differences of a profile at a lag, over the pairs of present heights.
 fn squared_differences(profile: &[f64], lag: usize, complete: bool) -> (f64, f64) {
     let (here, there) = (&profile[..profile.len() - lag], &profile[lag..]);
-    // Several sums side by side let the processor add several differences at once.
+    // Independent partial sums let the processor add several differences at once.
     let (here_lanes, here_rest) = here.as_chunks::<LANES>();
     let (there_lanes, there_rest) = there.as_chunks::<LANES>();
     let mut sums = [0.0; LANES];
@@ -261,7 +261,7 @@ fn squared_differences(profile: &[f64], lag: usize, complete: bool) -> (f64, f64
     (sums.iter().sum(), counts.iter().sum())
 }
 
-/// 1, 2, 3, … growing by the ladder's ratio, up to `longest`.
+/// Returns the lags 1, 2, 3, … growing by the ratio of the ladder, up to `longest`.
 fn ladder(longest: usize) -> Vec<usize> {
     let mut lags = vec![];
     let mut lag = 1;
@@ -276,7 +276,7 @@ fn total<'a>(sums: impl Iterator<Item = &'a (f64, f64)>) -> (f64, f64) {
     sums.fold((0.0, 0.0), |(sum, count), (s, c)| (sum + s, count + c))
 }
 
-/// Slope of the least-squares line.
+/// Returns the slope of the least-squares line.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
@@ -292,7 +292,8 @@ mod tests {
     use asperity_base::random;
     use ndarray::Array2;
 
-    /// Rows of independent fractional Brownian motion, exact (Davies & Harte 1987): S(τ) = τ^{2H} with unit pitch.
+    /// Returns rows of independent fractional Brownian motion, exact (Davies & Harte 1987): S(τ) = τ^{2H} with unit
+    /// pitch.
     fn brownian(hurst: f64, rows: usize, n: usize) -> HeightMap {
         let fft = RealFft2::new(2 * n, 1);
         let (mut eigenvalues, mut work) = (fft.spectrum(), fft.workspace());
@@ -324,7 +325,7 @@ mod tests {
     #[test]
     fn fractional_brownian_profiles_have_their_exponent_within_its_standard_error() {
         for hurst in [0.3, 0.5, 0.8] {
-            let structure = StructureFunction::of(&brownian(hurst, 64, 1024), Axis::X);
+            let structure = StructureFunction::new(&brownian(hurst, 64, 1024), Axis::X);
             let fit = structure.scaling(1.0, 64.0).unwrap();
             let error = fit.hurst_se.unwrap();
             assert!((fit.hurst - hurst).abs() < 4.0 * error, "H = {hurst}: {fit:?}");
@@ -335,26 +336,26 @@ mod tests {
     }
 
     #[test]
-    fn the_jackknife_error_is_the_spread_over_independent_maps() {
+    fn the_jackknife_error_equals_the_spread_over_independent_maps() {
         let all = brownian(0.5, 24 * 32, 256);
         let fits: Vec<ProfileScaling> = (0..24)
             .map(|part| {
                 let rows = all.heights_m().slice(ndarray::s![part * 32..(part + 1) * 32, ..]).to_owned();
                 let map = HeightMap::new(Grid::new(256, 32, 1.0, 1.0).unwrap(), rows).unwrap();
-                StructureFunction::of(&map, Axis::X).scaling(1.0, 32.0).unwrap()
+                StructureFunction::new(&map, Axis::X).scaling(1.0, 32.0).unwrap()
             })
             .collect();
         let spread = Moments::of(&fits.iter().map(|fit| fit.hurst).collect::<Vec<_>>());
         let told = Moments::of(&fits.iter().filter_map(|fit| fit.hurst_se).collect::<Vec<_>>());
-        // The spread of 24 values is known to 1/√46 = 15 %.
+        // The spread of 24 values has a standard error of 1/√46 = 15 %.
         assert!((told.mean / spread.sample_std() - 1.0).abs() < 0.45, "{} {}", told.mean, spread.sample_std());
         assert!((spread.mean - 0.5).abs() < 4.0 * spread.standard_error());
     }
 
     #[test]
-    fn a_brownian_map_scales_along_its_profiles_alone() {
+    fn a_brownian_map_scales_only_along_its_profiles() {
         let found = scaling(&brownian(0.5, 256, 1024), None).unwrap().unwrap();
-        // Across the independent profiles it is a step at every lag: no exponent.
+        // Across the independent profiles the map is a step at every lag, without an exponent.
         assert_eq!(found.y, None);
         assert_eq!(Some(found.hurst), found.x.map(|x| x.hurst));
         assert!((found.hurst - 0.5).abs() < 4.0 * found.hurst_se.unwrap(), "{found:?}");
@@ -362,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_by_bands_are_those_over_all_present_pairs() {
+    fn sums_by_bands_equal_sums_over_all_present_pairs() {
         for (nx, ny, holes) in [(50, 41, 0), (41, 50, 7), (5, 70, 3), (300, 3, 0)] {
             let mut heights = random::standard_normal(&mut random::stream(12, "pairs", nx as u64), nx * ny);
             if holes > 0 {
@@ -371,7 +372,7 @@ mod tests {
             let heights = Array2::from_shape_vec((ny, nx), heights).unwrap();
             let map = HeightMap::new(Grid::new(nx, ny, 0.5, 0.25).unwrap(), heights.clone()).unwrap();
             for (axis, pitch, profiles) in [(Axis::X, 0.5, heights.view()), (Axis::Y, 0.25, heights.t())] {
-                let found = StructureFunction::of(&map, axis);
+                let found = StructureFunction::new(&map, axis);
                 for (lag_m, value) in found.lags_m.iter().zip(&found.values_m2) {
                     let lag = (lag_m / pitch).round() as usize;
                     let squares: Vec<f64> = profiles
@@ -391,12 +392,12 @@ mod tests {
     }
 
     #[test]
-    fn missing_points_change_pairs_not_the_exponent() {
+    fn missing_points_change_the_pairs_but_not_the_exponent() {
         let full = brownian(0.5, 64, 512);
         let mut heights = full.heights_m().clone();
         heights.iter_mut().step_by(7).for_each(|z| *z = f64::NAN);
         let holes = HeightMap::new(full.grid(), heights).unwrap();
-        let (full, holes) = (StructureFunction::of(&full, Axis::X), StructureFunction::of(&holes, Axis::X));
+        let (full, holes) = (StructureFunction::new(&full, Axis::X), StructureFunction::new(&holes, Axis::X));
         assert_eq!(full.lags_m, holes.lags_m);
         let (a, b) = (full.scaling(2.0, 64.0).unwrap(), holes.scaling(2.0, 64.0).unwrap());
         assert!((a.hurst - b.hurst).abs() < a.hurst_se.unwrap());
@@ -410,7 +411,7 @@ mod tests {
         assert_eq!(scaling(&white, None), Ok(None));
         let wave = HeightMap::from_function(grid, |x, y| (x / 20e-6).sin() * (y / 20e-6).cos()).unwrap();
         assert_eq!(scaling(&wave, None), Ok(None));
-        // Two slopes in one stated range: smooth below the wavelength, level above.
+        // Two slopes in one stated range: smooth below the wavelength, constant above it.
         assert_eq!(scaling(&wave, Some((1e-6, 120e-6))), Ok(None));
         let flat = HeightMap::from_function(grid, |_, _| 0.1).unwrap();
         assert_eq!(scaling(&flat, None), Err(FractalError::Flat { present: 256 * 256 }));

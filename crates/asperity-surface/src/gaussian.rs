@@ -1,4 +1,4 @@
-//! What Gaussian generators have in common.
+//! Common parts of the Gaussian generators.
 
 use ndarray::Array2;
 use thiserror::Error;
@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::RandomSurface;
 use asperity_base::map::{Grid, HeightMap, MapError};
 
-/// Why a generator of random surfaces could not be made.
+/// Reason why a generator of random surfaces could not be created.
 #[derive(Debug, PartialEq, Error)]
 pub enum GeneratorError {
     /// A parameter lies outside its range.
@@ -19,20 +19,20 @@ pub enum GeneratorError {
         /// Values allowed.
         wanted: &'static str,
     },
-    /// More modes were asked for than the grid carries.
-    #[error("{wanted} modes were asked for, but {points} points carry 1 to {points}")]
+    /// The requested number of modes exceeds the number of points.
+    #[error("{wanted} modes were requested, but {points} points allow 1 to {points}")]
     Modes {
-        /// Modes asked for.
+        /// Number of requested modes.
         wanted: usize,
-        /// Modes of the grid.
+        /// Number of points of the grid.
         points: usize,
     },
     /// A size and a number of points are needed for each of one or two directions.
-    #[error("found {sizes} sizes and {points} numbers of points; one or two of each are needed, equally many")]
+    #[error("found {sizes} sizes and {points} numbers of points, but one or two of each are needed, equally many")]
     Dimensions {
-        /// Sizes found.
+        /// Number of sizes found.
         sizes: usize,
-        /// Numbers of points found.
+        /// Number of numbers of points found.
         points: usize,
     },
     /// The iterative eigensolver did not reach its tolerance.
@@ -41,15 +41,15 @@ pub enum GeneratorError {
          {tolerance:.1e} of the first eigenvalue"
     )]
     NotConverged {
-        /// Modes asked for.
+        /// Number of requested modes.
         wanted: usize,
-        /// Modes below the tolerance.
+        /// Number of modes below the tolerance.
         converged: usize,
-        /// Vectors in the subspace.
+        /// Number of vectors in the subspace.
         subspace: usize,
         /// Largest residual relative to the first eigenvalue.
         residual: f64,
-        /// Residual asked for.
+        /// Requested residual.
         tolerance: f64,
     },
     /// The dense eigensolver failed, which happens for values that are not finite.
@@ -58,45 +58,45 @@ pub enum GeneratorError {
         /// Size of the matrix.
         points: usize,
     },
-    /// The field hardly varies at a point, so it cannot be given a marginal law there.
-    #[error("the Gaussian field keeps {share:.1e} of its variance at row {row}, column {column}; use more modes")]
+    /// The field hardly varies at a point, so it cannot have a marginal distribution there.
+    #[error("the Gaussian field keeps {fraction:.1e} of its variance at row {row}, column {column}; use more modes")]
     NoVariance {
         /// Row of the point.
         row: usize,
         /// Column of the point.
         column: usize,
         /// Pointwise variance over the largest one.
-        share: f64,
+        fraction: f64,
     },
     /// The grid is not valid.
     #[error(transparent)]
     Grid(#[from] MapError),
 }
 
-/// A random surface whose heights are jointly Gaussian with mean zero: linear in its germ.
+/// A random surface whose heights are jointly Gaussian with mean zero: linear in ξ.
 pub trait GaussianSurface: RandomSurface {
-    /// Standard deviation at each point in metre, shape `[ny, nx]`.
+    /// Returns the standard deviation at each point in metre, shape `[ny, nx]`.
     fn pointwise_std_m(&self) -> Array2<f64>;
 
-    /// Covariance of the heights with the height at (`row`, `column`), in m², shape `[ny, nx]`.
+    /// Returns the covariance of the heights with the height at (`row`, `column`), in m², shape `[ny, nx]`.
     fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64>;
 }
 
 impl<S: RandomSurface + ?Sized> RandomSurface for Box<S> {
-    fn germ_len(&self) -> usize {
-        (**self).germ_len()
+    fn xi_len(&self) -> usize {
+        (**self).xi_len()
     }
 
     fn grid(&self) -> Grid {
         (**self).grid()
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        (**self).generate(germ)
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        (**self).generate(xi)
     }
 
-    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
-        (**self).germ_response(weights)
+    fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        (**self).xi_response(weights)
     }
 }
 
@@ -110,19 +110,19 @@ impl<S: GaussianSurface + ?Sized> GaussianSurface for Box<S> {
     }
 }
 
-/// Checks a germ at the door of a generator.
-pub(super) fn check_germ(germ: &[f64], len: usize) {
-    assert_eq!(germ.len(), len, "the germ has the wrong length");
-    assert!(germ.iter().all(|xi| xi.is_finite()), "the germ has a value that is not finite");
+/// Checks the length of ξ and that its values are finite.
+pub(super) fn check_xi(xi: &[f64], len: usize) {
+    assert_eq!(xi.len(), len, "ξ has the wrong length");
+    assert!(xi.iter().all(|xi| xi.is_finite()), "ξ has a value that is not finite");
 }
 
-/// Weights in row order, checked at the door of a generator.
+/// Checks the shape of weights and returns them in row order.
 pub(super) fn row_order(weights: &Array2<f64>, grid: Grid) -> Vec<f64> {
     assert_eq!(weights.dim(), grid.shape(), "the weights have the wrong shape");
     weights.iter().copied().collect()
 }
 
-/// The map of finite heights in row order.
+/// Creates a map of finite heights in row order.
 pub(super) fn map_of(grid: Grid, heights_m: Vec<f64>) -> HeightMap {
     let map = Array2::from_shape_vec(grid.shape(), heights_m).map(|heights| HeightMap::new(grid, heights));
     match map {

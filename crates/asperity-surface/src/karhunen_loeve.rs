@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::general::ClassModes;
-use super::gaussian::{check_germ, map_of, row_order};
+use super::gaussian::{check_xi, map_of, row_order};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use asperity_base::correlation::{Covariance, StationaryCovariance};
@@ -19,25 +19,26 @@ use asperity_base::map::{Grid, HeightMap};
 
 pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
 
-/// How the two-dimensional eigenproblem is set, and by that, of which covariance.
+/// Method for the two-dimensional eigenproblem; it also determines which covariance is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModesRoute {
-    /// Products of the modes of two profiles. Exact for the squared exponential; any other model is replaced by the
-    /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}; an oblique lay is lost.
+    /// Products of the modes of two profiles. Exact for the squared exponential. Any other model is replaced by the
+    /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}. An oblique lay is lost.
     Separable,
-    /// The covariance as it stands, oblique or not: densely by parity up to about 64 × 64 points, beyond by block Lanczos on
-    /// products with the circulant embedding.
+    /// The unchanged covariance, oblique or not: densely by parity up to about 64 × 64 points, beyond by block Lanczos
+    /// on products with the circulant embedding.
     General,
     /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
     Periodic,
 }
 
-/// A truncated Karhunen–Loève surface z = σ Σ_{j≤M} √λ_j φ_j(x) ξ_j with ∫ρ(x − y)φ_j(y)dy = λ_j φ_j(x).
+/// Truncated Karhunen–Loève surface z = σ Σ_{j≤M} √λ_j φ_j(x) ξ_j with ∫ρ(x − y)φ_j(y)dy = λ_j φ_j(x).
 ///
-/// Eigenvalues belong to unit variance and are in m²; functions have unit L² norm on the map and are in 1/m. The germ is
-/// ξ_1 … ξ_M, by falling eigenvalue; ties keep a fixed order, and signs are fixed. Only a share
-/// [`KarhunenLoeve::captured_variance`] of σ² is generated: the truncated map is smoother and lower than the field.
+/// Eigenvalues belong to unit variance and are in m²; functions have unit L² norm on the map and are in 1/m. ξ_1 … ξ_M
+/// are in the order of falling eigenvalues; the order of equal eigenvalues and all signs are fixed. The surface has
+/// only the fraction [`KarhunenLoeve::captured_variance`] of σ²: the truncated map is smoother and lower than the
+/// field.
 ///
 /// # References
 /// Ghanem & Spanos, *Stochastic Finite Elements* (1991), §2.3, <https://doi.org/10.1007/978-1-4612-3094-6>.
@@ -48,11 +49,11 @@ pub struct KarhunenLoeve {
     route: ModesRoute,
     eigenvalues_m2: Vec<f64>,
     basis: Basis,
-    /// Mean squared slope of the whole field of unit variance, by differences of neighbours, in 1/m².
+    /// Mean squared slope of the complete field of unit variance, by differences of neighbours, in 1/m².
     slope_variance_per_m2: f64,
 }
 
-/// The functions φ_j, in the form in which they are cheapest to sum.
+/// The functions φ_j, in the form that is cheapest to sum.
 #[derive(Debug, Clone)]
 enum Basis {
     /// φ_j(x, y) = X_a(x) Y_b(y) with (a, b) = pairs[j].
@@ -67,10 +68,10 @@ enum Basis {
 }
 
 impl KarhunenLoeve {
-    /// The first `modes` modes of `covariance` on `grid`.
+    /// Computes the first `modes` modes of `covariance` on `grid`.
     ///
     /// # Errors
-    /// No mode or more modes than the grid has points; a covariance that is not finite; no convergence (general route).
+    /// No mode or more modes than grid points; a covariance that is not finite; no convergence (general route).
     pub fn new(
         covariance: &dyn StationaryCovariance,
         grid: Grid,
@@ -98,11 +99,11 @@ impl KarhunenLoeve {
         Ok(Self { grid, std_m: covariance.std_m(), route, eigenvalues_m2, basis, slope_variance_per_m2 })
     }
 
-    /// The first `modes` Fourier modes of `covariance` wrapped onto a periodic map, the constant one left out: the variance of the
-    /// others is scaled to the whole.
+    /// Computes the first `modes` Fourier modes of `covariance` wrapped onto a periodic map, without the constant mode.
+    /// The other modes are scaled to the whole variance.
     ///
     /// # Errors
-    /// As [`KarhunenLoeve::new`], the constant mode not counted.
+    /// The errors of [`KarhunenLoeve::new`], the constant mode not counted.
     pub fn periodic_without_constant(
         covariance: &dyn StationaryCovariance,
         grid: Grid,
@@ -128,44 +129,45 @@ impl KarhunenLoeve {
         })
     }
 
-    /// The same scaled so that the modes hold the whole variance of the field, averaged over the map.
+    /// Returns the surface scaled so that its modes have the whole variance of the field, averaged over the map.
     #[must_use]
     pub fn rescaled(self) -> Self {
         let captured = self.captured_variance();
         Self { std_m: self.std_m / captured.sqrt(), ..self }
     }
 
-    /// Standard deviation σ of the field that is expanded, in metre.
+    /// Returns the standard deviation σ of the expanded field, in metre.
     pub fn std_m(&self) -> f64 {
         self.std_m
     }
 
-    /// How the eigenproblem was set.
+    /// Returns the method for the eigenproblem.
     pub fn route(&self) -> ModesRoute {
         self.route
     }
 
-    /// Eigenvalues λ_j of unit variance in m², falling.
+    /// Returns the eigenvalues λ_j of unit variance in m², falling.
     pub fn eigenvalues_m2(&self) -> &[f64] {
         &self.eigenvalues_m2
     }
 
-    /// Share Σλ_j/A of the variance that the modes hold, averaged over the map.
+    /// Returns the fraction Σλ_j/A of the variance that the modes include, averaged over the map.
     pub fn captured_variance(&self) -> f64 {
         self.eigenvalues_m2.iter().sum::<f64>() / self.grid.area_m2()
     }
 
-    /// Fraction of the mean squared slope, by differences of neighbours on the grid, that the modes hold.
+    /// Returns the fraction of the mean squared slope, by differences of neighbours on the grid, that the modes include.
     ///
-    /// Elastic contact depends on slopes, of which the first modes hold far less than of the variance. All of it is 1, also where negative
-    /// eigenvalues of an estimated covariance were left out, without which the others sum to more.
+    /// Elastic contact depends on slopes; the first modes include far less of the slopes than of the variance. The
+    /// fraction of all modes is 1, also if negative eigenvalues of an estimated covariance were left out (the others
+    /// then sum to more).
     pub fn captured_slope_variance(&self) -> f64 {
         let slope = |(j, value): (usize, &f64)| value * mean_squared_slope_per_m2(self.grid, &self.mode_per_m(j));
         let slopes: Vec<f64> = self.eigenvalues_m2.par_iter().enumerate().map(slope).collect();
         (slopes.iter().sum::<f64>() / self.slope_variance_per_m2).min(1.0)
     }
 
-    /// The function φ_j on the grid in 1/m, shape `[ny, nx]`, with Σ φ_j² ΔxΔy = 1.
+    /// Returns the function φ_j on the grid in 1/m, shape `[ny, nx]`, with Σ φ_j² ΔxΔy = 1.
     ///
     /// # Panics
     /// If there is no mode `j`.
@@ -185,7 +187,7 @@ impl KarhunenLoeve {
         Array2::from_shape_fn((ny, nx), |(row, column)| values[row * nx + column])
     }
 
-    /// Σ_j w_j φ_j on the grid in row order; for the Fourier basis w_j counts √λ_j φ_j.
+    /// Returns Σ_j w_j φ_j on the grid in row order; for the Fourier basis w_j multiplies √λ_j φ_j.
     fn superpose(&self, weights: &[f64]) -> Vec<f64> {
         let (ny, nx) = self.grid.shape();
         match &self.basis {
@@ -202,7 +204,7 @@ impl KarhunenLoeve {
     }
 }
 
-/// Mean squared slope of a field of unit variance, 2(1 − ρ(Δx, 0))/Δx² + 2(1 − ρ(0, Δy))/Δy², in 1/m².
+/// Returns the mean squared slope of a field of unit variance, 2(1 − ρ(Δx, 0))/Δx² + 2(1 − ρ(0, Δy))/Δy², in 1/m².
 fn slope_variance_per_m2(covariance: &dyn StationaryCovariance, grid: Grid) -> f64 {
     let (dx_m, dy_m) = (grid.dx_m(), grid.dy_m());
     let along_x = if grid.nx() > 1 { (1.0 - covariance.correlation(dx_m, 0.0)) / (dx_m * dx_m) } else { 0.0 };
@@ -210,7 +212,7 @@ fn slope_variance_per_m2(covariance: &dyn StationaryCovariance, grid: Grid) -> f
     2.0 * (along_x + along_y)
 }
 
-/// Mean squared slope of a function on the grid, by differences of neighbours.
+/// Returns the mean squared slope of a function on the grid, by differences of neighbours.
 fn mean_squared_slope_per_m2(grid: Grid, values: &Array2<f64>) -> f64 {
     let mean = |axis: Axis, pitch_m: f64| {
         let pairs = values.axis_windows(axis, 2).into_iter();
@@ -225,17 +227,18 @@ fn mean_squared_slope_per_m2(grid: Grid, values: &Array2<f64>) -> f64 {
     mean(Axis(1), grid.dx_m()) + mean(Axis(0), grid.dy_m())
 }
 
-/// About the number of modes of a covariance on a grid that hold the `share` of its mean squared slope and of its variance.
+/// Returns about the number of modes of a covariance on a grid that include the given `fraction` of its mean squared
+/// slope and of its variance.
 ///
-/// It is that of the Fourier modes of the covariance wrapped onto the grid, which the modes of a patch of several
-/// correlation lengths resemble.
-pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, share: f64) -> usize {
+/// The number is exact for the Fourier modes of the covariance wrapped onto the grid, which resemble the modes of a
+/// patch of several correlation lengths.
+pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, fraction: f64) -> usize {
     let fft = RealFft2::new(grid.nx(), grid.ny());
     let spectrum = wrapped_spectrum(covariance, grid, &fft);
     let symbol = |k: usize, n: usize, pitch_m: f64| {
         (2.0 - 2.0 * (std::f64::consts::TAU * k as f64 / n as f64).cos()) / (pitch_m * pitch_m)
     };
-    // Eigenvalues with their slopes and with how many modes share them.
+    // Eigenvalues with their slopes and their multiplicity.
     let ny = grid.ny();
     let mut modes: Vec<(f64, f64, f64)> = spectrum
         .eigenvalues_m2
@@ -250,7 +253,7 @@ pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, share
     let total = modes.iter().fold((0.0, 0.0), |sum, (value, slope, n)| (sum.0 + n * value, sum.1 + n * slope));
     let (mut variance, mut slopes, mut count) = (0.0, 0.0, 0.0);
     for (value, slope, n) in modes {
-        if variance >= share * total.0 && slopes >= share * total.1 {
+        if variance >= fraction * total.0 && slopes >= fraction * total.1 {
             break;
         }
         (variance, slopes, count) = (variance + n * value, slopes + n * slope, count + n);
@@ -258,10 +261,10 @@ pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, share
     (count as usize).clamp(1, grid.points())
 }
 
-/// The largest products of profile eigenvalues.
+/// Returns the largest products of profile eigenvalues.
 ///
 /// A product of the a-th and b-th values has at least (a + 1)(b + 1) − 1 others that are no smaller, so pairs beyond
-/// (a + 1)(b + 1) = M need not be looked at.
+/// (a + 1)(b + 1) = M are skipped.
 fn tensor_modes(
     covariance: &dyn StationaryCovariance,
     grid: Grid,
@@ -278,7 +281,7 @@ fn tensor_modes(
     products.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.1.cmp(&q.1.1)).then(p.1.0.cmp(&q.1.0)));
     products.truncate(modes);
     let (eigenvalues, pairs): (Vec<f64>, Vec<(usize, usize)>) = products.into_iter().unzip();
-    // Only the profiles that occur are kept.
+    // Only the profiles in use are kept.
     let used_x = pairs.iter().map(|pair| pair.0 + 1).max().unwrap_or(0);
     let used_y = pairs.iter().map(|pair| pair.1 + 1).max().unwrap_or(0);
     let keep = |functions: Array2<f64>, used: usize| functions.slice_move(ndarray::s![..used, ..]);
@@ -286,7 +289,7 @@ fn tensor_modes(
 }
 
 impl RandomSurface for KarhunenLoeve {
-    fn germ_len(&self) -> usize {
+    fn xi_len(&self) -> usize {
         self.eigenvalues_m2.len()
     }
 
@@ -294,16 +297,16 @@ impl RandomSurface for KarhunenLoeve {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        check_germ(germ, self.germ_len());
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        check_xi(xi, self.xi_len());
         let weights: Vec<f64> = match self.basis {
-            Basis::Fourier(_) => germ.iter().map(|xi| self.std_m * xi).collect(),
-            _ => germ.iter().zip(&self.eigenvalues_m2).map(|(xi, value)| self.std_m * value.sqrt() * xi).collect(),
+            Basis::Fourier(_) => xi.iter().map(|xi| self.std_m * xi).collect(),
+            _ => xi.iter().zip(&self.eigenvalues_m2).map(|(xi, value)| self.std_m * value.sqrt() * xi).collect(),
         };
         map_of(self.grid, self.superpose(&weights))
     }
 
-    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+    fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
         let weights = row_order(weights, self.grid);
         let (ny, nx) = self.grid.shape();
         let products = match &self.basis {
@@ -323,14 +326,14 @@ impl RandomSurface for KarhunenLoeve {
     }
 
     fn is_periodic_and_stationary(&self) -> bool {
-        matches!(&self.basis, Basis::Fourier(modes) if modes.unpaired_share() < 1e-3)
+        matches!(&self.basis, Basis::Fourier(modes) if modes.unpaired_fraction() < 1e-3)
     }
 }
 
 impl GaussianSurface for KarhunenLoeve {
     fn pointwise_std_m(&self) -> Array2<f64> {
         let (ny, nx) = self.grid.shape();
-        let shares = match &self.basis {
+        let fractions = match &self.basis {
             Basis::Fourier(fourier) => fourier.pointwise_variance(ny, nx),
             Basis::Tensor { x, y, pairs } => {
                 let (x2, y2) = (x.mapv(|v| v * v), y.mapv(|v| v * v));
@@ -345,7 +348,7 @@ impl GaussianSurface for KarhunenLoeve {
                 Array2::from_shape_fn((ny, nx), |(row, column)| sum[row * nx + column])
             }
         };
-        shares.mapv(|share| self.std_m * share.max(0.0).sqrt())
+        fractions.mapv(|fraction| self.std_m * fraction.max(0.0).sqrt())
     }
 
     fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {
@@ -368,20 +371,20 @@ impl GaussianSurface for KarhunenLoeve {
     }
 }
 
-/// The spectrum of a covariance operator of unit variance.
+/// Spectrum of a covariance operator of unit variance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
     /// Eigenvalues, falling, in m for one dimension and in m² for two.
     pub eigenvalues: Vec<f64>,
-    /// Their sum over the length or area: the share of the variance they hold.
+    /// Sum of the eigenvalues over the length or area: the fraction of the variance in the modes.
     pub captured_variance: f64,
 }
 
-/// The first `modes` eigenvalues of the correlation of `covariance` on an interval or rectangle of `size_m`, on `points`
-/// cells: one value of each for an interval (along x), two (x, y) for a rectangle.
+/// Computes the first `modes` eigenvalues of the correlation of `covariance` on an interval or rectangle of `size_m`, on
+/// `points` cells: one value of each for an interval (along x), two (x, y) for a rectangle.
 ///
 /// # Errors
-/// Other than one or two sizes and numbers of points, an invalid grid, or as [`KarhunenLoeve::new`].
+/// Other than one or two sizes and numbers of points, an invalid grid, and the errors of [`KarhunenLoeve::new`].
 pub fn modes(
     covariance: &Covariance,
     size_m: &[f64],
@@ -412,7 +415,7 @@ pub fn modes(
     }
 }
 
-/// Memory in byte that [`modes`] needs, roughly: the dense problems of each interval, or the bases of the rectangle.
+/// Returns the memory in byte, about, of [`modes`]: the dense problems of each interval, or the bases of the rectangle.
 pub fn modes_memory_bytes(points: &[usize], modes: usize, route: ModesRoute) -> f64 {
     const DOUBLE_BYTES: f64 = 8.0;
     // Two problems of half the size, their vectors, and the functions.

@@ -15,14 +15,14 @@ use thiserror::Error;
 
 use asperity_base::map::{HeightMap, MapError};
 
-/// Highest degree of a polynomial form. Beyond, a form follows waviness and takes it out of the roughness.
+/// Highest degree of a polynomial form. Higher degrees would remove waviness and roughness.
 pub const MAX_DEGREE: u8 = 12;
 
-/// What is taken out of the heights before they are called roughness.
+/// Form that is removed from the heights.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Level {
-    /// Nothing.
+    /// No form.
     None,
     /// The mean height.
     Mean,
@@ -33,9 +33,9 @@ pub enum Level {
     Quadratic,
     /// The least-squares polynomial of this total degree, 0 to [`MAX_DEGREE`].
     Polynomial(u8),
-    /// The circular cylinder of least squares in height, of any axis and tilt.
+    /// The least-squares circular cylinder, of any axis and tilt, with vertical residuals.
     Cylinder,
-    /// The sphere of least squares in height.
+    /// The least-squares sphere, with vertical residuals.
     Sphere,
 }
 
@@ -82,7 +82,7 @@ impl From<Level> for String {
     }
 }
 
-/// Why a form could not be removed.
+/// Reason why a form could not be removed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LevelError {
     /// The text names no form.
@@ -91,23 +91,23 @@ pub enum LevelError {
          or sphere"
     )]
     Unknown {
-        /// What was found.
+        /// Text found.
         text: String,
     },
-    /// The present points do not determine the form: they are too few or lie on a line or conic.
+    /// The present points do not determine the form: there are too few, or they lie on a line or conic.
     #[error("the {present} heights that are present do not determine a form `{level}`")]
     Undetermined {
-        /// Form that was wanted.
+        /// Requested form.
         level: Level,
-        /// Heights present.
+        /// Number of present heights.
         present: usize,
     },
-    /// The search for a cylinder or sphere came to no end.
-    #[error("no {level} fits the heights: the search did not settle in {iterations} steps")]
+    /// The search for a cylinder or sphere did not converge.
+    #[error("no {level} fits the heights: the search did not converge in {iterations} steps")]
     NotConverged {
-        /// Form that was wanted.
+        /// Requested form.
         level: Level,
-        /// Steps taken.
+        /// Number of steps.
         iterations: usize,
     },
 }
@@ -115,23 +115,23 @@ pub enum LevelError {
 /// A map without its form, and the form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levelled {
-    /// What is left, missing where the heights were.
+    /// Heights minus the form, missing where the heights were missing.
     pub map: HeightMap,
-    /// Heights of the form in metre at every point, missing or not, shape `[ny, nx]`; NaN beyond the rim of a cylinder or
-    /// sphere.
+    /// Heights of the form in metre at every point, missing or not, shape `[ny, nx]`; NaN beyond the rim of a cylinder
+    /// or sphere.
     pub form_m: Array2<f64>,
     /// Radius of a cylinder or sphere in metre: positive for a ridge or cap, negative for a groove or dish.
     pub radius_m: Option<f64>,
 }
 
-/// Removes the least-squares form from the present heights; missing ones stay missing and have no say.
+/// Removes the least-squares form of the present heights; missing heights stay missing and have no influence.
 ///
-/// Residuals are vertical. The result does not depend on pitch, offset or mask beyond rounding. When all that is left is
-/// the rounding of the heights, it is set to zero: a perfect plane has no roughness.
+/// Residuals are vertical. The result does not depend on pitch, offset or mask beyond rounding. If only the rounding
+/// error of the heights remains, it is set to zero: a perfect plane has no roughness.
 ///
 /// # Errors
-/// [`LevelError::Undetermined`] when the present points do not determine the form, [`LevelError::NotConverged`] when the
-/// search for a cylinder or sphere does not settle.
+/// [`LevelError::Undetermined`] if the present points do not determine the form, [`LevelError::NotConverged`] if the
+/// search for a cylinder or sphere does not converge.
 pub fn remove_form(map: &HeightMap, level: Level) -> Result<Levelled, LevelError> {
     let present = map.grid().points() - map.missing_points();
     let undetermined = |_| LevelError::Undetermined { level, present };
@@ -153,7 +153,7 @@ pub fn remove_form(map: &HeightMap, level: Level) -> Result<Levelled, LevelError
         return Ok(Levelled { map: map.clone(), form_m, radius_m });
     }
     let mut left = map.heights_m() - &form_m;
-    // What is no larger than the rounding of the heights is not roughness.
+    // Residuals no larger than the rounding of the heights are not roughness.
     let largest_m = map.present_m().fold(0.0, |m: f64, z| m.max(z.abs()));
     let rounding_m = 16.0 * f64::EPSILON * largest_m;
     if left.iter().all(|z| z.is_nan() || z.abs() <= rounding_m) {
@@ -163,7 +163,7 @@ pub fn remove_form(map: &HeightMap, level: Level) -> Result<Levelled, LevelError
     Ok(Levelled { map, form_m, radius_m })
 }
 
-/// A form that exceeds the roughness around it.
+/// A form whose root-mean-square height exceeds that of the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DominantForm {
     /// The form, a plane or a quadratic polynomial.
@@ -174,10 +174,10 @@ pub struct DominantForm {
     pub roughness_rms_m: f64,
 }
 
-/// Returns the least-squares form of an unlevelled map if its root mean square height exceeds that of the rest.
+/// Returns the least-squares form of an unlevelled map if its root-mean-square height exceeds that of the rest.
 ///
-/// The form is quadratic if what it adds to the plane exceeds the rest, and a plane otherwise. `None` where neither exceeds the rest
-/// or the heights do not determine it.
+/// The form is quadratic if its quadratic part exceeds the rest, otherwise a plane. Returns `None` if neither exceeds
+/// the rest or the heights do not determine it.
 pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
     let rms_after = |level: Level| {
         let left = remove_form(map, level).ok()?.map;
@@ -194,10 +194,10 @@ pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
     (form_rms_m > rest).then_some(DominantForm { level, form_rms_m, roughness_rms_m: rest })
 }
 
-/// Sums of `count` values over the rows of a map: rows are worked on by all threads and added in order, so the result does
-/// not depend on how many there are.
+/// Returns sums of `count` values over the rows of a map. All threads work on rows, and rows are added in order, so the
+/// result does not depend on the number of threads.
 fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-    /// Rows that are added up before they are handed on.
+    /// Number of rows that are added before their sum is passed on.
     const BLOCK: usize = 16;
     let blocks: Vec<Vec<f64>> = (0..rows.div_ceil(BLOCK))
         .into_par_iter()
@@ -215,7 +215,7 @@ fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) 
     })
 }
 
-/// Coordinates that run from −1 to 1 over the columns or rows that hold a present point.
+/// Coordinates from −1 to 1 over the columns or rows with a present point.
 #[derive(Debug, Clone, Copy)]
 struct Span {
     centre: f64,
@@ -223,13 +223,13 @@ struct Span {
 }
 
 impl Span {
-    /// The spans of (columns, rows).
+    /// Returns the spans of columns and rows.
     fn of(map: &HeightMap) -> (Self, Self) {
         let ends = |place: fn((usize, usize)) -> usize| {
             let present = map.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
             let (low, high) =
                 present.fold((usize::MAX, 0), |(low, high), (at, _)| (low.min(place(at)), high.max(place(at))));
-            // One row alone has no extent; its scaled coordinate is then 0 and a slope stays undetermined.
+            // A single row has no extent. Its scaled coordinate is 0, and a slope is undetermined.
             let half = if high > low { 0.5 * (high - low) as f64 } else { 1.0 };
             Self { centre: 0.5 * (low + high) as f64, half }
         };

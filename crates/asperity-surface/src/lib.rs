@@ -1,4 +1,4 @@
-//! What a rough surface is, and how to draw maps like it (paper §2).
+//! Characterisation of measured rough surfaces, and random surfaces with the same statistics (paper §2).
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
@@ -8,8 +8,6 @@ mod filling;
 pub mod filter;
 pub mod fractal;
 mod gaussian;
-#[cfg(test)]
-mod germ_response;
 mod karhunen_loeve;
 pub mod level;
 pub mod pooling;
@@ -18,6 +16,8 @@ mod spectral;
 mod translation;
 pub mod uncertainty;
 mod weierstrass_mandelbrot;
+#[cfg(test)]
+mod xi_response;
 
 pub use conditional::{ConditionalError, NeighbourhoodSurface, surrounded};
 pub use filling::{
@@ -39,33 +39,35 @@ use ndarray::Array2;
 
 use asperity_base::map::{Grid, HeightMap};
 
-/// A random surface: a map that is a deterministic function of a germ, the vector ξ of independent standard normal
-/// variables. Samplers and chaos expansions act on the germ.
+/// A random surface: a map that is a deterministic function of the vector ξ of independent standard normal
+/// variables. Samplers and chaos expansions choose ξ.
 pub trait RandomSurface: Sync {
-    /// Number of germ variables, most important first.
-    fn germ_len(&self) -> usize;
+    /// Returns the number of normal variables ξ; the most important come first.
+    fn xi_len(&self) -> usize;
 
-    /// Grid of the generated maps.
+    /// Returns the grid of the generated maps.
     fn grid(&self) -> Grid;
 
-    /// The map of one germ of [`RandomSurface::germ_len`] values.
+    /// Generates the map of one ξ of [`RandomSurface::xi_len`] values.
     ///
     /// # Panics
-    /// If the germ has another length or a value that is not finite.
-    fn generate(&self, germ: &[f64]) -> HeightMap;
+    /// If ξ has another length or a value that is not finite.
+    fn generate(&self, xi: &[f64]) -> HeightMap;
 
-    /// Response of the weighted sum Σ w z of heights to each germ variable at ξ = 0, in metre; `weights` has shape `[ny, nx]`.
+    /// Returns the response of the weighted sum Σ w z of heights to each normal variable at ξ = 0, in metre; `weights`
+    /// has shape `[ny, nx]`.
     ///
-    /// The adjoint of the generator, at about the cost of one map; exact for all ξ where the map is linear in the germ. `None`
-    /// where it has to be found by differences.
+    /// It is the adjoint of the generator, at about the cost of one map, and exact for all ξ if the map is linear in ξ.
+    /// Returns `None` if only finite differences can compute it.
     ///
     /// # Panics
     /// If the weights have another shape.
-    fn germ_response(&self, _weights: &Array2<f64>) -> Option<Vec<f64>> {
+    fn xi_response(&self, _weights: &Array2<f64>) -> Option<Vec<f64>> {
         None
     }
 
-    /// Whether maps that differ by a shift on the periodic grid are equally likely, up to a thousandth of the variance.
+    /// Returns whether maps that differ by a shift on the periodic grid are equally likely, up to a thousandth of the
+    /// variance.
     fn is_periodic_and_stationary(&self) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! From measured heights to roughness: form, outliers, small and large scales.
+//! Preparation of measured heights: removal of form, outliers, small and large scales.
 
 use thiserror::Error;
 
@@ -6,20 +6,20 @@ use super::filter::{FilterError, GaussianFilter, reject_outliers};
 use super::level::{Level, LevelError, remove_form};
 use asperity_base::map::HeightMap;
 
-/// What is done to a measured map before anything is read off it, in this order: the form is removed; outliers become
-/// missing; the form of what is left is removed, so that outliers do not tilt it; the S-filter takes out small scales, the
-/// L-filter large ones.
+/// Steps that turn a measured map into roughness, in this order. The form is removed. Outliers become missing. The form
+/// of the remaining heights is removed, so that outliers do not tilt it. The S-filter removes small scales, and the
+/// L-filter large scales.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Preparation {
-    /// The form.
+    /// Form that is removed.
     pub level: Level,
     /// Distance from the median, in robust standard deviations, beyond which heights become missing; `None` keeps all.
     pub outliers: Option<f64>,
-    /// Cutoff of the S-filter in metre: shorter waves go.
+    /// Cutoff of the S-filter in metre; shorter waves are removed.
     pub s_filter_m: Option<f64>,
-    /// Cutoff of the L-filter in metre: longer waves go.
+    /// Cutoff of the L-filter in metre; longer waves are removed.
     pub l_filter_m: Option<f64>,
-    /// Whether the L-filter is the robust quadratic regression and not the plain Gaussian.
+    /// Whether the L-filter is the robust quadratic regression instead of the plain Gaussian.
     pub robust: bool,
 }
 
@@ -28,9 +28,9 @@ pub struct Preparation {
 pub struct Prepared {
     /// The map.
     pub map: HeightMap,
-    /// Heights rejected as outliers.
+    /// Number of heights rejected as outliers.
     pub outliers: usize,
-    /// Heights lost to the robust filter.
+    /// Number of heights removed by the robust filter.
     pub lost: usize,
     /// Radius of a removed cylinder or sphere in metre, positive for a ridge or cap.
     pub radius_m: Option<f64>,
@@ -38,22 +38,22 @@ pub struct Prepared {
     pub level: Level,
 }
 
-/// Why a map could not be prepared.
+/// Reason why a map could not be prepared.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreparationError {
-    /// The form.
+    /// The form could not be removed.
     #[error("levelling: {0}")]
     Level(#[from] LevelError),
-    /// The outliers.
+    /// Outliers could not be rejected.
     #[error("outliers: {0}")]
     Outliers(FilterError),
-    /// The S-filter.
+    /// The S-filter failed.
     #[error("S-filter: {0}")]
     SFilter(FilterError),
-    /// The L-filter.
+    /// The L-filter failed.
     #[error("L-filter: {0}")]
     LFilter(FilterError),
-    /// The L-filter would remove what the S-filter left.
+    /// The L-filter would remove the whole band that the S-filter keeps.
     #[error(
         "the L-filter, {l_filter_m:e} m, is not longer than the S-filter, {s_filter_m:e} m; no scale is left between"
     )]
@@ -69,7 +69,7 @@ impl Preparation {
     /// Prepares a map.
     ///
     /// # Errors
-    /// A form that is not determined, thresholds and cutoffs that are none, no band between the filters.
+    /// A form that is not determined, invalid thresholds or cutoffs, or no band between the filters.
     pub fn apply(&self, map: &HeightMap) -> Result<Prepared, PreparationError> {
         if let (Some(s_filter_m), Some(l_filter_m)) = (self.s_filter_m, self.l_filter_m)
             && s_filter_m >= l_filter_m
@@ -82,7 +82,7 @@ impl Preparation {
             let filtered = reject_outliers(&levelled.map, limit).map_err(PreparationError::Outliers)?;
             outliers = filtered.rejected;
             if outliers > 0 {
-                // The form of the heights that are left, taken of the measured ones.
+                // The form is fitted to the remaining heights and subtracted from the measured ones.
                 let mut kept = map.heights_m().clone();
                 kept.zip_mut_with(filtered.map.heights_m(), |z, left| *z = if left.is_nan() { f64::NAN } else { *z });
                 let kept = HeightMap::new(map.grid(), kept).map_err(|e| PreparationError::Outliers(e.into()))?;
@@ -111,7 +111,7 @@ mod tests {
     use ndarray::Array2;
     use std::f64::consts::TAU;
 
-    /// Waves of 4, 40 and 160 µm on a tilted plane.
+    /// Returns waves of 4, 40 and 160 µm on a tilted plane.
     fn waves(grid: Grid) -> Array2<f64> {
         let wave = |x: f64, length: f64| 1e-6 * (TAU * x / length).sin();
         Array2::from_shape_fn(grid.shape(), |(row, column)| {
@@ -126,7 +126,7 @@ mod tests {
         let map = HeightMap::new(grid, waves(grid)).unwrap();
         let preparation = Preparation { s_filter_m: Some(12e-6), l_filter_m: Some(80e-6), ..Preparation::default() };
         let prepared = preparation.apply(&map).unwrap();
-        // Transmissions by exp(−ln 2 (λc/λ)²): S keeps 2e−3, 0.940, 0.996 of the three waves, L of these 1, 0.94, 0.16.
+        // Transmissions exp(−ln 2 (λc/λ)²): S transmits 2e−3, 0.940, 0.996 of the three waves, then L 1, 0.94, 0.16.
         let pass = |cutoff: f64, length: f64| (-std::f64::consts::LN_2 * (cutoff / length).powi(2)).exp();
         let expected = |x: f64| {
             let wave =
@@ -135,7 +135,7 @@ mod tests {
         };
         for column in 200..440 {
             let (found, wanted) = (prepared.map.heights_m()[[100, column]], expected((column as f64 + 0.5) * 1e-6));
-            // The least-squares plane of waves that are cut at whole periods is not exactly theirs.
+            // The least-squares plane of waves cut at whole periods differs slightly from their plane.
             assert!((found - wanted).abs() < 5e-9, "{found:e}, not {wanted:e}");
         }
     }
@@ -155,12 +155,12 @@ mod tests {
             .iter()
             .filter(|d| !d.is_nan())
             .fold(0.0, |m: f64, d| m.max(d.abs()));
-        // 210 of 128,000 points, in a corner, no longer have a say in the plane.
+        // 210 of 128,000 points, in a corner, no longer influence the plane.
         assert!(distance < 0.05e-6, "{distance:e}");
     }
 
     #[test]
-    fn a_band_that_is_empty_is_refused() {
+    fn an_empty_band_is_refused() {
         let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
         let map = HeightMap::new(grid, waves(grid)).unwrap();
         let preparation = Preparation { s_filter_m: Some(8e-6), l_filter_m: Some(8e-6), ..Preparation::default() };

@@ -6,7 +6,7 @@ mod round_trip;
 
 use ndarray::Array2;
 
-use super::gaussian::{check_germ, map_of, row_order};
+use super::gaussian::{check_xi, map_of, row_order};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::fourier::{RealFft2, good_length};
@@ -14,21 +14,21 @@ use asperity_base::map::{Grid, HeightMap};
 
 pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
 
-/// Share of negative circulant variance that counts as rounding.
+/// Fraction of negative circulant variance that counts as rounding.
 const NEGLIGIBLE: f64 = 1e-12;
-/// Largest side of an embedding domain over that of the grid, and its largest number of points.
+/// Largest side of an embedding domain over the side of the grid, and its largest number of points.
 const LARGEST_FACTOR: usize = 64;
 const LARGEST_DOMAIN: usize = 1 << 24;
 
-/// A stationary Gaussian surface z = σ Σ_q √(λ_q/A) (…) over the Fourier modes of a periodic domain of area A.
+/// Stationary Gaussian surface z = σ Σ_q √(λ_q/A) (…) over the Fourier modes of a periodic domain of area A.
 ///
-/// The germ holds one standard normal variable per degree of freedom of the domain (a cosine and a sine per pair ±q),
-/// sorted by falling variance; one inverse transform makes a map. Every point has the same variance.
+/// ξ contains one standard normal variable per degree of freedom of the domain (a cosine and a sine per pair ±q),
+/// sorted by falling variance. One inverse transform generates a map. Every point has the same variance.
 ///
 /// - [`SpectralField::periodic`]: λ from the covariance wrapped onto the grid. The ensemble covariance on the grid *is*
-///   the wrapped covariance, with the exact variance; it fails to be one only by [`SpectralField::clipped_variance`].
+///   the wrapped covariance, with the exact variance, except for [`SpectralField::clipped_variance`].
 /// - [`SpectralField::free`]: a crop of a larger periodic domain on which the wrapped covariance is non-negative
-///   (circulant embedding), so that opposite edges are uncorrelated unless the covariance says so.
+///   (circulant embedding), so that opposite edges have only the correlation that the covariance states.
 ///
 /// # References
 /// Dietrich & Newsam, *SIAM J. Sci. Comput.* **18** (1997) 1088, <https://doi.org/10.1137/S1064827592240555>;
@@ -42,19 +42,19 @@ pub struct SpectralField {
 }
 
 impl SpectralField {
-    /// A field on the periodic `grid` with the covariance wrapped at the least image.
+    /// Creates a field on the periodic `grid` with the covariance wrapped at the least image.
     pub fn periodic(covariance: &dyn StationaryCovariance, grid: Grid) -> Self {
         Self::on_domain(covariance, grid, grid)
     }
 
-    /// A field that is not periodic on `grid`, with the exact covariance where the embedding is non-negative.
+    /// Creates a field that is not periodic on `grid`, with the exact covariance if the embedding is non-negative.
     ///
-    /// The domain starts at twice the grid. Until negative eigenvalues hold less than 1e−12 of the variance, the side across
-    /// which the covariance has decayed less is doubled, up to 64 times the grid or 2²⁴ points; what the negative
-    /// eigenvalues still hold then is clipped and reported.
+    /// The domain starts at twice the grid. While negative eigenvalues have more than 1e−12 of the variance, the side
+    /// across which the covariance has decayed less is doubled, up to 64 times the grid or 2²⁴ points. The remaining
+    /// negative eigenvalues are clipped and reported.
     ///
     /// # Errors
-    /// Never for a valid grid, except when the padded one is not.
+    /// Only if the padded grid is invalid; never for a valid grid otherwise.
     pub fn free(covariance: &dyn StationaryCovariance, grid: Grid) -> Result<Self, GeneratorError> {
         let (mut factor_x, mut factor_y) = (2, 2);
         loop {
@@ -71,17 +71,18 @@ impl SpectralField {
         }
     }
 
-    /// The same field with its germ in the order of wavevectors, the same for all covariances. Sorted by variance, a variable
-    /// belongs to another wave as soon as the covariance changes, and two waves of one variance are in the order that rounding
-    /// gives them: with this order a germ means the same waves in fields of different covariance on one grid. Free fields may
-    /// have domains of different size, on which it does not.
+    /// Returns the same field with ξ in the order of wavevectors, which is the same for all covariances.
+    ///
+    /// In the order of variance, a variable belongs to another wave as soon as the covariance changes, and rounding
+    /// decides the order of two waves of one variance. In the order of wavevectors, ξ means the same waves in fields of
+    /// different covariance on one grid. Free fields may have domains of different size, for which this does not hold.
     #[must_use]
     pub fn by_wavevector(mut self) -> Self {
         self.modes.sort_by_place();
         self
     }
 
-    /// The modes, on the grid itself or on the embedding of a free field.
+    /// Returns the modes, on the grid itself or on the embedding of a free field.
     pub(super) fn modes(&self) -> &FourierModes {
         &self.modes
     }
@@ -92,7 +93,7 @@ impl SpectralField {
         Self::from_spectrum(grid, domain, fft, covariance.std_m(), &spectrum)
     }
 
-    /// A crop of `domain` with given eigenvalues.
+    /// Creates a crop of `domain` with given eigenvalues.
     pub(super) fn from_spectrum(
         grid: Grid,
         domain: Grid,
@@ -104,14 +105,16 @@ impl SpectralField {
         Self { grid, std_m, modes, clipped_variance: spectrum.clipped }
     }
 
-    /// Share of the variance that negative eigenvalues of the wrapped covariance held. They are set to zero and the
-    /// others scaled to keep the variance, so the covariance met deviates from the one asked for by about this much.
+    /// Returns the fraction of the variance in negative eigenvalues of the wrapped covariance. They are set to zero and
+    /// the others scaled to conserve the variance, so the covariance deviates from the requested one by about this
+    /// much.
     pub fn clipped_variance(&self) -> f64 {
         self.clipped_variance
     }
 }
 
-/// Largest |ρ| where a periodic domain closes along x, and along y. Without a lay at an angle both lie on the axes.
+/// Returns the largest |ρ| at which a periodic domain closes along x, and along y. Without an oblique lay both are on
+/// the axes.
 fn largest_across(covariance: &dyn StationaryCovariance, domain: Grid) -> (f64, f64) {
     const STEPS: usize = 64;
     let (half_x, half_y) = (0.5 * domain.width_m(), 0.5 * domain.height_m());
@@ -125,7 +128,7 @@ fn largest_across(covariance: &dyn StationaryCovariance, domain: Grid) -> (f64, 
 }
 
 impl RandomSurface for SpectralField {
-    fn germ_len(&self) -> usize {
+    fn xi_len(&self) -> usize {
         self.modes.len()
     }
 
@@ -133,16 +136,16 @@ impl RandomSurface for SpectralField {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        check_germ(germ, self.germ_len());
-        let mut heights = self.modes.synthesise(germ, self.grid.ny(), self.grid.nx());
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        check_xi(xi, self.xi_len());
+        let mut heights = self.modes.synthesise(xi, self.grid.ny(), self.grid.nx());
         for z in &mut heights {
             *z *= self.std_m;
         }
         map_of(self.grid, heights)
     }
 
-    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+    fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
         let weights = row_order(weights, self.grid);
         let mut response = self.modes.analyse(&weights, self.grid.ny(), self.grid.nx());
         response.iter_mut().for_each(|value| *value *= self.std_m);
@@ -177,7 +180,7 @@ mod tests {
         Covariance::new(model, 2.0, length_x_m, length_y_m).unwrap()
     }
 
-    /// The least image of a lag of `n` points.
+    /// Returns the least image of a lag of `n` points.
     fn wrapped(lag: usize, n: usize) -> f64 {
         lag.min(n - lag) as f64
     }
@@ -187,7 +190,7 @@ mod tests {
         let covariance = model(CorrelationModel::Exponential, 3.0, 1.5);
         for (nx, ny) in [(24, 16), (15, 24), (24, 9)] {
             let field = SpectralField::periodic(&covariance, Grid::new(nx, ny, 1.0, 0.5).unwrap());
-            assert_eq!(field.germ_len(), nx * ny);
+            assert_eq!(field.xi_len(), nx * ny);
             assert!(field.clipped_variance() < 1e-12);
             let met = field.covariance_with_m2(4, 7);
             for ((row, column), value) in met.indexed_iter() {
@@ -199,16 +202,16 @@ mod tests {
     }
 
     #[test]
-    fn one_germ_variable_moves_a_mode_of_its_own_variance() {
-        // z is linear in the germ, so Σ_j z_j(x)z_j(x₀) over unit germs is the covariance, with no sampling error.
+    fn each_normal_variable_excites_a_mode_of_its_own_variance() {
+        // z is linear in ξ, so Σ_j z_j(x)z_j(x₀) over unit vectors ξ is the covariance, without sampling error.
         let grid = Grid::new(12, 10, 1.0, 1.0).unwrap();
         let field = SpectralField::periodic(&model(CorrelationModel::Matern { nu: 1.5 }, 1.5, 1.0), grid);
         let mut met = Array2::<f64>::zeros(grid.shape());
         let mut last = f64::INFINITY;
-        for j in 0..field.germ_len() {
-            let mut germ = vec![0.0; field.germ_len()];
-            germ[j] = 1.0;
-            let mode = field.generate(&germ).heights_m().clone();
+        for j in 0..field.xi_len() {
+            let mut xi = vec![0.0; field.xi_len()];
+            xi[j] = 1.0;
+            let mode = field.generate(&xi).heights_m().clone();
             let power = mode.mapv(|z| z * z).sum();
             assert!(power <= last * (1.0 + 1e-12), "mode {j} is larger than the one before");
             last = power;
@@ -250,7 +253,7 @@ mod tests {
                     let wanted = 4.0 * ridge.correlation(f64::from(x), f64::from(y));
                     assert!((value - wanted).abs() < 1e-4, "({x}, {y}): {value} {wanted}");
                 }
-                // Along the ridge the correlation falls as e^{−(r/9)²}, across as e^{−(r/2)²}.
+                // Along the ridge the correlation falls as e^{−(r/9)²}, across it as e^{−(r/2)²}.
                 let along = met[[20 + 4, 23 + 5]] / met[[20, 23]];
                 let r = (5.0 * 0.7_f64.cos() + 4.0 * 0.7_f64.sin()).powi(2) / 81.0
                     + (4.0 * 0.7_f64.cos() - 5.0 * 0.7_f64.sin()).powi(2) / 4.0;
@@ -260,19 +263,21 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_strip_is_padded_across_and_not_along() {
+    fn a_narrow_strip_is_padded_across_but_not_along() {
         let covariance = model(CorrelationModel::SquaredExponential, 12.0, 12.0);
         let field = SpectralField::free(&covariance, Grid::new(256, 8, 1.0, 1.0).unwrap()).unwrap();
         assert!(field.clipped_variance() < 1e-12);
-        // The wrap across must reach e^{−(L/2ℓ)²} ≲ 1e−13, L ≥ 11ℓ = 131: 8 × 16 points; along, twice the strip does.
-        assert_eq!(field.germ_len(), 512 * 128);
+        // The wrap across must reach e^{−(L/2ℓ)²} ≲ 1e−13, L ≥ 11ℓ = 131: 8 × 16 points. Along the strip, twice its
+        // length suffices.
+        assert_eq!(field.xi_len(), 512 * 128);
         let met = field.covariance_with_m2(0, 0);
         assert!((met[[7, 20]] - covariance.value_m2(20.0, 7.0)).abs() < 1e-11);
     }
 
     #[test]
     fn clipping_is_reported_and_keeps_the_variance() {
-        // A squared exponential as long as the domain is not positive once wrapped: its derivative jumps at L/2.
+        // A squared exponential as long as the domain is not positive definite once wrapped: its derivative jumps at
+        // L/2.
         let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
         let field = SpectralField::periodic(&model(CorrelationModel::SquaredExponential, 24.0, 24.0), grid);
         // It factorises, so its eigenvalues are products of cosine sums.
@@ -297,8 +302,8 @@ mod tests {
         let count = 60;
         let mut sums = vec![(0.0, 0.0); lags.len()];
         for index in 0..count {
-            let germ = random::standard_normal(&mut random::stream(3, "strip", index), field.germ_len());
-            let map = field.generate(&germ);
+            let xi = random::standard_normal(&mut random::stream(3, "strip", index), field.xi_len());
+            let map = field.generate(&xi);
             let z = map.heights_m();
             for (sum, (lag_x, lag_y)) in sums.iter_mut().zip(lags) {
                 let mean = z

@@ -2,7 +2,7 @@
 
 mod correction;
 mod lags;
-mod normal_to_law;
+mod normal_to_marginal;
 mod predistorted;
 #[cfg(test)]
 mod tests;
@@ -18,35 +18,36 @@ use asperity_base::map::{Grid, HeightMap};
 pub use correction::{CorrectedField, CorrectionReport, Feasibility, TranslationCorrection};
 pub use predistorted::Predistorted;
 
-use normal_to_law::NormalToLaw;
+use normal_to_marginal::NormalToMarginal;
 
-/// Least pointwise variance, over the largest on the map, that may be scaled up to a full marginal.
-const LEAST_SHARE: f64 = 1e-6;
-/// Half width of the difference that is the slope of the map from normal heights.
+/// Least pointwise variance, over the largest on the map, that may be scaled up to a full marginal distribution.
+const LEAST_FRACTION: f64 = 1e-6;
+/// Half width of the difference quotient for the slope of the map from normal heights.
 const SLOPE_STEP: f64 = 1e-3;
 
-/// A surface z(x) = F⁻¹(Φ(g(x)/σ_g(x))) whose heights have the law F at every point.
+/// Translated surface z(x) = F⁻¹(Φ(g(x)/σ_g(x))) whose heights have the distribution F at every point.
 ///
-/// A truncated expansion has a pointwise variance below σ² that varies over the map. The Gaussian field is therefore
-/// divided by its *own* standard deviation at each point: the marginal is F exactly, everywhere, and what truncation
-/// leaves out shows in the correlation alone, which [`Translated::correlation_report`] measures.
+/// A truncated expansion has a pointwise variance below σ² that varies over the map. So the Gaussian field is divided
+/// by its *own* standard deviation at each point. The marginal distribution is then exactly F everywhere, and the
+/// truncation affects only the correlation, which [`Translated::correlation_report`] measures.
 ///
-/// *Plain* translation takes a Gaussian field with the wanted correlation; F⁻¹∘Φ then distorts it (towards zero). For the
-/// *corrected* one, make the Gaussian field by [`TranslationCorrection`], or any other generator's with [`Predistorted`].
+/// *Plain* translation takes a Gaussian field with the wanted correlation; F⁻¹∘Φ then distorts it (towards zero). For
+/// the *corrected* correlation, create the Gaussian field by [`TranslationCorrection`], or from another generator by
+/// [`Predistorted`].
 ///
 /// # References
 /// Grigoriu, *J. Eng. Mech.* **110** (1984) 610, <https://doi.org/10.1061/(ASCE)0733-9399(1984)110:4(610)>.
 #[derive(Debug, Clone)]
 pub struct Translated<S> {
     gaussian: S,
-    law: Marginal,
-    map: NormalToLaw,
+    marginal: Marginal,
+    map: NormalToMarginal,
     /// 1/σ_g at each point in row order.
     inverse_std_per_m: Vec<f64>,
-    least_variance_share: f64,
+    least_variance_fraction: f64,
 }
 
-/// How far the correlation of a translated surface lies from a target.
+/// Deviation of the correlation of a translated surface from a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TranslationReport {
     /// Largest |ρ − target| over all lags of up to half the map from its centre.
@@ -60,67 +61,68 @@ pub struct TranslationReport {
 }
 
 impl<S: GaussianSurface> Translated<S> {
-    /// Heights of law `law`, in metre.
+    /// Creates a surface whose heights have the distribution `marginal`, in metre.
     ///
     /// # Errors
-    /// A law with a parameter outside its range, or a field that hardly varies at some point.
-    pub fn new(gaussian: S, law: Marginal) -> Result<Self, TranslationError> {
-        Self::scaled(gaussian, law, 0.0, 1.0)
+    /// A distribution with a parameter outside its range, or a field that hardly varies at some point.
+    pub fn new(gaussian: S, marginal: Marginal) -> Result<Self, TranslationError> {
+        Self::scaled(gaussian, marginal, 0.0, 1.0)
     }
 
-    /// Heights of the law of shape `law`, shifted to mean zero and scaled to `rms_height_m`.
+    /// Creates a surface whose heights have the shape of `marginal`, shifted to mean zero and scaled to `rms_height_m`.
     ///
     /// # Errors
-    /// As [`Translated::new`], and an rms height that is not positive.
-    pub fn with_rms_height(gaussian: S, law: Marginal, rms_height_m: f64) -> Result<Self, TranslationError> {
+    /// The errors of [`Translated::new`], and an rms height that is not positive.
+    pub fn with_rms_height(gaussian: S, marginal: Marginal, rms_height_m: f64) -> Result<Self, TranslationError> {
         if !(rms_height_m > 0.0 && rms_height_m.is_finite()) {
             let parameter = "rms_height_m";
             return Err(GeneratorError::Parameter { parameter, value: rms_height_m, wanted: "positive" }.into());
         }
-        law.check()?;
-        let scale = rms_height_m / law.std();
-        let offset = -scale * law.mean();
-        Self::scaled(gaussian, law, offset, scale)
+        marginal.check()?;
+        let scale = rms_height_m / marginal.std();
+        let offset = -scale * marginal.mean();
+        Self::scaled(gaussian, marginal, offset, scale)
     }
 
-    fn scaled(gaussian: S, law: Marginal, offset: f64, scale: f64) -> Result<Self, TranslationError> {
-        law.check()?;
+    fn scaled(gaussian: S, marginal: Marginal, offset: f64, scale: f64) -> Result<Self, TranslationError> {
+        marginal.check()?;
         let std = gaussian.pointwise_std_m();
         let largest = std.iter().fold(0.0_f64, |m, s| m.max(*s));
-        let mut least_variance_share = 1.0_f64;
+        let mut least_variance_fraction = 1.0_f64;
         for ((row, column), value) in std.indexed_iter() {
-            let share = if largest > 0.0 { (value / largest).powi(2) } else { 0.0 };
-            if share < LEAST_SHARE {
-                return Err(GeneratorError::NoVariance { row, column, share }.into());
+            let fraction = if largest > 0.0 { (value / largest).powi(2) } else { 0.0 };
+            if fraction < LEAST_FRACTION {
+                return Err(GeneratorError::NoVariance { row, column, fraction }.into());
             }
-            least_variance_share = least_variance_share.min(share);
+            least_variance_fraction = least_variance_fraction.min(fraction);
         }
-        let map = NormalToLaw::new(&law, offset, scale);
+        let map = NormalToMarginal::new(&marginal, offset, scale);
         let inverse_std_per_m = std.iter().map(|s| 1.0 / s).collect();
-        Ok(Self { gaussian, law, map, inverse_std_per_m, least_variance_share })
+        Ok(Self { gaussian, marginal, map, inverse_std_per_m, least_variance_fraction })
     }
 
-    /// The Gaussian field beneath.
+    /// Returns the underlying Gaussian field.
     pub fn gaussian(&self) -> &S {
         &self.gaussian
     }
 
-    /// The law of the heights before any shift and scale.
-    pub fn law(&self) -> &Marginal {
-        &self.law
+    /// Returns the marginal distribution of the heights before shift and scale.
+    pub fn marginal(&self) -> &Marginal {
+        &self.marginal
     }
 
-    /// Least pointwise variance of the Gaussian field over its largest; 1 for a stationary field.
-    pub fn least_variance_share(&self) -> f64 {
-        self.least_variance_share
+    /// Returns the least pointwise variance of the Gaussian field over its largest; 1 for a stationary field.
+    pub fn least_variance_fraction(&self) -> f64 {
+        self.least_variance_fraction
     }
 
-    /// Correlation of the translated heights with the one at (`row`, `column`), shape `[ny, nx]`; no sampling is involved.
+    /// Returns the correlation of the translated heights with the height at (`row`, `column`), shape `[ny, nx]`,
+    /// without sampling.
     ///
     /// # Errors
-    /// As [`Translated::new`].
+    /// The errors of [`Translated::new`].
     pub fn correlation_with(&self, row: usize, column: usize) -> Result<Array2<f64>, TranslationError> {
-        let translation = Translation::new(&self.law)?;
+        let translation = Translation::new(&self.marginal)?;
         let mut correlation = self.gaussian.covariance_with_m2(row, column);
         let nx = self.gaussian.grid().nx();
         let here = self.inverse_std_per_m[row * nx + column];
@@ -130,11 +132,11 @@ impl<S: GaussianSurface> Translated<S> {
         Ok(correlation)
     }
 
-    /// Compares the correlation around the map's centre with that of `target`: what translation, its correction and the
-    /// truncation of the field leave.
+    /// Compares the correlation around the centre of the map with `target`. The deviation includes the effects of
+    /// translation, its correction and the truncation of the field.
     ///
     /// # Errors
-    /// As [`Translated::new`].
+    /// The errors of [`Translated::new`].
     pub fn correlation_report(&self, target: &dyn StationaryCovariance) -> Result<TranslationReport, TranslationError> {
         let grid = self.gaussian.grid();
         let (row, column) = (grid.ny() / 2, grid.nx() / 2);
@@ -155,28 +157,28 @@ impl<S: GaussianSurface> Translated<S> {
 }
 
 impl<S: GaussianSurface> RandomSurface for Translated<S> {
-    fn germ_len(&self) -> usize {
-        self.gaussian.germ_len()
+    fn xi_len(&self) -> usize {
+        self.gaussian.xi_len()
     }
 
     fn grid(&self) -> Grid {
         self.gaussian.grid()
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        let map = self.gaussian.generate(germ);
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        let map = self.gaussian.generate(xi);
         let heights =
             map.heights_m().iter().zip(&self.inverse_std_per_m).map(|(g, inverse)| self.map.value(g * inverse));
         map_of(self.gaussian.grid(), heights.collect())
     }
 
-    /// Every point has the same map from normal heights over their standard deviation, and so the same slope at zero.
-    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+    /// Every point has the same map from standardised normal heights, and so the same slope at zero.
+    fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
         let nx = self.gaussian.grid().nx();
         let normal = Array2::from_shape_fn(weights.dim(), |(row, column)| {
             weights[[row, column]] * self.inverse_std_per_m[row * nx + column]
         });
-        let mut response = self.gaussian.germ_response(&normal)?;
+        let mut response = self.gaussian.xi_response(&normal)?;
         let slope_m = (self.map.value(SLOPE_STEP) - self.map.value(-SLOPE_STEP)) / (2.0 * SLOPE_STEP);
         response.iter_mut().for_each(|value| *value *= slope_m);
         Some(response)
@@ -187,16 +189,16 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
     }
 }
 
-/// Why a surface could not be translated.
+/// Reason why a surface could not be translated.
 #[derive(Debug, thiserror::Error)]
 pub enum TranslationError {
-    /// The law is not valid.
+    /// The marginal distribution is invalid.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// The Gaussian field cannot carry it.
+    /// The Gaussian field cannot have this marginal distribution.
     #[error(transparent)]
     Generator(#[from] GeneratorError),
-    /// The target is not a correlation everywhere.
+    /// The target is not a valid correlation at some lag.
     #[error(
         "the target correlation at the lag ({lag_x_m}, {lag_y_m}) m is {value}, but must be in [-1, 1], and 1 at zero"
     )]

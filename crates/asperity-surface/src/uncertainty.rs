@@ -1,13 +1,14 @@
-//! How well one map knows the statistics of its surface.
+//! Confidence intervals of surface statistics from one map.
 //!
-//! A map is one sample of a stationary random surface, of which it holds so many correlation lengths. To first order the error
-//! of a statistic is the sum of what each place of the map adds to it, its influence. Influences are summed on cells of half
-//! a correlation length; the variance of their total is estimated from the products over pairs of cells under a flat-top
-//! window. What the removed form took along is put back, with its own influence. Intervals are Student's on as many degrees
-//! of freedom as the map holds blocks, on a scale on which the spread hardly depends on the statistic, or bent for the skewness
-//! of the pivot. Correlation lengths are those that a test does not refuse; Sk, Spk and Svk are bootstrapped.
+//! A map is one sample of a stationary random surface and contains a limited number of correlation lengths. To first
+//! order the error of a statistic is the sum of the contributions of all places of the map, its influences. Influences
+//! are summed on cells of half a correlation length. The variance of their total is estimated from the products over
+//! pairs of cells under a flat-top window. The variance lost with the removed form is restored, with its own influence.
+//! Intervals are Student's with the number of blocks as degrees of freedom, on a scale on which the spread hardly
+//! depends on the statistic, or corrected for the skewness of the pivot. Intervals of correlation lengths invert a
+//! test; Sk, Spk and Svk are bootstrapped.
 //!
-//! How often intervals hold the truth was counted: `docs/validation/intervals.md`.
+//! The coverage of the intervals was measured: `docs/validation/intervals.md`.
 
 mod cells;
 mod heights;
@@ -32,35 +33,35 @@ use asperity_base::correlation::{Autocorrelation, Axis};
 use asperity_base::map::HeightMap;
 use asperity_base::stats::{Interval, Moments};
 
-/// Correlation areas l_x l_y that a map must hold, and so many for each coefficient of the removed form. On fewer the
-/// intervals are too narrow for what they rest on, as counted on maps of 8 to 24 lengths a side and forms of degree 3 to 8.
+/// Least number of correlation areas l_x l_y of a map, and per coefficient of the removed form. With fewer the
+/// intervals are too narrow, as measured on maps of 8 to 24 lengths a side and forms of degree 3 to 8.
 const LEAST_AREAS: f64 = 400.0;
 const LEAST_AREAS_PER_TERM: f64 = 100.0;
-/// Largest share of the variance that may have gone with the form.
+/// Largest fraction of the variance that the form may have removed.
 const LARGEST_REMOVED: f64 = 0.3;
 
-/// A statistic of a map as an estimate of that of the surface from which the map is a sample.
+/// A statistic of a map as an estimate for the surface of which the map is a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The statistic of the map.
+    /// Statistic of the map.
     pub value: f64,
-    /// The same with what the removed form took along put back: the best guess of the surface's.
+    /// Best estimate for the surface: the statistic corrected for the removed form.
     pub surface: f64,
     /// Standard error.
     pub standard_error: f64,
-    /// Confidence interval of the surface's statistic.
+    /// Confidence interval of the statistic of the surface.
     pub interval: Interval,
-    /// Number of independent blocks of the map on which the standard error rests, its degrees of freedom.
+    /// Number of independent blocks of the map, the degrees of freedom of the standard error.
     pub blocks: f64,
 }
 
-/// Finite numbers in the right order, or nothing.
+/// Returns an estimate if all numbers are finite and in the right order.
 fn estimate(value: f64, surface: f64, standard_error: f64, interval: Interval, blocks: f64) -> Option<Estimate> {
     let sound = interval.low <= interval.high && interval.high.is_finite() && standard_error > 0.0;
     sound.then_some(Estimate { value, surface, standard_error, interval, blocks })
 }
 
-/// The statistics of a map that are to be estimates.
+/// Statistics of a map for which estimates are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Values {
     /// Arithmetical mean height Sa in metre.
@@ -88,7 +89,7 @@ pub struct Values {
 }
 
 impl Values {
-    /// The values of a map whose parameters and autocorrelation are known.
+    /// Collects the values of a map from its parameters and autocorrelation.
     pub fn new(parameters: &Parameters, correlation: &Autocorrelation) -> Self {
         Self {
             sa_m: parameters.sa_m,
@@ -105,7 +106,7 @@ impl Values {
         }
     }
 
-    /// Correlation areas l_x l_y that the heights present take.
+    /// Returns the number of correlation areas l_x l_y that the present heights cover.
     fn areas_in(&self, map: &HeightMap) -> Option<f64> {
         let (grid, present) = (map.grid(), map.present_m().count());
         let [x_m, y_m] = self.lengths_m();
@@ -117,7 +118,7 @@ impl Values {
     }
 }
 
-/// Estimates of the statistics of a map; `None` where the map holds too few correlation lengths.
+/// Estimates of the statistics of a map; `None` if the map contains too few correlation lengths.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Estimates {
     /// Arithmetical mean height Sa in metre.
@@ -145,7 +146,7 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Names as in tables and JSON, and estimates.
+    /// Returns names as in tables and JSON, and estimates.
     pub fn named(&self) -> [(&'static str, Option<Estimate>); 11] {
         [
             ("Sa_m", self.sa_m),
@@ -163,7 +164,7 @@ impl Estimates {
     }
 }
 
-/// Why no estimates could be made.
+/// Reason why no estimates could be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum UncertaintyError {
     /// A parameter lies outside its range.
@@ -178,16 +179,17 @@ pub enum UncertaintyError {
     },
 }
 
-/// How estimates are made.
+/// Settings of the estimates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {
     /// Confidence level of the intervals, between 0 and 1.
     pub level: f64,
-    /// Free coefficients of the form that was removed from the map: 1 for the mean, 3 for a plane; see [`removed_terms`].
+    /// Free coefficients of the form that was removed from the map: 1 for the mean, 3 for a plane; see
+    /// [`removed_terms`].
     pub removed_terms: usize,
-    /// Draws of the bootstrap of Sk, Spk and Svk.
+    /// Number of bootstrap resamples for Sk, Spk and Svk.
     pub resamples: usize,
-    /// Its seed.
+    /// Seed of the bootstrap.
     pub seed: u64,
 }
 
@@ -197,7 +199,7 @@ impl Default for Uncertainty {
     }
 }
 
-/// Free coefficients of a form.
+/// Returns the number of free coefficients of a form.
 pub fn removed_terms(level: Level) -> usize {
     match level {
         Level::None | Level::Mean => 1,
@@ -210,7 +212,7 @@ pub fn removed_terms(level: Level) -> usize {
 }
 
 impl Uncertainty {
-    /// Estimates of the statistics of a map, whose values the caller has.
+    /// Estimates the statistics of a map from its values.
     ///
     /// # Errors
     /// A confidence level outside (0, 1), or fewer than two resamples.
@@ -221,7 +223,7 @@ impl Uncertainty {
         let tail = *tail;
         let lengths = Lengths::new(cells, window, sums, removal, tail);
         let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
-        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.share, &draws);
+        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.fraction, &draws);
         let lengths_m = values.lengths_m();
         Ok(Estimates {
             sa_m: sums.sa(window, values.sa_m, removal, tail),
@@ -238,11 +240,12 @@ impl Uncertainty {
         })
     }
 
-    /// Confidence intervals of the surface's correlation at chosen lags along x and along y, in points; `None` where the map
-    /// holds too few correlation lengths. Each holds for its own lag, not all of them at once.
+    /// Returns confidence intervals of the surface's correlation at given lags along x and along y, in points; `None`
+    /// if the map contains too few correlation lengths. Each interval covers its own lag, not all of them
+    /// simultaneously.
     ///
     /// # Errors
-    /// As [`Uncertainty::of`].
+    /// The errors of [`Uncertainty::of`].
     ///
     /// # Panics
     /// If a lag is not less than the points of the map along its axis.
@@ -274,24 +277,24 @@ impl Uncertainty {
         Ok(())
     }
 
-    /// What all estimates rest on; `None` when the map holds too few correlation lengths for any.
+    /// Computes the common basis of all estimates; `None` if the map contains too few correlation lengths for any.
     fn basis(&self, map: &HeightMap, values: &Values) -> Option<Basis> {
         let least = LEAST_AREAS.max(LEAST_AREAS_PER_TERM * self.removed_terms as f64);
-        // Along a lay that does not decay there is no length, and the blocks beside each other are counted alone.
+        // A lay that does not decay has no length along it. Then only the blocks across the lay count.
         if values.areas_in(map).is_some_and(|areas| areas < least) {
             return None;
         }
         let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
         let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
         let sums = HeightSums::of(&cells);
-        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
+        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.fraction);
         let removal = Removal::of(&window, &sums, self.removed_terms as f64);
         let tail = 0.5 * (1.0 - self.level);
-        (removal.share <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removal, tail })
+        (removal.fraction <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removal, tail })
     }
 }
 
-/// A map cut into cells, and the sums over them.
+/// Map divided into cells, and the sums over them.
 struct Basis {
     cells: Cells,
     sums: HeightSums,

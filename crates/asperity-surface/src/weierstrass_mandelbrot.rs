@@ -7,13 +7,13 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::gaussian::{check_germ, map_of};
+use super::gaussian::{check_xi, map_of};
 use super::{GeneratorError, RandomSurface};
 use asperity_base::fourier::Complex64;
 use asperity_base::law::standard_normal_cdf;
 use asperity_base::map::{Grid, HeightMap};
 
-/// How the sum over frequencies, which diverges towards the low ones, is read.
+/// Form of the sum over frequencies, which diverges towards low frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WeierstrassForm {
@@ -28,7 +28,7 @@ fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str)
     if valid && value.is_finite() { Ok(()) } else { Err(GeneratorError::Parameter { parameter, value, wanted }) }
 }
 
-/// A Weierstrass–Mandelbrot profile z(x) = G^{D−1} Σ_{j=j₁}^{j₂} γ^{(D−2)j} cos(γ^j x + φ_j), or its convergent form.
+/// Weierstrass–Mandelbrot profile z(x) = G^{D−1} Σ_{j=j₁}^{j₂} γ^{(D−2)j} cos(γ^j x + φ_j), or its convergent form.
 ///
 /// γ^j is an angular wavenumber in rad/m, G a length in metre, D the fractal dimension of the graph.
 ///
@@ -45,7 +45,7 @@ pub struct WeierstrassProfile {
 }
 
 impl WeierstrassProfile {
-    /// The sum over whole j from `first` to `last`, with fractal roughness G.
+    /// Creates the sum over integers j from `first` to `last`, with fractal roughness G.
     ///
     /// # Errors
     /// D outside (1, 2), γ not above 1, G not positive, or an empty range.
@@ -65,18 +65,18 @@ impl WeierstrassProfile {
         Ok(Self { dimension, gamma, roughness_m, form, exponents })
     }
 
-    /// Wavenumbers γ^j in rad/m, rising.
+    /// Returns the wavenumbers γ^j in rad/m, rising.
     pub fn wavenumbers_rad_per_m(&self) -> Vec<f64> {
         self.exponents.iter().map(|j| self.gamma.powf(*j)).collect()
     }
 
-    /// Amplitudes G^{D−1} γ^{(D−2)j} in metre, falling.
+    /// Returns the amplitudes G^{D−1} γ^{(D−2)j} in metre, falling.
     pub fn amplitudes_m(&self) -> Vec<f64> {
         let scale = self.roughness_m.powf(self.dimension - 1.0);
         self.exponents.iter().map(|j| scale * self.gamma.powf((self.dimension - 2.0) * j)).collect()
     }
 
-    /// Height in metre at x for the given phases in radian.
+    /// Returns the height in metre at x for the given phases in radian.
     ///
     /// # Panics
     /// If there is not one phase per term.
@@ -91,31 +91,32 @@ impl WeierstrassProfile {
             .sum()
     }
 
-    /// Variance ½ G^{2(D−1)} Σ γ^{2(D−2)j} of the stationary part, in m².
+    /// Returns the variance ½ G^{2(D−1)} Σ γ^{2(D−2)j} of the stationary form, in m².
     pub fn variance_m2(&self) -> f64 {
         0.5 * self.amplitudes_m().iter().map(|a| a * a).sum::<f64>()
     }
 
-    /// Structure function E (z(x + τ) − z(x))² = G^{2(D−1)} Σ γ^{2(D−2)j} (1 − cos γ^jτ) in m²; that of both forms.
+    /// Returns the structure function E (z(x + τ) − z(x))² = G^{2(D−1)} Σ γ^{2(D−2)j} (1 − cos γ^jτ) in m² (equal for
+    /// both forms).
     ///
     /// Over all j it obeys S(γτ) = γ^{2(2−D)} S(τ).
     pub fn structure_function_m2(&self, lag_m: f64) -> f64 {
         let terms = self.wavenumbers_rad_per_m().into_iter().zip(self.amplitudes_m());
-        // 1 − cos by the half angle, which keeps the small ones.
+        // 1 − cos by the half angle, which is accurate for small values.
         terms.map(|(q, amplitude)| 2.0 * (amplitude * (0.5 * q * lag_m).sin()).powi(2)).sum()
     }
 }
 
-/// A Weierstrass–Mandelbrot surface in the generalisation of Ausloos and Berman,
+/// Weierstrass–Mandelbrot surface in the generalisation of Ausloos and Berman,
 ///
 /// z(x) = G^{D−2} √(ln γ/M) Σ_{m=1}^{M} Σ_j γ^{(D−3)j} cos(γ^j (x cos α_m + y sin α_m) + φ_mj), α_m = πm/M, 2 < D < 3,
 ///
-/// or its convergent form; a profile of it has dimension D − 1 and Hurst exponent 3 − D. The wavenumbers are
-/// γ^j = (2π/L)γ^k, k = 0, 1, … up to the grid's Nyquist wavenumber, with L the longer side. The germ sets the phases,
+/// or its convergent form. A profile of it has dimension D − 1 and Hurst exponent 3 − D. The wavenumbers are
+/// γ^j = (2π/L)γ^k, k = 0, 1, … up to the grid's Nyquist wavenumber, with L the longer side. ξ determines the phases,
 /// φ = 2πΦ(ξ), wavenumber by wavenumber from the lowest, all ridges of one before the next.
 ///
-/// Heights are sums of cosines with uniform phases: close to Gaussian for many terms, but not a linear function of the
-/// germ.
+/// Heights are sums of cosines with uniform phases. They are close to Gaussian for many terms, but not a linear
+/// function of ξ.
 ///
 /// # References
 /// Ausloos & Berman, *Proc. R. Soc. A* **400** (1985) 331, <https://doi.org/10.1098/rspa.1985.0083>; Yan & Komvopoulos,
@@ -138,7 +139,8 @@ struct Wave {
     amplitude: f64,
 }
 
-/// Waves of all wavenumbers in rad/m along all angles: amplitude √(ln γ/M) γ^{(D−3)j} with γ^j the wavenumber.
+/// Returns the waves of all wavenumbers in rad/m along all angles: amplitude √(ln γ/M) γ^{(D−3)j} with γ^j the
+/// wavenumber.
 fn waves(wavenumbers: impl Iterator<Item = f64>, angles: &[f64], dimension: f64, gamma: f64) -> Vec<Wave> {
     let norm = (gamma.ln() / angles.len() as f64).sqrt();
     let of_one = |q: f64| {
@@ -149,7 +151,7 @@ fn waves(wavenumbers: impl Iterator<Item = f64>, angles: &[f64], dimension: f64,
 }
 
 impl WeierstrassMandelbrot {
-    /// A surface of fractal dimension 2 < D < 3 with `ridges` directions and fractal roughness G.
+    /// Creates a surface of fractal dimension 2 < D < 3 with `ridges` directions and fractal roughness G.
     ///
     /// # Errors
     /// D outside (2, 3), γ not above 1, G not positive, or no ridge.
@@ -167,8 +169,8 @@ impl WeierstrassMandelbrot {
         Self::with_ridges(grid, dimension, gamma, &angles, roughness_m, form)
     }
 
-    /// A corrugation along y whose profile along x is eq. (1) with dimension 1 < D < 2: one ridge, without the factor
-    /// √(ln γ). The wavenumbers start at 2π over the width.
+    /// Creates a corrugation along y whose profile along x is eq. (1) with dimension 1 < D < 2: one ridge, without the
+    /// factor √(ln γ). The wavenumbers start at 2π over the width.
     ///
     /// # Errors
     /// D outside (1, 2), γ not above 1, or G not positive.
@@ -202,7 +204,7 @@ impl WeierstrassMandelbrot {
             [0.0] => (grid.width_m(), PI / grid.dx_m()),
             _ => (grid.width_m().max(grid.height_m()), PI / grid.dx_m().max(grid.dy_m())),
         };
-        // The first wavenumber is always there, also on a grid too coarse for a second.
+        // The first wavenumber is always included, also on a grid too coarse for a second.
         let first = TAU / length_m;
         let more = std::iter::successors(Some(first * gamma), |q| Some(q * gamma));
         let wavenumbers = std::iter::once(first).chain(more.take_while(|q| *q <= nyquist * (1.0 + 1e-12)));
@@ -210,7 +212,7 @@ impl WeierstrassMandelbrot {
         Ok(Self { grid, dimension, gamma, roughness_m, form, waves })
     }
 
-    /// The same surface with G such that the variance of the stationary part is `rms_height_m`².
+    /// Returns the same surface with G such that the variance of the stationary form is `rms_height_m`².
     ///
     /// The rms height of one map about its own mean fluctuates around this value, mostly by its few longest waves.
     ///
@@ -223,17 +225,17 @@ impl WeierstrassMandelbrot {
         Ok(self)
     }
 
-    /// Fractal dimension D of the surface.
+    /// Returns the fractal dimension D of the surface.
     pub fn dimension(&self) -> f64 {
         self.dimension
     }
 
-    /// Ratio γ of neighbouring wavenumbers.
+    /// Returns the ratio γ of neighbouring wavenumbers.
     pub fn gamma(&self) -> f64 {
         self.gamma
     }
 
-    /// Fractal roughness G in metre.
+    /// Returns the fractal roughness G in metre.
     pub fn roughness_m(&self) -> f64 {
         self.roughness_m
     }
@@ -242,13 +244,13 @@ impl WeierstrassMandelbrot {
         self.roughness_m.powf(self.dimension - 2.0)
     }
 
-    /// Variance of the stationary part in m².
+    /// Returns the variance of the stationary form in m².
     pub fn variance_m2(&self) -> f64 {
         let sum: f64 = self.waves.iter().map(|wave| wave.amplitude * wave.amplitude).sum();
         0.5 * self.scale() * self.scale() * sum
     }
 
-    /// Structure function E (z(s + (x, y)) − z(s))² in m².
+    /// Returns the structure function E (z(s + (x, y)) − z(s))² in m².
     pub fn structure_function_m2(&self, lag_x_m: f64, lag_y_m: f64) -> f64 {
         let sum: f64 = self
             .waves
@@ -258,12 +260,12 @@ impl WeierstrassMandelbrot {
         self.scale() * self.scale() * sum
     }
 
-    /// Heights for given phases in radian.
+    /// Generates the heights for given phases in radian.
     ///
     /// # Panics
     /// If there is not one finite phase per wave.
     pub fn map(&self, phases: &[f64]) -> HeightMap {
-        check_germ(phases, self.waves.len());
+        check_xi(phases, self.waves.len());
         let (ny, nx) = self.grid.shape();
         let mut heights = vec![0.0; nx * ny];
         let mut along_x = vec![Complex64::default(); nx];
@@ -289,7 +291,7 @@ impl WeierstrassMandelbrot {
 }
 
 impl RandomSurface for WeierstrassMandelbrot {
-    fn germ_len(&self) -> usize {
+    fn xi_len(&self) -> usize {
         self.waves.len()
     }
 
@@ -297,9 +299,9 @@ impl RandomSurface for WeierstrassMandelbrot {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        check_germ(germ, self.germ_len());
-        let phases: Vec<f64> = germ.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        check_xi(xi, self.xi_len());
+        let phases: Vec<f64> = xi.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
         self.map(&phases)
     }
 }

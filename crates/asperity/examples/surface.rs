@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let grid = Grid::new(512, 512, 1e-6, 1e-6)?;
     let covariance = Covariance::isotropic(CorrelationModel::Exponential, 0.8e-6, 10e-6)?;
     let field = SpectralField::free(&covariance, grid)?;
-    let map = field.generate(&standard_normal(&mut stream(1, "example", 0), field.germ_len()));
+    let map = field.generate(&standard_normal(&mut stream(1, "example", 0), field.xi_len()));
 
     let found = areal::parameters(&map)?;
     let correlation = Autocorrelation::estimate(&map)?;
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let like = SpectralField::free(&measured, Grid::new(256, 256, 1e-6, 1e-6)?)?;
     println!("\nsurfaces like it        Sq           correlation length");
     for index in 0..4 {
-        let map = like.generate(&standard_normal(&mut stream(1, "like it", index), like.germ_len()));
+        let map = like.generate(&standard_normal(&mut stream(1, "like it", index), like.xi_len()));
         let length_m = Autocorrelation::estimate(&map)?.correlation_length_m(Axis::X).unwrap_or(f64::NAN);
         println!("{index:<24}{:.3} µm     {:.1} µm", 1e6 * areal::parameters(&map)?.sq_m, 1e6 * length_m);
     }

@@ -157,7 +157,7 @@ impl Contact {
             monitor.warn(&doubt);
         }
         let refused = |e: ContactError| self.refused(&e);
-        let half_space = HalfSpace::on(substrate, map.grid(), boundary).map_err(refused)?;
+        let half_space = HalfSpace::with_substrate(substrate, map.grid(), boundary).map_err(refused)?;
         let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(refused)?;
         let mut solver = Solver::default();
         if let Some(tolerance) = self.tolerance {

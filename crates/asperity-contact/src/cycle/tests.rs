@@ -12,7 +12,7 @@ fn load(newton: f64) -> Control {
     Control::Load { newton }
 }
 
-/// A random map of about unit slope whose spectrum falls as q^{-3.6}.
+/// Returns a random map of about unit slope whose spectrum falls as q^{-3.6}.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -29,7 +29,7 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
     Array2::from_shape_vec((n, n), heights).unwrap()
 }
 
-/// A paraboloid of radius 1 on a square.
+/// Returns a paraboloid of radius 1 on a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let c = 0.5 * side_m;
@@ -41,7 +41,7 @@ fn largest_difference(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Rough surfaces with either boundary, their hardness and a load that makes a good part of the contact flow.
+/// Returns rough surfaces with either boundary, their hardness and a load that makes much of the contact plastic.
 fn surfaces() -> Vec<(HalfSpace, Array2<f64>, f64, f64)> {
     let grid = Grid::new(32, 32, 1.0, 0.8).unwrap();
     let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
@@ -57,7 +57,7 @@ fn surfaces() -> Vec<(HalfSpace, Array2<f64>, f64, f64)> {
 }
 
 #[test]
-fn a_load_in_many_steps_leaves_what_one_step_leaves() {
+fn many_load_steps_leave_the_same_state_as_one() {
     for (half_space, heights, hardness, newton) in surfaces() {
         let path = |count: usize| {
             let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
@@ -81,7 +81,7 @@ fn a_load_in_many_steps_leaves_what_one_step_leaves() {
 }
 
 #[test]
-fn what_was_carried_once_is_carried_elastically_again() {
+fn reloading_up_to_the_largest_load_is_elastic() {
     for (half_space, heights, hardness, newton) in surfaces() {
         let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
         let top = path.press(load(newton), &SOLVER).unwrap().solution.unwrap();
@@ -89,26 +89,26 @@ fn what_was_carried_once_is_carried_elastically_again() {
         let dissipated = path.plastic_work_j();
         assert!((top.plastic_work_j() / dissipated - 1.0).abs() < 1e-6);
         assert!(largest_difference(&top.residual_heights_m(&heights), &left) <= 2e-10 * heights.std(0.0));
-        for share in [0.8, 0.3, 0.0, 0.05, 0.5, 1.0] {
-            let step = path.press(load(share * newton), &SOLVER).unwrap();
-            assert!(step.converged() && step.largest_increment_m < 1e-8 * heights.std(0.0), "{share}: {step:?}");
+        for ratio in [0.8, 0.3, 0.0, 0.05, 0.5, 1.0] {
+            let step = path.press(load(ratio * newton), &SOLVER).unwrap();
+            assert!(step.converged() && step.largest_increment_m < 1e-8 * heights.std(0.0), "{ratio}: {step:?}");
             let Some(found) = step.solution else {
-                // Unloaded, the flat touches the highest point left.
+                // Unloaded, the flat touches the highest remaining point.
                 assert_eq!((step.load_n, step.plane_m), (0.0, left.iter().copied().fold(f64::NEG_INFINITY, f64::max)));
                 continue;
             };
-            // The same contact without any cap is the same.
-            let elastic = Problem::new(&half_space, &left, load(share * newton), None).unwrap();
+            // Without a hardness the contact is the same.
+            let elastic = Problem::new(&half_space, &left, load(ratio * newton), None).unwrap();
             let elastic = SOLVER.solve(&elastic).unwrap();
             let error = largest_difference(found.pressure_pa(), elastic.pressure_pa()) / hardness;
-            assert!(elastic.converged() && error < 1e-5, "{share}: {error:e}");
-            if share == 1.0 {
+            assert!(elastic.converged() && error < 1e-5, "{ratio}: {error:e}");
+            if ratio == 1.0 {
                 let error = largest_difference(found.pressure_pa(), top.pressure_pa()) / hardness;
                 assert!(error < 1e-5, "{error:e}");
                 assert!((found.plane_m() - top.plane_m()).abs() < 1e-7 * heights.std(0.0));
             } else {
-                // Unloading, the flat stands lower than it did under the same load before the imprint was made.
-                let virgin = Problem::new(&half_space, &heights, load(share * newton), Some(hardness)).unwrap();
+                // During unloading the flat lies lower than under the same load before the imprint.
+                let virgin = Problem::new(&half_space, &heights, load(ratio * newton), Some(hardness)).unwrap();
                 assert!(found.plane_m() < SOLVER.solve(&virgin).unwrap().plane_m());
             }
         }
@@ -117,7 +117,7 @@ fn what_was_carried_once_is_carried_elastically_again() {
 }
 
 #[test]
-fn the_work_around_a_cycle_is_what_plastic_flow_dissipates() {
+fn the_work_of_a_cycle_equals_the_plastic_dissipation() {
     let (grid, heights) = paraboloid(48, 0.36);
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let (hardness, top) = (0.03, 6e-4);
@@ -128,7 +128,7 @@ fn the_work_around_a_cycle_is_what_plastic_flow_dissipates() {
         let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
         let steps = path.follow(&controls, &SOLVER, &Silent).unwrap();
         assert!(steps.iter().all(LoadStep::converged));
-        // Half way, the work is stored or dissipated; at the end, dissipated.
+        // Half way, the work is stored or dissipated; at the end all of it is dissipated.
         let stored = steps[count as usize].elastic_energy_j();
         let half = work_of_flat_j(&steps[..=count as usize]) / (stored + path.plastic_work_j()) - 1.0;
         let whole = work_of_flat_j(&steps) / path.plastic_work_j() - 1.0;
@@ -137,15 +137,15 @@ fn the_work_around_a_cycle_is_what_plastic_flow_dissipates() {
     });
     for error in [|e: &(f64, f64)| e.0, |e: &(f64, f64)| e.1] {
         let order = (error(&errors[0]) / error(&errors[2])).log2() / 2.0;
-        // From first touch the approach rises as F^{2/3}, which leaves the trapezoidal rule the order 1 + 2/3.
+        // After first touch the approach rises as F^{2/3}, which limits the order of the trapezoidal rule to 1 + 2/3.
         assert!((order - 5.0 / 3.0).abs() < 0.1, "observed order {order:.2} from {errors:?}");
         assert!(error(&errors[2]) < 5e-3, "{errors:?}");
     }
 }
 
 #[test]
-fn a_rigid_cap_dissipates_the_hardness_times_its_volume() {
-    // So stiff that its elastic displacement, about 2a·H/E*, is next to nothing of the depth.
+fn a_stiff_cap_dissipates_the_hardness_times_its_volume() {
+    // The body is so stiff that its elastic displacement, about 2a·H/E*, is negligible against the depth.
     let (grid, heights) = paraboloid(128, 0.3);
     let half_space = HalfSpace::new(grid, 1e4, Boundary::Free).unwrap();
     let mut path = LoadPath::new(&half_space, &heights, Some(1.0)).unwrap();
@@ -158,7 +158,7 @@ fn a_rigid_cap_dissipates_the_hardness_times_its_volume() {
     println!("{:.1e} from the volume", work / wanted - 1.0);
     assert!((work / wanted - 1.0).abs() < 0.01, "{work:e} {wanted:e}");
     assert!((step.plastic_work_j - work).abs() < 1e-15);
-    // What stands out of the flat afterwards is what springs back.
+    // The spring-back is the height that stands out of the flat afterwards.
     let spring_back = path.residual_heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max) - plane;
     assert!(spring_back > 0.0 && spring_back < 4.0 * 0.1 / 1e4, "{spring_back:e}");
 }
@@ -170,7 +170,7 @@ fn a_fully_plastic_cap_fits_its_imprint_afterwards() {
     let mut path = LoadPath::new(&half_space, &heights, Some(0.01)).unwrap();
     let newton = 2e-4;
     let first = path.press(load(newton), &SOLVER).unwrap().solution.unwrap();
-    // The contact is all but plastic: its mean pressure is nearly the hardness.
+    // The contact is almost fully plastic: its mean pressure is close to the hardness.
     assert!(first.plastic_fraction() > 0.85 * first.contact_fraction());
     assert!(first.mean_pressure_pa() / first.contact_fraction() > 0.9 * 0.01);
     let imprint = path.plastic_displacement_m();
@@ -179,7 +179,7 @@ fn a_fully_plastic_cap_fits_its_imprint_afterwards() {
     let second = again.solution.unwrap();
     assert!(largest_difference(first.pressure_pa(), second.pressure_pa()) < 1e-5 * 0.01);
     assert!(largest_difference(&imprint, &path.plastic_displacement_m()) < 1e-8 * heights.std(0.0));
-    // More load goes on where the first ended.
+    // A larger load continues from the end of the first.
     assert!(path.press(load(1.2 * newton), &SOLVER).unwrap().largest_increment_m > 0.0);
 }
 
@@ -204,7 +204,7 @@ fn planes_stay_in_the_coordinates_of_the_map() {
 #[test]
 fn a_repeated_cycle_adds_no_imprint() {
     let (half_space, heights, hardness, newton) = surfaces().remove(1);
-    let cycle = [0.5, 1.0, 0.4, 0.0].map(|share| load(share * newton));
+    let cycle = [0.5, 1.0, 0.4, 0.0].map(|ratio| load(ratio * newton));
     let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
     path.follow(&cycle, &SOLVER, &Silent).unwrap();
     let first = path.plastic_displacement_m();
@@ -212,7 +212,7 @@ fn a_repeated_cycle_adds_no_imprint() {
     path.follow(&cycle, &SOLVER, &Silent).unwrap();
     let added = (path.plastic_displacement_m() - first).into_iter().fold(0.0, f64::max);
     assert!(added < 1e-6 * heights.std(0.0), "{added}");
-    // An unfinished step ends the path.
+    // A step that does not converge ends the path.
     let hasty = Solver { max_iterations: 1, ..SOLVER };
     let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
     let steps = path.follow(&cycle, &hasty, &Silent).unwrap();
@@ -221,7 +221,7 @@ fn a_repeated_cycle_adds_no_imprint() {
 }
 
 #[test]
-fn paths_that_cannot_be_followed_are_refused() {
+fn invalid_paths_are_refused() {
     let (grid, heights) = paraboloid(8, 0.4);
     let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
     let half_space = HalfSpace::new(grid, 1.0, periodic).unwrap();
@@ -230,14 +230,14 @@ fn paths_that_cannot_be_followed_are_refused() {
     let mut path = LoadPath::new(&half_space, &heights, Some(1e-3)).unwrap();
     assert!(path.press(load(-1.0), &SOLVER).is_err());
     assert!(path.press(load(1e-3), &SOLVER).is_err(), "more than the hardness carries");
-    // Pressed until all of it flows, nothing is left that is rough.
+    // After the whole contact has become plastic, the surface has no roughness left.
     let flat = path.press(Control::Plane { height_m: -1.0 }, &SOLVER).unwrap();
     assert_eq!(flat.solution.unwrap().plastic_fraction(), 1.0);
     assert_eq!(path.press(load(1e-5), &SOLVER).unwrap_err(), ContactError::Flat);
 }
 
 #[test]
-fn a_load_that_is_cancelled_leaves_no_imprint() {
+fn a_cancelled_load_leaves_no_imprint() {
     struct Stop;
     impl Monitor for Stop {
         fn progress(&self, _what: &str, _done: usize, _total: usize) {}

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Slab;
 use asperity_base::fourier::ROWS_OF_SLAB;
 
-/// Cells of a grid from which its slabs are worth sharing among threads.
+/// Least number of cells of a grid for which threads share its slabs.
 const SHARED_FROM: usize = 1 << 16;
 
 /// All slabs of a grid.
@@ -16,7 +16,7 @@ pub(crate) struct Slabs {
 }
 
 impl Slabs {
-    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. Cells yield at the hardness, if any.
+    /// Initialises the slabs with the pressures `p` on rows of `width` cells and a hardness, if any; v is not yet known.
     pub(crate) fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<f64>, unit_m: f64) {
         let chunk = width * ROWS_OF_SLAB;
         self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
@@ -26,7 +26,7 @@ impl Slabs {
         }
     }
 
-    /// Gives the memory back.
+    /// Frees the memory.
     pub(crate) fn release(&mut self) {
         self.slabs = Vec::new();
     }
@@ -35,7 +35,7 @@ impl Slabs {
         &mut self.slabs
     }
 
-    /// The slab of a row of the grid.
+    /// Returns the slab of a row of the grid.
     pub(crate) fn of_row(&self, row: usize) -> &Slab {
         &self.slabs[row / ROWS_OF_SLAB]
     }
@@ -44,12 +44,12 @@ impl Slabs {
         self.slabs.iter()
     }
 
-    /// Does `work` on every slab.
+    /// Calls `work` on every slab.
     pub(crate) fn each(&mut self, work: impl Fn(&mut Slab) + Sync + Send) {
         if self.shared { self.slabs.par_iter_mut().for_each(work) } else { self.slabs.iter_mut().for_each(work) }
     }
 
-    /// Does `work` on every slab and joins what it gives, in order.
+    /// Calls `work` on every slab and joins the results in order.
     pub(crate) fn fold<R: Send>(
         &mut self,
         first: R,
@@ -63,7 +63,7 @@ impl Slabs {
         }
     }
 
-    /// Sums of K terms of every slab.
+    /// Returns sums of K terms of every slab.
     pub(crate) fn sums<const K: usize>(&self, terms: impl Fn(&Slab) -> [f64; K] + Sync + Send) -> [f64; K] {
         let add = |total: [f64; K], terms: [f64; K]| std::array::from_fn(|k| total[k] + terms[k]);
         if self.shared {
@@ -73,7 +73,7 @@ impl Slabs {
         }
     }
 
-    /// Looks for the cells whose v is below `bound` all over the grid, of which all v are given where they are known.
+    /// Adds the cells of the whole grid whose v is below `bound` to the lists; `exact` is v of all cells, if known.
     pub(crate) fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
         let chunk = self.slabs.first().map_or(0, |slab| slab.width * ROWS_OF_SLAB);
         let rows = |number: usize| exact.map(|v| &v[number * chunk..v.len().min((number + 1) * chunk)]);

@@ -1,19 +1,19 @@
-//! The loops over the cells of a slab.
+//! Loops over the cells of a slab.
 
-use super::{Advance, Caps, Direction, Extent, Products, Summary, within};
+use super::{Advance, Direction, Extent, Hardness, Products, Summary, within};
 use crate::projection::may_move;
 use asperity_base::wide::Kernel;
 
-/// Partial sums kept side by side: of few terms as many as hide the time that an addition takes.
+/// Number of partial sums side by side. With few terms, this many hide the latency of an addition.
 const LANES: usize = 16;
 const FEW_LANES: usize = 8;
-/// Chunks of cells that are summed in single precision before they are added in double.
+/// Number of chunks that are summed in single precision before they are added in double precision.
 const CHUNKS_OF_BLOCK: usize = 64;
 
-// Sums go through the lists chunk by chunk with arrays as accumulators: loops of this form, without any branch, are what the
-// compiler turns into vector instructions.
+// Sums go through the lists chunk by chunk with arrays as accumulators. The compiler vectorises loops of this form,
+// without any branch.
 
-/// The chunk of that number, continued with `fill` where the list ends.
+/// Returns a chunk of a list, padded with `fill` beyond the end of the list.
 #[inline(always)]
 pub(super) fn load<T: Copy, const L: usize>(list: &[T], chunk: usize, fill: T) -> [T; L] {
     let (chunks, rest) = list.as_chunks::<L>();
@@ -25,7 +25,7 @@ pub(super) fn load<T: Copy, const L: usize>(list: &[T], chunk: usize, fill: T) -
     out
 }
 
-/// Puts the chunk of that number back.
+/// Writes a chunk back to a list.
 #[inline(always)]
 fn store<T: Copy, const L: usize>(list: &mut [T], chunk: usize, values: [T; L]) {
     let (chunks, rest) = list.as_chunks_mut::<L>();
@@ -36,7 +36,7 @@ fn store<T: Copy, const L: usize>(list: &mut [T], chunk: usize, values: [T; L]) 
     }
 }
 
-/// Adds to `far` a multiple of the displacements of a row, and counts what is below `bound` then.
+/// Adds a multiple of the displacements of a row to `far`, and counts the values below `bound` afterwards.
 pub(super) struct Drift;
 
 impl<'a> Kernel<(&'a mut [f32], &'a [f32], f32, f32)> for Drift {
@@ -60,7 +60,7 @@ impl<'a> Kernel<(&'a mut [f32], &'a [f32], f32, f32)> for Drift {
     }
 }
 
-/// Counts what is below a bound.
+/// Counts the values below a bound.
 pub(super) struct Below;
 
 impl<'a> Kernel<(&'a [f32], f32)> for Below {
@@ -72,15 +72,17 @@ impl<'a> Kernel<(&'a [f32], f32)> for Below {
     }
 }
 
-/// Goes a step: see [`Slab::advance`](super::Slab::advance). Whether a pressure changed.
+/// Applies a step, see [`Slab::advance`](super::Slab::advance), and returns whether a pressure changed.
 pub(super) struct Go;
 
-impl<'a, C: Caps> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a [f64]; 1], &'a [f32], Advance, C)> for Go {
+impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a [f64]; 1], &'a [f32], Advance, C)>
+    for Go
+{
     type Output = bool;
 
     #[inline(always)]
     fn run(
-        (p, v, step, [trial], image, advance, caps): (
+        (p, v, step, [trial], image, advance, hardness): (
             &'a mut [f64],
             &'a mut [f64],
             &'a mut [f32],
@@ -92,16 +94,17 @@ impl<'a, C: Caps> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a [f64
     ) -> bool {
         let Advance { length, unit_pa, unit_m, .. } = advance;
         let n = p.len();
-        let (v, step, trial, image, caps) = (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], caps.head(n));
+        let (v, step, trial, image, hardness) =
+            (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], hardness.head(n));
         let (along, factor) = (length * unit_m, 1.0 / unit_pa);
         let mut moved = 0_u64;
         for i in 0..n {
             v[i] += along * f64::from(image[i]);
-            let (before, upper) = (p[i], caps.at(i));
-            // The step was formed as (bound − p), so that a whole one lands on the bound up to rounding.
-            let lands = (length >= 1.0) & (trial[i] == upper - before);
-            let after = within(before + length * trial[i], upper);
-            let after = if lands { upper } else { after };
+            let (before, h) = (p[i], hardness.at(i));
+            // The step was computed as (bound − p), so a whole step reaches the bound up to rounding.
+            let lands = (length >= 1.0) & (trial[i] == h - before);
+            let after = within(before + length * trial[i], h);
+            let after = if lands { h } else { after };
             moved |= after.to_bits() ^ before.to_bits();
             p[i] = after;
             step[i] = (factor * trial[i]) as f32;
@@ -110,22 +113,22 @@ impl<'a, C: Caps> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a [f64
     }
 }
 
-/// See [`Summary`]; `bound` is that of cells near contact.
+/// Computes a [`Summary`]; cells with v below `bound` are near contact.
 pub(super) struct Summarise;
 
-impl<'a, C: Caps> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
+impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
     type Output = Summary;
 
     #[inline(always)]
-    fn run((p, v, bound, caps): (&'a [f64], &'a [f64], f64, C)) -> Summary {
+    fn run((p, v, bound, hardness): (&'a [f64], &'a [f64], f64, C)) -> Summary {
         const L: usize = LANES;
         let (mut pressure, mut free, mut free_v) = ([0.0; L], [0.0; L], [0.0; L]);
         let (mut between_v, mut between, mut idle, mut least) = ([0.0; L], [0.0; L], [0.0; L], [f64::INFINITY; L]);
         for chunk in 0..p.len().div_ceil(L) {
-            let (p, v, upper): ([f64; L], [f64; L], [f64; L]) =
-                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), caps.chunk(chunk));
+            let (p, v, h): ([f64; L], [f64; L], [f64; L]) =
+                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), hardness.chunk(chunk));
             for i in 0..L {
-                let below = !C::YIELD || p[i] < upper[i];
+                let below = !C::YIELD || p[i] < h[i];
                 let own = if below { p[i] } else { 0.0 };
                 let one = if own > 0.0 { 1.0 } else { 0.0 };
                 if C::YIELD {
@@ -156,7 +159,7 @@ impl<'a, C: Caps> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
     }
 }
 
-/// Sum of v − λ over the v below λ, or above it, and their number.
+/// Returns the sum of v − λ over the v below λ, or above it, and their number.
 pub(super) struct Beyond<const ABOVE: bool>;
 
 impl<'a, const ABOVE: bool> Kernel<(&'a [f64], f64)> for Beyond<ABOVE> {
@@ -178,34 +181,35 @@ impl<'a, const ABOVE: bool> Kernel<(&'a [f64], f64)> for Beyond<ABOVE> {
     }
 }
 
-/// Moves the v of those cells on a bound to the front of `out`, which is as long as v, and returns how many they are.
+/// Moves the v of the cells on a bound to the front of `out`, which is as long as v, and returns their number.
 pub(super) struct OnBound<const FULL: bool>;
 
-impl<'a, C: Caps, const FULL: bool> Kernel<(&'a mut [f64], &'a [f64], &'a [f64], C)> for OnBound<FULL> {
+impl<'a, C: Hardness, const FULL: bool> Kernel<(&'a mut [f64], &'a [f64], &'a [f64], C)> for OnBound<FULL> {
     type Output = usize;
 
     #[inline(always)]
-    fn run((out, p, v, caps): (&'a mut [f64], &'a [f64], &'a [f64], C)) -> usize {
+    fn run((out, p, v, hardness): (&'a mut [f64], &'a [f64], &'a [f64], C)) -> usize {
         let mut count = 0;
         for (i, (p, v)) in p.iter().zip(v).enumerate() {
             if let Some(out) = out.get_mut(count) {
                 *out = *v;
             }
-            count += usize::from(if FULL { *p >= caps.at(i) } else { *p <= 0.0 });
+            count += usize::from(if FULL { *p >= hardness.at(i) } else { *p <= 0.0 });
         }
         count
     }
 }
 
-/// The gradient v − λ over a unit of the cells that may move, or of all, zero elsewhere; and 1 for these cells, 0 elsewhere.
+/// Computes the gradient v − λ, over a unit, of the cells that may move, or of all, zero elsewhere; and 1 for these
+/// cells, 0 elsewhere.
 pub(super) struct Gradient;
 
-impl<'a, C: Caps> Kernel<(&'a mut [f32], &'a mut [f32], [&'a [f64]; 2], [f64; 2], bool, C)> for Gradient {
+impl<'a, C: Hardness> Kernel<(&'a mut [f32], &'a mut [f32], [&'a [f64]; 2], [f64; 2], bool, C)> for Gradient {
     type Output = ();
 
     #[inline(always)]
     fn run(
-        (gradient, moves, [p, v], [lambda, factor], all, caps): (
+        (gradient, moves, [p, v], [lambda, factor], all, hardness): (
             &'a mut [f32],
             &'a mut [f32],
             [&'a [f64]; 2],
@@ -215,17 +219,17 @@ impl<'a, C: Caps> Kernel<(&'a mut [f32], &'a mut [f32], [&'a [f64]; 2], [f64; 2]
         ),
     ) {
         let n = p.len();
-        let (gradient, moves, v, caps) = (&mut gradient[..n], &mut moves[..n], &v[..n], caps.head(n));
+        let (gradient, moves, v, hardness) = (&mut gradient[..n], &mut moves[..n], &v[..n], hardness.head(n));
         for i in 0..n {
             let g = v[i] - lambda;
-            let member = all | may_move(p[i], g, caps.at(i));
+            let member = all | may_move(p[i], g, hardness.at(i));
             gradient[i] = if member { (factor * g) as f32 } else { 0.0 };
             moves[i] = if member { 1.0 } else { 0.0 };
         }
     }
 }
 
-/// Sums over the cells that may move, of gradient, preconditioned gradient, step and image over their units.
+/// Sums products of gradient, preconditioned gradient, step and image, over their units, for the cells that may move.
 pub(super) struct Multiply;
 
 impl<'a> Kernel<[&'a [f32]; 5]> for Multiply {
@@ -243,7 +247,7 @@ impl<'a> Kernel<[&'a [f32]; 5]> for Multiply {
             let [mut members, mut g1, mut z1, mut s1, mut w1] = [[0.0_f32; L]; 5];
             let [mut gg, mut gz, mut gs, mut sw, mut zw] = [[0.0_f32; L]; 5];
             for chunk in first..last {
-                // Each on its own: the closure of a map over the lists would not be inlined.
+                // Each list is loaded separately: the closure of a map over the lists would not be inlined.
                 let moves: [f32; L] = load(lists[0], chunk, 0.0);
                 let gradient: [f32; L] = load(lists[1], chunk, 0.0);
                 let preconditioned: [f32; L] = load(lists[2], chunk, 0.0);
@@ -275,7 +279,7 @@ impl<'a> Kernel<[&'a [f32]; 5]> for Multiply {
     }
 }
 
-/// Puts the pressure on trial in a direction into `trial`: see [`Slab::propose`](super::Slab::propose).
+/// Writes the trial pressure in a direction into `trial`; see [`Slab::propose`](super::Slab::propose).
 pub(super) struct Propose;
 
 impl<'a> Kernel<(&'a mut [f64], &'a [f64], [&'a [f32]; 4], Direction)> for Propose {
@@ -297,25 +301,25 @@ impl<'a> Kernel<(&'a mut [f64], &'a [f64], [&'a [f32]; 4], Direction)> for Propo
             let before = p[i];
             let way = step * f64::from(s[i]) + preconditioned * f64::from(z[i]) + gradient * f64::from(g[i]);
             let free = before + pressure * before + way + constant;
-            let held = if before > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-            trial[i] = if moves[i] > 0.0 { free } else { held };
+            let fixed = if before > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+            trial[i] = if moves[i] > 0.0 { free } else { fixed };
         }
     }
 }
 
-/// See [`Extent`]; infinite values do not count.
+/// Computes an [`Extent`]; infinite values do not count.
 pub(super) struct Span;
 
-impl<'a, C: Caps> Kernel<(&'a [f64], C)> for Span {
+impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
     type Output = Extent;
 
     #[inline(always)]
-    fn run((trial, caps): (&'a [f64], C)) -> Extent {
+    fn run((trial, hardness): (&'a [f64], C)) -> Extent {
         const L: usize = LANES;
         let (mut least, mut largest, mut members) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L], [0.0; L]);
-        let (mut capacity, mut ceiling) = ([0.0; L], [0.0; L]);
+        let (mut capacity, mut largest_hardness) = ([0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
-            let (t, upper): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), caps.chunk(chunk));
+            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), hardness.chunk(chunk));
             for i in 0..L {
                 let moves = t[i].abs() < f64::INFINITY;
                 let (low, high) = if moves { (t[i], t[i]) } else { (f64::INFINITY, f64::NEG_INFINITY) };
@@ -323,9 +327,9 @@ impl<'a, C: Caps> Kernel<(&'a [f64], C)> for Span {
                 largest[i] = if high > largest[i] { high } else { largest[i] };
                 members[i] += if moves { 1.0 } else { 0.0 };
                 if C::YIELD {
-                    let own = if moves { upper[i] } else { 0.0 };
+                    let own = if moves { h[i] } else { 0.0 };
                     capacity[i] += own;
-                    ceiling[i] = if own > ceiling[i] { own } else { ceiling[i] };
+                    largest_hardness[i] = if own > largest_hardness[i] { own } else { largest_hardness[i] };
                 }
             }
         }
@@ -334,35 +338,35 @@ impl<'a, C: Caps> Kernel<(&'a [f64], C)> for Span {
             largest: largest.into_iter().fold(f64::NEG_INFINITY, f64::max),
             members: members.iter().sum::<f64>() as usize,
             capacity: if C::YIELD { capacity.iter().sum() } else { f64::INFINITY },
-            ceiling: if C::YIELD { ceiling.into_iter().fold(0.0, f64::max) } else { f64::INFINITY },
+            largest_hardness: if C::YIELD { largest_hardness.into_iter().fold(0.0, f64::max) } else { f64::INFINITY },
         }
     }
 }
 
-/// Sum of trial values, shifted and within the bounds, and the number of them that follow a shift.
+/// Returns the sum of the trial values, shifted and within the bounds, and the number of cells that follow a shift.
 pub(super) struct Shifted;
 
-impl<'a, C: Caps> Kernel<(&'a [f64], f64, C)> for Shifted {
+impl<'a, C: Hardness> Kernel<(&'a [f64], f64, C)> for Shifted {
     type Output = [f64; 2];
 
     #[inline(always)]
-    fn run((trial, shift, caps): (&'a [f64], f64, C)) -> [f64; 2] {
+    fn run((trial, shift, hardness): (&'a [f64], f64, C)) -> [f64; 2] {
         const L: usize = LANES;
         let (mut sums, mut follow) = ([0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
-            let (t, upper): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), caps.chunk(chunk));
+            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), hardness.chunk(chunk));
             for i in 0..L {
                 let value = t[i] + shift;
-                sums[i] += within(value, upper[i]);
-                follow[i] += if (value > 0.0) & (value < upper[i]) { 1.0 } else { 0.0 };
+                sums[i] += within(value, h[i]);
+                follow[i] += if (value > 0.0) & (value < h[i]) { 1.0 } else { 0.0 };
             }
         }
         [sums.iter().sum(), follow.iter().sum()]
     }
 }
 
-/// What [`Cut`] finds: the slope over the gradient's unit, the squared norm and the largest size of the step, and the number
-/// of cells that a bound cut.
+/// Properties of a step, computed by [`Cut`]: the slope over the gradient's unit, the squared norm, the largest size,
+/// and the number of clipped cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Step {
     pub(crate) slope: f64,
@@ -372,7 +376,7 @@ pub(crate) struct Step {
 }
 
 impl Step {
-    /// That of more cells.
+    /// Combines the properties for two sets of cells.
     pub(crate) fn with(self, other: Self) -> Self {
         Self {
             slope: self.slope + other.slope,
@@ -383,24 +387,24 @@ impl Step {
     }
 }
 
-/// Makes `trial` the step from `p` to what `shifted` makes of it within the bounds.
+/// Replaces `trial` by the step from `p` to the trial value that `shifted` moves within the bounds.
 pub(super) struct Cut;
 
-impl<'a, C: Caps, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)> for Cut {
+impl<'a, C: Hardness, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)> for Cut {
     type Output = Step;
 
     #[inline(always)]
-    fn run((trial, p, gradient, shift, shifted, caps): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
+    fn run((trial, p, gradient, shift, shifted, hardness): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
         const L: usize = LANES;
         let (mut slope, mut square, mut cut, mut largest) = ([0.0; L], [0.0; L], [0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
             let mut t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
             let (p, g): ([f64; L], [f32; L]) = (load(p, chunk, 0.0), load(gradient, chunk, 0.0));
-            let upper: [f64; L] = caps.chunk(chunk);
+            let h: [f64; L] = hardness.chunk(chunk);
             for i in 0..L {
                 let value = t[i] + shift;
-                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > upper[i]));
-                let step = shifted(t[i], upper[i]) - p[i];
+                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > h[i]));
+                let step = shifted(t[i], h[i]) - p[i];
                 slope[i] += f64::from(g[i]) * step;
                 square[i] += step * step;
                 cut[i] += if outside { 1.0 } else { 0.0 };
@@ -415,21 +419,21 @@ impl<'a, C: Caps, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], &'a 
     }
 }
 
-/// The largest multiple of the step from `p` that stays within the bounds.
+/// Returns the largest multiple of the step from `p` that stays within the bounds.
 pub(super) struct Room;
 
-impl<'a, C: Caps> Kernel<(&'a [f64], &'a [f64], C)> for Room {
+impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], C)> for Room {
     type Output = f64;
 
     #[inline(always)]
-    fn run((p, step, caps): (&'a [f64], &'a [f64], C)) -> f64 {
+    fn run((p, step, hardness): (&'a [f64], &'a [f64], C)) -> f64 {
         const L: usize = LANES;
         let mut least = [f64::INFINITY; L];
         for chunk in 0..p.len().div_ceil(L) {
             let (p, step): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(step, chunk, 0.0));
-            let upper: [f64; L] = caps.chunk(chunk);
+            let h: [f64; L] = hardness.chunk(chunk);
             for i in 0..L {
-                let way = if step[i] > 0.0 { upper[i] - p[i] } else { p[i] };
+                let way = if step[i] > 0.0 { h[i] - p[i] } else { p[i] };
                 let room = if step[i] == 0.0 { f64::INFINITY } else { way / step[i].abs() };
                 least[i] = if room < least[i] { room } else { least[i] };
             }
@@ -438,7 +442,7 @@ impl<'a, C: Caps> Kernel<(&'a [f64], &'a [f64], C)> for Room {
     }
 }
 
-/// The largest size of a value.
+/// Returns the largest absolute value.
 pub(super) struct Largest;
 
 impl<'a> Kernel<&'a [f32]> for Largest {

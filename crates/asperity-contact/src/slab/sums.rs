@@ -1,22 +1,22 @@
-//! What is known of the cells of a slab as a whole, and of those of all slabs.
+//! Sums over the cells of a slab, and their combination over slabs.
 
-/// What is known of pressure p and v = S p − z of the cells near contact.
+/// Sums of pressure p and v = S p − z over the cells near contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Summary {
-    /// Σ p, of all and of the cells below the upper bound, and Σ p v of the latter.
+    /// Σ p of all cells; Σ p and Σ p v of the cells below the hardness.
     pub(crate) pressure: f64,
     pub(crate) free: f64,
     pub(crate) free_v: f64,
     /// Σ v and number of the cells between the bounds.
     pub(crate) between_v: f64,
     pub(crate) between: f64,
-    /// Cells without pressure that are far from contact.
+    /// Number of cells without pressure that are far from contact.
     pub(crate) idle: f64,
-    /// The least v below the upper bound.
+    /// Least v below the hardness.
     pub(crate) least_v: f64,
-    /// Cells at the upper bound.
+    /// Number of cells at the hardness.
     pub(crate) full: f64,
-    /// Largest displacement by the last step over its unit.
+    /// Largest displacement by the last step, over its unit.
     pub(crate) largest_image: f64,
     pub(crate) moved: bool,
 }
@@ -35,12 +35,13 @@ impl Summary {
         moved: false,
     };
 
-    /// Height of the plane that rests on the elastic contact; without any, on the cell that touches next.
+    /// Returns the height of the plane that rests on the elastic contact. Without elastic contact it rests on the cell
+    /// that touches next.
     pub(crate) fn resting_m(&self) -> f64 {
         if self.free > 0.0 { -self.free_v / self.free } else { -self.least_v }
     }
 
-    /// That of more cells.
+    /// Combines two summaries.
     pub(crate) fn with(self, other: Self) -> Self {
         Self {
             pressure: self.pressure + other.pressure,
@@ -57,8 +58,8 @@ impl Summary {
     }
 }
 
-/// Sums over the cells that may move: their number, and products of gradient g, preconditioned gradient z, last step s and
-/// its image w, all over their units.
+/// Sums over the cells that may move: their number, and products of gradient g, preconditioned gradient z, last step s
+/// and its image w, all over their units.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Products {
     pub(crate) members: f64,
@@ -74,7 +75,7 @@ pub(crate) struct Products {
 }
 
 impl Products {
-    /// The sums over more cells.
+    /// Combines the sums of two sets of cells.
     pub(crate) fn with(self, other: Self) -> Self {
         Self {
             members: self.members + other.members,
@@ -91,7 +92,7 @@ impl Products {
     }
 }
 
-/// The trial p + `pressure`·p + `step`·s + `preconditioned`·z + `gradient`·g + `constant`, with s, z and g over their units.
+/// Trial p + `pressure`·p + `step`·s + `preconditioned`·z + `gradient`·g + `constant`, with s, z and g over their units.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Direction {
     pub(crate) pressure: f64,
@@ -101,29 +102,29 @@ pub(crate) struct Direction {
     pub(crate) constant: f64,
 }
 
-/// A trial before it is brought within the bounds: over the cells that may move.
+/// Range of the trial values of the cells that may move, before they are clipped to the bounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent {
     pub(crate) least: f64,
     pub(crate) largest: f64,
     pub(crate) members: usize,
-    /// Sum and largest of the upper bounds.
+    /// Sum and maximum of the hardness.
     pub(crate) capacity: f64,
-    pub(crate) ceiling: f64,
+    pub(crate) largest_hardness: f64,
 }
 
 impl Extent {
     pub(crate) const NONE: Self =
-        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, ceiling: 0.0 };
+        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, largest_hardness: 0.0 };
 
-    /// That of more cells.
+    /// Combines the extents of two sets of cells.
     pub(crate) fn with(self, other: Self) -> Self {
         Self {
             least: self.least.min(other.least),
             largest: self.largest.max(other.largest),
             members: self.members + other.members,
             capacity: self.capacity + other.capacity,
-            ceiling: self.ceiling.max(other.ceiling),
+            largest_hardness: self.largest_hardness.max(other.largest_hardness),
         }
     }
 }

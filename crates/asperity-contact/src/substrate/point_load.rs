@@ -1,12 +1,12 @@
-//! What a layer changes in the displacement about a load on the free boundary.
+//! Change of the displacement about a point load by a layer, on the free boundary.
 //!
-//! A point load F moves the surface of a half-space by F/(πE*r). A layer of thickness h adds F/(πE*h)·Φ(r/h) with Φ(ρ)
-//! = ∫₀^∞ (R(s) − 1) J₀(sρ) ds, R being the ratio of the compliances. R − 1 falls off as s²e^{−2s}, so that Φ is smooth
-//! on the scale of the layer, and far off on that of the distance: it is integrated by Gauss' rule at the Chebyshev
-//! points of [0, 1], [1, 2], [2, 4], …. Far off only waves as long as the distance contribute: a window ½ erfc((s −
-//! 6δ)/δ) takes the others away, which leaves e^{−(ρδ)²/4}. Cells are integrated over by Gauss' rule, split where they
-//! are large against their distance and the layer. The result errs by less than 10⁻¹⁰ of what the cell's own pressure
-//! does to a half-space.
+//! A point load F displaces the surface of a half-space by F/(πE*r). A layer of thickness h adds F/(πE*h)·Φ(r/h) with
+//! Φ(ρ) = ∫₀^∞ (R(s) − 1) J₀(sρ) ds, where R is the ratio of the compliances. R − 1 decays as s²e^{−2s}, so Φ is smooth
+//! on the scale of the layer and, far away, on the scale of the distance. It is integrated by Gauss' rule at the
+//! Chebyshev points of [0, 1], [1, 2], [2, 4], …. Far away only waves as long as the distance contribute. A window ½
+//! erfc((s − 6δ)/δ) removes the others with an error of e^{−(ρδ)²/4}. The integral over a cell is by Gauss' rule; cells
+//! that are large against their distance and the layer are split. The error is less than 10⁻¹⁰ of the displacement of a
+//! half-space by the cell's own pressure.
 
 use std::f64::consts::PI;
 
@@ -16,19 +16,19 @@ use statrs::function::erf::erfc;
 use super::{Base, Layer};
 use asperity_base::map::Grid;
 
-/// Chebyshev points of a piece: the nearest singularity, a load mirrored at the depth 2h, leaves 6⁻¹⁶.
+/// Number of Chebyshev points of a piece. The nearest singularity, a mirrored load at depth 2h, leaves an error of 6⁻¹⁶.
 const NODES: usize = 16;
-/// Where R − 1 has died away: e^{−2s}.
+/// Upper limit of the integral, at which R − 1 ~ e^{−2s} is negligible.
 const END: f64 = 22.0;
-/// ρδ of the window, and the windows' end over δ.
+/// ρδ of the window, and the end of the window over δ.
 const WINDOW: f64 = 13.0;
 const WINDOW_END: f64 = 12.0;
-/// Sides of a cell over its distance from what matters, up to which 2, 3 and 5 points in either direction are enough.
+/// Largest ratio of cell side to distance for which 2, 3 and 5 points in either direction suffice.
 const TINY: f64 = 0.006;
 const SMALL: f64 = 0.05;
 const LARGE: f64 = 0.25;
 
-/// The change of the displacement by a layer, as a function of the distance.
+/// Change of the displacement by a layer, as a function of the distance.
 #[derive(Debug, Clone)]
 pub(crate) struct PointLoad {
     thickness_m: f64,
@@ -36,7 +36,7 @@ pub(crate) struct PointLoad {
     unit: f64,
     /// Chebyshev coefficients of Φ on [0, 1], [1, 2], [2, 4], …
     pieces: Vec<[f64; NODES]>,
-    /// Gauss' rules for cells.
+    /// Nodes and weights of Gauss' rules for cells.
     two: [(f64, f64); 2],
     three: [(f64, f64); 3],
     five: [(f64, f64); 5],
@@ -63,7 +63,7 @@ impl PointLoad {
         }
     }
 
-    /// Φ at the distance ρ over the thickness, within reach.
+    /// Returns Φ at the distance ρ over the thickness, within the tabulated range.
     fn at(&self, rho: f64) -> f64 {
         let index = if rho < 1.0 { 0 } else { 1 + rho.log2() as usize }.min(self.pieces.len() - 1);
         let end = (index as f64).exp2();
@@ -71,8 +71,8 @@ impl PointLoad {
         clenshaw(&self.pieces[index], (2.0 * rho - start - end) / (end - start))
     }
 
-    /// What the layer adds to the influence coefficients of a grid in m/Pa: row-major by the cells between source and
-    /// target, along either axis.
+    /// Returns the change of the influence coefficients of a grid by the layer in m/Pa: row-major by the cells between
+    /// source and target along either axis.
     pub(crate) fn coefficients_m_per_pa(&self, grid: Grid) -> Vec<f64> {
         let (nx, dx_m, dy_m) = (grid.nx(), grid.dx_m(), grid.dy_m());
         let mut coefficients = vec![0.0; grid.points()];
@@ -84,16 +84,16 @@ impl PointLoad {
         coefficients
     }
 
-    /// What the layer adds to the displacement at (x, y) by a unit pressure on the rectangle `dx_m` × `dy_m` about the
-    /// origin, in m/Pa.
+    /// Returns the change by the layer of the displacement at (x, y) by a unit pressure on the rectangle `dx_m` ×
+    /// `dy_m` about the origin, in m/Pa.
     fn coefficient_m_per_pa(&self, x_m: f64, y_m: f64, dx_m: f64, dy_m: f64) -> f64 {
         self.unit * self.over_rectangle([x_m, y_m], [dx_m, dy_m])
     }
 
-    /// ∬ Φ over a rectangle, in m².
+    /// Returns ∬ Φ over a rectangle, in m².
     fn over_rectangle(&self, centre: [f64; 2], sides: [f64; 2]) -> f64 {
         let [x, y] = centre;
-        // Φ changes over the distance from the nearest point of the cell, or from a load mirrored in the base.
+        // The scale of Φ is the distance from the nearest point of the cell, or from a load mirrored in the base.
         let nearest = (x.abs() - 0.5 * sides[0]).max(0.0).hypot((y.abs() - 0.5 * sides[1]).max(0.0));
         let distance = nearest.hypot(2.0 * self.thickness_m);
         let larger = usize::from(sides[1] > sides[0]);
@@ -105,8 +105,8 @@ impl PointLoad {
             return self.over_rectangle(first, half) + self.over_rectangle(second, half);
         }
         let rule = match sides[larger] / distance {
-            share if share > SMALL => self.five.as_slice(),
-            share if share > TINY => self.three.as_slice(),
+            ratio if ratio > SMALL => self.five.as_slice(),
+            ratio if ratio > TINY => self.three.as_slice(),
             _ => self.two.as_slice(),
         };
         let mut sum = 0.0;
@@ -120,7 +120,7 @@ impl PointLoad {
     }
 }
 
-/// Chebyshev coefficients of Φ on [start, end].
+/// Computes the Chebyshev coefficients of Φ on [start, end].
 fn piece(layer: &Layer, start: f64, end: f64) -> [f64; NODES] {
     let nodes = nodes(layer, WINDOW / start, end);
     let angle = |i: usize| PI * (i as f64 + 0.5) / NODES as f64;
@@ -134,11 +134,11 @@ fn piece(layer: &Layer, start: f64, end: f64) -> [f64; NODES] {
     })
 }
 
-/// Nodes s of the integral over (R(s) − 1) J₀(sρ), windowed by `delta`, for ρ up to `longest`; with them weight·(R −
-/// 1).
+/// Returns nodes s and weight·(R − 1) of the integral over (R(s) − 1) J₀(sρ), windowed by `delta`, for ρ up to
+/// `longest`.
 fn nodes(layer: &Layer, delta: f64, longest: f64) -> Vec<(f64, f64)> {
     let rule = gauss_legendre::<16>();
-    // R changes at s = 1 and, on a base that is softer, from the ratio of the moduli on.
+    // R changes at s = 1 and, on a softer base, from the ratio of the moduli on.
     let scale = match layer.base {
         Base::Elastic(base) => 0.2 * (base.shear_modulus_pa() / layer.material.shear_modulus_pa()).min(1.0),
         Base::Rigid | Base::Slippery => 1.0,
@@ -148,7 +148,7 @@ fn nodes(layer: &Layer, delta: f64, longest: f64) -> Vec<(f64, f64)> {
     let mut nodes = Vec::new();
     let mut s = 0.0;
     while s < end {
-        // Panels in which neither R nor J₀ nor the window does much.
+        // Panels in which R, J₀ and the window change little.
         let half = 0.5 * (0.5 * (s + scale)).min(1.0).min(10.0 / longest);
         nodes.extend(rule.iter().map(|(u, weight)| {
             let s = s + half * (1.0 + u);
@@ -160,7 +160,7 @@ fn nodes(layer: &Layer, delta: f64, longest: f64) -> Vec<(f64, f64)> {
     nodes
 }
 
-/// Σ c_k T_k(x).
+/// Returns Σ c_k T_k(x).
 fn clenshaw(coefficients: &[f64; NODES], x: f64) -> f64 {
     let (mut b1, mut b2) = (0.0, 0.0);
     for c in coefficients[1..].iter().rev() {
@@ -169,7 +169,7 @@ fn clenshaw(coefficients: &[f64; NODES], x: f64) -> f64 {
     x * b1 - b2 + coefficients[0]
 }
 
-/// Nodes and weights of Gauss' rule of N points on [−1, 1], by Newton's method on Legendre's polynomial.
+/// Returns nodes and weights of Gauss' rule of N points on [−1, 1], by Newton's method on Legendre's polynomial.
 fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
     std::array::from_fn(|i| {
         let mut x = (PI * (i as f64 + 0.75) / (N as f64 + 0.5)).cos();
@@ -187,7 +187,7 @@ fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
     })
 }
 
-/// sin(π(i + ½)/32).
+/// Table of sin(π(i + ½)/32).
 const SINES: [f64; 16] = [
     0.049_067_674_327_418_015,
     0.146_730_474_455_361_75,
@@ -207,8 +207,8 @@ const SINES: [f64; 16] = [
     0.998_795_456_205_172_4,
 ];
 
-/// Bessel's J₀ for x ≥ 0 to 10⁻¹⁵: the mean of cos(x sin t) over equidistant t, which 32 points know up to J₆₄(x), and
-/// Hankel's expansion from x = 25 on.
+/// Returns Bessel's J₀ for x ≥ 0 to 10⁻¹⁵: the mean of cos(x sin t) over equidistant t (32 points are exact up to
+/// J₆₄(x)), and Hankel's expansion from x = 25 on.
 ///
 /// # References
 /// M. Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions* (1964), 9.1.18 and 9.2.5.
@@ -238,7 +238,7 @@ mod tests {
     use crate::Elastic;
 
     #[test]
-    fn bessel_s_function_has_its_tabulated_values() {
+    fn bessel_j0_has_its_tabulated_values() {
         for (x, wanted) in [
             (0.0, 1.0),
             (1.0, 0.765_197_686_557_966_6),
@@ -249,12 +249,12 @@ mod tests {
         ] {
             assert!((bessel_j0(x) - wanted).abs() < 1e-15, "{x}: {:e}", bessel_j0(x) - wanted);
         }
-        // Both forms where they meet.
+        // Both forms agree at the border.
         let (below, above) = (bessel_j0(25.0_f64.next_down()), bessel_j0(25.0));
         assert!((below - above).abs() < 1e-14, "{:e}", below - above);
     }
 
-    /// Materials that differ in Poisson's ratio alone: R − 1 = Σ λⁿ e^{−2ns}, loads mirrored at the depths 2nh.
+    /// Materials that differ only in Poisson's ratio: R − 1 = Σ λⁿ e^{−2ns}, loads mirrored at the depths 2nh.
     fn mirrored(layer_nu: f64, base_nu: f64) -> (Layer, Vec<(f64, f64)>) {
         let mut layer = layer(1.0 + layer_nu, layer_nu, elastic(1.0 + base_nu, base_nu));
         layer.thickness_m = 0.3;
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn mirrored_loads_are_found() {
+    fn mirrored_loads_are_reproduced() {
         for (layer_nu, base_nu) in [(0.5, 0.1), (0.2, 0.45), (0.3, 0.3)] {
             let (layer, loads) = mirrored(layer_nu, base_nu);
             let kernel = PointLoad::new(&layer, 1e6);
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_integrated_over() {
+    fn cell_integrals_equal_closed_forms() {
         // ∬ dA/√(r² + b²) over a rectangle, from its corners.
         let corner = |x: f64, y: f64, b: f64| {
             x * (y / x.hypot(b)).asinh() + y * (x / y.hypot(b)).asinh() - b * (x * y / (b * x.hypot(y).hypot(b))).atan()
@@ -300,27 +300,27 @@ mod tests {
                     .sum::<f64>()
                     / (PI * layer.material.contact_modulus_pa());
                 let error = (kernel.coefficient_m_per_pa(x, y, dx, dy) - wanted) / (own * f64::max(dx, dy));
-                // The closed form itself cancels far off.
+                // The closed form itself cancels at large distances.
                 assert!(error.abs() < 1e-10, "{dx} × {dy} at ({x}, {y}): {error:e} of {wanted:e}");
             }
         }
     }
 
     #[test]
-    fn far_off_the_base_is_felt_alone() {
+    fn only_the_base_matters_at_large_distances() {
         let error = |layer: &Layer, rho: f64, limit: f64| {
             let found = rho * PointLoad::new(layer, rho).at(rho);
             (found / (limit - 1.0) - 1.0).abs()
         };
         for nu in [0.0, 0.3, 0.5] {
-            // A rigid base takes away all of the half-space's displacement, but for what decays exponentially.
+            // A rigid base cancels the displacement of the half-space up to an exponentially small rest.
             for base in [Base::Rigid, Base::Slippery] {
                 for rho in [60.0, 1e3, 1e6] {
                     let error = error(&layer(1.0, nu, base), rho, 0.0);
                     assert!(error < 1e-11, "{base:?} {nu} at {rho}: {error:e}");
                 }
             }
-            // An elastic one is a half-space from afar, to second order.
+            // From a distance an elastic base acts as a half-space, to second order.
             for (youngs_modulus_pa, poisson_ratio) in [(0.3, 0.2), (1e-3, 0.5), (1e-5, 0.3), (1e4, 0.3)] {
                 let below = Elastic { youngs_modulus_pa, poisson_ratio };
                 let layer = layer(1.0, nu, Base::Elastic(below));
@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn the_window_takes_away_nothing() {
+    fn the_window_removes_nothing() {
         for base in
             [Base::Rigid, Base::Slippery, elastic(0.3, 0.2), elastic(1e-2, 0.3), elastic(1e-3, 0.4), elastic(50.0, 0.0)]
         {
@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_the_integral() {
+    fn the_table_equals_the_integral() {
         // Simpson's rule with steps far below all scales.
         let layer = layer(5.0, 0.35, elastic(1.0, 0.25));
         let kernel = PointLoad::new(&layer, 100.0);

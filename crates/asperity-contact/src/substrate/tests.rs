@@ -8,7 +8,7 @@ pub(super) fn elastic(youngs_modulus_pa: f64, poisson_ratio: f64) -> Base {
     Base::Elastic(Elastic { youngs_modulus_pa, poisson_ratio })
 }
 
-/// Airy's function (c + dz) e^{sq(z−z₀)} and its derivatives at z for c and d, as [φ, φ′, φ″, φ‴].
+/// Returns Airy's function (c + dz) e^{sq(z−z₀)} and its derivatives at z for c and d, as [φ, φ′, φ″, φ‴].
 fn airy(q: f64, sign: f64, z0: f64, z: f64) -> [[f64; 2]; 4] {
     let s = sign * q;
     let e = (s * (z - z0)).exp();
@@ -20,7 +20,7 @@ fn airy(q: f64, sign: f64, z0: f64, z: f64) -> [[f64; 2]; 4] {
     ]
 }
 
-/// Displacements [along the wave, into the body] of Airy's function.
+/// Returns the displacements [along the wave, into the body] of Airy's function.
 fn displacements(material: Elastic, q: f64, phi: [f64; 4]) -> [f64; 2] {
     let (g, nu) = (material.shear_modulus_pa(), material.poisson_ratio);
     let along = (1.0 - nu) * phi[2] / q + nu * q * phi[0];
@@ -28,7 +28,7 @@ fn displacements(material: Elastic, q: f64, phi: [f64; 4]) -> [f64; 2] {
     [along / (2.0 * g), into / (2.0 * g)]
 }
 
-/// C(q) from the boundary conditions themselves, by Gaussian elimination.
+/// Computes C(q) from the boundary conditions by Gaussian elimination.
 fn compliance_by_boundary_conditions(layer: &Layer, q: f64) -> f64 {
     let h = layer.thickness_m;
     // Columns: the layer's decaying and growing pair, the base's decaying pair.
@@ -73,7 +73,7 @@ fn compliance_by_boundary_conditions(layer: &Layer, q: f64) -> f64 {
     (0..4).map(|column| solution[column] * displacements(layer.material, q, at(0.0, column))[1]).sum()
 }
 
-/// Solves a linear system given with its right-hand side, rows scaled to their largest entry, with row exchanges.
+/// Solves a linear system that contains its right-hand side, with rows scaled to their largest entry and row exchanges.
 fn eliminate(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let n = rows.len();
     for row in &mut rows {
@@ -99,7 +99,7 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
 }
 
 #[test]
-fn the_compliance_is_that_of_the_boundary_conditions() {
+fn the_compliance_satisfies_the_boundary_conditions() {
     let bases = [
         Base::Rigid,
         Base::Slippery,
@@ -126,7 +126,7 @@ fn the_compliance_is_that_of_the_boundary_conditions() {
 }
 
 #[test]
-fn limits_are_those_of_half_spaces_and_of_thin_layers() {
+fn limits_equal_half_spaces_and_thin_layers() {
     let close = |a: f64, b: f64, tolerance: f64| assert!((a / b - 1.0).abs() < tolerance, "{a:e} is not {b:e}");
     for (nu, base) in [(0.3, Base::Rigid), (0.2, Base::Slippery), (0.5, elastic(7.0, 0.1)), (0.0, elastic(0.1, 0.4))] {
         let substrate = Substrate::Layer(layer(2.0, nu, base));
@@ -139,18 +139,18 @@ fn limits_are_those_of_half_spaces_and_of_thin_layers() {
             Base::Elastic(base) => 2.0 / (base.contact_modulus_pa() * q),
             _ => substrate.mean_compliance_m_per_pa().unwrap(),
         };
-        // Of first order in qh times the ratio of the moduli.
+        // The change is of first order in qh times the ratio of the moduli.
         close(substrate.compliance_m_per_pa(q), wanted, 1e-7);
         assert_eq!(substrate.compliance_m_per_pa(0.0), substrate.mean_compliance_m_per_pa().unwrap_or(f64::INFINITY));
     }
     let bonded = Substrate::Layer(layer(2.0, 0.3, Base::Rigid));
     close(bonded.mean_compliance_m_per_pa().unwrap(), 1.3 * 0.4 / (2.0 * 0.7), 1e-15);
-    // The same material throughout is a half-space.
+    // A layer of the same material as its base is a half-space.
     let same = Substrate::Layer(layer(2.0, 0.3, elastic(2.0, 0.3)));
     for q in [1e-6, 1e-3, 0.1, 0.5, 1.0, 3.0, 50.0] {
         close(same.compliance_m_per_pa(q), 2.0 / (same.modulus_pa() * q), 1e-14);
     }
-    // Of materials that differ in Poisson's ratio alone, R = 1/(1 − λe^{−2qh}) with λ = 1 − (1−ν₁)/(1−ν₂).
+    // For materials that differ only in Poisson's ratio, R = 1/(1 − λe^{−2qh}) with λ = 1 − (1−ν₁)/(1−ν₂).
     let other = Substrate::Layer(layer(2.4, 0.2, elastic(3.0, 0.5)));
     for q in [1e-3, 0.3, 1.0, 4.0] {
         let lambda = 1.0 - 0.8 / 0.5;
@@ -160,7 +160,7 @@ fn limits_are_those_of_half_spaces_and_of_thin_layers() {
             1e-14,
         );
     }
-    // A thin incompressible layer yields as its flow does: C = h³q²/(3G)·… of lubrication, with R = (2qh)³/12.
+    // A thin incompressible layer follows lubrication: C = h³q²/(3G)·… with R = (2qh)³/12.
     let incompressible = Substrate::Layer(layer(3.0, 0.5, Base::Rigid));
     for q in [1e-8, 1e-5] {
         close(incompressible.compliance_m_per_pa(q), q * q / 3.0, 1e-9);
@@ -185,7 +185,7 @@ fn stiffer_or_thinner_layers_yield_less() {
 }
 
 #[test]
-fn materials_that_cannot_be_are_refused() {
+fn invalid_materials_are_refused() {
     let fails = |substrate: Substrate| substrate.validate().unwrap_err().to_string();
     assert!(fails(Substrate::HalfSpace { modulus_pa: 0.0 }).contains("contact modulus"));
     assert!(fails(Substrate::Layer(Layer { thickness_m: -1.0, ..layer(1.0, 0.3, Base::Rigid) })).contains("thickness"));

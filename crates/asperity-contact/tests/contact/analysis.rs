@@ -1,4 +1,4 @@
-//! What a solved contact says of itself, against closed forms, identities and dense algebra.
+//! Quantities derived from a solved contact, against closed forms, identities and dense algebra.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use asperity_base::random;
 use asperity_base::stats::{quantile_sorted, sorted_present};
 use asperity_contact::exact::{Hertz, PerssonPressure, Westergaard};
 use asperity_contact::{
-    Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Laid, Motion, Neighbours, Pair,
+    Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Motion, Neighbours, Orientation, Pair,
     Problem, Solution, Solver, StiffnessSolver, composite, spectral_rms_gradient,
 };
 use ndarray::Array2;
@@ -27,7 +27,7 @@ fn solved(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, har
     solution
 }
 
-/// Cancels at once.
+/// A monitor that cancels at once.
 struct Stop;
 
 impl Monitor for Stop {
@@ -44,7 +44,7 @@ fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
     stiffness
 }
 
-/// A paraboloid of radius 1, its summit in a cell centre, on an elastic square of E* = 1.
+/// Returns a paraboloid of radius 1, its summit in a cell centre, on an elastic square of E* = 1.
 fn paraboloid(n: usize, side_m: f64) -> (HalfSpace, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * (side_m + grid.dx_m());
@@ -52,8 +52,8 @@ fn paraboloid(n: usize, side_m: f64) -> (HalfSpace, Array2<f64>) {
     (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
 }
 
-/// A random normal map, self-affine (Hurst exponent 0.8) from a third of the width down to 4 cells, scaled to a spectral rms
-/// gradient of 1 on the unit square.
+/// Returns a normal random map, self-affine (Hurst exponent 0.8) from a third of the width down to 4 cells, scaled to a
+/// spectral rms gradient of 1 on the unit square.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -71,24 +71,24 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
     heights / gradient
 }
 
-/// Positive values, ascending.
+/// Returns the positive values in ascending order.
 fn above_zero<'a>(values: impl Iterator<Item = &'a f64>) -> Vec<f64> {
     sorted_present(values.copied().filter(|value| *value > 0.0))
 }
 
-/// Fraction of the cells whose value is at most `value`.
-fn share_up_to(value: f64, cells: &Array2<f64>) -> f64 {
+/// Returns the fraction of the cells whose value is at most `value`.
+fn fraction_up_to(value: f64, cells: &Array2<f64>) -> f64 {
     cells.iter().filter(|own| **own <= value).count() as f64 / cells.len() as f64
 }
 
 #[test]
 fn the_pressures_of_a_hertz_contact_grow_as_the_root_of_their_rank() {
-    // p = p₀√(1 − r²/a²) lies below p on the share p²/p₀² of the contact.
+    // p = p₀√(1 − r²/a²) is below p on the fraction p²/p₀² of the contact.
     let (half_space, heights) = paraboloid(256, 2.5 * RADIUS_M);
     let solution = solved(&heights, &half_space, Control::Penetration { metre: DELTA_M }, None);
     let p0 = Hertz::new(1.0, 1.0, Hertz::load_n(1.0, 1.0, DELTA_M)).max_pressure_pa;
     let pressures = above_zero(solution.pressure_pa().iter());
-    // 32,700 cells in contact; the edge, a ring of one cell, is 2 % of them.
+    // Of 32,700 cells in contact, 2 % lie in the edge, a ring one cell wide.
     for probability in [0.1, 0.25, 0.5, 0.75, 0.95, 1.0] {
         let wanted = p0 * f64::sqrt(probability);
         let found = quantile_sorted(&pressures, probability);
@@ -100,8 +100,8 @@ fn the_pressures_of_a_hertz_contact_grow_as_the_root_of_their_rank() {
 
 #[test]
 fn the_gaps_around_a_hertz_contact_have_their_closed_form() {
-    // g(r) = a²/πR [(r²/a² − 2) arccos(a/r) + √(r²/a² − 1)] (Johnson §4.2) at r > a, within the square: a share πr²/4b² of
-    // the cells lies within r.
+    // g(r) = a²/πR [(r²/a² − 2) arccos(a/r) + √(r²/a² − 1)] (Johnson §4.2) at r > a, within the square: a fraction
+    // πr²/4b² of the cells lies within r.
     let side = 4.0 * RADIUS_M;
     let (half_space, heights) = paraboloid(256, side);
     let solution = solved(&heights, &half_space, Control::Penetration { metre: DELTA_M }, None);
@@ -110,8 +110,8 @@ fn the_gaps_around_a_hertz_contact_have_their_closed_form() {
         let terms = (ratio.powi(2) - 2.0) * (1.0 / ratio).acos() + (ratio.powi(2) - 1.0).sqrt();
         let gap = RADIUS_M.powi(2) / PI * terms;
         let wanted = PI * (ratio * RADIUS_M / side).powi(2);
-        // A ring of half a cell is 0.6 to 0.9 % of such discs.
-        let found = share_up_to(gap, &gaps);
+        // A ring half a cell wide is 0.6 to 0.9 % of such discs.
+        let found = fraction_up_to(gap, &gaps);
         assert!((found / wanted - 1.0).abs() < 0.01, "{ratio}: {found} for {wanted}");
     }
 }
@@ -124,41 +124,42 @@ fn in_complete_contact_persson_is_exact() {
     let heights = rough(n, 0);
     let solution = solved(&heights, &half_space, Control::MeanPressure { pascal: 6.0 }, None);
     assert_eq!(solution.contact_fraction(), 1.0);
-    let law = PerssonPressure::new(6.0, 2.0, 1.0, None);
+    let distribution = PerssonPressure::new(6.0, 2.0, 1.0, None);
     let variance = solution.pressure_pa().mapv(|p| (p - 6.0).powi(2)).mean().unwrap();
-    assert!((variance.sqrt() / law.full_contact_std_pa - 1.0).abs() < 1e-6, "{variance}");
-    // A normal law: the distance of the empirical law is at most 2 % for some 500 independent cells (half a wave of 4 cells).
-    let found = |p: f64| share_up_to(p, solution.pressure_pa());
-    let distance = (0..200).map(|i| 0.06 * f64::from(i)).map(|p| (found(p) - law.cumulative(p)).abs());
+    assert!((variance.sqrt() / distribution.full_contact_std_pa - 1.0).abs() < 1e-6, "{variance}");
+    // The distribution is normal. For some 500 independent cells (half a wave of 4 cells) the empirical one is within 2
+    // %.
+    let found = |p: f64| fraction_up_to(p, solution.pressure_pa());
+    let distance = (0..200).map(|i| 0.06 * f64::from(i)).map(|p| (found(p) - distribution.cumulative(p)).abs());
     let distance = distance.fold(0.0, f64::max);
     println!("distance {distance:.4}");
     assert!(distance < 0.02, "{distance}");
 }
 
 #[test]
-fn pressures_in_partial_contact_lie_near_perssons_law() {
-    // No identity: the theory is approximate in partial contact, where it gives too little area.
+fn pressures_in_partial_contact_are_close_to_perssons_distribution() {
+    // Not an identity: the theory is approximate in partial contact and underestimates the area.
     let n = 256;
     let half_space = HalfSpace::new(Grid::covering(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
     for (mean_pressure, hardness_pa) in [(0.1, None), (0.4, None), (0.1, Some(1.0)), (0.4, Some(1.0))] {
         let control = Control::MeanPressure { pascal: mean_pressure };
         let solution = solved(&rough(n, 20), &half_space, control, hardness_pa);
-        let law = PerssonPressure::new(mean_pressure, 1.0, 1.0, hardness_pa);
-        let found = |p: f64| share_up_to(p, solution.pressure_pa());
-        let distance = (0..100).map(|i| 0.03 * f64::from(i)).map(|p| (found(p) - law.cumulative(p)).abs());
+        let distribution = PerssonPressure::new(mean_pressure, 1.0, 1.0, hardness_pa);
+        let found = |p: f64| fraction_up_to(p, solution.pressure_pa());
+        let distance = (0..100).map(|i| 0.03 * f64::from(i)).map(|p| (found(p) - distribution.cumulative(p)).abs());
         let distance = distance.fold(0.0, f64::max);
         let clusters = solution.clusters(Neighbours::Edges);
         println!(
             "p̄ = {mean_pressure}, {hardness_pa:?}: contact {:.4} ({:.4} in theory), plastic {:.4} ({:.4}), distance \
              {distance:.4}, {} clusters, largest {:.3}",
             solution.contact_fraction(),
-            law.contact_fraction(),
+            distribution.contact_fraction(),
             solution.plastic_fraction(),
-            law.plastic_fraction(),
+            distribution.plastic_fraction(),
             clusters.count(),
             clusters.largest_fraction().unwrap()
         );
-        assert!(distance < 0.1 && law.contact_fraction() < solution.contact_fraction(), "{distance}");
+        assert!(distance < 0.1 && distribution.contact_fraction() < solution.contact_fraction(), "{distance}");
         let load: f64 = clusters.loads_n().iter().sum();
         assert!((load / solution.load_n() - 1.0).abs() < 1e-12);
     }
@@ -173,7 +174,7 @@ fn a_hertz_contact_stores_two_fifths_of_load_times_approach() {
     assert_eq!(solution.plastic_work_j(), 0.0);
 }
 
-/// ∫ F dδ from first touch to `depth_m` by Simpson's rule in √δ.
+/// Returns ∫ F dδ from first touch to `depth_m` by Simpson's rule in √δ.
 fn work_of_pressing(depth_m: f64, load_n: impl Fn(f64) -> f64) -> f64 {
     let steps = 40;
     let weight = |i: usize| if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
@@ -186,7 +187,7 @@ fn work_of_pressing(depth_m: f64, load_n: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[test]
-fn the_work_of_pressing_is_stored_or_spent_on_plastic_flow() {
+fn the_work_of_loading_is_elastic_energy_plus_plastic_work() {
     let p0 = Hertz::new(1.0, 1.0, Hertz::load_n(1.0, 1.0, DELTA_M)).max_pressure_pa;
     let (free, sphere) = paraboloid(48, 4.0 * RADIUS_M);
     let soft = Boundary::Periodic { mean_compliance_m_per_pa: 0.2 };
@@ -209,7 +210,7 @@ fn the_work_of_pressing_is_stored_or_spent_on_plastic_flow() {
 
 #[test]
 fn a_hertz_contact_has_the_stiffness_of_its_circle() {
-    // K = 2E*a. Cells in contact are counted whole, so that K is that of a circle larger by a part of a cell.
+    // K = 2E*a. Cells in contact are counted whole, so K belongs to a circle larger by a fraction of a cell.
     let mut errors = Vec::new();
     for n in [64, 128, 256] {
         let (half_space, heights) = paraboloid(n, 2.5 * RADIUS_M);
@@ -225,7 +226,7 @@ fn a_hertz_contact_has_the_stiffness_of_its_circle() {
     assert!(errors[2].abs() < 3e-3, "{errors:?}");
 }
 
-/// A punch of height 1 on the cells that `inside` holds of (x, y), counted from the centre.
+/// Returns a punch of height 1 on the cells where `inside` is true for (x, y), counted from the centre.
 fn punch(n: usize, side_m: f64, inside: impl Fn(f64, f64) -> bool) -> (HalfSpace, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * side_m;
@@ -250,14 +251,14 @@ fn a_flat_punch_carries_its_stiffness_times_its_depth() {
 }
 
 #[test]
-fn a_wave_stiffens_as_westergaard_says() {
+fn a_wave_has_westergaards_stiffness() {
     // ḡ/h = 1 − s + s ln s with s = p̄/p* (it gives the published mean gaps), so K/A₀ = −dp̄/dḡ = πE*/(λ ln(1/s)).
     let gap = |s: f64| 1.0 - s + s * s.ln();
     assert!((gap(0.1) - 0.6697414907).abs() < 1e-10 && (gap(0.75) - 0.0342384457).abs() < 1e-10);
     let (n, h) = (1024, 0.01);
     let grid = Grid::new(n, 2, 1.0 / n as f64, 1.0 / n as f64).unwrap();
     let map = HeightMap::from_function(grid, |x, _| h * (TAU * (x - 0.25 / n as f64)).cos()).unwrap();
-    // The mean compliance of the bulk is left out, whatever it is.
+    // The mean compliance of the bulk does not matter.
     for compliance in [0.0, 0.3] {
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
@@ -268,13 +269,14 @@ fn a_wave_stiffens_as_westergaard_says() {
             let found = stiffness(&half_space, &solution);
             let wanted = PI / (1.0 / s).ln();
             println!("s = {s}: {:.2e}, {} iterations", found.pascal_per_m / wanted - 1.0, found.iterations);
-            // The width is known to a cell of 1024.
+            // The width is resolved to one of 1024 cells.
             assert!((found.pascal_per_m / wanted - 1.0).abs() < 0.01, "{} for {wanted}", found.pascal_per_m);
         }
     }
 }
 
-/// S_cc x = 1 by elimination, S from unit pressures: K in N/m over the cells that `moves` picks by their pressure.
+/// Solves S_cc x = 1 by elimination, with S from unit pressures. Returns K in N/m over the cells whose pressure `moves`
+/// accepts.
 fn stiffness_by_elimination(half_space: &HalfSpace, solution: &Solution, moves: impl Fn(f64) -> bool) -> f64 {
     let points = half_space.grid().points();
     let cells: Vec<usize> =
@@ -306,7 +308,7 @@ fn stiffness_by_elimination(half_space: &HalfSpace, solution: &Solution, moves: 
 }
 
 #[test]
-fn the_stiffness_is_that_of_dense_algebra() {
+fn the_stiffness_equals_dense_algebra() {
     let n = 20;
     let grid = Grid::covering(n, n, 1.0, 0.7).unwrap();
     let heights = rough(n, 7);
@@ -349,15 +351,16 @@ fn the_stiffness_is_the_slope_of_load_over_approach() {
         let slope = (more.load_n() - less.load_n()) / (less.plane_m() - more.plane_m());
         let found = stiffness(&half_space, &press(0.2)).newton_per_m;
         println!("{boundary:?} {hardness_pa:?}: {found:.6} for {slope:.6}");
-        // The same cells but for a few of 4096 whose pressure is next to zero.
+        // The cells are the same except for a few of 4096 whose pressure is close to zero.
         assert!((found / slope - 1.0).abs() < 2e-3, "{found} for {slope}");
     }
 }
 
 #[test]
 fn the_stiffness_of_a_rough_contact_grows_with_its_load() {
-    // No identity: K ≈ F/(γ h_rms) with γ near one half at light loads (Akarapu, Sharp and Robbins, Phys. Rev. Lett. 106 (2011)
-    // 204301, https://doi.org/10.1103/PhysRevLett.106.204301), to the scatter of one small map.
+    // Not an identity: K ≈ F/(γ h_rms) with γ near one half at light loads (Akarapu, Sharp and Robbins, Phys. Rev.
+    // Lett. 106 (2011) 204301, https://doi.org/10.1103/PhysRevLett.106.204301), within the variability of one small
+    // map.
     let n = 256;
     let half_space = HalfSpace::new(Grid::covering(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
     let heights = rough(n, 1);
@@ -372,7 +375,7 @@ fn the_stiffness_of_a_rough_contact_grows_with_its_load() {
 }
 
 #[test]
-fn complete_contact_is_infinitely_stiff_and_no_contact_not_at_all() {
+fn complete_contact_has_infinite_stiffness_and_no_contact_has_none() {
     let n = 64;
     let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, PERIODIC).unwrap();
@@ -397,8 +400,8 @@ fn complete_contact_is_infinitely_stiff_and_no_contact_not_at_all() {
     let free = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let apart = at(&free, Control::Plane { height_m: 9.0 }, None);
     assert_eq!(stiffness(&free, &apart).newton_per_m, 0.0);
-    // On the free boundary complete contact has the stiffness of a square punch, 1.012 times 2E*√(A/π) (King, Int. J. Solids
-    // Struct. 23 (1987) 1657).
+    // On the free boundary complete contact has the stiffness of a square punch, 1.012 times 2E*√(A/π) (King, Int. J.
+    // Solids Struct. 23 (1987) 1657).
     let complete = at(&free, Control::Plane { height_m: -9.0 }, None);
     assert_eq!(complete.contact_fraction(), 1.0);
     let ratio = stiffness(&free, &complete).newton_per_m / (2.0 / PI.sqrt());
@@ -416,11 +419,11 @@ fn complete_contact_is_infinitely_stiff_and_no_contact_not_at_all() {
 }
 
 #[test]
-fn two_spheres_touch_as_one_of_their_joint_curvature() {
+fn two_spheres_touch_like_one_of_their_combined_curvature() {
     let (n, side) = (128, 0.25);
     let grid = Grid::covering(n, n, side, side).unwrap();
     let (lower_radius, upper_radius) = (1.5, 3.0);
-    // The upper summit lies off the middle: where it meets the lower one depends on how it is laid.
+    // The upper summit is off the middle, so its position over the lower one depends on the orientation.
     let shift = 8.0 * grid.dx_m();
     let sphere = |radius: f64, centre_x: f64| {
         let height = |x: f64, y: f64| -((x - centre_x).powi(2) + (y - 0.5 * side).powi(2)) / (2.0 * radius);
@@ -436,30 +439,31 @@ fn two_spheres_touch_as_one_of_their_joint_curvature() {
     let radius = 1.0 / (1.0 / lower_radius + 1.0 / upper_radius);
     let load = Hertz::load_n(modulus, radius, 0.007);
     let hertz = Hertz::new(modulus, radius, load);
-    let face = composite(&lower, &upper, Laid::Mirrored).unwrap();
+    let face = composite(&lower, &upper, Orientation::Mirrored).unwrap();
     let solution = solved(face.heights_m(), &half_space, Control::Load { newton: load }, None);
     assert!((solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.01);
     assert!((solution.penetration_m() / hertz.approach_m - 1.0).abs() < 0.01);
     let area = solution.corrected_contact_fraction() * grid.area_m2();
     assert!(((area / PI).sqrt() / hertz.contact_radius_m - 1.0).abs() < 0.02);
-    // Both surfaces together move by u, the softer one more.
+    // Both surfaces together are displaced by u, the softer one more.
     let (down, up) = (pair.displacement_of(Body::Lower, &solution), pair.displacement_of(Body::Upper, &solution));
     assert!((&down + &up - solution.displacement_m()).iter().all(|rest| rest.abs() < 1e-16));
-    let share = (1.0 - 0.09) / 2.0 * modulus;
-    assert!((down[[60, 60]] / solution.displacement_m()[[60, 60]] / share - 1.0).abs() < 1e-13);
-    // As laid, the summits stand s = 16 cells apart: the sum of both parabolas is as curved, and s²/2(R₁ + R₂) lower.
-    let laid = composite(&lower, &upper, Laid::AsLaid).unwrap();
+    let fraction = (1.0 - 0.09) / 2.0 * modulus;
+    assert!((down[[60, 60]] / solution.displacement_m()[[60, 60]] / fraction - 1.0).abs() < 1e-13);
+    // Aligned, the summits are s = 16 cells apart. The sum of both parabolas has the same curvature and is s²/2(R₁ +
+    // R₂) lower.
+    let laid = composite(&lower, &upper, Orientation::Aligned).unwrap();
     let highest = |map: &HeightMap| map.present_m().fold(f64::NEG_INFINITY, f64::max);
     let drop = (2.0 * shift).powi(2) / (2.0 * (lower_radius + upper_radius));
     assert!(((highest(&face) - highest(&laid)) / drop - 1.0).abs() < 0.01, "{drop}");
 }
 
 #[test]
-fn a_map_and_its_own_cast_conform_completely() {
+fn a_map_and_its_cast_conform_completely() {
     let n = 32;
     let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
     let map = HeightMap::new(grid, rough(n, 1)).unwrap();
-    // A cast has valleys for summits and, looked at from outside, its right on the left.
+    // A cast has valleys in place of summits and, seen from outside, its right on the left.
     let cast = Array2::from_shape_fn((n, n), |(row, column)| -map.heights_m()[[row, n - 1 - column]]);
     let cast = HeightMap::new(grid, cast).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
@@ -468,11 +472,11 @@ fn a_map_and_its_own_cast_conform_completely() {
         Problem::new(&half_space, face.heights_m(), Control::MeanPressure { pascal: 0.1 }, None)
             .map(|p| p.rms_height_m())
     };
-    assert_eq!(pose(Laid::Mirrored), Err(ContactError::Flat));
-    assert!(pose(Laid::AsLaid).is_ok());
-    // Two independent maps: mean squares add, to the correlation that chance leaves between them.
+    assert_eq!(pose(Orientation::Mirrored), Err(ContactError::Flat));
+    assert!(pose(Orientation::Aligned).is_ok());
+    // Mean squares of two independent maps add, up to their accidental correlation.
     let other = HeightMap::new(grid, rough(n, 5)).unwrap();
-    let face = composite(&map, &other, Laid::default()).unwrap();
+    let face = composite(&map, &other, Orientation::default()).unwrap();
     let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
     let cross: f64 = map.present_m().zip(face.present_m()).map(|(z, sum)| 2.0 * z * (sum - z)).sum();
     assert!((square(&face) - square(&map) - square(&other) - cross).abs() < 1e-10 * square(&face));

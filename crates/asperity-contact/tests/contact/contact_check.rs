@@ -1,10 +1,10 @@
-//! A second evaluation of contact answers, from the pressure alone and by a route of its own.
+//! Independent evaluation of contact solutions from the pressure alone.
 
 use asperity_base::fourier::{Complex64, RealFft2, signed_index};
 use asperity_base::map::Grid;
 use asperity_contact::{Boundary, Control, Problem, Solution, love_coefficient};
 
-/// The compliance of a half-space, applied by a transform on twice the patch (free) or on the patch (periodic).
+/// Compliance of a half-space, applied by a transform on twice the patch (free) or on the patch (periodic).
 pub(crate) struct Operator {
     grid: Grid,
     fft: RealFft2,
@@ -12,7 +12,8 @@ pub(crate) struct Operator {
 }
 
 impl Operator {
-    /// From the kernels' definitions: Love's coefficient for every lag, or 2/(E*|q|) for every wave.
+    /// Creates the operator from the definitions of the kernels: Love's coefficient for every lag, or 2/(E*|q|) for
+    /// every wave.
     pub(crate) fn new(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Self {
         let (nx, ny) = (grid.nx(), grid.ny());
         match boundary {
@@ -44,7 +45,7 @@ impl Operator {
         }
     }
 
-    /// Displacement of the pressure `p`, row by row.
+    /// Computes the displacement of the pressure `p`, row by row.
     pub(crate) fn displace(&self, p: &[f64]) -> Vec<f64> {
         let (rows, columns) = self.grid.shape();
         let (mut spectrum, mut work) = (self.fft.spectrum(), self.fft.workspace());
@@ -63,9 +64,9 @@ impl Operator {
 pub(crate) struct Evaluation {
     pub(crate) frank_wolfe: f64,
     pub(crate) overlap: f64,
-    /// Relative error of what is prescribed: load, mean gap, or the plane's height over the standard deviation.
+    /// Relative error of the prescribed quantity: load, mean gap, or height of the plane over the standard deviation.
     pub(crate) prescribed: f64,
-    /// Mean of ½pu − p(z − d), where d is the plane if that is prescribed and the mean height otherwise.
+    /// Mean of ½pu − p(z − d), where d is the plane if it is prescribed and the mean height otherwise.
     #[allow(dead_code, reason = "each test that shares this module reads what it needs")]
     pub(crate) energy: f64,
 }
@@ -75,10 +76,10 @@ pub(crate) fn evaluate(operator: &Operator, problem: &Problem<'_>, solution: &So
     let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
     let z: Vec<f64> = problem.heights_m().iter().copied().collect();
     let u = operator.displace(&p);
-    let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    let hardness_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let (points, rms) = (p.len() as f64, problem.rms_height_m());
     let gap: Vec<f64> = (0..p.len()).map(|i| u[i] - (z[i] - solution.plane_m())).collect();
-    let least = (0..p.len()).filter(|&i| p[i] < upper).map(|i| gap[i]).fold(f64::INFINITY, f64::min);
+    let least = (0..p.len()).filter(|&i| p[i] < hardness_pa).map(|i| gap[i]).fold(f64::INFINITY, f64::min);
     let from = if problem.control().prescribes_plane() { 0.0 } else { least };
     let sum: f64 = p.iter().sum();
     let work: f64 = (0..p.len()).map(|i| p[i] * (gap[i] - from).max(0.0)).sum();
@@ -99,7 +100,7 @@ pub(crate) fn evaluate(operator: &Operator, problem: &Problem<'_>, solution: &So
     }
 }
 
-/// Mean of ½pu − p(z − d).
+/// Returns the mean of ½pu − p(z − d).
 pub(crate) fn energy(p: &[f64], u: &[f64], z: &[f64], plane_m: f64) -> f64 {
     (0..p.len()).map(|i| p[i] * (0.5 * u[i] - (z[i] - plane_m))).sum::<f64>() / p.len() as f64
 }

@@ -21,7 +21,7 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
     solution
 }
 
-/// A paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
+/// Returns a paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
 fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * side_m + offset * grid.dx_m();
@@ -29,7 +29,7 @@ fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
     (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
 }
 
-/// A random map whose spectrum falls as q^{-2(1+hurst)} beyond a roll-off.
+/// Returns a random map whose spectrum falls as q^{-2(1+hurst)} beyond a roll-off.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -48,7 +48,7 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
 }
 
 #[test]
-fn hertz_is_met_at_second_order() {
+fn hertz_converges_at_second_order() {
     let delta = 0.01;
     let radius = f64::sqrt(delta);
     let load = Hertz::load_n(1.0, 1.0, delta);
@@ -73,10 +73,10 @@ fn hertz_is_met_at_second_order() {
 }
 
 #[test]
-fn the_perimeter_correction_brings_the_hertz_area_closer() {
+fn the_perimeter_correction_improves_the_hertz_area() {
     let delta = 0.01;
     let (mut plain, mut corrected) = (0.0, 0.0);
-    // Averaged over positions of the summit between the cells.
+    // The result is averaged over positions of the summit between the cells.
     for step in 0..8 {
         let (half_space, heights) = paraboloid(64, 0.3, step as f64 / 8.0);
         let solution = solve(&heights, &half_space, Control::Load { newton: Hertz::load_n(1.0, 1.0, delta) }, None);
@@ -92,7 +92,7 @@ fn a_hardness_lowers_the_load_of_a_hertz_contact_as_published() {
     // Fixed approach; reference values of an independent fine solution.
     let delta = 0.01;
     let p0 = Hertz::new(1.0, 1.0, Hertz::load_n(1.0, 1.0, delta)).max_pressure_pa;
-    // A cell centre lies on the summit, so the prescribed depth is that of the paraboloid.
+    // A cell centre lies on the summit, so the prescribed depth is the depth of the paraboloid.
     let (half_space, heights) = paraboloid(256, 0.4, 0.5);
     for (ratio, load, area, load_tolerance) in [
         (0.8, 0.98526, 1.012, 3e-4),
@@ -114,8 +114,8 @@ fn a_hardness_lowers_the_load_of_a_hertz_contact_as_published() {
 }
 
 #[test]
-fn without_hardness_left_a_paraboloid_touches_where_it_is_cut() {
-    // H → 0: area 2πRδ, load 2πRδH.
+fn at_vanishing_hardness_a_paraboloid_touches_its_geometric_intersection() {
+    // For H → 0 the area is 2πRδ and the load 2πRδH.
     let delta = 0.01;
     let (half_space, heights) = paraboloid(256, 0.4, 0.5);
     let hardness = 1e-6;
@@ -126,10 +126,11 @@ fn without_hardness_left_a_paraboloid_touches_where_it_is_cut() {
 }
 
 #[test]
-fn one_wave_is_pressed_flat_over_the_westergaard_width() {
+fn one_wave_has_the_westergaard_width() {
     let (n, h, wavelength) = (1024, 0.01, 1.0);
     let grid = Grid::new(n, 2, wavelength / n as f64, wavelength / n as f64).unwrap();
-    // The crest lies a quarter of a cell off a point: were it a point of symmetry, widths could change by two cells only.
+    // The crest is a quarter of a cell off a point. At a point of symmetry, widths could change only by two cells at a
+    // time.
     let map = HeightMap::from_function(grid, |x, _| h * (2.0 * PI * (x - 0.25 / n as f64)).cos()).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
     for (ratio, width, gap) in [
@@ -147,7 +148,7 @@ fn one_wave_is_pressed_flat_over_the_westergaard_width() {
         assert!((found - width).abs() <= 1.0 / n as f64 + 1e-10, "{found} for {width}");
         assert!((solution.max_pressure_pa() / exact.max_pressure_pa - 1.0).abs() < 0.01);
         assert!((solution.mean_gap_m() / h - gap).abs() < 2.0 / n as f64, "{}", solution.mean_gap_m() / h);
-        // The same state reached by prescribing its mean gap.
+        // A prescribed mean gap gives the same state.
         let by_gap = solve(map.heights_m(), &half_space, Control::MeanGap { metre: solution.mean_gap_m() }, None);
         assert!((by_gap.mean_pressure_pa() / (ratio * full) - 1.0).abs() < 1e-4, "{}", by_gap.mean_pressure_pa());
     }
@@ -164,7 +165,7 @@ fn a_double_sinusoid_has_its_small_load_and_near_full_limits() {
         let solution = solve(map.heights_m(), &half_space, Control::MeanPressure { pascal: ratio * full }, None);
         solution.corrected_contact_fraction()
     };
-    // Discs of 19 cells' radius: half a ring of cells is 5 % of their area, of which the perimeter correction leaves less.
+    // Discs of 19 cells' radius: half a ring of cells is 5 % of their area. The perimeter correction reduces this error.
     let small = PI * (3.0 * 0.01 / (8.0 * PI)).powf(2.0 / 3.0);
     assert!((fraction(0.01) / small - 1.0).abs() < 0.03, "{} for {small}", fraction(0.01));
     // Gaps of 10 cells' radius: a ring of cells is 20 % of their area.
@@ -172,7 +173,7 @@ fn a_double_sinusoid_has_its_small_load_and_near_full_limits() {
     assert!(((1.0 - fraction(0.98)) / open - 1.0).abs() < 0.2, "{} for {open}", 1.0 - fraction(0.98));
 }
 
-/// Dense compliance matrix, from the definitions and without a transform.
+/// Computes the dense compliance matrix from the definitions, without a transform.
 fn dense_compliance(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Vec<Vec<f64>> {
     let (nx, ny) = (grid.nx(), grid.ny());
     let entry = |dx: isize, dy: isize| match boundary {
@@ -195,7 +196,7 @@ fn dense_compliance(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Vec<Vec<
             sum / (nx * ny) as f64
         }
     };
-    // Row i, column j depends on the offset alone, so the table of offsets is formed once.
+    // Row i, column j depends only on the offset, so the table of offsets is computed once.
     let (span_x, span_y) = (2 * nx - 1, 2 * ny - 1);
     let table: Vec<f64> = (0..span_x * span_y)
         .map(|k| entry((k % span_x) as isize - nx as isize + 1, (k / span_x) as isize - ny as isize + 1))
@@ -280,7 +281,7 @@ fn check_by_definition(compliance: &[Vec<f64>], problem: &Problem<'_>, solution:
 }
 
 #[test]
-fn a_start_changes_the_way_and_not_the_answer() {
+fn a_start_changes_the_iterations_and_not_the_solution() {
     let n = 64;
     let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
     let heights = rough(n, 30);
@@ -304,7 +305,7 @@ fn a_start_changes_the_way_and_not_the_answer() {
                 let difference =
                     warm.pressure_pa().iter().zip(cold.pressure_pa()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(warm.converged() && difference < 1e-6 * cold.max_pressure_pa(), "{difference:e}");
-                // Nothing, nonsense and another shape.
+                // Zero, invalid values and a different shape.
                 for start in [0.0, f64::NAN, f64::INFINITY] {
                     let start = Array2::from_elem(grid.shape(), start);
                     assert!(solver.solve_from(&next, Some(&start), &mut workspace, &Silent).unwrap().converged());
@@ -317,7 +318,7 @@ fn a_start_changes_the_way_and_not_the_answer() {
     }
 }
 
-/// Root mean square of the slope by forward differences on a periodic map.
+/// Returns the root-mean-square slope by forward differences on a periodic map.
 fn rms_slope(heights: &Array2<f64>) -> f64 {
     let (ny, nx) = heights.dim();
     let mut sum = 0.0;
@@ -327,7 +328,7 @@ fn rms_slope(heights: &Array2<f64>) -> f64 {
     (sum / heights.len() as f64).sqrt()
 }
 
-/// Cancels when it is asked for the nth time, and counts what is done.
+/// A monitor that cancels at the nth query and counts progress reports.
 struct Impatient {
     patience: AtomicUsize,
     done: AtomicUsize,
@@ -351,13 +352,13 @@ impl Monitor for Impatient {
 }
 
 #[test]
-fn a_cancelled_solve_says_so_and_keeps_what_it_has() {
+fn a_cancelled_solve_reports_it_and_returns_its_state() {
     let n = 64;
     let half_space = HalfSpace::new(Grid::new(n, n, 1.0, 1.0).unwrap(), 1.0, Boundary::Free).unwrap();
     let heights = rough(n, 31);
     let pascal = 0.05 * rms_slope(&heights);
     let metre = 0.5 * heights.std(0.0);
-    // On a periodic patch that yields the plane of a mean gap has to be sought, from the elastic contact on.
+    // On a periodic patch with plastic cells a search finds the plane of a mean gap, starting from the elastic contact.
     let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
     let other = HalfSpace::new(half_space.grid(), 1.0, periodic).unwrap();
     let problem = Problem::new(&other, &heights, Control::MeanGap { metre }, Some(10.0 * pascal)).unwrap();
@@ -383,7 +384,7 @@ fn a_cancelled_solve_says_so_and_keeps_what_it_has() {
 }
 
 #[test]
-fn scratch_memory_of_another_half_space_changes_nothing() {
+fn a_workspace_of_another_half_space_changes_nothing() {
     let n = 64;
     let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
     let heights = rough(n, 50);
@@ -394,7 +395,7 @@ fn scratch_memory_of_another_half_space_changes_nothing() {
     let mut half_spaces = Vec::new();
     for substrate in [Substrate::HalfSpace { modulus_pa: 1.0 }, layer] {
         for boundary in [periodic, Boundary::Free] {
-            half_spaces.push(HalfSpace::on(substrate, grid, boundary).unwrap());
+            half_spaces.push(HalfSpace::with_substrate(substrate, grid, boundary).unwrap());
         }
     }
     half_spaces.push(HalfSpace::new(Grid::new(n, n, 1.0, 0.5).unwrap(), 1.0, periodic).unwrap());
@@ -420,17 +421,22 @@ fn scratch_memory_of_another_half_space_changes_nothing() {
 }
 
 #[test]
-fn heights_and_layers_that_no_digit_is_left_of_are_refused() {
+fn heights_and_layers_without_significant_digits_are_refused() {
     let grid = Grid::new(8, 8, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let heights = random::standard_normal(&mut random::stream(7, "huge", 0), 64);
     let heights = Array2::from_shape_vec((8, 8), heights).unwrap() * 1e155;
     let problem = Problem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None);
     assert!(matches!(problem, Err(ContactError::Parameter { parameter: "height", .. })));
-    // An incompressible layer yields with the third power of its thickness, to nothing that Love's coefficients could tell.
+    // The displacement of an incompressible layer falls with the third power of its thickness, below the error of Love's
+    // coefficients.
     let layer = |thickness_m: f64, poisson_ratio: f64| {
         let material = Elastic { youngs_modulus_pa: 1.0, poisson_ratio };
-        HalfSpace::on(Substrate::Layer(Layer { thickness_m, material, base: Base::Rigid }), grid, Boundary::Free)
+        HalfSpace::with_substrate(
+            Substrate::Layer(Layer { thickness_m, material, base: Base::Rigid }),
+            grid,
+            Boundary::Free,
+        )
     };
     assert!(layer(0.2, 0.5).is_ok() && layer(0.01, 0.3).is_ok());
     assert!(matches!(layer(1e-3, 0.5), Err(ContactError::Parameter { .. })));
@@ -438,7 +444,7 @@ fn heights_and_layers_that_no_digit_is_left_of_are_refused() {
 
 #[test]
 fn at_the_median_the_free_boundary_touches_at_most_half() {
-    // The plane overlaps exactly half of the heights, and elastic displacement can only open contact.
+    // The plane overlaps exactly half of the heights, and elastic displacement can only reduce the contact.
     for sample in 0..5 {
         let n = 32;
         let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
@@ -453,7 +459,7 @@ fn at_the_median_the_free_boundary_touches_at_most_half() {
 
 #[test]
 fn a_rigid_plastic_solid_under_load_yields_at_its_highest_points() {
-    // H/E* → 0: elastic displacement vanishes, and the plane cuts off as many points as carry the load.
+    // For H/E* → 0 elastic displacement vanishes, and the plane cuts off as many points as carry the load.
     let n = 32;
     let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
     let heights = random::standard_normal(&mut random::stream(7, "plastic", 0), n * n);
@@ -487,7 +493,7 @@ fn rough_contact_lies_between_persson_and_the_asperity_models() {
             slope2 += dx * dx + dy * dy;
         }
     }
-    // Mean of squares over n² cells, differences over 1/n: the factors cancel.
+    // The mean of squares is over n² cells and differences are over 1/n, so the factors cancel.
     let gradient = slope2.sqrt();
     let load = 0.03;
     let solution = solve(&heights, &half_space, Control::MeanPressure { pascal: load * gradient }, None);
@@ -499,8 +505,8 @@ fn rough_contact_lies_between_persson_and_the_asperity_models() {
 }
 
 #[test]
-fn a_large_map_is_solved_alike_on_any_number_of_threads_and_by_another_operator() {
-    // As many cells as make the solver share its work, in rows that do not fill the last slab.
+fn a_large_map_is_solved_equally_on_any_number_of_threads_and_by_another_operator() {
+    // Enough cells for the solver to use several threads, in rows that do not fill the last slab.
     let n = 270;
     let heights = rough(n, 3);
     let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
@@ -516,7 +522,7 @@ fn a_large_map_is_solved_alike_on_any_number_of_threads_and_by_another_operator(
         let (one, three) = (on(1), on(3));
         assert_eq!(one.pressure_pa(), three.pressure_pa());
         assert_eq!((one.iterations(), one.residual()), (three.iterations(), three.residual()));
-        // The gap where there is contact, by a transform that the solver does not use.
+        // The gap is zero in contact, by a transform that the solver does not use.
         let torus = if boundary == Boundary::Free { 2 * n } else { n };
         let fft = RealFft2::new(torus, torus);
         let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -556,7 +562,7 @@ fn a_large_map_is_solved_alike_on_any_number_of_threads_and_by_another_operator(
 }
 
 #[test]
-fn bad_problems_are_refused_with_their_values() {
+fn invalid_problems_are_refused_with_their_values() {
     let grid = Grid::new(4, 4, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let heights = random::standard_normal(&mut random::stream(6, "bad", 0), 16);

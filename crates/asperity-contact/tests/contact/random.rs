@@ -1,4 +1,4 @@
-//! The contact solver on problems drawn at random, each answer checked from its pressure alone.
+//! The contact solver on random problems; each solution is checked from its pressure alone.
 
 use asperity_base::fourier::{RealFft2, signed_index};
 use asperity_base::map::Grid;
@@ -17,7 +17,7 @@ impl Draw {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// Uniform in the logarithm between 10^low and 10^high.
+    /// Draws a number uniform in the logarithm between 10^low and 10^high.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         10.0_f64.powf(self.between(low, high))
     }
@@ -56,7 +56,7 @@ const KINDS: [Kind; 11] = [
     Kind::Pit,
 ];
 
-/// White noise whose amplitude at `cycles` per longer side is multiplied by `filter(cycles)`.
+/// Returns white noise whose amplitude at `cycles` per longer side is multiplied by `filter(cycles)`.
 fn filtered(draw: &mut Draw, grid: Grid, filter: impl Fn(f64) -> f64) -> Vec<f64> {
     let fft = RealFft2::new(grid.nx(), grid.ny());
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -72,7 +72,7 @@ fn filtered(draw: &mut Draw, grid: Grid, filter: impl Fn(f64) -> f64) -> Vec<f64
     map
 }
 
-/// Heights of unit standard deviation.
+/// Returns heights of unit standard deviation.
 fn surface(draw: &mut Draw, kind: Kind, grid: Grid) -> Array2<f64> {
     let (nx, ny) = (grid.nx(), grid.ny());
     let (x0, y0, waves) = (draw.between(0.2, 0.8), draw.between(0.2, 0.8), draw.one_of(&[1.0, 2.0, 5.0]));
@@ -120,7 +120,7 @@ const SIZES: [(usize, usize); 16] = [
     (48, 96),
 ];
 
-/// A half-space, heights, control and hardness; lengths, heights and moduli in units of their own.
+/// Returns a half-space, heights, control and hardness. Lengths, heights and moduli have different scales.
 fn random_problem(draw: &mut Draw, kind: Kind) -> (HalfSpace, Array2<f64>, Control, Option<f64>) {
     let (nx, ny) = draw.one_of(&SIZES);
     let aspect = draw.one_of(&[1.0, 1.0, 1.0, 2.0, 0.3, 8.0, 64.0, 1.0 / 64.0]);
@@ -128,7 +128,7 @@ fn random_problem(draw: &mut Draw, kind: Kind) -> (HalfSpace, Array2<f64>, Contr
     let grid = Grid::new(nx, ny, pitch, pitch * aspect).unwrap();
     let offset = draw.one_of(&[0.0, 0.0, 1.0, -1e3]);
     let heights = surface(draw, kind, grid).mapv(|z| rms * (z + offset));
-    // The pressure that flattens a wave of the surface's own curvature, roughly.
+    // Approximate pressure that flattens a wave with the surface's curvature.
     let full = modulus * rms / grid.dx_m().min(grid.dy_m()) / 8.0;
     let free = draw.one_of(&[true, false]);
     let control = match draw.one_of(&[0, 0, 0, 1, 2, 3, 4]) {
@@ -158,7 +158,7 @@ fn random_problem(draw: &mut Draw, kind: Kind) -> (HalfSpace, Array2<f64>, Contr
     (HalfSpace::new(grid, modulus, boundary).unwrap(), heights, control, hardness)
 }
 
-/// Poses and solves one random problem and hands it on with its name.
+/// Creates and solves one random problem and passes it on with its name.
 fn solve_random(
     stage: &str,
     sample: u64,
@@ -183,20 +183,20 @@ fn solve_random(
 }
 
 #[test]
-fn random_problems_are_solved_and_their_certificates_are_true() {
+fn random_problems_are_solved_and_their_residuals_are_correct() {
     let solver = Solver::default();
     for sample in 0..330 {
         solve_random("contact", sample, solver, |problem, solution, operator, name| {
             assert!(solution.converged(), "{name}");
             let found = evaluate(operator, problem, solution);
-            // Two transforms of different length differ by rounding alone.
+            // Two transforms of different length differ only by rounding.
             let bound = solver.tolerance + 1e-11;
             assert!(found.frank_wolfe <= bound && found.overlap <= bound, "{name} {found:?}");
             assert!(found.prescribed <= bound, "{name} {found:?}");
             let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
             assert!(solution.pressure_pa().iter().all(|p| (0.0..=upper).contains(p)), "{name}");
 
-            // Never above the energy of a uniform pressure, or of none.
+            // The energy is at most that of a uniform pressure, and at most that of zero pressure.
             let z: Vec<f64> = problem.heights_m().iter().copied().collect();
             let start = problem.mean_pressure_pa().unwrap_or(0.0);
             if problem.mean_pressure_pa().is_some() {
@@ -217,7 +217,7 @@ fn no_iteration_raises_the_energy() {
         for max_iterations in 0..40 {
             let solver = Solver { tolerance: 1e-12, max_iterations };
             solve_random("energy", sample, solver, |problem, solution, operator, name| {
-                // The mean gap fixes neither load nor plane on the way.
+                // Under a mean gap, neither load nor plane is fixed during the iteration.
                 if !matches!(problem.control(), Control::MeanGap { .. }) {
                     let energy = evaluate(operator, problem, solution).energy;
                     assert!(energy <= last + 1e-12 * energy.abs(), "{name}: {energy} after {last}");
@@ -229,9 +229,9 @@ fn no_iteration_raises_the_energy() {
 }
 
 #[test]
-fn a_claim_of_convergence_is_true_even_where_rounding_forbids_it() {
-    // Loads, planes, gaps and mean compliances far beyond what double precision can resolve at these tolerances: the
-    // solver may give up, and must say so.
+fn reported_convergence_is_correct_even_if_rounding_prevents_it() {
+    // Loads, planes, gaps and mean compliances far beyond the resolution of double precision at these tolerances. The
+    // solver may give up and must then report it.
     let mut stops = [0_usize; 3];
     for sample in 0..220 {
         let mut draw = Draw(random::stream(12, "extreme", sample));
@@ -267,7 +267,7 @@ fn a_claim_of_convergence_is_true_even_where_rounding_forbids_it() {
         if solution.converged() {
             assert!(solution.residual().worst() <= tolerance, "{name}");
             let found = evaluate(&Operator::new(grid, 1.0, boundary), &problem, &solution);
-            // Rounding of the two evaluations: that of the displacement's and of the heights' size.
+            // The rounding errors of the two evaluations scale with the displacement and with the heights.
             let displacement = solution.displacement_m().iter().map(|u| u.abs()).fold(0.0, f64::max);
             let rounding = 1e-15 * (displacement + 2.0 * solution.plane_m().abs() + offset);
             let gap_rounding = match control {
@@ -284,7 +284,7 @@ fn a_claim_of_convergence_is_true_even_where_rounding_forbids_it() {
 }
 
 #[test]
-fn units_that_are_powers_of_two_change_nothing_but_the_exponents() {
+fn scaling_by_powers_of_two_changes_only_exponents() {
     for sample in 0..66 {
         let mut draw = Draw(random::stream(13, "units", sample));
         let (half_space, heights, control, hardness) = random_problem(&mut draw, KINDS[sample as usize % KINDS.len()]);
@@ -337,7 +337,7 @@ fn mirrored_transposed_and_shifted_surfaces_have_the_same_contact() {
         let largest = solution.max_pressure_pa();
         let rms = Problem::new(&half_space, &heights, control, hardness).unwrap().rms_height_m();
         let grid = half_space.grid();
-        // A residual of τ·rms in the gap is one of τ·rms·E*|q|/2 in the pressure, |q| ≤ √2π/min(dx, dy).
+        // A residual of τ·rms in the gap corresponds to τ·rms·E*|q|/2 in the pressure, with |q| ≤ √2π/min(dx, dy).
         let stiffest = half_space.modulus_pa() * 2.3 / grid.dx_m().min(grid.dy_m());
         let bound = 1e-9 * largest + 1e2 * tolerance * rms * stiffest;
         let differ = |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -362,7 +362,7 @@ fn mirrored_transposed_and_shifted_surfaces_have_the_same_contact() {
 
 #[test]
 fn a_contact_without_elastic_cells_is_solved() {
-    // A load of exactly k cells at the hardness, on a rigid-plastic solid: no cell is left between the bounds.
+    // The load is that of exactly k cells at the hardness on a rigid-plastic solid, so no cell is between the bounds.
     let grid = Grid::new(16, 16, 1.0, 1.0).unwrap();
     let heights = surface(&mut Draw(random::stream(15, "plastic", 0)), Kind::WhiteNoise, grid);
     let mut sorted: Vec<f64> = heights.iter().copied().collect();
@@ -385,7 +385,7 @@ fn a_contact_without_elastic_cells_is_solved() {
                 sorted[carrying]
             );
 
-            // A mean gap between that of two such loads fixes the plane, and the load does not change with it.
+            // A mean gap between the gaps of two such loads fixes the plane, and the load is constant.
             let plane = 0.5 * (sorted[carrying - 1] + sorted[carrying]);
             let gap = heights.iter().map(|z| (plane - z).max(0.0)).sum::<f64>() / 256.0;
             let problem = Problem::new(&half_space, &heights, Control::MeanGap { metre: gap }, Some(hardness)).unwrap();
@@ -398,7 +398,7 @@ fn a_contact_without_elastic_cells_is_solved() {
 }
 
 #[test]
-fn a_tolerance_or_a_gap_below_rounding_ends_as_the_precision_limit() {
+fn a_tolerance_or_a_gap_below_rounding_stops_at_the_precision_limit() {
     let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
     let heights = surface(&mut Draw(random::stream(16, "precision", 0)), Kind::SelfAffine, grid);
     for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }] {
@@ -422,7 +422,7 @@ fn a_tolerance_or_a_gap_below_rounding_ends_as_the_precision_limit() {
 }
 
 #[test]
-fn a_mean_gap_above_the_highest_point_is_met_without_contact() {
+fn a_mean_gap_above_the_highest_point_is_reached_without_contact() {
     let grid = Grid::new(12, 9, 1.0, 1.0).unwrap();
     let heights = surface(&mut Draw(random::stream(17, "gap", 0)), Kind::WhiteNoise, grid).mapv(|z| z + 100.0);
     let mean = heights.sum() / heights.len() as f64;

@@ -1,7 +1,7 @@
-//! The contact solver against other packages' solutions, where they are at hand.
+//! The contact solver against solutions of other packages, if available.
 //!
-//! Runs when the environment variable `ASPERITY_REFERENCE` names a folder that holds `contact/reference.json` with its
-//! maps; without it there is nothing to compare with, and the test ends at once.
+//! Runs if the environment variable `ASPERITY_REFERENCE` names a folder that contains `contact/reference.json` with its
+//! maps. Otherwise the test returns at once.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn map(folder: &Path, name: &Value) -> Array2<f64> {
 }
 
 #[test]
-fn the_solutions_of_other_packages_are_met() {
+fn the_solutions_of_other_packages_are_reproduced() {
     let Some(reference) = std::env::var_os("ASPERITY_REFERENCE") else {
         println!("skipped: ASPERITY_REFERENCE names no folder");
         return;
@@ -59,8 +59,8 @@ fn compare(folder: &Path, case: &Value) -> bool {
     assert!(found.frank_wolfe <= 1.01 * tolerance && found.overlap <= 1.01 * tolerance, "{name}: {found:?}");
     assert!(found.prescribed <= tolerance, "{name}: {found:?}");
 
-    // The references are good to 1e-10 of their quantities (capped: 1e-11 in FW, 3e-7 of H in pressure); ours to the
-    // tolerance times rms height, which shifts a plane by as much and a pressure by its gradient E*/(2 dx).
+    // The references have an accuracy of 1e-10 of their quantities (at the hardness: 1e-11 in FW, 3e-7 of H in
+    // pressure). Ours is the tolerance times rms height for a plane, and times its gradient E*/(2 dx) for a pressure.
     let rms = problem.rms_height_m();
     let cells = |fraction: f64| fraction * grid.points() as f64;
     let area_cells = cells(solution.contact_fraction() - number("area_fraction"));
@@ -80,7 +80,7 @@ fn compare(folder: &Path, case: &Value) -> bool {
         let plastic_cells = cells(solution.plastic_fraction() - plastic);
         assert!(plastic_cells.abs() <= 1.001, "{name}: plastic area off by {plastic_cells} cells");
     }
-    // There heights count from zero, here from their mean.
+    // The reference counts heights from zero, here they count from their mean.
     let objective = found.energy - solution.mean_pressure_pa() * problem.mean_height_m();
     let wanted = number("objective");
     assert!((objective / wanted - 1.0).abs() <= 1e-9, "{name}: objective {objective} for {wanted}");

@@ -34,7 +34,7 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
     solution
 }
 
-/// A paraboloid of radius 1 in the middle of a square.
+/// Returns a paraboloid of radius 1 in the middle of a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
     let grid = Grid::covering(n, n, side_m, side_m).unwrap();
     let c = 0.5 * side_m;
@@ -42,7 +42,7 @@ fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
     (grid, map.heights_m().clone())
 }
 
-/// A random map whose spectrum falls as q^{-3.6} beyond a roll-off.
+/// Returns a random map whose spectrum falls as q^{-3.6} beyond a roll-off.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
     let fft = RealFft2::new(n, n);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
@@ -60,12 +60,12 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
 }
 
 #[test]
-fn a_layer_of_the_base_s_material_is_a_half_space() {
+fn a_layer_of_the_same_material_as_its_base_is_a_half_space() {
     let grid = Grid::new(24, 16, 0.5, 0.8).unwrap();
     let p = random::standard_normal(&mut random::stream(1, "layers", 0), grid.points());
     for boundary in [Boundary::Free, PERIODIC] {
         for thickness_m in [0.1, 1.0, 30.0] {
-            let one = HalfSpace::on(layer(thickness_m, 0.3, elastic(1.0, 0.3)), grid, boundary).unwrap();
+            let one = HalfSpace::with_substrate(layer(thickness_m, 0.3, elastic(1.0, 0.3)), grid, boundary).unwrap();
             let other = HalfSpace::new(grid, 1.0 / 0.91, boundary).unwrap();
             assert_eq!(one.modulus_pa(), other.modulus_pa());
             let (u, wanted) = (displaced(&one, &p), displaced(&other, &p));
@@ -75,14 +75,14 @@ fn a_layer_of_the_base_s_material_is_a_half_space() {
 }
 
 #[test]
-fn a_wave_moves_a_periodic_layer_by_its_compliance() {
+fn a_wave_displaces_a_periodic_layer_by_its_compliance() {
     let grid = Grid::new(12, 10, 0.5, 0.25).unwrap();
     for base in [Base::Rigid, Base::Slippery, elastic(0.2, 0.4)] {
         let substrate = layer(0.7, 0.25, base);
         let given = 0.3;
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: given };
-        let half_space = HalfSpace::on(substrate, grid, boundary).unwrap();
-        // A rigid base knows the mean compliance: (1+ν)(1−2ν)h/(1−ν)E where bonded, h(1−ν²)/E where not.
+        let half_space = HalfSpace::with_substrate(substrate, grid, boundary).unwrap();
+        // On a rigid base the mean compliance is (1+ν)(1−2ν)h/(1−ν)E if bonded, h(1−ν²)/E if not.
         let mean = match base {
             Base::Rigid => 0.7 * 1.25 * 0.5 / 0.75,
             Base::Slippery => 0.7 * (1.0 - 0.0625),
@@ -101,18 +101,18 @@ fn a_wave_moves_a_periodic_layer_by_its_compliance() {
 }
 
 #[test]
-fn the_middle_of_a_wide_pressed_patch_of_a_layer_moves_as_the_layer_confined() {
-    // Cells as wide as the layer, and narrower and wider ones; what lies beyond some 20 thicknesses is not felt.
+fn the_middle_of_a_wide_pressed_patch_has_the_displacement_of_a_confined_layer() {
+    // Cells as wide as the layer, and narrower and wider ones. Loads beyond some 20 thicknesses have no effect.
     for (thickness_m, nu) in [(1.0, 0.3), (4.0, 0.0), (0.2, 0.3), (0.5, 0.49)] {
         let substrate = layer(thickness_m, nu, Base::Rigid);
         let grid = Grid::new(161, 161, 1.0, 1.0).unwrap();
-        let half_space = HalfSpace::on(substrate, grid, Boundary::Free).unwrap();
+        let half_space = HalfSpace::with_substrate(substrate, grid, Boundary::Free).unwrap();
         let u = displaced(&half_space, &vec![1.0; grid.points()]);
         let wanted = substrate.mean_compliance_m_per_pa().unwrap();
         let found = u[80 * 161 + 80];
         assert!((found - wanted).abs() < 1e-9, "{thickness_m} {nu}: {found:e} {wanted:e}");
-        // A wave under a window that is smooth over many thicknesses moves it by the compliance of the waves it is made
-        // of.
+        // A wave under a window that is smooth over many thicknesses has a displacement by the compliance of its
+        // component waves.
         let (q, width) = (TAU / 16.0, 14.0);
         let window = |i: f64| (-0.5 * ((i - 80.0) / width).powi(2)).exp();
         let wave = |i: usize| {
@@ -121,7 +121,7 @@ fn the_middle_of_a_wide_pressed_patch_of_a_layer_moves_as_the_layer_confined() {
         };
         let p: Vec<f64> = (0..grid.points()).map(wave).collect();
         let found = displaced(&half_space, &p)[80 * 161 + 80];
-        // Cells of constant pressure know waves up to multiples of 2π, and average them.
+        // Cells of constant pressure contain waves up to multiples of 2π, and average them.
         let averaged = |q: f64| if q == 0.0 { 1.0 } else { (0.5 * q).sin() / (0.5 * q) };
         let (mut wanted, mut weights) = (0.0, 0.0);
         for i in -20..=20 {
@@ -142,7 +142,7 @@ fn the_middle_of_a_wide_pressed_patch_of_a_layer_moves_as_the_layer_confined() {
 }
 
 #[test]
-fn a_wave_on_a_layer_is_pressed_flat_by_its_amplitude_over_the_compliance() {
+fn a_wave_on_a_layer_is_flattened_by_its_amplitude_over_the_compliance() {
     let n = 32;
     let grid = Grid::new(n, n, 1.0 / n as f64, 1.0 / n as f64).unwrap();
     let wave = |i: usize| 0.01 * (TAU * i as f64 / n as f64).cos();
@@ -150,7 +150,7 @@ fn a_wave_on_a_layer_is_pressed_flat_by_its_amplitude_over_the_compliance() {
     for base in [Base::Rigid, Base::Slippery, elastic(0.02, 0.4), elastic(30.0, 0.2)] {
         for thickness_m in [0.02, 0.3] {
             let substrate = layer(thickness_m, 0.3, base);
-            let half_space = HalfSpace::on(substrate, grid, PERIODIC).unwrap();
+            let half_space = HalfSpace::with_substrate(substrate, grid, PERIODIC).unwrap();
             let amplitude = 0.01 / substrate.compliance_m_per_pa(TAU * 2.0_f64.sqrt());
             let mean = 1.1 * amplitude;
             let solution = solve(&heights, &half_space, Control::MeanPressure { pascal: mean }, None);
@@ -158,7 +158,7 @@ fn a_wave_on_a_layer_is_pressed_flat_by_its_amplitude_over_the_compliance() {
             for (p, z) in solution.pressure_pa().iter().zip(&heights) {
                 assert!((p - mean - amplitude * z / 0.01).abs() < 1e-6 * mean, "{base:?} {thickness_m}: {p}");
             }
-            // The plane then lies where the mean pressure brings it.
+            // The mean pressure then determines the plane.
             let Boundary::Periodic { mean_compliance_m_per_pa } = half_space.boundary() else { panic!("periodic") };
             assert!((solution.separation_m() + mean_compliance_m_per_pa * mean).abs() < 1e-8);
         }
@@ -166,7 +166,7 @@ fn a_wave_on_a_layer_is_pressed_flat_by_its_amplitude_over_the_compliance() {
 }
 
 #[test]
-fn rough_contacts_on_layers_carry_their_certificates() {
+fn rough_contacts_on_layers_have_small_residuals() {
     let n = 64;
     let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
     let heights = rough(n, 1);
@@ -185,21 +185,20 @@ fn rough_contacts_on_layers_carry_their_certificates() {
     ] {
         for thickness_m in [0.3, 3.0, 30.0] {
             for boundary in [Boundary::Free, PERIODIC] {
-                let half_space = HalfSpace::on(layer(thickness_m, nu, base), grid, boundary).unwrap();
+                let half_space = HalfSpace::with_substrate(layer(thickness_m, nu, base), grid, boundary).unwrap();
                 for (control, hardness) in [
                     (Control::MeanPressure { pascal: 0.05 * slope }, None),
                     (Control::MeanPressure { pascal: 0.05 * slope }, Some(0.3 * slope)),
                     (Control::Percentile { percent: 10.0 }, None),
                     (Control::MeanGap { metre: 0.5 * heights.std(0.0) }, None),
                 ] {
-                    // A free patch of a stiff coating on a soft base bends away from the flat: no load brings the gap
-                    // down.
+                    // A free patch of a stiff coating on a soft base bends away from the flat, so no load closes the
+                    // gap.
                     if matches!((control, boundary), (Control::MeanGap { .. }, Boundary::Free)) {
                         continue;
                     }
                     if let Err(error) = Problem::new(&half_space, &heights, control, hardness) {
-                        // A layer that cannot be compressed on the whole, and a base whose mean compliance is not
-                        // given.
+                        // A layer that is incompressible as a whole, and a base without a given mean compliance.
                         assert!(control.prescribes_plane() && half_space.boundary() == PERIODIC, "{error}");
                         continue;
                     }
@@ -211,14 +210,14 @@ fn rough_contacts_on_layers_carry_their_certificates() {
                         StopReason::Converged,
                         "{nu} {base:?} {thickness_m} {control:?}"
                     );
-                    // The gap by the definition, with displacements applied afresh.
+                    // The gap by its definition, with recomputed displacements.
                     let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
                     let u = displaced(&half_space, &p);
                     let scale = heights.std(0.0);
                     for (((u, z), p), gap) in u.iter().zip(&heights).zip(&p).zip(&solution.gap_m()) {
                         let signed = u - z + solution.plane_m();
-                        let capped = hardness.is_some_and(|hardness| *p >= hardness);
-                        assert!(signed > -1e-7 * scale || capped, "{signed:e}");
+                        let plastic = hardness.is_some_and(|hardness| *p >= hardness);
+                        assert!(signed > -1e-7 * scale || plastic, "{signed:e}");
                         assert!(*p > 0.0 || (signed - gap).abs() < 1e-7 * scale);
                     }
                 }
@@ -242,10 +241,11 @@ fn a_thick_layer_has_the_contact_of_hertz() {
         None,
     );
     let hertz = Hertz::new(1.0 / 0.91, 1.0, load_n);
-    // What the base takes away is about that of the load at the depth 2h: of the order a/h, and its curvature of
-    // (a/h)³.
+    // The base reduces the displacement about as a mirrored load at the depth 2h: by the order a/h, with a curvature of
+    // order (a/h)³.
     for (ratio, pressure) in [(10.0, 2e-3), (100.0, 2e-6), (1000.0, 1e-7)] {
-        let half_space = HalfSpace::on(layer(ratio * radius, 0.3, Base::Rigid), grid, Boundary::Free).unwrap();
+        let half_space =
+            HalfSpace::with_substrate(layer(ratio * radius, 0.3, Base::Rigid), grid, Boundary::Free).unwrap();
         let found = solve(&heights, &half_space, Control::Load { newton: load_n }, None);
         assert!((found.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.005);
         assert!((found.max_pressure_pa() / plain.max_pressure_pa() - 1.0).abs() < pressure);
@@ -261,14 +261,14 @@ fn a_thin_layer_is_a_bed_of_springs() {
     let a = f64::sqrt(2.0 * delta);
     let (grid, heights) = paraboloid(128, 2.4 * a);
     let plane = Control::Plane { height_m: -delta };
-    let errors = [0.1, 0.05, 0.025].map(|share| {
-        let substrate = layer(share * a, 0.2, Base::Rigid);
-        let half_space = HalfSpace::on(substrate, grid, Boundary::Free).unwrap();
+    let errors = [0.1, 0.05, 0.025].map(|ratio| {
+        let substrate = layer(ratio * a, 0.2, Base::Rigid);
+        let half_space = HalfSpace::with_substrate(substrate, grid, Boundary::Free).unwrap();
         let found = solve(&heights, &half_space, plane, None);
         let spring = 1.0 / substrate.mean_compliance_m_per_pa().unwrap();
         let wanted = PI * spring * delta * delta;
-        println!("h/a = {share}: {:.2e}", found.load_n() / wanted - 1.0);
-        assert!((found.max_pressure_pa() / (spring * delta) - 1.0).abs() < 0.05 * share / 0.1);
+        println!("h/a = {ratio}: {:.2e}", found.load_n() / wanted - 1.0);
+        assert!((found.max_pressure_pa() / (spring * delta) - 1.0).abs() < 0.05 * ratio / 0.1);
         (found.load_n() / wanted - 1.0).abs()
     });
     assert!(errors[2] < 0.05 && errors.is_sorted_by(|a, b| a > b), "{errors:?}");

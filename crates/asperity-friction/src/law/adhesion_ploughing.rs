@@ -1,22 +1,22 @@
-//! Friction of contacts that are sheared and that plough: F = τ_max A_c + Σ p |∂z/∂x| dA over plastic cells.
+//! Friction by shear and ploughing: F = τ_max A_c + Σ p |∂z/∂x| dA over plastic cells.
 
 use crate::law::FrictionLaw;
 use crate::window::WindowContact;
 
-/// Sheared contacts whose asperities, where the counterface yields, also plough through it.
+/// Sheared contacts whose asperities also plough through a plastic counterface.
 ///
-/// In sliding along x the yielded counterface bears on the front flanks of an asperity alone. There the pressure p = H on the
-/// element dA of the nominal plane pushes back with p·∂z/∂x·dA. At equal load the front half has to be twice as large, while
-/// in the solved contact, which does not slide, both flanks carry. Where they mirror each other the sum over doubled front
-/// flanks is that of p·|∂z/∂x|·dA over both, which is [`WindowContact::ploughing_n`]; a rough surface has mirrored flanks on
-/// average.
+/// During sliding along x the plastic counterface bears only on the front flanks of an asperity. There the pressure p =
+/// H on the element dA of the nominal plane resists with p·∂z/∂x·dA. At equal load the front half must be twice as
+/// large as in the solved contact, which does not slide and is carried by both flanks. For mirror-symmetric flanks the
+/// sum over doubled front flanks equals p·|∂z/∂x|·dA over both, which is [`WindowContact::ploughing_n`]. A rough
+/// surface has mirror-symmetric flanks on average.
 ///
 /// A cone of flank angle θ from the plane has |∂z/∂x| = tan θ·|cos φ| in the direction φ, so over its disc
-/// F/N = tan θ·mean|cos φ| = (2/π) tan θ. That is Bowden and Tabor's: a front half disc of radius a carries N = Hπa²/2, and is
-/// resisted over the triangle a²·tan θ that it shows to the front.
+/// F/N = tan θ·mean|cos φ| = (2/π) tan θ. This is the result of Bowden and Tabor: a front half disc of radius a carries
+/// N = Hπa²/2 and meets the resistance of its frontal triangle a²·tan θ.
 ///
-/// Slopes are those of the undeformed rough surface, which is the harder body. Without a hardness nothing yields and nothing
-/// ploughs.
+/// Slopes are those of the undeformed rough surface, the harder body. Without a hardness there is no plastic contact
+/// and no ploughing.
 ///
 /// # References
 /// F. P. Bowden and D. Tabor, *The Friction and Lubrication of Solids*, Clarendon Press (1950), ch. V.

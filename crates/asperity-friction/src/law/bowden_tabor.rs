@@ -1,12 +1,12 @@
-//! Friction of sheared contacts: F = τ_max A_c.
+//! Friction by shear of the contacts: F = τ_max A_c.
 
 use crate::law::FrictionLaw;
 use crate::window::WindowContact;
 
 /// Shear-dominated friction of contacts that yield in shear at τ_max: F = τ_max A_c, μ = τ_max A_c/N.
 ///
-/// The area is the perimeter-corrected one, never taken smaller than what can carry the load under the hardness H
-/// ([`WindowContact::bearing_area_m2`]). So μ ≥ τ_max/H, with equality where all contact is plastic.
+/// The area is the perimeter-corrected one, but at least the area that carries the load at the hardness H
+/// ([`WindowContact::bearing_area_m2`]). So μ ≥ τ_max/H, with equality if all contact is plastic.
 ///
 /// # References
 /// F. P. Bowden and D. Tabor, *The Friction and Lubrication of Solids*, Clarendon Press (1950). Gaus et al. 2016, §4.

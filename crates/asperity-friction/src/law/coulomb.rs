@@ -1,12 +1,12 @@
-//! Friction in proportion to the load: F = μN.
+//! Friction proportional to the load: F = μN.
 
 use crate::law::FrictionLaw;
 use crate::window::WindowContact;
 
-/// A constant coefficient of friction: what is left when the contact does not matter. It does not vary along the strip.
+/// A constant friction coefficient, independent of the contact. It does not vary along the strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
-    /// μ.
+    /// Friction coefficient μ.
     pub coefficient: f64,
 }
 

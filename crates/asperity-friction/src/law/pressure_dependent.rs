@@ -5,8 +5,8 @@ use crate::window::WindowContact;
 
 /// Shear strength τ = τ₀ + αp in every point of contact, so that F = ∫τ dA = τ₀ A_c + αN and μ = τ₀ A_c/N + α.
 ///
-/// α is what solids, boundary films and lacquers gain in shear strength with the pressure, some hundredths to tenths. The
-/// area is that of [`crate::law::BowdenTabor`], so that μ ≥ τ₀/H + α.
+/// α is the increase of the shear strength of solids, boundary films and lacquers with pressure, some hundredths to
+/// tenths. The area is the one of [`crate::law::BowdenTabor`], so that μ ≥ τ₀/H + α.
 ///
 /// # References
 /// B. J. Briscoe and D. Tabor, *J. Adhesion* **9** (1978) 145, <https://doi.org/10.1080/00218467808075110>.

@@ -1,12 +1,13 @@
-//! How large μ gets.
+//! Upper tail of μ.
 //!
-//! Peaks over a high threshold, one from each cluster of windows above it, have excesses whose law tends to the generalised
-//! Pareto law 1 − (1 + ξy/σ)^{−1/ξ}: ξ < 0 is a tail that ends (at −σ/ξ above the threshold; ξ = −1/b for a Beta law), ξ = 0
-//! an exponential one, ξ > 0 a power law.
+//! Peaks over a high threshold are the largest values of separate clusters of windows above it. The distribution of
+//! their excesses tends to the generalised Pareto distribution 1 − (1 + ξy/σ)^{−1/ξ}. ξ < 0 is a tail that ends (at
+//! −σ/ξ above the threshold; ξ = −1/b for a Beta distribution), ξ = 0 an exponential tail, ξ > 0 a power law.
 //!
 //! # References
-//! Pickands, *Ann. Stat.* **3** (1975) 119, <https://doi.org/10.1214/aos/1176343003>; Davison & Smith, *J. R. Stat. Soc. B*
-//! **52** (1990) 393, <https://doi.org/10.1111/j.2517-6161.1990.tb01796.x> (peaks of correlated records, return levels).
+//! Pickands, *Ann. Stat.* **3** (1975) 119, <https://doi.org/10.1214/aos/1176343003>; Davison & Smith, *J. R. Stat.
+//! Soc. B* **52** (1990) 393, <https://doi.org/10.1111/j.2517-6161.1990.tb01796.x> (peaks of correlated records, return
+//! levels).
 
 use std::convert::Infallible;
 
@@ -14,41 +15,41 @@ use asperity_base::law::fit::{Family, Fit};
 use asperity_base::numeric::{bisect, golden_section};
 use asperity_base::stats::{Interval, NORMAL_95, correlation_time, quantile_sorted, sorted_present};
 
-/// Shares of the windows above the threshold that are tried, until there are enough clusters.
-const SHARES: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
+/// Fractions of the windows above the threshold, tried in this order until there are enough clusters.
+const FRACTIONS: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
 const WANTED_CLUSTERS: usize = 40;
 const LEAST_CLUSTERS: usize = 20;
 /// Distances of the return levels in metre.
 const DISTANCES_M: [f64; 3] = [0.1, 1.0, 10.0];
-/// Shapes ξ that are searched; below −1 the likelihood has no maximum.
+/// Range of shapes ξ of the search; below −1 the likelihood has no maximum.
 const SHAPES: [f64; 2] = [-0.95, 2.0];
-/// Drop of the logarithm of the likelihood at the ends of a 95 % profile interval.
+/// Drop of the log-likelihood at the ends of a 95 % profile interval.
 const DROP: f64 = 0.5 * NORMAL_95 * NORMAL_95;
 
-/// The upper tail of μ(s).
+/// Upper tail of μ(s).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tail {
     /// Largest value.
     pub largest: f64,
     /// Threshold of the peaks.
     pub threshold: f64,
-    /// Share of the windows above it.
-    pub share: f64,
-    /// Clusters of windows above it: runs that are at least a correlation time apart, and as many as those of the lanes of a
-    /// strip are worth.
+    /// Fraction of the windows above the threshold.
+    pub fraction: f64,
+    /// Number of clusters of windows above the threshold. Clusters are at least a correlation time apart. Tracks on one
+    /// strip count by their effective number.
     pub clusters: usize,
-    /// Clusters per metre of sliding, of one lane.
+    /// Clusters per metre of sliding, of one track.
     pub clusters_per_m: f64,
-    /// Shape ξ of the generalised Pareto law of the highest excess of each cluster.
+    /// Shape ξ of the generalised Pareto distribution of the highest excess of each cluster.
     pub shape: f64,
-    /// Its 95 % interval by the profile of the likelihood.
+    /// 95 % interval of the shape by the profile of the likelihood.
     pub shape_interval: Interval,
     /// Scale σ.
     pub scale: f64,
-    /// Values exceeded once in 0.1 m, 1 m and 10 m of sliding, as far as that is more than one cluster.
+    /// Values exceeded once in 0.1 m, 1 m and 10 m of sliding, for distances with more than one cluster.
     pub return_levels: Vec<ReturnLevel>,
-    /// What fitted laws say, in the order of their ranking.
-    pub laws: Vec<LawTail>,
+    /// Tails of the fitted distributions, in the order of their ranking.
+    pub distributions: Vec<DistributionTail>,
 }
 
 /// A value that μ exceeds once in a distance on average.
@@ -58,27 +59,27 @@ pub struct ReturnLevel {
     pub distance_m: f64,
     /// The value.
     pub mu: f64,
-    /// Its 95 % interval by the profile of the likelihood; none where that does not end it.
+    /// 95 % interval of the value by the profile of the likelihood; `None` if the profile has no end.
     pub interval: Option<Interval>,
 }
 
-/// The upper tail by a fitted law that clusters as the records do at the threshold.
+/// Upper tail of a fitted distribution with the clustering of the records at the threshold.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LawTail {
-    /// Family of the law.
+pub struct DistributionTail {
+    /// Family of the distribution.
     pub family: Family,
-    /// Probability that the largest of as many values would be larger than the one found. Near 0 the law's tail is too
-    /// light, near 1 too heavy.
+    /// Probability that the largest of the same number of values exceeds the observed largest. Near 0 the tail of the
+    /// distribution is too light, near 1 too heavy.
     pub larger: f64,
     /// Values exceeded once in the distances of [`Tail::return_levels`].
     pub return_levels: Vec<f64>,
 }
 
 impl Tail {
-    /// The tail of records with steps of `step_m`, so many lanes to a strip, and of laws fitted to them; `None` with fewer than
-    /// 20 clusters. Lanes that are above the threshold together
-    /// count as far as they differ.
-    pub(super) fn of(records: &[&[f64]], lanes: usize, step_m: f64, fits: &[Fit]) -> Option<Self> {
+    /// Estimates the tail of records with steps of `step_m` and `tracks` records per strip, and of distributions fitted
+    /// to them. Returns `None` with fewer than 20 clusters. Tracks that are above the threshold together count by their
+    /// effective number.
+    pub(super) fn of(records: &[&[f64]], tracks: usize, step_m: f64, fits: &[Fit]) -> Option<Self> {
         let sorted = sorted_present(records.iter().flat_map(|record| record.iter().copied()));
         let largest = *sorted.last()?;
         if sorted[0] == largest {
@@ -87,9 +88,9 @@ impl Tail {
         let times = records.iter().filter_map(|record| correlation_time(record).ok()).map(|time| time.steps);
         let apart = times.fold([0.0, 0.0], |[sum, count], steps| [sum + steps, count + 1.0]);
         let apart = (apart[0] / apart[1]).ceil() as usize;
-        let found = SHARES.map(|share| {
-            let threshold = quantile_sorted(&sorted, 1.0 - share);
-            let (peaks, alike) = (peaks(records, threshold, apart), alike(records, lanes, threshold));
+        let found = FRACTIONS.map(|fraction| {
+            let threshold = quantile_sorted(&sorted, 1.0 - fraction);
+            let (peaks, alike) = (peaks(records, threshold, apart), alike(records, tracks, threshold));
             let separate = (peaks.len() as f64 / alike).round() as usize;
             (threshold, peaks, alike, separate)
         });
@@ -99,7 +100,7 @@ impl Tail {
             return None;
         }
         let distance_m = sorted.len() as f64 * step_m;
-        let share = sorted.iter().filter(|mu| **mu > *threshold).count() as f64 / sorted.len() as f64;
+        let fraction = sorted.iter().filter(|mu| **mu > *threshold).count() as f64 / sorted.len() as f64;
         let clusters_per_m = peaks.len() as f64 / distance_m;
         let excesses = Excesses::of(peaks, *threshold, *alike);
         let (shape, height) = excesses.best_shape(|shape| excesses.profile(shape));
@@ -115,34 +116,34 @@ impl Tail {
             };
             ReturnLevel { distance_m, mu: threshold + scale * growth(shape, clusters), interval }
         });
-        let laws = fits.iter().map(|fit| {
-            // Clusters above x for each above the threshold, as windows above x for each above it.
-            let clusters = |x: f64| clusters_per_m * fit.law.survival(x) / share;
-            LawTail {
+        let distributions = fits.iter().map(|fit| {
+            // The ratio of clusters above x to clusters above the threshold equals the same ratio of windows.
+            let clusters = |x: f64| clusters_per_m * fit.law.survival(x) / fraction;
+            DistributionTail {
                 family: fit.family,
                 larger: -(-clusters(largest) * distance_m / alike).exp_m1(),
                 return_levels: distances()
-                    .map(|distance_m| fit.law.quantile(1.0 - share / (clusters_per_m * distance_m)))
+                    .map(|distance_m| fit.law.quantile(1.0 - fraction / (clusters_per_m * distance_m)))
                     .collect(),
             }
         });
         Some(Self {
             largest,
             threshold: *threshold,
-            share,
+            fraction,
             clusters: *separate,
             clusters_per_m,
             shape,
             shape_interval,
             scale,
             return_levels: return_levels.collect(),
-            laws: laws.collect(),
+            distributions: distributions.collect(),
         })
     }
 }
 
-/// The highest value of each cluster: values above the threshold with fewer than `apart` others between them. A missing value
-/// counts as one below.
+/// Returns the highest value of each cluster. Values above the threshold with fewer than `apart` others between them
+/// form one cluster. A missing value counts as one below.
 fn peaks(records: &[&[f64]], threshold: f64, apart: usize) -> Vec<f64> {
     let mut peaks = vec![];
     for record in records {
@@ -162,48 +163,48 @@ fn peaks(records: &[&[f64]], threshold: f64, apart: usize) -> Vec<f64> {
     peaks
 }
 
-/// How many lanes of a strip are above a threshold together: variance of the number above over that of independent ones.
-fn alike(records: &[&[f64]], lanes: usize, threshold: f64) -> f64 {
-    if lanes == 1 {
+/// Returns the variance of the number of tracks above a threshold over the variance of independent tracks.
+fn alike(records: &[&[f64]], tracks: usize, threshold: f64) -> f64 {
+    if tracks == 1 {
         return 1.0;
     }
     let above = |mu: &f64| f64::from(u8::from(*mu > threshold));
     let values = records.iter().map(|record| record.len()).sum::<usize>() as f64;
-    let share = records.iter().flat_map(|record| record.iter()).map(above).sum::<f64>() / values;
+    let fraction = records.iter().flat_map(|record| record.iter()).map(above).sum::<f64>() / values;
     let (mut together, mut alone) = (0.0, 0.0);
-    for strip in records.chunks(lanes) {
+    for strip in records.chunks(tracks) {
         for place in 0..strip[0].len() {
-            let differences = || strip.iter().map(|lane| above(&lane[place]) - share);
+            let differences = || strip.iter().map(|track| above(&track[place]) - fraction);
             together += differences().sum::<f64>().powi(2);
             alone += differences().map(|difference| difference * difference).sum::<f64>();
         }
     }
-    (together / alone).clamp(1.0, lanes as f64)
+    (together / alone).clamp(1.0, tracks as f64)
 }
 
-/// ((clusters)^ξ − 1)/ξ: the excess, in scales, that one in so many clusters exceeds.
+/// Returns ((clusters)^ξ − 1)/ξ: the excess, in scales, that one in this number of clusters exceeds.
 fn growth(shape: f64, clusters: f64) -> f64 {
     let log = clusters.ln();
     if (shape * log).abs() < 1e-9 { log } else { (shape * log).exp_m1() / shape }
 }
 
-/// Excesses over a threshold and their likelihood under the generalised Pareto law.
+/// Excesses over a threshold and their likelihood under the generalised Pareto distribution.
 struct Excesses {
     values: Vec<f64>,
     mean: f64,
-    /// Drop of the logarithm of the likelihood at the ends of an interval.
+    /// Drop of the log-likelihood at the ends of an interval.
     drop: f64,
 }
 
 impl Excesses {
-    /// Each of the independent peaks is there so many times.
+    /// Creates the excesses of peaks; each independent peak occurs `times` times.
     fn of(peaks: &[f64], threshold: f64, times: f64) -> Self {
         let values: Vec<f64> = peaks.iter().map(|peak| peak - threshold).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         Self { values, mean, drop: times * DROP }
     }
 
-    /// Logarithm of the likelihood.
+    /// Returns the log-likelihood.
     fn log_likelihood(&self, shape: f64, scale: f64) -> f64 {
         let n = self.values.len() as f64;
         let sum: f64 = self
@@ -223,7 +224,7 @@ impl Excesses {
         -n * scale.ln() - sum
     }
 
-    /// The scale of largest likelihood at a shape, in a range of scales about the mean excess.
+    /// Returns the most likely scale at a shape, in a range of scales about the mean excess.
     fn best_scale(&self, shape: f64) -> f64 {
         let largest = self.values.iter().copied().fold(0.0, f64::max);
         let least = if shape < 0.0 { (-shape * largest / self.mean).max(1e-3) } else { 1e-3 };
@@ -246,7 +247,8 @@ impl Excesses {
         Interval { low: end(SHAPES[0]), high: end(SHAPES[1]) }
     }
 
-    /// Ends of the excess that one in `clusters` exceeds, within which the likelihood falls by less than `drop`.
+    /// Returns the ends of the interval of the excess that one in `clusters` exceeds; inside, the log-likelihood falls
+    /// by less than `drop`.
     fn return_interval(&self, clusters: f64, best: [f64; 2], height: f64) -> (Option<f64>, Option<f64>) {
         let centre = best[1] * growth(best[0], clusters);
         let inside = |excess: f64| {
@@ -254,7 +256,7 @@ impl Excesses {
                 let scale = excess / growth(shape, clusters);
                 if scale > 0.0 { self.log_likelihood(shape, scale) } else { f64::NEG_INFINITY }
             };
-            // The profile has one maximum but may be −∞ at first.
+            // The profile has one maximum, but may start at −∞.
             let near = maximum(at, SHAPES);
             at(near) > height - self.drop
         };
@@ -265,7 +267,7 @@ impl Excesses {
     }
 }
 
-/// Where a condition that holds at `from` ceases to hold on the way to `to`; `None` where it still holds there.
+/// Returns the end of the range, from `from` towards `to`, in which a condition holds; `None` if it also holds at `to`.
 fn edge(holds: impl Fn(f64) -> bool, from: f64, to: f64) -> Option<f64> {
     if holds(to) {
         return None;
@@ -274,7 +276,7 @@ fn edge(holds: impl Fn(f64) -> bool, from: f64, to: f64) -> Option<f64> {
     Some(inside)
 }
 
-/// The argument of the largest value: the best of a coarse grid, then golden sections about it.
+/// Returns the argument of the largest value: the best of a coarse grid, refined by golden sections.
 fn maximum(f: impl Fn(f64) -> f64, [low, high]: [f64; 2]) -> f64 {
     const GRID: usize = 24;
     let step = (high - low) / GRID as f64;
@@ -291,24 +293,24 @@ mod tests {
     use asperity_base::law::Marginal;
     use asperity_base::random;
 
-    /// Independent values with a tail of shape ξ: (U^{−ξ} − 1)/ξ.
+    /// Returns independent values with a tail of shape ξ: (U^{−ξ} − 1)/ξ.
     fn pareto(shape: f64, n: usize, run: u64) -> Vec<f64> {
-        let germ = random::standard_normal(&mut random::stream(23, "tail", run), n);
+        let xi = random::standard_normal(&mut random::stream(23, "tail", run), n);
         let exponential = |g: &f64| -asperity_base::law::standard_normal_cdf(*g).ln();
-        germ.iter().map(exponential).map(|e| if shape == 0.0 { e } else { (shape * e).exp_m1() / shape }).collect()
+        xi.iter().map(exponential).map(|e| if shape == 0.0 { e } else { (shape * e).exp_m1() / shape }).collect()
     }
 
     #[test]
-    fn clusters_are_runs_that_are_far_enough_apart() {
+    fn clusters_are_runs_at_a_sufficient_distance() {
         let first: &[f64] = &[2.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.5, f64::NAN, f64::NAN, 4.0];
-        // Two below join at three apart, three do not; a new record begins anew.
+        // Two values below join at a distance of three, three do not. A new record starts a new cluster.
         assert_eq!(peaks(&[first, &[0.0, 1.2]], 1.0, 3), [3.0, 4.0, 1.2]);
         assert_eq!(peaks(&[first], 1.0, 1), [2.0, 3.0, 1.5, 4.0]);
         assert_eq!(peaks(&[first], 1.0, 4), [4.0]);
     }
 
     #[test]
-    fn the_shape_of_a_tail_and_its_return_level_lie_in_their_intervals() {
+    fn intervals_cover_the_shape_and_the_return_level() {
         for shape in [-0.2, 0.0, 0.3] {
             let runs = 100;
             let (mut held, mut levels) = (0, 0);
@@ -316,23 +318,23 @@ mod tests {
                 let values = pareto(shape, 1000, run);
                 let records: Vec<&[f64]> = values.chunks(250).collect();
                 let tail = Tail::of(&records, 1, 1e-3, &[]).unwrap();
-                // Independent values: every one above the threshold is a cluster, but for neighbours.
-                assert!(tail.clusters >= 40 && tail.clusters <= 50 && tail.share == 0.05, "{tail:?}");
+                // For independent values every value above the threshold is a cluster, except neighbours.
+                assert!(tail.clusters >= 40 && tail.clusters <= 50 && tail.fraction == 0.05, "{tail:?}");
                 held += usize::from(tail.shape_interval.contains(shape));
-                // Once in ten metres: one value of 10,000.
+                // A value exceeded once in ten metres is exceeded by one of 10,000 values.
                 let truth = growth(shape, 10_000.0);
                 let level = tail.return_levels[2];
                 levels += usize::from(level.interval.is_none_or(|interval| interval.contains(truth)));
                 assert!(level.interval.is_none_or(|interval| interval.contains(level.mu)), "{level:?}");
             }
             println!("{shape}: {held} {levels}");
-            // 95 % with a standard error of 2.2 %; the likelihood of 45 excesses is a little short of its limit.
+            // 95 % with a standard error of 2.2 %. The coverage with 45 excesses is slightly below its limit.
             assert!(held >= 85 && levels >= 85, "ξ = {shape}: {held} and {levels} of {runs}");
         }
     }
 
     #[test]
-    fn a_law_that_is_right_expects_the_largest_value_and_a_lighter_one_does_not() {
+    fn a_correct_distribution_expects_the_largest_value_and_a_lighter_one_does_not() {
         let values = pareto(0.3, 4000, 1);
         let records: Vec<&[f64]> = values.chunks(1000).collect();
         let fit = |law: Marginal| Fit {
@@ -343,14 +345,15 @@ mod tests {
             low_end: asperity_base::law::fit::End::Given,
             high_end: asperity_base::law::fit::End::Given,
         };
-        // As many values as there are lie above the threshold of the true law, and hardly any of the normal one of the same
-        // mean and standard deviation lies where the largest is.
-        let true_law = Marginal::empirical(pareto(0.3, 200_000, 2)).unwrap();
-        let (mean, std) = (true_law.mean(), true_law.std());
-        let tail = Tail::of(&records, 1, 1e-3, &[fit(true_law), fit(Marginal::normal(mean, std).unwrap())]).unwrap();
-        assert!(tail.laws[0].larger > 0.02 && tail.laws[0].larger < 0.98, "{:?}", tail.laws);
-        assert!(tail.laws[1].larger < 1e-3, "{:?}", tail.laws);
-        assert!(tail.laws[1].return_levels[1] < tail.return_levels[1].mu);
+        // For the true distribution the number of values above the threshold is as observed. The normal distribution of
+        // the same mean and standard deviation has almost no values as large as the largest.
+        let distribution = Marginal::empirical(pareto(0.3, 200_000, 2)).unwrap();
+        let (mean, std) = (distribution.mean(), distribution.std());
+        let tail =
+            Tail::of(&records, 1, 1e-3, &[fit(distribution), fit(Marginal::normal(mean, std).unwrap())]).unwrap();
+        assert!(tail.distributions[0].larger > 0.02 && tail.distributions[0].larger < 0.98, "{:?}", tail.distributions);
+        assert!(tail.distributions[1].larger < 1e-3, "{:?}", tail.distributions);
+        assert!(tail.distributions[1].return_levels[1] < tail.return_levels[1].mu);
     }
 
     #[test]

@@ -2,6 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
 
-mod lanes;
 mod strips;
+mod tracks;
 mod windows;

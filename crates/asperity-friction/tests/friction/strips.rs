@@ -47,17 +47,17 @@ fn field(grid: Grid, length_m: f64) -> SpectralField {
 
 fn rough(grid: Grid, sample: u64) -> HeightMap {
     let field = field(grid, 12e-6);
-    field.generate(&random::standard_normal(&mut random::stream(4, "friction test", sample), field.germ_len()))
+    field.generate(&random::standard_normal(&mut random::stream(4, "friction test", sample), field.xi_len()))
 }
 
-/// What a window as wide as the strip sees.
+/// Computes the contacts of a window as wide as the strip.
 fn slide(window: &Window, solution: &Solution) -> Vec<WindowContact> {
-    let mut lanes = window.slide(&StripSums::of(solution, None, &[window]));
-    assert_eq!(lanes.len(), 1);
-    lanes.remove(0)
+    let mut tracks = window.slide(&StripSums::new(solution, None, &[window]));
+    assert_eq!(tracks.len(), 1);
+    tracks.remove(0)
 }
 
-/// Contact cells, area and load of the columns `start..start + cells`, cell by cell, edge by edge.
+/// Counts contact cells, area and load of the columns `start..start + cells`, cell by cell and edge by edge.
 fn counted(solution: &Solution, start: usize, cells: usize, periodic: bool) -> (f64, f64, f64) {
     let p = solution.pressure_pa();
     let (ny, nx) = p.dim();
@@ -86,9 +86,9 @@ fn counted(solution: &Solution, start: usize, cells: usize, periodic: bool) -> (
 }
 
 #[test]
-fn sliding_sums_are_naive_counts_of_every_window() {
+fn sliding_sums_equal_direct_counts_of_every_window() {
     for (periodic, hardness_pa) in [(true, None), (true, Some(3e9)), (false, Some(3e9))] {
-        // Neither even nor a power of two.
+        // Sizes that are neither even nor powers of two.
         let grid = grid(331, 15);
         let solution =
             solve(&rough(grid, 0), &half_space(grid, periodic), Control::Percentile { percent: 20.0 }, hardness_pa);
@@ -103,7 +103,7 @@ fn sliding_sums_are_naive_counts_of_every_window() {
             let start = first + index * step;
             let (contact, area_m2, load_n) = counted(&solution, start, 33, periodic);
             assert_eq!(found.contact_cells, contact);
-            // The naive count halves the edges within a column at the periodic top and bottom of the window too: equal.
+            // The direct count also halves the edges within a column at the periodic top and bottom of the window.
             assert!((found.area_m2 - area_m2).abs() < 1e-12 * grid.area_m2(), "window {index}");
             assert!((found.load_n - load_n).abs() <= 1e-13 * solution.load_n(), "window {index}");
             assert!((found.position_m - (start as f64 + 16.5) * grid.dx_m()).abs() < 1e-15);
@@ -127,7 +127,7 @@ fn adjoining_windows_add_up_to_the_strip() {
 }
 
 #[test]
-fn a_free_strip_shows_no_window_nearer_to_an_end_than_it_is_wide() {
+fn a_free_strip_has_no_window_nearer_to_an_end_than_it_is_wide() {
     for width in [16, 25] {
         let grid = grid(400, width);
         let solution = solve(&rough(grid, 2), &half_space(grid, false), Control::Percentile { percent: 30.0 }, None);
@@ -142,7 +142,7 @@ fn a_free_strip_shows_no_window_nearer_to_an_end_than_it_is_wide() {
 }
 
 #[test]
-fn a_window_fits_its_strip_or_is_refused() {
+fn windows_that_do_not_fit_their_strip_are_refused() {
     let grid = grid(200, 10);
     assert!(matches!(Window::new(3e-6 * 0.9, grid), Err(WindowError::TooShort { .. })));
     assert!(matches!(Window::new(f64::NAN, grid), Err(WindowError::TooShort { .. })));
@@ -182,14 +182,14 @@ fn friction_is_never_below_shear_strength_over_hardness() {
     let mut empty = 0;
     for level in solved {
         let level = level.unwrap();
-        assert!(level.plastic_share > 0.0 && level.plastic_share < 1.0);
+        assert!(level.plastic_fraction > 0.0 && level.plastic_fraction < 1.0);
         for record in level.records.iter().chain(level.narrower.iter().flat_map(|(_, records)| records)) {
             for (mu, load_n) in record.friction.iter().zip(&record.load_n) {
                 assert_eq!(mu.is_nan(), *load_n == 0.0, "μ is undefined exactly where no load is carried");
                 assert!(mu.is_nan() || *mu >= 385.0 / 2000.0 * (1.0 - 1e-12), "{mu}");
             }
         }
-        let statistics = FrictionStatistics::of(&level.records, 6e-6, true, 1).unwrap();
+        let statistics = FrictionStatistics::new(&level.records, 6e-6, true, 1).unwrap();
         let nan = level.records.iter().flat_map(|record| &record.friction).filter(|mu| mu.is_nan()).count();
         assert_eq!(statistics.empty_windows, nan);
         empty += nan;
@@ -198,20 +198,20 @@ fn friction_is_never_below_shear_strength_over_hardness() {
 }
 
 #[test]
-fn fully_plastic_friction_is_shear_strength_over_hardness_without_scatter() {
+fn fully_plastic_friction_is_constant_at_shear_strength_over_hardness() {
     let grid = grid(512, 16);
     let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
     let (law, window) = (BowdenTabor { shear_strength_pa: 0.2 }, Window::new(60e-6, grid).unwrap());
     let strips = strips(&surface, &half_space, &law, Some(1.0), &window);
     let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
-    assert_eq!(level.plastic_share, 1.0);
-    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), true, 1).unwrap();
+    assert_eq!(level.plastic_fraction, 1.0);
+    let statistics = FrictionStatistics::new(&level.records, strips.window.step_m(), true, 1).unwrap();
     assert!((statistics.moments.mean - 0.2).abs() < 1e-15 && statistics.moments.std == 0.0);
     assert!(statistics.correlation.is_err(), "what does not vary has no correlation");
     let (mean, records) = Record::at_mean_load(&level.records);
     assert!((mean - 0.2).abs() < 1e-13);
-    // Sums over hundreds of windows round, and rounding is no process.
-    let process = FrictionStatistics::of(&records, strips.window.step_m(), true, 1).unwrap();
+    // Sums over hundreds of windows have rounding errors, which do not count as a process.
+    let process = FrictionStatistics::new(&records, strips.window.step_m(), true, 1).unwrap();
     assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
     assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
 }
@@ -221,7 +221,7 @@ fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure() {
     let grid = grid(320, 16);
     let (amplitude_m, wavelength_m) = (10e-9, 32.0 * grid.dx_m());
     let wave = HeightMap::from_function(grid, |x, _| amplitude_m * (2.0 * PI * x / wavelength_m).cos()).unwrap();
-    // Westergaard: full contact from p* = πE*h/λ on.
+    // Westergaard: contact is complete from p* = πE*h/λ on.
     let pressure_pa = 1.5 * PI * MODULUS_PA * amplitude_m / wavelength_m;
     let solution = solve(&wave, &half_space(grid, true), Control::MeanPressure { pascal: pressure_pa }, None);
     assert_eq!(solution.contact_fraction(), 1.0);
@@ -247,23 +247,23 @@ fn record(friction_force_n: Vec<f64>, load_n: Vec<f64>) -> Record {
 
 #[test]
 fn at_the_mean_load_windows_count_by_their_load() {
-    // Equal loads: nothing changes.
+    // Equal loads change nothing.
     let even = record(vec![0.2, 0.3, 0.1], vec![2.0; 3]);
     let (mean, same) = Record::at_mean_load(std::slice::from_ref(&even));
     assert!((mean - 0.1).abs() < 1e-15);
     assert!(same[0].friction.iter().zip(&even.friction).all(|(a, b)| (a - b).abs() < 1e-15));
-    // Uneven loads over two strips: ΣF/ΣN, whose average is the mean of the records; an empty window has the mean.
+    // Uneven loads over two strips: ΣF/ΣN, which equals the mean of the records. An empty window has the mean.
     let uneven = [record(vec![1.0, 0.0], vec![4.0, 0.0]), record(vec![0.5, 0.03, 2.0], vec![1.0, 0.01, 8.0])];
     let (mean, linear) = Record::at_mean_load(&uneven);
     assert!((mean - 3.53 / 13.01).abs() < 1e-15);
     assert!((linear[0].friction[1] - mean).abs() < 1e-15);
     let all: Vec<f64> = linear.iter().flat_map(|record| record.friction.clone()).collect();
     assert!((all.iter().sum::<f64>() / 5.0 - mean).abs() < 1e-15);
-    // A hardly loaded window has a quotient of 3 and hardly counts.
+    // A window with little load has a quotient of 3 and little weight.
     assert!((uneven[1].friction[1] - 3.0).abs() < 1e-12 && (linear[1].friction[1] - mean).abs() < 0.02);
 }
 
-/// Windows on a periodic record of one value per cell.
+/// Averages a periodic record of one value per cell over windows.
 fn averaged(process: &[f64], window: &Window, grid: Grid) -> Record {
     let step = (window.step_m() / grid.dx_m()).round() as usize;
     let cells = window.cells();
@@ -280,7 +280,8 @@ fn averaged(process: &[f64], window: &Window, grid: Grid) -> Record {
     }
 }
 
-/// Strips of a process with the correlation φ^lag from cell to cell, under a window of 64 cells and its parts.
+/// Returns the window study of a process with the correlation φ^lag from cell to cell, under a window of 64 cells and
+/// its parts.
 fn study_of(phi: f64, seed: u64) -> (WindowStudy, Grid) {
     let grid = Grid::new(4096, 4, 1e-6, 1e-6).unwrap();
     let process = |strip: u64| -> Vec<f64> {
@@ -298,21 +299,21 @@ fn study_of(phi: f64, seed: u64) -> (WindowStudy, Grid) {
     let seen = |window: &Window| strips.iter().map(|strip| averaged(strip, window, grid)).collect();
     let records: Vec<(Window, Vec<Record>)> = windows.map(|window| (window.clone(), seen(&window))).collect();
     assert_eq!(records.len(), 4);
-    (WindowStudy::of(&records).unwrap(), grid)
+    (WindowStudy::new(&records).unwrap(), grid)
 }
 
 #[test]
-fn white_friction_under_windows_is_the_window_only() {
+fn the_correlation_of_white_friction_is_due_to_the_window_alone() {
     let (study, grid) = study_of(0.0, 1);
     assert!(study.window_only(), "{study:?}");
-    // What is left is below the shortest window's cells.
+    // The remaining length is below the cells of the shortest window.
     assert!(study.length_m < 2.0 * grid.dx_m(), "{:e}", study.length_m);
     for seen in &study.windows {
-        // An exponential fitted to the triangle of W alone returns 322–368 µm at 600 µm; 5 % for the sample.
+        // An exponential fitted to the triangle of W alone returns 322–368 µm at 600 µm; 5 % allow for the sample.
         let ratio = seen.length_m / seen.window_m;
         assert!(ratio > 0.95 * 322.0 / 600.0 && ratio < 1.05 * 368.0 / 600.0, "{ratio}");
     }
-    // Independent cells: the variance falls with the window.
+    // For independent cells the variance falls with the window.
     let stds: Vec<f64> = study.windows.iter().map(|seen| seen.std * seen.window_m.sqrt()).collect();
     assert!(stds.iter().all(|std| (std / stds[3] - 1.0).abs() < 0.1), "{stds:?}");
 }
@@ -326,7 +327,8 @@ fn white_friction_under_a_window_has_the_triangular_correlation() {
     let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
     let normalisation = LagNormalisation::PairNormalised;
     let found = RecordCorrelation::estimate(&series, window.step_m(), 32, normalisation).unwrap();
-    // 1 − s/W, whose estimate from 60 · 64 windows errs by √(2/3 · 1/3840) ≈ .013; 1/e at (1 − 1/e) W = .632 W.
+    // The triangle 1 − s/W. Its estimate from 60 · 64 windows has the error √(2/3 · 1/3840) ≈ .013; 1/e at (1 − 1/e) W
+    // = .632 W.
     for (lag, rho) in found.correlation.iter().enumerate() {
         let triangle = (1.0 - lag as f64 / 16.0).max(0.0);
         assert!((rho - triangle).abs() < 4.0 * 0.013, "{rho} for {triangle} at {lag} steps");
@@ -336,7 +338,7 @@ fn white_friction_under_a_window_has_the_triangular_correlation() {
 }
 
 #[test]
-fn a_planted_length_is_found_under_the_windows() {
+fn the_length_of_a_simulated_process_is_recovered_under_the_windows() {
     // φ = e^{−Δ/ℓ} with ℓ = 25 cells.
     let truth_m = 25e-6;
     let found: Vec<WindowStudy> = (2..10).map(|seed| study_of((-1.0_f64 / 25.0).exp(), seed).0).collect();
@@ -344,14 +346,15 @@ fn a_planted_length_is_found_under_the_windows() {
     let mean = found.iter().map(|study| study.length_m).sum::<f64>() / 8.0;
     let se = (found.iter().map(|study| (study.length_m - mean).powi(2)).sum::<f64>() / (7.0 * 8.0)).sqrt();
     println!("{mean:e} ± {se:e}");
-    // The fit of a finite record is biased by about one part in the number of lengths, 12·4096/25.
+    // The bias of the fit of a finite record is about one part in the number of lengths, 12·4096/25.
     assert!((mean - truth_m).abs() < 4.0 * se + 0.01 * truth_m, "{mean:e} ± {se:e}");
-    // 95 % intervals: of eight, all miss with a probability of 4·10⁻¹¹, three or more with 6·10⁻³.
+    // Of eight 95 % intervals, all miss with a probability of 4·10⁻¹¹, three or more with 6·10⁻³.
     let covering = found.iter().filter(|study| study.interval.contains(truth_m)).count();
     assert!(covering >= 6, "{covering} of 8 intervals hold the truth");
 }
 
-/// Strips of a Beta(2.1, 5) process on [.1, .4] whose normal variables have the correlation e^{−s/ℓ}, ℓ ten steps.
+/// Returns strips of a Beta(2.1, 5) process on [.1, .4]. The normal variables have the correlation e^{−s/ℓ}, ℓ ten
+/// steps.
 fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
     let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
     let phi = (-0.1_f64).exp();
@@ -367,16 +370,16 @@ fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
 }
 
 #[test]
-fn statistics_of_a_planted_process_are_its_own() {
+fn statistics_of_a_simulated_process_are_recovered() {
     let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
     let mut records = beta_strips(20, 500, 3);
     // Windows without load leave gaps.
     for window in 40..45 {
         records[7].friction[window] = f64::NAN;
     }
-    let found = FrictionStatistics::of(&records, 1e-5, false, 1).unwrap();
+    let found = FrictionStatistics::new(&records, 1e-5, false, 1).unwrap();
     assert_eq!((found.empty_windows, found.moments.n), (5, 9995));
-    // 1,000 ℓ: a mean is worth 500 values, less what translation takes off the correlation.
+    // The records contain 1,000 ℓ: the mean has an effective sample size of about 500, a little more after translation.
     assert!(found.effective_windows > 350.0 && found.effective_windows < 800.0, "{}", found.effective_windows);
     let estimates = found.estimates;
     for (estimate, truth) in [
@@ -397,22 +400,22 @@ fn statistics_of_a_planted_process_are_its_own() {
     let normal = found.marginals.fits.iter().position(|fit| fit.family == Family::Normal).unwrap();
     let p = |place: usize| found.marginals.goodness[place].anderson_darling.unwrap().p_value;
     assert!(p(place) > 0.01 && p(normal) < 0.05, "{} {}", p(place), p(normal));
-    // The upper tail of a Beta law of shape b ends with ξ = −1/b.
+    // The upper tail of a Beta distribution of shape b ends with ξ = −1/b.
     let tail = found.tail.as_ref().unwrap();
     assert!(tail.shape_interval.contains(-0.2) && tail.largest < 0.4, "{tail:?}");
-    assert_eq!(tail.laws.len(), found.marginals.fits.len());
+    assert_eq!(tail.distributions.len(), found.marginals.fits.len());
     for mu in [0.2, 0.25, 0.3] {
-        let (share, estimate) = found.share_above(mu);
+        let (fraction, estimate) = found.fraction_above(mu);
         let estimate = estimate.unwrap();
-        assert!((share - law.survival(mu)).abs() < 4.0 * estimate.standard_error, "{mu}: {estimate:?}");
+        assert!((fraction - law.survival(mu)).abs() < 4.0 * estimate.standard_error, "{mu}: {estimate:?}");
     }
     let length_m = found.correlation.unwrap().exponential.length_m;
     assert!((length_m / 1e-4 - 1.0).abs() < 0.2, "{length_m:e}");
 }
 
 #[test]
-fn the_mean_at_the_mean_load_is_known_as_well_as_a_jackknife_over_strips_knows_it() {
-    // Loads of Beta(2.1, 5), and forces that follow them half, in strips of 20 ℓ.
+fn the_standard_error_at_the_mean_load_agrees_with_a_jackknife_over_strips() {
+    // Loads of Beta(2.1, 5), and forces that depend on them by half, in strips of 20 ℓ.
     let (loads, own) = (beta_strips(40, 200, 11), beta_strips(40, 200, 12));
     let strip = |(load, own): (&Record, &Record)| {
         let force = load.friction.iter().zip(&own.friction).map(|(n, f)| 0.1 * n + 0.1 * f).collect();
@@ -420,7 +423,7 @@ fn the_mean_at_the_mean_load_is_known_as_well_as_a_jackknife_over_strips_knows_i
     };
     let records: Vec<Record> = loads.iter().zip(&own).map(strip).collect();
     let (mean, linear) = Record::at_mean_load(&records);
-    let found = FrictionStatistics::of(&linear, 1e-5, false, 1).unwrap().estimates.mean.unwrap();
+    let found = FrictionStatistics::new(&linear, 1e-5, false, 1).unwrap().estimates.mean.unwrap();
     assert!((found.value - mean).abs() < 1e-14);
     let without = |left_out: usize| {
         let kept: Vec<Record> =
@@ -429,30 +432,30 @@ fn the_mean_at_the_mean_load_is_known_as_well_as_a_jackknife_over_strips_knows_i
     };
     let left: Vec<f64> = (0..40).map(without).collect();
     let jackknife = Moments::of(&left).std * 39.0_f64.sqrt();
-    // Each knows the error to 1/√(2·40); the quotient to √2 as much.
+    // Each standard error is accurate to 1/√(2·40), the quotient to √2 times that.
     assert!((found.standard_error / jackknife).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{found:?} {jackknife}");
-    // ΣF/ΣN of loads that make the force half: the quotients themselves scatter far more.
+    // For ΣF/ΣN, loads determine half of the force. The quotients themselves vary far more.
     assert!(found.interval.contains(0.2), "{found:?}");
 }
 
 #[test]
-fn few_strips_are_as_good_as_many_of_the_same_length() {
+fn few_long_strips_have_the_intervals_of_many_short_ones() {
     let width = |records: &[Record]| {
-        let interval = FrictionStatistics::of(records, 1e-5, false, 1).unwrap().estimates.mean.unwrap().interval;
+        let interval = FrictionStatistics::new(records, 1e-5, false, 1).unwrap().estimates.mean.unwrap().interval;
         interval.high - interval.low
     };
     let (one, many) = (width(&beta_strips(1, 4000, 5)), width(&beta_strips(20, 200, 6)));
-    // Each knows its width to about √(2/40)/2 on forty blocks.
+    // Each width is accurate to about √(2/40)/2 on forty blocks.
     assert!((one / many).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{one} {many}");
-    // Strips of a correlation length or so say nothing of their own correlation: their scatter does.
-    let short = FrictionStatistics::of(&beta_strips(40, 12, 7), 1e-5, false, 1).unwrap();
+    // Strips of about one correlation length do not show their own correlation; their variability gives the interval.
+    let short = FrictionStatistics::new(&beta_strips(40, 12, 7), 1e-5, false, 1).unwrap();
     assert!(short.estimates.mean.unwrap().degrees_of_freedom < 40.0);
 }
 
 #[test]
 fn too_few_loaded_windows_have_no_statistics() {
     let nothing = record(vec![0.0; 30], vec![0.0; 30]);
-    let error = FrictionStatistics::of(&[nothing], 1e-6, false, 1).unwrap_err();
+    let error = FrictionStatistics::new(&[nothing], 1e-6, false, 1).unwrap_err();
     assert_eq!(error, FrictionError::NoContact { windows: 30, with_contact: 0 });
     let friction = BowdenTabor { shear_strength_pa: 1.0 };
     let empty = WindowContact {
@@ -467,7 +470,7 @@ fn too_few_loaded_windows_have_no_statistics() {
 }
 
 #[test]
-fn a_level_that_cannot_be_solved_is_an_error_of_its_own() {
+fn a_level_that_cannot_be_solved_has_its_own_error() {
     let grid = grid(256, 16);
     let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
     let (law, window) = (BowdenTabor { shear_strength_pa: 1e8 }, Window::new(40e-6, grid).unwrap());

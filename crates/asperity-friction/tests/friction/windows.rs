@@ -1,4 +1,4 @@
-//! Windows of any shape and laws of friction, against counts cell by cell and closed forms.
+//! Windows of any shape and friction laws, against counts cell by cell and closed forms.
 
 use std::f64::consts::{FRAC_2_PI, PI};
 
@@ -34,10 +34,10 @@ fn solve(map: &HeightMap, periodic: bool, control: Control, hardness_pa: Option<
 fn rough(grid: Grid) -> HeightMap {
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, 12e-6).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    field.generate(&random::standard_normal(&mut random::stream(4, "friction windows", 0), field.germ_len()))
+    field.generate(&random::standard_normal(&mut random::stream(4, "friction windows", 0), field.xi_len()))
 }
 
-/// A rectangle as wide as the strip and a narrower one, an ellipse, and a mask with a hole and two parts.
+/// Returns a rectangle as wide as the strip and a narrower one, an ellipse, and a mask with a hole and two parts.
 fn shapes(grid: Grid) -> [Window; 4] {
     let (length_m, width_m) = (33.0 * grid.dx_m(), 7.0 * grid.dy_m());
     let mask = Array2::from_shape_fn((6, 32), |(row, column)| {
@@ -51,8 +51,8 @@ fn shapes(grid: Grid) -> [Window; 4] {
     ]
 }
 
-/// What the window at this first row and column sees: cell by cell, edge by edge.
-fn counted(map: &HeightMap, solution: &Solution, window: &Window, lane: usize, start: usize) -> WindowContact {
+/// Computes the contact of the window at this first row and column, cell by cell and edge by edge.
+fn counted(map: &HeightMap, solution: &Solution, window: &Window, track: usize, start: usize) -> WindowContact {
     let (p, z) = (solution.pressure_pa(), map.complete_heights_m().unwrap());
     let (grid, periodic) = (solution.grid(), solution.boundary() != Boundary::Free);
     let (ny, nx) = p.dim();
@@ -63,7 +63,7 @@ fn counted(map: &HeightMap, solution: &Solution, window: &Window, lane: usize, s
     let upper = solution.hardness_pa().unwrap_or(f64::INFINITY);
     let (mut contact, mut edges, mut load_pa, mut ploughing_pa) = (0.0, 0.0, 0.0, 0.0);
     for ((row, column), _) in window.mask().indexed_iter().filter(|(_, inside)| **inside) {
-        let (row, column) = ((lane + row) as isize, (start + column) as isize);
+        let (row, column) = ((track + row) as isize, (start + column) as isize);
         let here = p[place(row, column).unwrap()];
         contact += f64::from(here > 0.0);
         load_pa += here;
@@ -92,24 +92,24 @@ fn counted(map: &HeightMap, solution: &Solution, window: &Window, lane: usize, s
 }
 
 #[test]
-fn sums_over_runs_are_counts_of_every_cell_of_every_window() {
-    // Neither even nor a power of two.
+fn sums_over_runs_equal_direct_counts_of_every_window() {
+    // Sizes that are neither even nor powers of two.
     let map = rough(grid(331, 16));
     for (periodic, hardness_pa) in [(true, None), (true, Some(3e9)), (false, Some(3e9))] {
         let solution = solve(&map, periodic, Control::Percentile { percent: 20.0 }, hardness_pa);
         assert!(hardness_pa.is_none() || solution.plastic_fraction() > 0.0);
         for window in shapes(map.grid()) {
             let heights_m = map.complete_heights_m().unwrap();
-            let seen = window.slide(&StripSums::of(&solution, Some(heights_m), &[&window]));
-            let lanes = window.lanes(periodic);
-            assert_eq!(seen.len(), lanes.len());
-            assert_eq!(lanes.len(), if periodic { 16 / window.rows() } else { 1 });
+            let seen = window.slide(&StripSums::new(&solution, Some(heights_m), &[&window]));
+            let tracks = window.tracks(periodic);
+            assert_eq!(seen.len(), tracks.len());
+            assert_eq!(tracks.len(), if periodic { 16 / window.rows() } else { 1 });
             let step = (window.step_m() / map.grid().dx_m()).round() as usize;
             let first = if periodic { 0 } else { 12 };
-            for (lane, seen) in lanes.into_iter().zip(&seen) {
+            for (track, seen) in tracks.into_iter().zip(&seen) {
                 assert_eq!(seen.len(), if periodic { 331_usize } else { 331 - 24 - window.cells() + 1 }.div_ceil(step));
                 for (index, found) in seen.iter().enumerate() {
-                    let wanted = counted(&map, &solution, &window, lane, first + index * step);
+                    let wanted = counted(&map, &solution, &window, track, first + index * step);
                     let near = |a: f64, b: f64, scale: f64| (a - b).abs() <= 1e-12 * scale;
                     assert!(near(found.position_m, wanted.position_m, 1e-3));
                     assert_eq!(found.contact_cells, wanted.contact_cells);
@@ -125,12 +125,12 @@ fn sums_over_runs_are_counts_of_every_cell_of_every_window() {
 }
 
 #[test]
-fn lanes_of_adjoining_windows_add_up_to_the_strip() {
+fn adjoining_windows_on_all_tracks_add_up_to_the_strip() {
     let map = rough(grid(320, 16));
     let solution = solve(&map, true, Control::Percentile { percent: 10.0 }, Some(3e9));
     let window = Window::rectangle(32.0 * 2e-6, 4.0 * 1.5e-6, map.grid()).unwrap();
-    let seen = window.slide(&StripSums::of(&solution, None, &[&window]));
-    let adjoining: Vec<&WindowContact> = seen.iter().flat_map(|lane| lane.iter().step_by(16)).collect();
+    let seen = window.slide(&StripSums::new(&solution, None, &[&window]));
+    let adjoining: Vec<&WindowContact> = seen.iter().flat_map(|track| track.iter().step_by(16)).collect();
     assert_eq!((seen.len(), adjoining.len()), (4, 40));
     let area_m2: f64 = adjoining.iter().map(|w| w.area_m2).sum();
     let load_n: f64 = adjoining.iter().map(|w| w.load_n).sum();
@@ -138,17 +138,17 @@ fn lanes_of_adjoining_windows_add_up_to_the_strip() {
     assert!((load_n / solution.load_n() - 1.0).abs() < 1e-12);
 }
 
-/// Friction coefficients of every loaded window under a law.
+/// Returns the friction coefficients of every loaded window under a friction law.
 fn coefficients(map: &HeightMap, solution: &Solution, window: &Window, law: &dyn FrictionLaw) -> Vec<f64> {
     let heights_m = law.ploughs().then(|| map.complete_heights_m().unwrap());
-    let seen = window.slide(&StripSums::of(solution, heights_m, &[window]));
+    let seen = window.slide(&StripSums::new(solution, heights_m, &[window]));
     let coefficients: Vec<f64> = seen.iter().flatten().filter_map(|w| law.coefficient(w)).collect();
     assert!(coefficients.len() > 20);
     coefficients
 }
 
 #[test]
-fn where_all_contact_is_plastic_friction_is_the_laws_own_without_scatter_in_every_window() {
+fn fully_plastic_friction_is_constant_in_every_window_for_every_law() {
     let map = rough(grid(340, 16));
     // Yield stress Y: τ_max = Y/√3 and H = 3Y.
     let yield_pa = 1.0;
@@ -172,7 +172,7 @@ fn where_all_contact_is_plastic_friction_is_the_laws_own_without_scatter_in_ever
 }
 
 #[test]
-fn every_sheared_law_keeps_its_least_friction_in_every_window() {
+fn friction_by_shear_is_never_below_its_plastic_floor() {
     let map = rough(grid(331, 16));
     let (shear_strength_pa, hardness_pa) = (385e6, 2e9);
     for percent in [0.5, 5.0, 50.0] {
@@ -196,7 +196,7 @@ fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure_in_a_wi
     let grid = grid(320, 16);
     let (amplitude_m, wavelength_m) = (10e-9, 32.0 * grid.dx_m());
     let wave = HeightMap::from_function(grid, |x, _| amplitude_m * (2.0 * PI * x / wavelength_m).cos()).unwrap();
-    // Westergaard: full contact from p* = πE*h/λ on.
+    // Westergaard: contact is complete from p* = πE*h/λ on.
     let pressure_pa = 1.5 * PI * MODULUS_PA * amplitude_m / wavelength_m;
     let solution = solve(&wave, true, Control::MeanPressure { pascal: pressure_pa }, None);
     assert_eq!(solution.contact_fraction(), 1.0);
@@ -204,7 +204,7 @@ fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure_in_a_wi
     for (law, more) in [
         (&BowdenTabor { shear_strength_pa: 1e8 } as &dyn FrictionLaw, 0.0),
         (&PressureDependent { shear_strength_pa: 1e8, pressure_coefficient: 0.2 }, 0.2),
-        // Nothing yields.
+        // Without a hardness no cell is plastic.
         (&AdhesionPloughing { shear_strength_pa: 1e8 }, 0.0),
     ] {
         let found = coefficients(&wave, &solution, &window, law);
@@ -212,8 +212,8 @@ fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure_in_a_wi
     }
 }
 
-/// Ten bumps in a row, on cells of `spacing` per pitch; `height` is that of a bump in pitches at a distance in pitches.
-/// Summits lie between the cells, differently from bump to bump.
+/// Returns ten bumps in a row, on cells of `spacing` per pitch. `height` is the height of a bump in pitches at a
+/// distance in pitches. Summits lie between the cells, at a different offset for each bump.
 fn row_of_bumps(spacing: usize, pitch_m: f64, height: impl Fn(f64) -> f64) -> HeightMap {
     let grid = Grid::new(20 * spacing, spacing, pitch_m / spacing as f64, pitch_m / spacing as f64).unwrap();
     let centre = |index: usize| {
@@ -234,24 +234,25 @@ fn a_lattice_of_hertz_contacts_has_the_friction_of_their_circles_to_first_order(
     let mut errors = Vec::new();
     for spacing in [24, 48, 96] {
         let map = row_of_bumps(spacing, pitch_m, |r| -r * r * pitch_m / (2.0 * radius_m));
-        // A contact radius of 7/48 of the pitch: a³ = 3FR/4E*.
+        // The contact radius is 7/48 of the pitch: a³ = 3FR/4E*.
         let radius_wanted_m = 7.0 / 48.0 * pitch_m;
         let force_n = 4.0 * MODULUS_PA * radius_wanted_m.powi(3) / (3.0 * radius_m);
         let hertz = Hertz::new(MODULUS_PA, radius_m, force_n);
         assert!((hertz.contact_radius_m / radius_wanted_m - 1.0).abs() < 1e-12);
         let solution = solve(&map, true, Control::Load { newton: 20.0 * force_n }, None);
         let window = Window::new(2.0 * pitch_m, map.grid()).unwrap();
-        // The others of the square lattice bend the surface by ρ²·F/(4πE*)·Σ1/R³ away from the flat, Σ1/R³ = 9.0336/L³, which
-        // sharpens the bump: of its radius R a share (2·9.0336/3π)(a/L)³ goes, of the area ⅔ of that.
+        // The other contacts of the square lattice bend the surface by ρ²·F/(4πE*)·Σ1/R³ away from the flat, Σ1/R³ =
+        // 9.0336/L³. This sharpens the bump: its radius R falls by a fraction (2·9.0336/3π)(a/L)³ and its area by ⅔ of
+        // that.
         let sharpened = 2.0 / 3.0 * 2.0 * 9.0336 / (3.0 * PI) * (radius_wanted_m / pitch_m).powi(3);
         let wanted = 1e8 * PI * hertz.contact_radius_m.powi(2) * (1.0 - sharpened) / force_n;
         let found = coefficients(&map, &solution, &window, &BowdenTabor { shear_strength_pa: 1e8 });
-        // Two circles on cells scatter by less than half a ring of them, Δx/a.
+        // The area of two circles on cells varies by less than half a ring of cells, Δx/a.
         let cells = 7.0 / 48.0 * spacing as f64;
         assert!(found.iter().all(|mu| (mu / wanted - 1.0).abs() < 1.0 / cells));
         let error = found.iter().sum::<f64>() / found.len() as f64 / wanted - 1.0;
         println!("Δx/a = 1/{cells}: error {error:.5}");
-        // The perimeter correction leaves about an eighth of the bias 0.3 Δx/a of counting cells.
+        // After the perimeter correction about an eighth of the bias 0.3 Δx/a of counting cells remains.
         assert!(error.abs() < 0.06 / cells, "{error} at {cells} cells per radius");
         errors.push(error.abs());
     }
@@ -260,8 +261,9 @@ fn a_lattice_of_hertz_contacts_has_the_friction_of_their_circles_to_first_order(
 }
 
 #[test]
-fn plastic_cones_plough_as_bowden_and_tabor_say() {
-    // Cones of 0.1, the plane a third of a pitch below their tips: contact discs of that radius, all at the hardness.
+fn plastic_cones_have_the_ploughing_friction_of_bowden_and_tabor() {
+    // Cones of slope 0.1, with the plane a third of a pitch below their tips: contact discs of that radius, all at the
+    // hardness.
     let (tangent, depth) = (0.1, 1.0 / 3.0);
     let mut errors = Vec::new();
     for spacing in [12, 24, 48, 96] {
@@ -278,7 +280,7 @@ fn plastic_cones_plough_as_bowden_and_tabor_say() {
         println!("Δx/a = {:.4}: error {relative:.6}", 3.0 / spacing as f64);
         errors.push(relative.abs());
     }
-    // Only cells next to the tip, a share of (Δx/a)², have a wrong slope; what cells the rim cuts adds noise.
+    // Only cells next to the tip, a fraction (Δx/a)², have a wrong slope. Cells cut by the rim add noise.
     for (error, spacing) in errors.iter().zip([12.0_f64, 24.0, 48.0, 96.0]) {
         assert!(*error < 2.0 * (3.0 / spacing).powi(2), "{errors:?}");
     }

@@ -198,14 +198,14 @@ fn more_germ_variables_than_sobol_points_have_are_a_recorded_reason() {
     /// A germ whose tail is idle.
     struct LongGerm<'a>(&'a dyn RandomSurface);
     impl RandomSurface for LongGerm<'_> {
-        fn germ_len(&self) -> usize {
+        fn xi_len(&self) -> usize {
             2000
         }
         fn grid(&self) -> Grid {
             self.0.grid()
         }
         fn generate(&self, germ: &[f64]) -> HeightMap {
-            self.0.generate(&germ[..self.0.germ_len()])
+            self.0.generate(&germ[..self.0.xi_len()])
         }
     }
     let (surface, half_space) = gaussian_surface(8, 6);

@@ -5,22 +5,22 @@ use rayon::prelude::*;
 use asperity_base::map::HeightMap;
 use asperity_base::stats::blocks::sum_present;
 
-/// What the differences between neighbouring heights say.
+/// Statistics of the differences between neighbouring heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hybrid {
     /// Root-mean-square gradient by forward differences.
     pub(super) gradient_forward: Option<f64>,
     /// Root-mean-square gradient by seven-point differences.
     pub(super) gradient_seven_points: Option<f64>,
-    /// Triangulated area over projected area, less one.
+    /// Triangulated area over projected area, minus one.
     pub(super) developed_area_ratio: Option<f64>,
 }
 
-/// Sum and number of squared gradients by forward differences, of area excesses, and of squared gradients by seven-point
-/// differences.
+/// Sums and numbers of squared gradients by forward differences, of area excesses, and of squared gradients by
+/// seven-point differences.
 type Sums = [(f64, f64); 3];
 
-/// Slopes and area of a map, row by row; each row is summed on its own, and rows in order.
+/// Computes slopes and area of a map. Each row is summed separately, and rows are added in order.
 pub(super) fn hybrid(map: &HeightMap) -> Hybrid {
     let rows: Vec<Sums> =
         (0..map.grid().ny() - 1).into_par_iter().map_init(Vec::new, |terms, row| row_sums(map, row, terms)).collect();
@@ -35,7 +35,7 @@ pub(super) fn hybrid(map: &HeightMap) -> Hybrid {
     }
 }
 
-/// Terms of one row are written out first, which the compiler turns into vector instructions, and then summed.
+/// Computes the sums of one row. The terms are written to an array first, so that the compiler vectorises the loops.
 fn row_sums(map: &HeightMap, row: usize, terms: &mut Vec<f64>) -> Sums {
     let grid = map.grid();
     let nx = grid.nx();
@@ -57,7 +57,7 @@ fn row_sums(map: &HeightMap, row: usize, terms: &mut Vec<f64>) -> Sums {
         let (top, bottom) = ((b[i] - a[i]) * per_dx, (d[i] - c[i]) * per_dx);
         let (left, right) = ((c[i] - a[i]) * per_dy, (d[i] - b[i]) * per_dy);
         let (top, bottom, left, right) = (top * top, bottom * bottom, left * left, right * right);
-        // Diagonal b–c makes the triangles (a, b, c) and (d, c, b); diagonal a–d makes (b, a, d) and (c, d, a).
+        // Diagonal b–c defines the triangles (a, b, c) and (d, c, b); diagonal a–d defines (b, a, d) and (c, d, a).
         out[i] = 0.25 * (excesses(top + left, bottom + right) + excesses(top + right, bottom + left));
     }
     let area = sum_present(out);
@@ -73,25 +73,25 @@ fn row_sums(map: &HeightMap, row: usize, terms: &mut Vec<f64>) -> Sums {
             per_dy / 60.0,
             |sum| sum,
         );
-        // The stencil passes over the middle, which must be present all the same.
+        // The stencil does not use the middle point, but it must be present.
         out.iter_mut().zip(&here[3..]).for_each(|(out, z)| *out += 0.0 * z);
         seven = sum_present(out);
     }
     [forward, area, seven]
 }
 
-/// Areas of two triangles of these squared slopes over their projections, less one each: √(1 + s) − 1 = s/(√(1 + s) + 1),
-/// which does not cancel for gentle slopes, with one division for both.
+/// Returns the areas of two triangles of these squared slopes over their projections, minus one each: √(1 + s) − 1 =
+/// s/(√(1 + s) + 1), which does not cancel for gentle slopes, with one division for both.
 fn excesses(s: f64, t: f64) -> f64 {
     let (p, q) = ((1.0 + s).sqrt() + 1.0, (1.0 + t).sqrt() + 1.0);
     (s * q + t * p) / (p * q)
 }
 
-/// Places of the seven-point stencil that have a weight.
+/// Offsets of the seven-point stencil with non-zero weight.
 const STEPS: [usize; 6] = [0, 1, 2, 4, 5, 6];
 
-/// Adds to what `start` makes of `out` the squares of (z₊₃ − 9z₊₂ + 45z₊₁ − 45z₋₁ + 9z₋₂ − z₋₃)·`scale`, the difference that
-/// is exact for polynomials of degree six; `z` holds a slice of heights for each of [`STEPS`].
+/// Sets `out` to `start(out)` plus the squares of (z₊₃ − 9z₊₂ + 45z₊₁ − 45z₋₁ + 9z₋₂ − z₋₃)·`scale`. This difference is
+/// exact for polynomials of degree six. `z` contains a slice of heights for each of [`STEPS`].
 fn add_square_difference(out: &mut [f64], z: [&[f64]; 6], scale: f64, start: impl Fn(f64) -> f64) {
     let n = out.len();
     let [a, b, c, d, e, f] = z.map(|z| &z[..n]);
@@ -108,7 +108,7 @@ mod tests {
     use asperity_base::random;
     use ndarray::Array2;
 
-    /// The definitions, point by point.
+    /// Computes the statistics from their definitions, point by point.
     fn direct(map: &HeightMap) -> [Option<f64>; 3] {
         let (z, grid) = (map.heights_m(), map.grid());
         let (ny, nx) = grid.shape();
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_by_rows_are_the_definitions_whatever_is_missing() {
+    fn sums_by_rows_equal_the_definitions_with_missing_points() {
         for (nx, ny, missing) in [(23, 17, 0.0), (23, 17, 0.08), (9, 9, 0.0), (6, 30, 0.2), (2, 2, 0.0), (40, 7, 0.02)]
         {
             let mut stream = random::stream(16, "hybrid", nx as u64);

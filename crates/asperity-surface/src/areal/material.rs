@@ -1,16 +1,17 @@
-//! The material ratio (Abbott–Firestone) curve and what is read off it.
+//! Material ratio (Abbott–Firestone) curve and the parameters derived from it.
 
 use rayon::prelude::*;
 
 use asperity_base::stats::blocks::{self, BLOCK};
 use asperity_base::stats::{Order, sorted};
 
-/// Share of the curve that the equivalent line of the core is laid through.
+/// Fraction of the curve that the equivalent line of the core spans.
 const CORE: f64 = 0.4;
 
-/// Height as a function of the material ratio, the share of the surface at or above it.
+/// Height as a function of the material ratio, the fraction of the surface at or above it.
 ///
-/// The i-th highest of n heights lies at the ratio (i + ½)/n, with straight lines between and level ends.
+/// The i-th highest of n heights is at the ratio (i + ½)/n; the curve is linear between heights and constant at its
+/// ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialRatio {
     /// Heights in metre, highest first.
@@ -19,18 +20,18 @@ pub struct MaterialRatio {
     sums_m: Vec<f64>,
 }
 
-/// The straight line that stands for the core of a material ratio curve.
+/// Straight line that represents the core of a material ratio curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EquivalentLine {
-    /// The line of least squared deviations in height from the curve over the 40 % where its secant falls least, the first
-    /// of them where there are several: ISO 25178-2 and ISO 13565-2.
+    /// The line of least squared deviations in height from the curve over the 40 % where its secant falls least (the
+    /// first if there are several): ISO 25178-2 and ISO 13565-2.
     LeastSquares,
-    /// That secant itself. Of normal heights its Sk is 2 % larger; where the curve bends within the 40 % the two differ by
+    /// The secant itself. For normal heights its Sk is 2 % larger. If the curve bends within the 40 %, the two differ by
     /// tens of per cent.
     Secant,
 }
 
-/// The core of a material ratio curve.
+/// Core of a material ratio curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Core {
     /// Core height Sk in metre.
@@ -59,7 +60,7 @@ pub(super) struct Volumes {
 }
 
 impl MaterialRatio {
-    /// The curve of heights in metre, in any order; NaN are missing.
+    /// Creates the curve of heights in metre, in any order; NaN are missing.
     ///
     /// # Panics
     /// If no height is present.
@@ -67,7 +68,7 @@ impl MaterialRatio {
         Self::about(heights_m, 0.0)
     }
 
-    /// The curve of heights counted from `origin_m`.
+    /// Creates the curve of heights counted from `origin_m`.
     pub(super) fn about(heights_m: &[f64], origin_m: f64) -> Self {
         let descending_m = sorted(heights_m, origin_m, Order::Descending);
         assert!(!descending_m.is_empty(), "a material ratio curve needs heights");
@@ -80,19 +81,20 @@ impl MaterialRatio {
         Self { descending_m, sums_m }
     }
 
-    /// Height in metre at a material ratio from 0 to 1.
+    /// Returns the height in metre at a material ratio from 0 to 1.
     pub fn height_m(&self, ratio: f64) -> f64 {
         let (left, along) = self.place(ratio);
         let right = (left + 1).min(self.descending_m.len() - 1);
         self.descending_m[left] + along * (self.descending_m[right] - self.descending_m[left])
     }
 
-    /// Material ratio at a height in metre: the share of the surface at or above it, from 0 to 1.
+    /// Returns the material ratio at a height in metre: the fraction of the surface at or above it, from 0 to 1.
     pub fn ratio(&self, height_m: f64) -> f64 {
         self.ratio_of_count(self.descending_m.partition_point(|z| *z >= height_m), height_m)
     }
 
-    /// The share of the surface strictly above a height, which differs from [`MaterialRatio::ratio`] on a plateau.
+    /// Returns the fraction of the surface strictly above a height, which differs from [`MaterialRatio::ratio`] on a
+    /// plateau.
     fn ratio_above(&self, height_m: f64) -> f64 {
         self.ratio_of_count(self.descending_m.partition_point(|z| *z > height_m), height_m)
     }
@@ -106,7 +108,7 @@ impl MaterialRatio {
         (above as f64 - 0.5 + (upper - height_m) / (upper - lower)) / n as f64
     }
 
-    /// The nearest height on the left of a ratio, and how far the ratio is on the way to the next.
+    /// Returns the nearest height on the left of a ratio, and the fraction of the distance to the next height.
     fn place(&self, ratio: f64) -> (usize, f64) {
         let last = self.descending_m.len() - 1;
         let position = (ratio * self.descending_m.len() as f64 - 0.5).clamp(0.0, last as f64);
@@ -114,7 +116,7 @@ impl MaterialRatio {
         (left, position - left as f64)
     }
 
-    /// ∫ height from ratio 0 to `ratio`, in metre.
+    /// Returns ∫ height from ratio 0 to `ratio`, in metre.
     fn integral_to(&self, ratio: f64) -> f64 {
         let n = self.descending_m.len() as f64;
         let first = 0.5 / n;
@@ -122,7 +124,7 @@ impl MaterialRatio {
             return ratio * self.descending_m[0];
         }
         let (left, along) = self.place(ratio);
-        // Trapezoids from the highest to the one on the left: all heights in full, but half of the last.
+        // Trapezoids from the highest height to the one on the left: all heights in full, except half of the last.
         let block = left / BLOCK;
         let heights = self.sums_m[block] + self.descending_m[block * BLOCK..=left].iter().sum::<f64>();
         let trapezoids = (heights - 0.5 * self.descending_m[left]) / n;
@@ -131,25 +133,25 @@ impl MaterialRatio {
         trapezoids + trapezoid + beyond
     }
 
-    /// The ratio at which the secant over 40 % starts that falls least, the first where there are several.
+    /// Returns the starting ratio of the secant over 40 % that falls least, the first if there are several.
     ///
-    /// The fall is piecewise linear in the start, so its least value lies where either end meets a height. The level ends
-    /// of the curve, half a step long, are no part of the surface's shape and are kept out.
+    /// The fall is piecewise linear in the start, so its least value occurs where either end coincides with a height.
+    /// The constant ends of the curve, half a step long, do not belong to the shape of the surface and are left out.
     fn flattest_secant(&self) -> f64 {
         let z = self.descending_m.as_slice();
         let n = z.len();
-        // 40 % are `whole` steps and a `part`: ends lie between heights at the same place everywhere.
+        // 40 % are `whole` steps and a `part`, so all ends have the same position between two heights.
         let (whole, part) = ((CORE * n as f64).floor() as usize, (CORE * n as f64).fract());
         let between = usize::from(part > 0.0);
         let count = n.saturating_sub(whole + between);
-        // Secants that start at a height: their end lies a part of a step after the height `whole` further on.
+        // Secants that start at a height end a part of a step after the height `whole` further on.
         let of_starts = |first: usize| {
             let (starts, ends, next) = (&z[first..count], &z[first + whole..], &z[first + whole + between..]);
             let falls =
                 starts.iter().zip(ends).zip(next).map(|((start, end), next)| start - (end + part * (next - end)));
             least(falls.take(BLOCK)).map(|(place, fall)| (fall, (first + place) as f64))
         };
-        // Secants that end at a height, where that is not the same: their start lies as far before one.
+        // Secants that end at a height, if these are different, start the same distance before a height.
         let of_ends = |first: usize| {
             let (before, starts, ends) = (&z[first..count], &z[first + between..], &z[first + whole + between..]);
             let falls =
@@ -166,14 +168,14 @@ impl MaterialRatio {
         first.map_or(0.5 * (1.0 - CORE), |(_, steps)| (steps + 0.5) / n as f64)
     }
 
-    /// Sk, Spk, Svk, Smrk1 and Smrk2: the equivalent line, continued to the ratios 0 and 1, bounds the core; the peaks
-    /// above and the dales below are turned into triangles of equal area (ISO 13565-2).
+    /// Computes Sk, Spk, Svk, Smrk1 and Smrk2. The equivalent line, continued to the ratios 0 and 1, bounds the core;
+    /// the peaks above and the dales below are replaced by triangles of equal area (ISO 13565-2).
     pub fn core(&self, line: EquivalentLine) -> Core {
         let [core] = self.cores([line]);
         core
     }
 
-    /// The cores of several lines through the same part of the curve.
+    /// Computes the cores of several lines through the same part of the curve.
     pub(super) fn cores<const N: usize>(&self, lines: [EquivalentLine; N]) -> [Core; N] {
         let start = self.flattest_secant();
         lines.map(|line| {
@@ -204,19 +206,20 @@ impl MaterialRatio {
         }
     }
 
-    /// Fall per unit of ratio, and height at ratio 0, of the line that deviates least in height, in the mean square over the
+    /// Returns the fall per unit of ratio, and the height at ratio 0, of the least-squares line in height over the
     /// ratios from `start` to `start` + 40 %: slope 12 ∫ (r − r̄) z dr/w³ about the mean height ∫ z dr/w, w = 40 %.
     fn least_squares(&self, start: f64) -> (f64, f64) {
-        // Counted from its first height, a level stretch has no rounding, and its line no slope.
+        // Counted from its first height, a constant stretch has no rounding error, and its line no slope.
         let (middle, level_m) = (start + 0.5 * CORE, self.height_m(start));
         let (area_m, moment_m) = self.integrals(start, start + CORE, middle, level_m);
         let slope_m = -12.0 * moment_m / CORE.powi(3);
         (slope_m, level_m + area_m / CORE + slope_m * middle)
     }
 
-    /// ∫ (z − `level_m`) dr and ∫ (r − `centre`)(z − `level_m`) dr from one ratio to another.
+    /// Returns ∫ (z − `level_m`) dr and ∫ (r − `centre`)(z − `level_m`) dr from one ratio to another.
     ///
-    /// Of a straight piece of width h the second is the trapezoid of the product, less h²/6 times the rise of z.
+    /// For a straight piece of width h the second integral is the trapezoid of the product, minus h²/6 times the rise
+    /// of z.
     fn integrals(&self, from: f64, to: f64, centre: f64, level_m: f64) -> (f64, f64) {
         let n = self.descending_m.len() as f64;
         let trapezoid = |(r0, z0): (f64, f64), (r1, z1): (f64, f64)| {
@@ -250,7 +253,7 @@ impl MaterialRatio {
         (area + ends[0].0 + ends[1].0, moment + ends[0].1 + ends[1].1)
     }
 
-    /// Material above and void below the heights at two ratios, p < q.
+    /// Returns the material above and the void below the heights at two ratios, p < q.
     pub(super) fn volumes(&self, p: f64, q: f64) -> Volumes {
         let material = |ratio: f64| self.integral_to(ratio) - ratio * self.height_m(ratio);
         let void =
@@ -264,7 +267,7 @@ impl MaterialRatio {
     }
 }
 
-/// The first of the least values and its place.
+/// Returns the first of the least values and its place.
 fn least(values: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     let mut found: Option<(usize, f64)> = None;
     for (place, value) in values.enumerate() {

@@ -1,4 +1,4 @@
-//! How far heights stay correlated, in every direction.
+//! Autocorrelation length and texture aspect ratio: decay of the autocorrelation in all directions.
 
 use rayon::prelude::*;
 
@@ -6,24 +6,24 @@ use asperity_base::correlation::{Autocorrelation, Axis, EstimateError};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::stats::Extent;
 
-/// Rays over half a turn; the other half is the same by symmetry.
+/// Number of rays over half a turn; the other half is the same by symmetry.
 const RAYS: usize = 360;
-/// Profiles along each axis from which the reach of the correlation is guessed.
+/// Number of profiles along each axis used to guess the reach of the correlation.
 const GUESSED_FROM: usize = 64;
 
 /// Distances over which the autocorrelation first falls to a level, over all directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decay {
-    /// Shortest distance in metre; `None` when no direction decays within half the field.
+    /// Shortest distance in metre; `None` if no direction decays within half the field.
     pub shortest_m: Option<f64>,
-    /// Longest distance in metre; `None` when some direction does not decay within half the field.
+    /// Longest distance in metre; `None` if some direction does not decay within half the field.
     pub longest_m: Option<f64>,
-    /// Share of the directions that do not decay.
+    /// Fraction of the directions that do not decay.
     pub undecayed: f64,
 }
 
 impl Decay {
-    /// Shortest over longest distance, where both exist.
+    /// Returns the shortest over the longest distance, if both exist.
     pub fn aspect_ratio(&self) -> Option<f64> {
         Some(self.shortest_m? / self.longest_m?)
     }
@@ -34,19 +34,20 @@ impl Decay {
 /// The correlation is normalised by the number of present pairs, interpolated bilinearly, and sampled every half pixel;
 /// the crossing is linear between samples. On a lag without pairs the ray ends undecayed.
 ///
-/// Distances run along straight rays to the *first* crossing, as ISO 25178-2 defines Str. Programs that take the farthest point
-/// of the region above the level find longer ones where that region bends or branches.
+/// Distances are along straight rays to the *first* crossing, as ISO 25178-2 defines Str. Programs that use the farthest
+/// point of the region above the level report longer distances if that region bends or branches.
 ///
 /// # Errors
-/// The heights do not vary.
+/// All heights are equal.
 pub fn decay(map: &HeightMap, level: f64) -> Result<Decay, EstimateError> {
     Ok(decay_and_correlation(map, &Extent::of(map.values_m()), level)?.0)
 }
 
-/// As [`decay`], with the autocorrelation that was followed. It reaches as far as some ray went, so the correlation along
+/// Computes [`decay`], and returns the autocorrelation. It reaches as far as the rays, so the correlation along
 /// either axis falls to `level` within it, or it reaches half the field.
 ///
-/// Lags are estimated up to a guess first, and up to half the field along an axis by whose side a ray left the guess.
+/// Lags are first estimated up to a guess. If a ray leaves the guess across an axis, they are estimated up to half the
+/// field along that axis.
 pub(super) fn decay_and_correlation(
     map: &HeightMap,
     extent: &Extent,
@@ -63,7 +64,7 @@ pub(super) fn decay_and_correlation(
     }
 }
 
-/// Some ray left the lags of an autocorrelation before it decayed, by the sides across these axes.
+/// A ray left the estimated lags before the correlation decayed; the flags give the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Left {
     x: bool,
@@ -88,14 +89,14 @@ pub(super) fn followed(correlation: &Autocorrelation, level: f64) -> Result<Deca
     })
 }
 
-/// How a ray ended.
+/// End of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ray {
-    /// It met the level at this distance in metre.
+    /// The correlation fell to the level at this distance in metre.
     Decayed(f64),
-    /// It met half the field, or a lag without pairs, above the level.
+    /// The ray reached half the field, or a lag without pairs, above the level.
     Undecayed,
-    /// It left the lags that were estimated, by the side across this axis.
+    /// The ray left the estimated lags across the side of this axis.
     Left(Axis),
 }
 
@@ -129,20 +130,20 @@ fn along(correlation: &Autocorrelation, angle: f64, level: f64) -> Ray {
     Ray::Undecayed
 }
 
-/// Correlation at a lag of (x, y) pixels.
+/// Returns the correlation at a lag of (x, y) pixels by bilinear interpolation.
 fn bilinear(correlation: &Autocorrelation, x: f64, y: f64) -> f64 {
     let (column, row) = (x.floor(), y.floor());
     let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| {
         let weight = (if right == 1 { x - column } else { 1.0 - (x - column) })
             * (if down == 1 { y - row } else { 1.0 - (y - row) });
-        // Corners without weight may lie beyond the reach.
+        // Corners without weight may be outside of the estimated lags.
         if weight == 0.0 { 0.0 } else { weight * correlation.correlation(column as isize + right, row as isize + down) }
     });
     corners.iter().sum()
 }
 
-/// Twice the first of the lags 1, 2, 4, … at which the correlation of some profiles is below the level, along x and y; half
-/// the field where none is. Only the time depends on it, not the result.
+/// Returns twice the first of the lags 1, 2, 4, … at which the correlation of some profiles is below the level, along x
+/// and y; half the field if there is none. It affects only the time, not the result.
 fn guess(map: &HeightMap, mean_m: f64, level: f64) -> (usize, usize) {
     let grid: Grid = map.grid();
     let (ny, nx) = grid.shape();
@@ -174,15 +175,15 @@ mod tests {
     use asperity_base::random;
 
     #[test]
-    fn the_reach_changes_the_time_not_the_result() {
+    fn the_guessed_reach_affects_only_the_time() {
         let grid = Grid::new(120, 90, 1.0, 1.3).unwrap();
-        // Short, long along y, longer than half the field, and a hole.
+        // Correlation lengths: short, long along y, longer than half the field; and a hole.
         for (length_x, length_y, hole) in [(3.0, 3.0, false), (3.0, 25.0, false), (40.0, 4.0, true), (80.0, 80.0, true)]
         {
             let covariance = Covariance::new(CorrelationModel::Exponential, 1.0, length_x, length_y).unwrap();
             let field = SpectralField::periodic(&covariance, grid);
-            let germ = random::standard_normal(&mut random::stream(17, "decay", 0), field.germ_len());
-            let mut heights = field.generate(&germ).heights_m().clone();
+            let xi = random::standard_normal(&mut random::stream(17, "decay", 0), field.xi_len());
+            let mut heights = field.generate(&xi).heights_m().clone();
             if hole {
                 heights.slice_mut(ndarray::s![20..50, 30..70]).fill(f64::NAN);
             }

@@ -11,7 +11,7 @@ fn close(name: &str, found: f64, wanted: f64, tolerance: f64) {
     assert!((found / wanted - 1.0).abs() < tolerance, "{name} = {found}, not {wanted}");
 }
 
-/// z = A sin(2πx/P), `n` points to a period, `periods` of them.
+/// Returns z = A sin(2πx/P) with `n` points per period and `periods` periods.
 fn sinusoid(amplitude: f64, period: f64, n: usize, periods: usize) -> HeightMap {
     let grid = Grid::new(n * periods, 16, period / n as f64, period / n as f64).unwrap();
     HeightMap::from_function(grid, |x, _| amplitude * (TAU * x / period).sin()).unwrap()
@@ -21,7 +21,7 @@ fn sinusoid(amplitude: f64, period: f64, n: usize, periods: usize) -> HeightMap 
 fn a_sinusoid_has_its_closed_forms() {
     let (amplitude, period, n) = (2e-6, 50e-6, 200);
     let p = parameters(&sinusoid(amplitude, period, n, 8)).unwrap();
-    // Sums over whole periods are exact, but for |sin|, whose midpoint rule is off by π²/(6n²)·… < 1e-4.
+    // Sums over whole periods are exact, except for |sin|, whose midpoint rule has an error of π²/(6n²)·… < 1e-4.
     close("Sa", p.sa_m, 2.0 * amplitude / PI, 1e-4);
     close("Sq", p.sq_m, amplitude / SQRT_2, 1e-12);
     assert!(p.ssk.abs() < 1e-12);
@@ -32,7 +32,7 @@ fn a_sinusoid_has_its_closed_forms() {
     // One point of 1,600 along a row has no right neighbour.
     close("Sdq", p.sdq.unwrap(), slope * sinc, 1e-3);
     close("Sdq_7point", p.sdq_7point.unwrap(), slope, 3e-3);
-    // The correlation along x is cos(2πτ/P) up to the unequal phases that a lag sees; along y it does not decay.
+    // The correlation along x is cos(2πτ/P) up to the different phases at each lag; along y it does not decay.
     close("Sal", p.sal_m.unwrap(), 0.217_952_891_575_525_6 * period, 0.02);
     assert_eq!(p.str_ratio, None);
 }
@@ -42,7 +42,7 @@ fn the_developed_area_of_a_sinusoid_converges_to_its_elliptic_integral_at_second
     // (2/π) E(−k²) − 1 at k = 2πA/P.
     for (k, wanted) in [(0.1, 0.0024953319251068695), (0.5, 0.05983938018764845), (1.0, 0.21600672342497984)] {
         let error = |n: usize| {
-            // One point more than a period: the cells then cover the period exactly.
+            // One point more than a period, so that the cells cover the period exactly.
             let grid = Grid::new(n + 1, 2, 1.0 / n as f64, 1.0 / n as f64).unwrap();
             let map = HeightMap::from_function(grid, |x, _| k / TAU * (TAU * x).sin()).unwrap();
             (parameters(&map).unwrap().sdr.unwrap() / wanted - 1.0).abs()
@@ -65,7 +65,7 @@ fn an_egg_box_has_its_closed_forms() {
     close("Sku", p.sku, 2.25, 1e-12);
     close("Sdq_7point", p.sdq_7point.unwrap(), SQRT_2 * PI * amplitude / period, 5e-3);
     // ρ = cos(2πx/P) cos(2πy/P): shortest along the axes, longest along the diagonals, where cos² = 0.2. A lag
-    // leaves 10 periods less a fraction, whose unequal phases shift ρ by up to 1/(4π·10) along x and y each.
+    // leaves 10 periods minus a fraction, whose incomplete phases shift ρ by up to 1/(4π·10) along x and y each.
     let shortest = 0.2_f64.acos() / TAU * period;
     let longest = SQRT_2 * 0.2_f64.sqrt().acos() / TAU * period;
     close("Sal", p.sal_m.unwrap(), shortest, 0.02);
@@ -73,7 +73,7 @@ fn an_egg_box_has_its_closed_forms() {
 }
 
 #[test]
-fn a_tilted_plane_has_the_slope_and_area_of_a_plane_whatever_is_missing() {
+fn a_tilted_plane_with_missing_points_has_the_slope_and_area_of_a_plane() {
     let grid = Grid::new(40, 30, 1e-6, 2e-6).unwrap();
     let mut heights = HeightMap::from_function(grid, |x, y| 0.3 * x - 0.4 * y).unwrap().heights_m().clone();
     let mut stream = random::stream(11, "holes", 0);
@@ -92,7 +92,7 @@ fn a_tilted_plane_has_the_slope_and_area_of_a_plane_whatever_is_missing() {
 
 #[test]
 fn statistics_skip_missing_points() {
-    // A map of n rows and the same map with as many rows missing below have the same height statistics and slopes.
+    // A map of n rows, and the same map with as many missing rows below, have the same height statistics and slopes.
     let rough = random::standard_normal(&mut random::stream(11, "rows", 0), 32 * 32);
     let full =
         HeightMap::new(Grid::new(32, 32, 1.0, 1.0).unwrap(), Array2::from_shape_vec((32, 32), rough.clone()).unwrap());
@@ -102,7 +102,7 @@ fn statistics_skip_missing_points() {
     );
     let (full, half) = (parameters(&full.unwrap()).unwrap(), parameters(&half.unwrap()).unwrap());
     assert_eq!(half.missing, 32 * 32);
-    // Lags along y reach farther on the taller map, and the spectrum of a map with missing points has another resolution.
+    // Lags along y are longer on the taller map, and the spectrum of a map with missing points has another resolution.
     let Parameters { sal_m, str_ratio, std_rad, ssw_m, .. } = full;
     assert_eq!(Parameters { missing: 0, sal_m, str_ratio, std_rad, ssw_m, ..half }, full);
     close("Sal", half.sal_m.unwrap(), full.sal_m.unwrap(), 1e-12);
@@ -132,7 +132,7 @@ fn parameters_follow_the_unit_and_ignore_the_offset() {
 }
 
 #[test]
-fn a_surface_without_roughness_is_an_error_not_nan() {
+fn a_surface_without_roughness_is_an_error() {
     let grid = Grid::new(8, 8, 1.0, 1.0).unwrap();
     for height in [0.0, 0.1] {
         let map = HeightMap::new(grid, Array2::from_elem((8, 8), height)).unwrap();
@@ -144,7 +144,7 @@ fn a_surface_without_roughness_is_an_error_not_nan() {
 }
 
 #[test]
-fn a_map_too_small_for_a_stencil_says_so() {
+fn parameters_are_none_on_a_map_smaller_than_the_stencil() {
     let grid = Grid::new(5, 5, 1.0, 1.0).unwrap();
     let p = parameters(&HeightMap::from_function(grid, |x, y| (x * y).sin()).unwrap()).unwrap();
     assert!(p.sdq.is_some() && p.sdq_7point.is_none());
@@ -155,8 +155,8 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let grid = Grid::new(300, 240, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::Exponential, 1.0, 6.0, 3.0).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    let germ = random::standard_normal(&mut random::stream(11, "threads", 0), field.germ_len());
-    let full = field.generate(&germ);
+    let xi = random::standard_normal(&mut random::stream(11, "threads", 0), field.xi_len());
+    let full = field.generate(&xi);
     let mut heights = full.heights_m().clone();
     heights.iter_mut().step_by(13).for_each(|z| *z = f64::NAN);
     let holes = HeightMap::new(grid, heights).unwrap();
@@ -175,7 +175,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     }
 }
 
-/// Plain NumPy on instrument files, where the folder named by ASPERITY_REFERENCE holds them.
+/// Compares instrument files with plain NumPy, if the folder named by ASPERITY_REFERENCE contains them.
 #[test]
 fn instrument_files_have_the_parameters_of_an_independent_program() {
     let Some(folder) = std::env::var_os("ASPERITY_REFERENCE") else {
@@ -192,8 +192,8 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
             continue;
         }
         let mut scan = asperity_formats::read(&folder.join(file)).unwrap();
-        // Where the reference's loader is wrong: it took the millimetres of one file for micrometres, and of another the
-        // range of its numbers for one less than the header says (asperity-formats, README).
+        // Errors of the reference's loader: it read the millimetres of one file as micrometres, and the range of the
+        // numbers of another as one less than in the header (asperity-formats, README).
         if file == "st_tmd-1.tmd" {
             scan.heights_m *= 1e-3;
             scan.pitch_m = scan.pitch_m.map(|(dx, dy)| (1e-3 * dx, 1e-3 * dy));
@@ -215,7 +215,7 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
             ("Sdq_iso7pt", p.sdq_7point),
             ("Sdr_triangulated", p.sdr),
         ] {
-            // A map of fewer rows than the stencil has no such gradient, whatever a program with other edges says.
+            // A map with fewer rows than the stencil has no such gradient; programs with other edge rules may differ.
             let Some(found) = found else {
                 assert!(name == "Sdq_iso7pt" && map.grid().ny() < 7, "{file}: {name}");
                 continue;
@@ -223,15 +223,15 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
             close(&format!("{file}: {name}"), found, wanted[name].as_f64().unwrap(), 1e-6);
         }
         let pixel_m = map.grid().dx_m();
-        // On the smallest map the reference gives up; here one ray decays within half the field.
+        // On the smallest map the reference returns nothing; here one ray decays within half the field.
         if let Some(sal_m) = wanted["Sal_rays_s0.2_m"].as_f64() {
             let sal_m = sal_m * pixel_m / expected["dx_m"].as_f64().unwrap();
             assert!((p.sal_m.unwrap() - sal_m).abs() < pixel_m, "{file}: Sal {:?}, not {sal_m}", p.sal_m);
         }
         assert_eq!(p.str_ratio.is_some(), wanted["Str_rays_s0.2"].is_f64(), "{file}: Str");
-        // Another package lays the same least-squares line through a curve resampled to 10,000 ratios, which misjudges spikes
-        // that are rarer: with a million ratios its Svk of such a map moves by 1 % towards ours. Reduced heights and volumes
-        // of peaks and dales are left out where the highest or deepest point is far off.
+        // Another package fits the same least-squares line to a curve resampled to 10,000 ratios, which misrepresents
+        // rarer spikes. With a million ratios its Svk of such a map changes by 1 % towards ours. Reduced heights and
+        // volumes of peaks and dales are not compared if the highest or deepest point is an extreme outlier.
         let peer = &expected["surfalize_0.19.2_um_on_same_levelled_array"];
         if peer["Sk"].is_f64() {
             let spiky = p.sp_m.max(p.sv_m) > 20.0 * p.sq_m;

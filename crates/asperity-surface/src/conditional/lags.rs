@@ -12,7 +12,7 @@ pub(super) struct Lags {
 }
 
 impl Lags {
-    /// The lags of the field of these modes on its periodic domain.
+    /// Computes the lags of the field of these modes on its periodic domain.
     pub(super) fn of(modes: &FourierModes) -> Self {
         let mut spectrum: Vec<Complex64> = modes.spectrum_m2().into_iter().map(Complex64::from).collect();
         let fft = modes.fft();
@@ -23,7 +23,7 @@ impl Lags {
         Self { nx: fft.nx(), ny: fft.ny(), values }
     }
 
-    /// Correlation at a lag of less than the grid.
+    /// Returns the correlation at a lag smaller than the grid.
     pub(super) fn at(&self, lag_x: isize, lag_y: isize) -> f64 {
         let (nx, ny) = (self.nx as isize, self.ny as isize);
         let column = if lag_x < 0 { lag_x + nx } else { lag_x };

@@ -19,7 +19,7 @@ use self::noise::{LEAST_NOISE, likeliest_noise};
 use self::pyramid::Pyramid;
 use super::lags::Lags;
 use super::{ConditionalError, Standardised, check, map, places, scores};
-use crate::gaussian::check_germ;
+use crate::gaussian::check_xi;
 use crate::{RandomSurface, SpectralField};
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::law::Marginal;
@@ -28,63 +28,65 @@ use asperity_base::monitor::{Cancelled, Monitor, Silent};
 
 pub(crate) use embedding::LARGEST_DOMAIN;
 
-/// Groups of missing points that are dealt with between two reports, for each thread.
+/// Number of groups of missing points between two progress reports, for each thread.
 const BLOCK: usize = 32;
 
-/// Maps of a stationary Gaussian surface, given its heights at some points, by the heights around each void alone.
+/// Random maps of a stationary Gaussian surface conditioned on heights at some points, by the heights around each void.
 ///
-/// An unconditional map z is corrected by what it misses of the measured heights d (Matheron), void by void: at the missing
-/// points of one,
+/// An unconditional map z is corrected by its differences from the measured heights d (Matheron), void by void. At the
+/// missing points of a void
 ///
 /// z_d = z + K_{·n} (K_nn + τ²I)⁻¹ (d_n − z(x_n) − τε),
 ///
-/// where n are some hundred heights around it instead of all, and the system is solved by a dense factor. The unconditional
-/// map is one and the same for all voids, so neighbouring ones agree with each other as far as their neighbourhoods do.
+/// where n are some hundred heights around the void, and a dense factorisation solves the system. The unconditional
+/// map is the same for all voids, so neighbouring voids agree with each other as far as their neighbourhoods agree.
 ///
-/// *Neighbourhoods.* All heights within a few points of the void, and beyond them ever fewer, at a spacing that grows with the
-/// distance, up to eight radii of the central lobe of the correlation or as far as it is above 0.1. Distances follow the
-/// lobe, so with a lay they are longer along it. Small voids next to each other share a neighbourhood; one whose
-/// neighbourhood would exceed some 2,000 heights is cut into parts that overlap and fade into each other.
+/// *Neighbourhoods.* A neighbourhood contains all heights within a few points of the void. Beyond, it contains fewer
+/// heights at a spacing that grows with the distance, up to eight radii of the central lobe of the correlation or as
+/// far as the correlation is above 0.1. Distances are scaled by the lobe, so they are longer along a lay. Small
+/// adjacent voids share a neighbourhood. If a neighbourhood would exceed some 2,000 heights, the void is divided into
+/// overlapping parts with smooth transitions.
 ///
-/// *What it costs.* The law of a void and its neighbourhood together is exact, so slopes inside and steps across the edge are
-/// those of the field; what is lost is agreement with heights outside of the neighbourhood. For exponential and Matérn
-/// correlations with or without a lay the error variance exceeds that of conditioning on all heights by less than 1 %; for a
-/// squared exponential, whose exact one runs from 1e-10 to 1 of σ² within a void, by up to 0.11 of σ²
-/// (`docs/validation/filling.md`). Far from measured heights the unconditional law returns.
+/// *Accuracy.* The joint distribution of a void and its neighbourhood is exact, so slopes inside and steps across the
+/// edge have the distribution of the field. Only the dependence on heights outside of the neighbourhood is lost.
+/// Compared with conditioning on all heights, the error variance is larger by less than 1 % for exponential and Matérn
+/// correlations, with or without a lay. For a squared exponential, whose exact error variance ranges from 1e-10 to 1 of
+/// σ² within a void, it is larger by up to 0.11 of σ² (`docs/validation/filling.md`). Far from measured heights the
+/// distribution is unconditional.
 ///
-/// *Noise.* Smooth correlations are singular to rounding, so the heights are always allowed some noise: of the variances
-/// from 1e-10 to 1e-2 of σ² the one that makes small patches of the heights likeliest, and at least the nugget given. For
-/// heights with the correlation given it is the least one, which shows nowhere; heights rougher than their correlation would
-/// otherwise have the voids swing.
+/// *Noise.* Smooth correlations are singular to rounding, so the model always includes noise on the heights. Its
+/// variance, from 1e-10 to 1e-2 of σ², maximises the likelihood of small patches of the heights, and is at least the
+/// given nugget. For heights with the given correlation it is the least, which has no visible effect. Heights rougher
+/// than their correlation would otherwise cause oscillations in the voids.
 ///
-/// The germ is that of the embedding, followed by one variable per measured height where there is more noise than the least.
-/// No solve is iterative, so none fails to converge. The result is the same to the bit for any number of threads.
+/// ξ contains the variables of the embedding, followed by one variable per measured height if the noise exceeds the
+/// least. No solve is iterative, so none fails to converge. The result is bit-identical for any number of threads.
 ///
 /// # References
 /// Chilès & Delfiner, *Geostatistics* (2012), §3.6 (neighbourhoods) and §7.3 (conditioning by kriging),
 /// <https://doi.org/10.1002/9781118136188>; Stein, *Ann. Stat.* **30** (2002) 298,
-/// <https://doi.org/10.1214/aos/1015362194> (why near heights screen far ones).
+/// <https://doi.org/10.1214/aos/1015362194> (screening of far heights by near ones).
 #[derive(Debug)]
 pub struct NeighbourhoodSurface {
     grid: Grid,
     field: SpectralField,
     lags: Lags,
-    /// Places of the measured heights, and these as the Gaussian field sees them: less the mean, or scores.
+    /// Places of the measured heights, and their Gaussian values: heights minus the mean, or normal scores.
     places: Vec<usize>,
     values: Vec<f64>,
     groups: Vec<Group>,
     measured: HeightMap,
     mean_m: f64,
-    law: Option<Marginal>,
-    /// Variance of the noise over that of the Gaussian field, and the standard deviation of this.
+    marginal: Option<Marginal>,
+    /// Variance of the noise over the variance of the Gaussian field, and the standard deviation of the field.
     noise: f64,
     std: f64,
 }
 
 impl NeighbourhoodSurface {
-    /// Maps of mean `mean_m` on the grid of `measured` through the heights that are present there, with this covariance
-    /// elsewhere, and noise of variance `nugget`·σ² on the heights. Measured heights stay as they are, bit by bit; with noise,
-    /// what is drawn between them is the surface beneath it.
+    /// Creates random maps of mean `mean_m` on the grid of `measured` that contain its present heights and have this
+    /// covariance, with noise of variance `nugget`·σ² on the heights. Measured heights are kept bit by bit. With noise,
+    /// the heights between them are those of the underlying surface.
     ///
     /// # Errors
     /// Parameters outside their ranges, a grid without room for the embedding, or cancellation.
@@ -100,27 +102,28 @@ impl NeighbourhoodSurface {
         Self::assemble(covariance, measured, (mean_m, values), None, nugget, monitor)
     }
 
-    /// As [`NeighbourhoodSurface::new`] for heights of the law `law`, in metre, over a Gaussian field of the correlation of
-    /// `covariance`, whose standard deviation is not used.
+    /// Creates a surface like [`NeighbourhoodSurface::new`] for heights of the distribution `marginal`, in metre, over
+    /// a Gaussian field with the correlation of `covariance`, whose standard deviation is not used.
     ///
     /// # Errors
-    /// As there, and a law with a parameter outside its range or that makes a measured height impossible.
-    pub fn with_law(
+    /// The errors of [`NeighbourhoodSurface::new`]; an invalid distribution, or one under which a measured height is
+    /// impossible.
+    pub fn with_marginal(
         covariance: &dyn StationaryCovariance,
         measured: &HeightMap,
-        law: &Marginal,
+        marginal: &Marginal,
         nugget: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, ConditionalError> {
-        let scores = scores(law, measured)?;
-        Self::assemble(&Standardised(covariance), measured, (0.0, scores), Some(law.clone()), nugget, monitor)
+        let scores = scores(marginal, measured)?;
+        Self::assemble(&Standardised(covariance), measured, (0.0, scores), Some(marginal.clone()), nugget, monitor)
     }
 
     fn assemble(
         covariance: &dyn StationaryCovariance,
         measured: &HeightMap,
         (mean_m, values): (f64, Vec<f64>),
-        law: Option<Marginal>,
+        marginal: Option<Marginal>,
         nugget: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, ConditionalError> {
@@ -140,48 +143,49 @@ impl NeighbourhoodSurface {
             groups,
             measured: measured.clone(),
             mean_m,
-            law,
+            marginal,
             noise,
             std,
         })
     }
 
-    /// Number of measured heights.
+    /// Returns the number of measured heights.
     pub fn measured_points(&self) -> usize {
         self.values.len()
     }
 
-    /// Share of the variance that the embedding had to clip; see [`SpectralField::clipped_variance`].
+    /// Returns the fraction of the variance that the embedding clipped; see [`SpectralField::clipped_variance`].
     pub fn clipped_variance(&self) -> f64 {
         self.field.clipped_variance()
     }
 
-    /// Variance of the noise on the measured heights over that of the field: the nugget, or what the heights have more.
+    /// Returns the variance of the noise on the measured heights over the variance of the field: the nugget, or the
+    /// estimate if larger.
     pub fn noise(&self) -> f64 {
         self.noise
     }
 
-    /// The maps of several germs of [`RandomSurface::germ_len`] values each. They share the factors of the neighbourhoods,
-    /// so many at once take less time than one by one, and memory for each.
+    /// Generates the maps of several ξ of [`RandomSurface::xi_len`] values each. They share the factors of the
+    /// neighbourhoods, so many maps together take less time than one by one, but more memory.
     ///
     /// # Errors
     /// Cancellation.
     ///
     /// # Panics
-    /// If a germ has another length or a value that is not finite.
+    /// If a ξ has another length or a value that is not finite.
     pub fn draw(
         &self,
-        germs: impl IntoIterator<Item = Vec<f64>>,
+        xis: impl IntoIterator<Item = Vec<f64>>,
         monitor: &dyn Monitor,
     ) -> Result<Vec<HeightMap>, Cancelled> {
         let noise_std = self.std * self.noise.sqrt();
         let (mut drawn, mut misses) = (Vec::new(), Vec::new());
-        for germ in germs {
+        for xi in xis {
             if monitor.cancelled() {
                 return Err(Cancelled);
             }
-            check_germ(&germ, self.germ_len());
-            let (of_field, of_noise) = germ.split_at(self.field.germ_len());
+            check_xi(&xi, self.xi_len());
+            let (of_field, of_noise) = xi.split_at(self.field.xi_len());
             let map = self.field.generate(of_field).heights_m().clone();
             let flat = map.as_slice().unwrap_or_default();
             let mut missed: Vec<f64> =
@@ -194,7 +198,7 @@ impl NeighbourhoodSurface {
         Ok(drawn.into_iter().map(|gaussian| self.heights(gaussian)).collect())
     }
 
-    /// The conditional mean; with a marginal law, the conditional median.
+    /// Returns the conditional mean; with a marginal distribution, the conditional median.
     ///
     /// # Errors
     /// Cancellation.
@@ -210,7 +214,7 @@ impl NeighbourhoodSurface {
         Ok(self.heights(mean))
     }
 
-    /// Adds to each map what its misses at the measured heights say at the missing points.
+    /// Corrects each map at the missing points by its differences from the measured heights.
     fn correct(&self, misses: &[Vec<f64>], maps: &mut [Array2<f64>], monitor: &dyn Monitor) -> Result<(), Cancelled> {
         let nx = self.grid.nx();
         let mut done = 0;
@@ -235,10 +239,10 @@ impl NeighbourhoodSurface {
         Ok(())
     }
 
-    /// Heights in metre of a Gaussian map; measured ones are put in as they are.
+    /// Returns the heights in metre of a Gaussian map, with the measured heights inserted.
     fn heights(&self, gaussian: Array2<f64>) -> HeightMap {
-        let mut heights = match &self.law {
-            Some(law) => gaussian.mapv(|g| law.translate(g)),
+        let mut heights = match &self.marginal {
+            Some(marginal) => gaussian.mapv(|g| marginal.translate(g)),
             None => gaussian.mapv(|z| z + self.mean_m),
         };
         heights.zip_mut_with(self.measured.heights_m(), |z, measured| {
@@ -251,19 +255,19 @@ impl NeighbourhoodSurface {
 }
 
 impl RandomSurface for NeighbourhoodSurface {
-    fn germ_len(&self) -> usize {
-        self.field.germ_len() + if self.noise > LEAST_NOISE { self.values.len() } else { 0 }
+    fn xi_len(&self) -> usize {
+        self.field.xi_len() + if self.noise > LEAST_NOISE { self.values.len() } else { 0 }
     }
 
     fn grid(&self) -> Grid {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        let drawn = self.draw([germ.to_vec()], &Silent);
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        let drawn = self.draw([xi.to_vec()], &Silent);
         match drawn.map(|mut maps| maps.pop()) {
             Ok(Some(map)) => map,
-            _ => unreachable!("one germ makes one map, and nobody cancels"),
+            _ => unreachable!("one ξ gives one map, and nothing cancels"),
         }
     }
 }

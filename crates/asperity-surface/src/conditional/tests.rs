@@ -7,8 +7,8 @@ use asperity_base::correlation::{CorrelationModel, Covariance, Rotated};
 use asperity_base::monitor::Silent;
 use asperity_base::random;
 
-fn germ(surface: &NeighbourhoodSurface, index: u64) -> Vec<f64> {
-    random::standard_normal(&mut random::stream(17, "conditional", index), surface.germ_len())
+fn xi(surface: &NeighbourhoodSurface, index: u64) -> Vec<f64> {
+    random::standard_normal(&mut random::stream(17, "conditional", index), surface.xi_len())
 }
 
 fn grid(nx: usize, ny: usize) -> Grid {
@@ -19,7 +19,7 @@ fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
     Covariance::isotropic(model, 2.0, length_m).unwrap()
 }
 
-/// A map of `covariance`, with what `missing` says missing.
+/// Returns a map of `covariance` with missing points where `missing` is true.
 fn measured(covariance: &dyn StationaryCovariance, grid: Grid, missing: impl Fn(usize, usize) -> bool) -> HeightMap {
     truth(covariance, grid, 0, missing)
 }
@@ -31,13 +31,13 @@ fn truth(
     missing: impl Fn(usize, usize) -> bool,
 ) -> HeightMap {
     let field = SpectralField::free(covariance, grid).unwrap();
-    let germ = random::standard_normal(&mut random::stream(18, "truth", index), field.germ_len());
-    let mut heights = field.generate(&germ).heights_m().clone();
+    let xi = random::standard_normal(&mut random::stream(18, "truth", index), field.xi_len());
+    let mut heights = field.generate(&xi).heights_m().clone();
     heights.indexed_iter_mut().filter(|((row, column), _)| missing(*row, *column)).for_each(|(_, z)| *z = f64::NAN);
     HeightMap::new(grid, heights).unwrap()
 }
 
-/// Kriging by dense algebra: mean and covariance of all points, row by row, given the present heights with noise.
+/// Computes dense kriging: mean and covariance of all points, row by row, given the present heights with noise.
 fn dense(covariance: &dyn StationaryCovariance, measured: &HeightMap, mean: f64, nugget: f64) -> (Vec<f64>, Mat<f64>) {
     let grid = measured.grid();
     let variance = covariance.std_m().powi(2);
@@ -59,8 +59,8 @@ fn dense(covariance: &dyn StationaryCovariance, measured: &HeightMap, mean: f64,
     ((0..n).map(|p| mean + centre[(p, 0)]).collect(), Mat::from_fn(n, n, |p, q| c(p, q) - known[(p, q)]))
 }
 
-/// The mean and the covariance of the maps as functions of the germ are those of dense kriging at the missing points: z = m + Bξ, so
-/// both follow from unit germs without any sampling. On a small map a neighbourhood holds all heights.
+/// Checks that mean and covariance of the maps equal dense kriging at the missing points. The maps are z = m + Bξ, so
+/// both follow from unit vectors ξ without sampling. On a small map a neighbourhood contains all heights.
 fn is_kriging(covariance: &dyn StationaryCovariance, measured: &HeightMap, nugget: f64) {
     let surface = NeighbourhoodSurface::new(covariance, measured, 0.7, nugget, &Silent).unwrap();
     assert!(surface.clipped_variance() < 1e-12);
@@ -74,10 +74,10 @@ fn is_kriging(covariance: &dyn StationaryCovariance, measured: &HeightMap, nugge
             .for_each(|p| assert!((heights[*p] - mean[*p]).abs() < 1e-6, "{p}: {} {}", heights[*p], mean[*p]));
     };
     close(&surface.kriging_mean(&Silent).unwrap());
-    let zero = vec![0.0; surface.germ_len()];
+    let zero = vec![0.0; surface.xi_len()];
     close(&surface.generate(&zero));
     let mut met = Mat::<f64>::zeros(missing.len(), missing.len());
-    for j in 0..surface.germ_len() {
+    for j in 0..surface.xi_len() {
         let mut unit = zero.clone();
         unit[j] = 1.0;
         let part: Vec<f64> = surface.generate(&unit).heights_m().iter().zip(&mean).map(|(z, m)| z - m).collect();
@@ -95,7 +95,7 @@ fn is_kriging(covariance: &dyn StationaryCovariance, measured: &HeightMap, nugge
 }
 
 #[test]
-fn mean_and_covariance_are_those_of_dense_kriging() {
+fn mean_and_covariance_equal_dense_kriging() {
     let some = |row: usize, column: usize| (3 * row + 5 * column) % 7 < 5;
     let exponential = covariance(CorrelationModel::Exponential, 2.5);
     is_kriging(&exponential, &measured(&exponential, grid(9, 7), some), 0.0);
@@ -112,7 +112,7 @@ fn measured_heights_are_kept_to_the_bit() {
         (row as f64 - 25.0).hypot(column as f64 - 30.0) < 11.0 || (7 * row + 3 * column) % 11 == 0
     });
     let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Silent).unwrap();
-    let drawn = surface.generate(&germ(&surface, 0));
+    let drawn = surface.generate(&xi(&surface, 0));
     assert_eq!(drawn.missing_points(), 0);
     for (before, after) in map.heights_m().iter().zip(drawn.heights_m()).filter(|(before, _)| !before.is_nan()) {
         assert_eq!(before.to_bits(), after.to_bits());
@@ -120,49 +120,54 @@ fn measured_heights_are_kept_to_the_bit() {
 }
 
 #[test]
-fn heights_of_a_law_are_met_and_the_rest_has_that_law() {
+fn measured_heights_are_kept_and_the_rest_has_their_distribution() {
     let rough = covariance(CorrelationModel::Exponential, 2.0);
-    let law = Marginal::lognormal(0.0, 0.6, -1.0).unwrap();
+    let marginal = Marginal::lognormal(0.0, 0.6, -1.0).unwrap();
     let gaussian = measured(&Standardised(&rough), grid(48, 40), |row, column| row > 8 || column > 8);
-    let heights = gaussian.heights_m().mapv(|g| law.translate(g));
+    let heights = gaussian.heights_m().mapv(|g| marginal.translate(g));
     let map = HeightMap::new(gaussian.grid(), heights).unwrap();
-    let surface = NeighbourhoodSurface::with_law(&rough, &map, &law, 0.0, &Silent).unwrap();
-    // The scores are the Gaussian field again.
-    let found = scores(&law, &map).unwrap();
+    let surface = NeighbourhoodSurface::with_marginal(&rough, &map, &marginal, 0.0, &Silent).unwrap();
+    // The scores equal the Gaussian field.
+    let found = scores(&marginal, &map).unwrap();
     assert!(found.iter().zip(gaussian.present_m()).all(|(a, b)| (a - b).abs() < 1e-12));
     let (count, mut far) = (500, Vec::new());
     for index in 0..count {
-        let drawn = surface.generate(&germ(&surface, index));
+        let drawn = surface.generate(&xi(&surface, index));
         assert!(map.heights_m().iter().zip(drawn.heights_m()).all(|(a, b)| a.is_nan() || a == b));
         far.push(drawn.heights_m()[[38, 45]]);
     }
     far.sort_by(f64::total_cmp);
-    // Kolmogorov's distance; 1.95/√n is passed by one sample in a thousand.
+    // Kolmogorov's distance; one sample in a thousand exceeds 1.95/√n.
     let distance = far
         .iter()
         .enumerate()
-        .map(|(i, z)| (law.cdf(*z) - (i as f64 + 0.5) / count as f64).abs() + 0.5 / count as f64)
+        .map(|(i, z)| (marginal.cdf(*z) - (i as f64 + 0.5) / count as f64).abs() + 0.5 / count as f64)
         .fold(0.0, f64::max);
     assert!(distance < 1.95 / (count as f64).sqrt(), "{distance}");
-    // A height below the shift of the law cannot be.
+    // A height below the shift of the distribution is impossible.
     let mut heights = map.heights_m().clone();
     heights[[2, 3]] = -1.5;
-    let error =
-        NeighbourhoodSurface::with_law(&rough, &HeightMap::new(map.grid(), heights).unwrap(), &law, 0.0, &Silent);
-    assert!(matches!(error, Err(ConditionalError::OutsideLaw { row: 2, column: 3, .. })));
+    let error = NeighbourhoodSurface::with_marginal(
+        &rough,
+        &HeightMap::new(map.grid(), heights).unwrap(),
+        &marginal,
+        0.0,
+        &Silent,
+    );
+    assert!(matches!(error, Err(ConditionalError::OutsideSupport { row: 2, column: 3, .. })));
 }
 
 #[test]
-fn a_measured_law_gives_its_own_heights_back() {
+fn an_empirical_distribution_reproduces_its_own_heights() {
     let rough = covariance(CorrelationModel::Exponential, 4.0);
     let map = measured(&rough, grid(30, 30), |row, column| row.abs_diff(15) < 5 && column.abs_diff(15) < 5);
-    let law = Marginal::empirical(map.present_m().collect()).unwrap();
-    let surface = NeighbourhoodSurface::with_law(&rough, &map, &law, 0.0, &Silent).unwrap();
+    let marginal = Marginal::empirical(map.present_m().collect()).unwrap();
+    let surface = NeighbourhoodSurface::with_marginal(&rough, &map, &marginal, 0.0, &Silent).unwrap();
     let present: Vec<f64> = map.present_m().collect();
-    for (score, height) in scores(&law, &map).unwrap().iter().zip(&present) {
-        assert!((law.translate(*score) - height).abs() < 1e-9);
+    for (score, height) in scores(&marginal, &map).unwrap().iter().zip(&present) {
+        assert!((marginal.translate(*score) - height).abs() < 1e-9);
     }
-    let drawn = surface.generate(&germ(&surface, 0));
+    let drawn = surface.generate(&xi(&surface, 0));
     let (low, high) = present.iter().fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(*z), h.max(*z)));
     assert!(drawn.present_m().all(|z| (low..=high).contains(&z)));
 }
@@ -176,16 +181,16 @@ fn a_map_is_extended_beyond_its_edges_and_its_voids_are_filled() {
     assert_eq!(wide.missing_points(), 44 * 64 - map.present_m().count());
     assert_eq!(wide.heights_m()[[7, 12]], map.heights_m()[[0, 0]]);
     let surface = NeighbourhoodSurface::new(&rough, &wide, 0.0, 0.0, &Silent).unwrap();
-    let drawn = surface.generate(&germ(&surface, 3));
+    let drawn = surface.generate(&xi(&surface, 3));
     assert_eq!(drawn.missing_points(), 0);
-    // No seam: over truths and draws, steps across the edge have the mean square of steps anywhere.
+    // No seam: over true maps and draws, steps across the edge have the mean square of other steps.
     let wanted = 2.0 * 4.0 * (1.0 - rough.correlation(1.0, 0.0));
     let count = 30;
     let means: Vec<f64> = (0..count)
         .map(|index| {
             let wide = surrounded(&truth(&rough, grid(24, 30), index, |_, _| false), 4, 0).unwrap();
             let surface = NeighbourhoodSurface::new(&rough, &wide, 0.0, 0.0, &Silent).unwrap();
-            let drawn = surface.generate(&germ(&surface, index));
+            let drawn = surface.generate(&xi(&surface, index));
             let z = drawn.heights_m();
             (0..30).map(|row| (z[[row, 4]] - z[[row, 3]]).powi(2)).sum::<f64>() / 30.0
         })

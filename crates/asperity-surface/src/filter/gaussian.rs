@@ -1,4 +1,4 @@
-//! Areal Gaussian filters of ISO 16610-61 and their robust kin of ISO 16610-71, on maps with missing points.
+//! Areal Gaussian filters of ISO 16610-61 and robust ones of ISO 16610-71, on maps with missing points.
 
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -8,71 +8,74 @@ use asperity_base::fourier::{Complex64, RealFft2, Workspace, good_length};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::stats::upper_median;
 
-/// √(ln 2/π): with it half of a wave of the cutoff's length passes.
+/// √(ln 2/π): with it the filter transmits half the amplitude of a wave of the cutoff's length.
 const ALPHA: f64 = 0.469_718_639_349_825_5;
-/// Reach of the weights over the cutoff; beyond they are below 1e−13 of the middle one.
+/// Reach of the weights over the cutoff; beyond, weights are below 1e−13 of the central one.
 const REACH: f64 = 1.45;
 /// Biweight scale over the median absolute residual, 3/Φ⁻¹(¾).
 const BIWEIGHT: f64 = 4.447_806_655_516_806;
-/// A change of the scale below this share ends the robust iteration.
+/// Relative change of the scale below which the robust iteration ends.
 const SETTLED: f64 = 1e-4;
-/// Robust iterations.
+/// Largest number of robust iterations.
 const MAX_ITERATIONS: usize = 100;
-/// Least sum of weights, over that of a full window, on which a height is computed.
+/// Least sum of weights, over the sum of a full window, for which a height is computed.
 const LEAST_WEIGHT: f64 = 1e-8;
 
-/// What is fitted under the weights around each point.
+/// Function that is fitted under the weights around each point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regression {
-    /// A constant: the weighted mean of the present heights, ISO 16610-61 with its weights normalised at edges and voids.
+    /// A constant: the weighted mean of the present heights, ISO 16610-61 with its weights normalised at edges and
+    /// voids.
     Constant,
-    /// A quadratic: forms up to degree two pass unchanged, at edges too.
+    /// A quadratic polynomial: forms up to degree two pass unchanged, also at edges.
     Quadratic,
 }
 
-/// A Gaussian filter: the weight of a height at the distance (x, y) is exp(−π(x² + y²)/(α λ)²), α = √(ln 2/π), λ the cutoff.
+/// Gaussian filter: the weight of a height at the distance (x, y) is exp(−π(x² + y²)/(α λ)²), α = √(ln 2/π), cutoff λ.
 ///
 /// # References
 /// ISO 16610-61:2015; ISO 16610-71:2014; Seewig, *J. Phys.: Conf. Ser.* **13** (2005) 254,
 /// <https://doi.org/10.1088/1742-6596/13/1/059>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianFilter {
-    /// Cutoff (nesting index) λ in metre: the wavelength of which half passes.
+    /// Cutoff (nesting index) λ in metre: the wavelength with a transmission of one half.
     pub cutoff_m: f64,
-    /// What is fitted under the weights.
+    /// Function that is fitted under the weights.
     pub regression: Regression,
-    /// Whether heights far from the smooth surface lose their weight, by Tukey's biweight, until nothing changes.
+    /// Whether heights far from the smooth surface lose their weight, iteratively by Tukey's biweight.
     pub robust: bool,
 }
 
 /// The large scales of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// The smooth surface, missing where the map is missing, and at `lost` points more.
+    /// The smooth surface, missing where the map is missing and at `lost` further points.
     pub map: HeightMap,
-    /// Points around which no height kept a weight; 0 without robust weights.
+    /// Number of points around which no height kept a weight; 0 without robust weights.
     pub lost: usize,
-    /// Robust iterations; 0 without.
+    /// Number of robust iterations; 0 without robust weights.
     pub iterations: usize,
 }
 
 impl GaussianFilter {
-    /// The plain filter of ISO 16610-61.
+    /// Creates the plain filter of ISO 16610-61.
     pub fn linear(cutoff_m: f64) -> Self {
         Self { cutoff_m, regression: Regression::Constant, robust: false }
     }
 
-    /// The robust quadratic regression of ISO 16610-71: grooves and spikes do not pull the smooth surface.
+    /// Creates the robust quadratic regression of ISO 16610-71, on which grooves and spikes have no influence.
     pub fn robust(cutoff_m: f64) -> Self {
         Self { cutoff_m, regression: Regression::Quadratic, robust: true }
     }
 
-    /// Share of the amplitude that the plain filter keeps of a wave with so many periods per metre, exp(−π(αλf)²) = 2^−(λf)².
+    /// Returns the transmission of the plain filter for a wave with this number of periods per metre, exp(−π(αλf)²) =
+    /// 2^−(λf)².
     pub fn transmission(&self, frequency_per_m: f64) -> f64 {
         (-std::f64::consts::PI * (ALPHA * self.cutoff_m * frequency_per_m).powi(2)).exp()
     }
 
-    /// The large scales: what an S-filter keeps. Only present heights count, by their weights; none is filled in.
+    /// Returns the large scales, the output of an S-filter. Only present heights have weights; missing heights are not
+    /// filled.
     ///
     /// # Errors
     /// [`FilterError::Cutoff`] for a cutoff below a pixel or above the field; [`FilterError::NotConverged`].
@@ -88,7 +91,7 @@ impl GaussianFilter {
         let mut windows = Windows::new(grid, self.cutoff_m);
         let mut search = Search { heights: &heights, present: &present, weights: present.clone(), iterations: 0 };
         let smooth = if self.robust {
-            // Beside an outlier at an edge a quadratic swings far out and judges the sound heights by that; a mean does not.
+            // Beside an outlier at an edge a quadratic overshoots and downweights valid heights. A mean does not.
             search.settle(&mut windows, Regression::Constant)?;
             search.settle(&mut windows, self.regression)?
         } else {
@@ -102,10 +105,10 @@ impl GaussianFilter {
         Ok(Smoothed { map: smooth, lost, iterations })
     }
 
-    /// The small scales, the map less [`GaussianFilter::smooth`]: what an L-filter keeps.
+    /// Returns the small scales, the map minus [`GaussianFilter::smooth`]: the output of an L-filter.
     ///
     /// # Errors
-    /// As [`GaussianFilter::smooth`].
+    /// The errors of [`GaussianFilter::smooth`].
     pub fn roughness(&self, map: &HeightMap) -> Result<Smoothed, FilterError> {
         let smoothed = self.smooth(map)?;
         let rough = map.heights_m() - smoothed.map.heights_m();
@@ -113,7 +116,7 @@ impl GaussianFilter {
     }
 }
 
-/// The iteration to robust weights.
+/// Iteration of the robust weights.
 struct Search<'a> {
     heights: &'a [f64],
     /// 1 at present points, 0 at missing ones.
@@ -123,20 +126,20 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Tukey's biweights and the smooth surface under them, each from the other until the scale of the residuals stays.
+    /// Alternates between Tukey's biweights and the smooth surface until the scale of the residuals converges.
     fn settle(&mut self, windows: &mut Windows, regression: Regression) -> Result<Vec<f64>, FilterError> {
         let mut smooth = windows.regress(self.heights, &self.weights, regression);
         let mut scale = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let before = std::mem::replace(&mut scale, BIWEIGHT * median_distance(self.heights, &smooth, self.present));
-            // With a scale of zero more than half of the heights lie on the smooth surface itself.
+            // With a scale of zero more than half of the heights are on the smooth surface.
             if scale == 0.0 || (before - scale).abs() <= SETTLED * scale {
                 return Ok(smooth);
             }
             for (((weight, present), z), w) in self.weights.iter_mut().zip(self.present).zip(self.heights).zip(&smooth)
             {
                 let distance = (z - w) / scale;
-                // A point without a smooth height cannot be judged; it keeps no weight.
+                // A point without a smooth height has no residual and gets no weight.
                 *weight = if distance.abs() < 1.0 { present * (1.0 - distance * distance).powi(2) } else { 0.0 };
             }
             smooth = windows.regress(self.heights, &self.weights, regression);
@@ -157,7 +160,7 @@ fn median_distance(heights: &[f64], smooth: &[f64], present: &[f64]) -> f64 {
     upper_median(&mut distances).unwrap_or(0.0)
 }
 
-/// Exponents (a, b) of the moments x^a y^b up to the fourth order; the first six make up a quadratic.
+/// Exponents (a, b) of the moments x^a y^b up to the fourth order; the first six form a quadratic.
 const MOMENTS: [(usize, usize); 15] = [
     (0, 0),
     (1, 0),
@@ -175,15 +178,15 @@ const MOMENTS: [(usize, usize); 15] = [
     (1, 3),
     (0, 4),
 ];
-/// Terms of a quadratic.
+/// Number of terms of a quadratic.
 const TERMS: usize = 6;
 
-/// Sums over the window around every point, by products of transforms on a grid that is padded by the window's reach.
+/// Sums over the window around every point, by products of transforms on a grid padded by the reach of the window.
 struct Windows {
     grid: Grid,
     fft: RealFft2,
     work: Workspace,
-    /// Transforms of (−t)^a exp(−π t²/(αλ)²), t over the cutoff, a = 0 … 4, the middle weights adding up to 1.
+    /// Transforms of (−t)^a exp(−π t²/(αλ)²), t over the cutoff, a = 0 … 4; the weights add up to 1.
     along_x: Vec<Vec<Complex64>>,
     along_y: Vec<Vec<Complex64>>,
 }
@@ -202,7 +205,7 @@ impl Windows {
         }
     }
 
-    /// Σ f(x′) ((x′ − x)/λ)^a ((y′ − y)/λ)^b w(x′ − x) for the given moments.
+    /// Returns Σ f(x′) ((x′ − x)/λ)^a ((y′ − y)/λ)^b w(x′ − x) for the given moments.
     fn sums(&mut self, values: &[f64], moments: &[(usize, usize)]) -> Vec<Vec<f64>> {
         let (ny, nx) = self.grid.shape();
         let mut transform = self.fft.spectrum();
@@ -226,7 +229,7 @@ impl Windows {
             .collect()
     }
 
-    /// The constant term of the weighted regression around every point; NaN where nothing has a weight.
+    /// Returns the constant term of the weighted regression around every point; NaN if all weights are zero.
     fn regress(&mut self, heights: &[f64], weights: &[f64], regression: Regression) -> Vec<f64> {
         let weighted: Vec<f64> = heights.iter().zip(weights).map(|(z, w)| z * w).collect();
         let (of_weights, of_heights) = match regression {
@@ -245,7 +248,7 @@ impl Windows {
                 let mean = right[0][point] / sum;
                 match regression {
                     Regression::Constant => mean,
-                    // Too few heights for a quadratic leave the weighted mean.
+                    // With too few heights for a quadratic the result is the weighted mean.
                     Regression::Quadratic => quadratic(&matrix, &right, point).unwrap_or(mean),
                 }
             })
@@ -253,7 +256,7 @@ impl Windows {
     }
 }
 
-/// Transforms of the windows of one axis on `n` points.
+/// Computes the transforms of the windows of one axis on `n` points.
 fn axis_windows(n: usize, reach: usize, step: f64) -> Vec<Vec<Complex64>> {
     let weight = |t: f64| (-std::f64::consts::PI * (t / ALPHA).powi(2)).exp();
     let offsets = -(reach as isize)..=reach as isize;
@@ -273,7 +276,7 @@ fn axis_windows(n: usize, reach: usize, step: f64) -> Vec<Vec<Complex64>> {
         .collect()
 }
 
-/// The constant term of the weighted quadratic at a point by Cholesky's factorisation; `None` when it is not determined.
+/// Returns the constant term of the weighted quadratic at a point by Cholesky factorisation; `None` if undetermined.
 fn quadratic(matrix: &[Vec<f64>], right: &[Vec<f64>], point: usize) -> Option<f64> {
     /// Least pivot over its diagonal entry.
     const LEAST_PIVOT: f64 = 1e-7;
@@ -281,7 +284,7 @@ fn quadratic(matrix: &[Vec<f64>], right: &[Vec<f64>], point: usize) -> Option<f6
         let wanted = (MOMENTS[i].0 + MOMENTS[j].0, MOMENTS[i].1 + MOMENTS[j].1);
         MOMENTS.iter().position(|moment| *moment == wanted).map_or(f64::NAN, |k| matrix[k][point])
     };
-    // The constant comes last, so that it is the first unknown to be found.
+    // The constant is the last unknown, so back substitution finds it first.
     let order = |i: usize| TERMS - 1 - i;
     let mut factor = [[0.0; TERMS]; TERMS];
     let mut reduced = [0.0; TERMS];
@@ -324,7 +327,7 @@ mod tests {
         HeightMap::new(map.grid(), heights).unwrap()
     }
 
-    /// The weighted regression around one point, by the definition.
+    /// Computes the weighted regression around one point from its definition.
     fn at_point(map: &HeightMap, cutoff_m: f64, regression: Regression, row: usize, column: usize) -> f64 {
         let grid = map.grid();
         let terms = if regression == Regression::Constant { 1 } else { TERMS };
@@ -340,23 +343,23 @@ mod tests {
                 right[i] += weight * basis[i] * z;
             }
         }
-        // Gauss–Jordan with pivoting, to be independent of the code under test.
+        // Gauss–Jordan elimination with pivoting, independent of the code under test.
         for i in 0..terms {
             let pivot =
                 (i..terms).max_by(|a, b| gram[a * terms + i].abs().total_cmp(&gram[b * terms + i].abs())).unwrap();
             right.swap(i, pivot);
             (0..terms).for_each(|j| gram.swap(i * terms + j, pivot * terms + j));
             for k in (0..terms).filter(|k| *k != i) {
-                let share = gram[k * terms + i] / gram[i * terms + i];
-                (0..terms).for_each(|j| gram[k * terms + j] -= share * gram[i * terms + j]);
-                right[k] -= share * right[i];
+                let factor = gram[k * terms + i] / gram[i * terms + i];
+                (0..terms).for_each(|j| gram[k * terms + j] -= factor * gram[i * terms + j]);
+                right[k] -= factor * right[i];
             }
         }
         right[0] / gram[0]
     }
 
     #[test]
-    fn the_fast_sums_are_the_weighted_regression_at_every_point() {
+    fn the_fast_sums_equal_the_weighted_regression_at_every_point() {
         let grid = Grid::new(21, 17, 1e-6, 1.5e-6).unwrap();
         for map in [rough(grid, 0), with_holes(&rough(grid, 1))] {
             for regression in [Regression::Constant, Regression::Quadratic] {
@@ -373,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn half_of_a_wave_of_the_cutoff_passes_and_others_by_the_gaussian() {
+    fn the_transmission_is_one_half_at_the_cutoff_and_gaussian_elsewhere() {
         let cutoff_m = 40e-6;
         let grid = Grid::new(400, 100, 1e-6, 1e-6).unwrap();
         for length_m in [40e-6, 80e-6, 25e-6] {
@@ -405,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn grooves_pull_the_linear_filter_but_not_the_robust_one() {
+    fn grooves_affect_the_linear_filter_but_not_the_robust_one() {
         let grid = Grid::new(200, 60, 1e-6, 1e-6).unwrap();
         let plateau = rough(grid, 2).heights_m() * 10e-9;
         let mut grooved = plateau.clone();
@@ -419,14 +422,14 @@ mod tests {
             on_plateau.map(|(_, z)| z.abs()).fold(0.0, f64::max)
         };
         let (linear, robust) = (pulled(GaussianFilter::linear(50e-6)), pulled(GaussianFilter::robust(50e-6)));
-        // The mean of the map lies 0.24 µm below the plateau. Of white noise of 10 nm a window keeps 10 nm over the
-        // root of some 500 to 1,000 effective points.
+        // The mean of the map is 0.24 µm below the plateau. White noise of 10 nm is reduced by the root of some 500 to
+        // 1,000 effective points of a window.
         assert!(linear > 0.2e-6, "{linear:e}");
         assert!(robust < 5e-9, "{robust:e}");
     }
 
     #[test]
-    fn the_robust_filter_of_a_surface_without_outliers_is_near_the_linear_regression() {
+    fn without_outliers_the_robust_filter_is_close_to_the_linear_regression() {
         let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
         let map = rough(grid, 3);
         let plain =
@@ -435,14 +438,15 @@ mod tests {
         assert!(robust.iterations > 1);
         let rms = |a: &HeightMap, b: &Array2<f64>| ((a.heights_m() - b).mapv(|d| d * d).mean().unwrap()).sqrt();
         let zero = Array2::zeros(grid.shape());
-        // The biweight at c = 3 σ has the efficiency e = (E ψ′)²/E ψ² on normal heights; what it adds to the noise of the
-        // least-squares estimate is uncorrelated with that estimate and √(1/e − 1) of it. A map holds some 30 windows.
+        // The biweight at c = 3 σ has the efficiency e = (E ψ′)²/E ψ² on normal heights. Its excess error is
+        // uncorrelated with the least-squares estimate and √(1/e − 1) times the error of that estimate. A map contains
+        // some 30 windows.
         let ratio = rms(&robust.map, plain.map.heights_m()) / rms(&plain.map, &zero);
         assert!((ratio / 0.5423 - 1.0).abs() < 0.3, "{ratio}");
     }
 
     #[test]
-    fn senseless_cutoffs_are_refused() {
+    fn invalid_cutoffs_are_refused() {
         let map = rough(Grid::new(20, 30, 1e-6, 2e-6).unwrap(), 4);
         for cutoff_m in [0.0, -1e-6, 1.9e-6, 20.1e-6, f64::NAN, f64::INFINITY] {
             let error = GaussianFilter::linear(cutoff_m).smooth(&map).unwrap_err();

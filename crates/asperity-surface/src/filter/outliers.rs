@@ -1,10 +1,10 @@
-//! Outliers become missing points.
+//! Rejection of outliers, which become missing points.
 
 use super::FilterError;
 use asperity_base::map::HeightMap;
 use asperity_base::stats::{Moments, quantile_sorted, sorted_present};
 
-/// Standard deviation of a normal law over its median absolute deviation, 1/Φ⁻¹(¾).
+/// Standard deviation of a normal distribution over its median absolute deviation, 1/Φ⁻¹(¾).
 const STD_OVER_MAD: f64 = 1.482_602_218_505_602;
 
 /// A map without its outliers.
@@ -20,12 +20,12 @@ pub struct Filtered {
     pub scale_m: f64,
 }
 
-/// Rejects heights farther than `standard_deviations` from the median. Remove the form first: on a tilted map the tilt
-/// itself would be the scale.
+/// Rejects heights farther than `standard_deviations` from the median. Remove the form first; otherwise a tilt
+/// dominates the scale.
 ///
-/// The scale is 1.4826 times the median absolute deviation, the standard deviation of a normal law, which outliers cannot
-/// inflate while they are fewer than half. When more than half of the heights are equal that scale is zero and the
-/// standard deviation about the mean takes its place. One pass; nothing is filled in.
+/// The scale is 1.4826 times the median absolute deviation, the standard deviation of a normal distribution. Outliers
+/// cannot inflate it while they are fewer than half. If more than half of the heights are equal, that scale is zero and
+/// the standard deviation about the mean is used. There is one pass; rejected heights are not filled.
 ///
 /// # References
 /// Rousseeuw & Croux, *J. Am. Stat. Assoc.* **88** (1993) 1273, <https://doi.org/10.1080/01621459.1993.10476408>.
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn spikes_become_missing_and_are_counted() {
         let mut heights = rough(0);
-        // A tenth of all points are spikes, which would carry the plain standard deviation along.
+        // A tenth of all points are spikes, which would inflate the plain standard deviation.
         heights.iter_mut().step_by(10).for_each(|z| *z = 50e-6);
         heights[[5, 5]] = f64::NAN;
         let spikes = heights.iter().filter(|z| **z == 50e-6).count();
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_map_with_one_spike_loses_the_spike_alone() {
+    fn a_flat_map_with_one_spike_loses_only_the_spike() {
         let mut heights = Array2::zeros((64, 64));
         heights[[3, 4]] = 1.0;
         assert_eq!(reject_outliers(&map(heights), 5.0).unwrap().rejected, 1);

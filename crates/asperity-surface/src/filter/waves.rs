@@ -7,21 +7,21 @@ use crate::RandomSurface;
 use asperity_base::fourier::{Complex64, RealFft2, signed_index};
 use asperity_base::map::{Grid, HeightMap, MapError};
 
-/// How a map continues beyond its edges.
+/// Continuation of a map beyond its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edges {
-    /// By itself.
+    /// Periodic continuation.
     Periodic,
-    /// By its mirror image, which has no step at the edges.
+    /// Continuation by its mirror image, which has no step at the edges.
     Mirrored,
 }
 
 /// Change of the spectrum of every map of a random surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Change {
-    /// Takes out short waves.
+    /// Removes short waves.
     Smooth(GaussianFilter),
-    /// Adds points between the points, and no wave.
+    /// Adds points between the points, without new waves.
     HalvePitch,
 }
 
@@ -36,14 +36,15 @@ pub struct Respaced<'a> {
 }
 
 impl<'a> Respaced<'a> {
-    /// The maps of `surface` after the Gaussian filter of ISO 16610-61: waves of the length `cutoff_m` keep half of their amplitude.
+    /// Creates the maps of `surface` after the Gaussian filter of ISO 16610-61: waves of length `cutoff_m` keep half of
+    /// their amplitude.
     pub fn smoothed(surface: &'a dyn RandomSurface, edges: Edges, cutoff_m: f64) -> Self {
         let change = Change::Smooth(GaussianFilter::linear(cutoff_m));
         Self { surface, grid: surface.grid(), edges, change }
     }
 
-    /// The maps of `surface` with half the pitch along either side, by trigonometric interpolation: every second point of every second
-    /// row keeps its height, and no wave is shorter than twice the pitch of `surface`.
+    /// Creates the maps of `surface` with half the pitch along either side, by trigonometric interpolation. Every
+    /// second point of every second row keeps its height, and no wave is shorter than twice the pitch of `surface`.
     ///
     /// # Errors
     /// The finer pitch is out of range.
@@ -53,7 +54,7 @@ impl<'a> Respaced<'a> {
         Ok(Self { surface, grid, edges, change: Change::HalvePitch })
     }
 
-    /// The heights of a complete map, in metre, after the change.
+    /// Returns the heights of a complete map, in metre, after the change.
     fn changed_m(&self, map: &HeightMap) -> Array2<f64> {
         let grid = map.grid();
         let (nx, ny) = (grid.nx(), grid.ny());
@@ -89,8 +90,8 @@ impl<'a> Respaced<'a> {
     }
 }
 
-/// The spectrum of a map with twice the rows and columns that has the same waves; a wave at the Nyquist wavenumber is shared equally
-/// between both signs.
+/// Returns the spectrum of a map with twice the rows and columns and the same waves. A wave at the Nyquist wavenumber is
+/// divided equally between both signs.
 fn padded(spectrum: &[Complex64], rows: usize, columns: usize) -> Vec<Complex64> {
     let mut fine = vec![Complex64::default(); (columns + 1) * 2 * rows];
     for (kx, waves) in spectrum.chunks_exact(rows).enumerate() {
@@ -113,16 +114,16 @@ fn padded(spectrum: &[Complex64], rows: usize, columns: usize) -> Vec<Complex64>
 }
 
 impl RandomSurface for Respaced<'_> {
-    fn germ_len(&self) -> usize {
-        self.surface.germ_len()
+    fn xi_len(&self) -> usize {
+        self.surface.xi_len()
     }
 
     fn grid(&self) -> Grid {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        let map = self.surface.generate(germ);
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        let map = self.surface.generate(xi);
         match HeightMap::new(self.grid, self.changed_m(&map)) {
             Ok(map) => map,
             Err(_) => unreachable!("a generator fills its grid with finite heights"),
@@ -142,23 +143,24 @@ mod tests {
     struct Fixed(HeightMap);
 
     impl RandomSurface for Fixed {
-        fn germ_len(&self) -> usize {
+        fn xi_len(&self) -> usize {
             0
         }
         fn grid(&self) -> Grid {
             self.0.grid()
         }
-        fn generate(&self, _germ: &[f64]) -> HeightMap {
+        fn generate(&self, _xi: &[f64]) -> HeightMap {
             self.0.clone()
         }
     }
 
     #[test]
-    fn a_periodic_wave_keeps_its_share_of_the_gaussian_filter_up_to_the_edges() {
+    fn a_periodic_wave_has_the_gaussian_transmission_up_to_the_edges() {
         let grid = Grid::new(60, 48, 1e-6, 1.25e-6).unwrap();
         let (qx, qy) = (TAU * 4.0 / grid.width_m(), -TAU * 3.0 / grid.height_m());
         let wave = HeightMap::from_function(grid, |x, y| 2e-6 + 1e-7 * (qx * x + qy * y + 0.4).cos()).unwrap();
-        // 60 µm/4 along x and 60 µm/3 along y: 12 µm across the crests, and half of a wave of the cutoff's length passes.
+        // 60 µm/4 along x and 60 µm/3 along y: 12 µm across the crests. The transmission at the cutoff's length is one
+        // half.
         for (cutoff_m, passed) in [(12e-6, 0.5), (24e-6, 0.5_f64.powi(4)), (3e-6, 0.5_f64.powf(1.0 / 16.0))] {
             let surface = Fixed(wave.clone());
             let smooth = Respaced::smoothed(&surface, Edges::Periodic, cutoff_m).generate(&[]);
@@ -169,21 +171,21 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_map_is_smoothed_as_by_the_weights_of_the_filter() {
+    fn a_mirrored_map_is_smoothed_by_the_weights_of_the_filter() {
         let grid = Grid::new(64, 48, 1e-6, 1e-6).unwrap();
         let values = random::standard_normal(&mut random::stream(3, "waves", 0), grid.points());
         let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), values).unwrap()).unwrap();
         let weighted = GaussianFilter::linear(12e-6).smooth(&map).unwrap().map;
         let surface = Fixed(map);
         let found = Respaced::smoothed(&surface, Edges::Mirrored, 12e-6).generate(&[]);
-        // Away from the edges the mirror images do not matter; there the weights reach 1.45 cutoffs.
+        // Away from the edges the mirror images have no effect; the weights reach 1.45 cutoffs.
         for row in 18..30 {
             for column in 18..46 {
                 let (a, b) = (found.heights_m()[[row, column]], weighted.heights_m()[[row, column]]);
                 assert!((a - b).abs() < 1e-9, "({row}, {column}): {a} {b}");
             }
         }
-        // A slope has no step at its edges: it stays where it is but for the bend within a cutoff of them.
+        // A slope has no step at its edges. It is unchanged except for the bend within a cutoff of them.
         let slope = Fixed(HeightMap::from_function(grid, |x, y| 0.1 * x + 0.05 * y).unwrap());
         let found = Respaced::smoothed(&slope, Edges::Mirrored, 8e-6).generate(&[]);
         let bend = found.heights_m() - slope.0.heights_m();
@@ -214,10 +216,10 @@ mod tests {
         let grid = Grid::new(32, 24, 1.0, 1.0).unwrap();
         let covariance = Covariance::isotropic(CorrelationModel::Exponential, 1.0, 4.0).unwrap();
         let surface = SpectralField::periodic(&covariance, grid);
-        let germ = random::standard_normal(&mut random::stream(4, "waves", 0), surface.germ_len());
-        let coarse = surface.generate(&germ);
+        let xi = random::standard_normal(&mut random::stream(4, "waves", 0), surface.xi_len());
+        let coarse = surface.generate(&xi);
         for edges in [Edges::Periodic, Edges::Mirrored] {
-            let fine = Respaced::with_half_the_pitch(&surface, edges).unwrap().generate(&germ);
+            let fine = Respaced::with_half_the_pitch(&surface, edges).unwrap().generate(&xi);
             for ((row, column), z) in coarse.heights_m().indexed_iter() {
                 assert!((fine.heights_m()[[2 * row, 2 * column]] - z).abs() < 1e-12, "{edges:?} ({row}, {column})");
             }

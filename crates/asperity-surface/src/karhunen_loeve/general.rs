@@ -12,11 +12,12 @@ use asperity_base::correlation::StationaryCovariance;
 use asperity_base::fourier::{Complex64, RealFft2, Workspace, good_length};
 use asperity_base::map::Grid;
 
-/// Largest residual of an eigenpair over the first eigenvalue; the eigenvalue's error is about its square.
+/// Largest residual of an eigenpair over the first eigenvalue; the relative error of the eigenvalue is about its square.
 const TOLERANCE: f64 = 1e-9;
-/// Seed of the random start blocks. The modes do not depend on it but for rotations among equal eigenvalues.
+/// Seed of the random start blocks. The modes do not depend on it, except for rotations among equal eigenvalues.
 const SEED: u64 = 0x6b61_7268_756e_656e;
-/// Points of a class up to which the dense problem is faster than the iteration (a quarter of a map of 64 × 64).
+/// Number of points of a class up to which the dense problem is faster than the iteration (a quarter of a map of 64 ×
+/// 64).
 const DENSE_CLASS: usize = 1100;
 
 /// Eigenfunctions that are even or odd, by their values on one part of the map.
@@ -32,7 +33,7 @@ pub(super) struct ClassModes {
     points: usize,
 }
 
-/// The first eigenvalues in m² and functions in 1/m.
+/// Computes the first eigenvalues in m² and functions in 1/m.
 pub(super) fn modes(
     covariance: &dyn StationaryCovariance,
     grid: Grid,
@@ -46,7 +47,7 @@ pub(super) fn modes(
     }
 }
 
-/// All modes of a small map by one dense problem for each class.
+/// Computes all modes of a small map by one dense problem for each class.
 pub(super) fn dense_modes(
     covariance: &dyn StationaryCovariance,
     grid: Grid,
@@ -54,7 +55,7 @@ pub(super) fn dense_modes(
 ) -> Result<ClassModes, GeneratorError> {
     let (ny, nx) = grid.shape();
     let cell = grid.cell_area_m2();
-    // Rows are lags −(ny − 1) … ny − 1 along y, columns likewise along x.
+    // Rows are lags −(ny − 1) … ny − 1 along y; columns are lags along x in the same order.
     let lags = Array2::from_shape_fn((2 * ny - 1, 2 * nx - 1), |(row, column)| {
         let (lag_x, lag_y) = (column as f64 - (nx - 1) as f64, row as f64 - (ny - 1) as f64);
         cell * covariance.correlation(lag_x * grid.dx_m(), lag_y * grid.dy_m())
@@ -69,11 +70,12 @@ pub(super) fn dense_modes(
     Ok(ClassModes::merge(grid, classes, solved?, modes))
 }
 
-/// The first modes of a map of any size, by block Lanczos.
+/// Computes the first modes of a map of any size by block Lanczos.
 ///
 /// A product with the covariance matrix is a convolution: pad with zeros, transform, multiply by the eigenvalues of the
 /// covariance wrapped on a domain of twice the size, transform back and crop. The embedding need not be non-negative.
-/// One product serves a vector of every class: their sum is transformed, and the image folded into the classes again.
+/// One product serves a vector of every class: their sum is transformed, and the result is folded into the classes
+/// again.
 pub(super) fn iterated_modes(
     covariance: &dyn StationaryCovariance,
     grid: Grid,
@@ -92,7 +94,7 @@ pub(super) fn iterated_modes(
     Ok(ClassModes::merge(grid, operator.classes, found, modes))
 }
 
-/// The product of a covariance with maps.
+/// Product of a covariance with maps.
 struct Convolution {
     grid: Grid,
     fft: RealFft2,
@@ -141,18 +143,18 @@ impl Operator for Convolution {
 }
 
 impl ClassModes {
-    /// The first modes of all classes, from eigenvalues and unit vectors as rows of each.
+    /// Combines the first modes of all classes, from eigenvalues and unit vectors as rows of each.
     fn merge(grid: Grid, classes: Vec<Class>, found: Vec<(Vec<f64>, Array2<f64>)>, modes: usize) -> Self {
         let mut all: Vec<(f64, (usize, usize))> = Vec::new();
         for (class, (values, _)) in found.iter().enumerate() {
             all.extend(values.iter().enumerate().map(|(row, value)| (*value, (class, row))));
         }
-        // A stable sort: equal eigenvalues stay in the order of their classes.
+        // The sort is stable: equal eigenvalues stay in the order of their classes.
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         all.truncate(modes);
         let norm = grid.cell_area_m2().sqrt();
         let functions = found.into_iter().enumerate().map(|(class, (_, vectors))| {
-            // Modes of one class are its first rows, for its values fall.
+            // The modes of one class are its first rows, because its values fall.
             let used = all.iter().filter(|(_, place)| place.0 == class).count();
             let mut functions =
                 if used == vectors.nrows() { vectors } else { vectors.slice(ndarray::s![..used, ..]).to_owned() };
@@ -169,7 +171,7 @@ impl ClassModes {
         Self { eigenvalues_m2, classes, functions, places, points: grid.points() }
     }
 
-    /// Σ_j w_j φ_j in row order.
+    /// Returns Σ_j w_j φ_j in row order.
     pub(super) fn superpose(&self, weights: impl IntoIterator<Item = f64>) -> Vec<f64> {
         let mut sums: Vec<Vec<f64>> = self.classes.iter().map(|class| vec![0.0; class.len()]).collect();
         for (weight, &(class, row)) in weights.into_iter().zip(&self.places) {
@@ -185,7 +187,7 @@ impl ClassModes {
         map
     }
 
-    /// Σ_x w(x) φ_j(x) for all j, `weights` in row order.
+    /// Returns Σ_x w(x) φ_j(x) for all j, with `weights` in row order.
     pub(super) fn products(&self, weights: &[f64]) -> Vec<f64> {
         let folded = |class: &Class| {
             let mut folded = vec![0.0; class.len()];
@@ -203,7 +205,7 @@ impl ClassModes {
         self.places.iter().map(product).collect()
     }
 
-    /// Σ_j w_j φ_j² in row order.
+    /// Returns Σ_j w_j φ_j² in row order.
     pub(super) fn superpose_squares(&self, weights: &[f64]) -> Vec<f64> {
         let mut map = vec![0.0; self.points];
         for (index, class) in self.classes.iter().enumerate() {
@@ -222,7 +224,7 @@ impl ClassModes {
         map
     }
 
-    /// φ_j at a place of the map for all j, in 1/m.
+    /// Returns φ_j at a place of the map for all j, in 1/m.
     pub(super) fn values_at(&self, place: usize) -> Vec<f64> {
         let here: Vec<_> = self.classes.iter().map(|class| class.coordinate_at(place)).collect();
         let value = |&(class, row): &(usize, usize)| {

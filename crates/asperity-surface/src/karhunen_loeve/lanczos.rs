@@ -1,4 +1,4 @@
-//! The largest eigenpairs of symmetric operators known by their products alone.
+//! Largest eigenpairs of symmetric operators that are given only by their products.
 
 use ndarray::{Array2, ArrayView2, Axis, s};
 use rayon::prelude::*;
@@ -7,33 +7,33 @@ use super::profile::dense_eigenpairs;
 use crate::GeneratorError;
 use asperity_base::random;
 
-/// Vectors multiplied at once: more than any eigenvalue's multiplicity within one class of parity.
+/// Number of vectors multiplied at once; it exceeds the multiplicity of any eigenvalue within one class of parity.
 const BLOCK: usize = 4;
-/// Vectors of a subspace beyond twice the eigenpairs wanted of it.
+/// Number of vectors of a subspace in addition to twice the number of wanted eigenpairs.
 const SPARE: usize = 64;
-/// Fresh starts from the best vectors of a full subspace.
+/// Largest number of restarts from the best vectors of a full subspace.
 const RESTARTS: usize = 200;
-/// Columns of a basis that are worked on at once; sums over them are gathered in order.
+/// Number of columns of a basis in one unit of work; sums over them are added in order.
 const CHUNK: usize = 4096;
 
-/// Vectors of the whole length that the bases of `wanted` eigenpairs in this many equal spaces amount to.
+/// Returns the number of vectors of full length in the bases of `wanted` eigenpairs in this many equal spaces.
 pub(super) fn basis_vectors(spaces: usize, wanted: usize) -> f64 {
     2.0 * wanted as f64 / spaces as f64 + SPARE as f64
 }
 
-/// Symmetric operators on several spaces that are applied together, as one product with a map applies a covariance to all
-/// classes of parity.
+/// Symmetric operators on several spaces that are applied together. For example, one product with a map applies a
+/// covariance to all classes of parity.
 pub(super) trait Operator: Sync {
     /// Scratch memory of one thread.
     type Workspace;
 
-    /// Scratch memory.
+    /// Creates scratch memory.
     fn workspace(&self) -> Self::Workspace;
 
-    /// Dimensions of the spaces.
+    /// Returns the dimensions of the spaces.
     fn dimensions(&self) -> Vec<usize>;
 
-    /// Writes the image of one vector of each space over it; an empty vector is left out.
+    /// Replaces one vector of each space by its image; an empty vector is left out.
     fn apply(&self, vectors: &mut [Vec<f64>], work: &mut Self::Workspace);
 }
 
@@ -46,10 +46,10 @@ pub(super) struct Eigenpairs {
     pub(super) vectors: Array2<f64>,
 }
 
-/// The `wanted` largest eigenvalues of all spaces together and their eigenvectors, by block Lanczos with full
+/// Computes the `wanted` largest eigenvalues of all spaces together and their eigenvectors, by block Lanczos with full
 /// reorthogonalisation from seeded random blocks, restarted from its best vectors when a subspace is full.
 ///
-/// A pair counts as found when ‖Av − λv‖ ≤ `tolerance`·λ₁. Each space holds at most twice its share of the pairs and
+/// A pair has converged if ‖Av − λv‖ ≤ `tolerance`·λ₁. Each space stores at most twice its number of wanted pairs plus
 /// [`SPARE`] vectors.
 ///
 /// # References
@@ -62,14 +62,14 @@ pub(super) fn largest_eigenpairs<O: Operator>(
     seed: u64,
 ) -> Result<Vec<Eigenpairs>, GeneratorError> {
     let dimensions = operator.dimensions();
-    let share = wanted.div_ceil(dimensions.len());
+    let each = wanted.div_ceil(dimensions.len());
     let mut stream = random::stream(seed, "karhunen-loeve lanczos", 0);
     let mut spaces: Vec<Space> = dimensions.iter().map(|n| Space::new(*n, wanted, &mut stream)).collect();
-    let mut shares = vec![share; spaces.len()];
-    let (mut steps_to_check, mut restarts) = (share / BLOCK + 1, 0);
+    let mut counts = vec![each; spaces.len()];
+    let (mut steps_to_check, mut restarts) = (each / BLOCK + 1, 0);
     loop {
-        for (space, share) in spaces.iter_mut().zip(&shares) {
-            restarts += usize::from(space.make_room(*share)?);
+        for (space, wanted) in spaces.iter_mut().zip(&counts) {
+            restarts += usize::from(space.make_room(*wanted)?);
             space.append();
         }
         multiply(operator, &mut spaces);
@@ -86,9 +86,9 @@ pub(super) fn largest_eigenpairs<O: Operator>(
             space.solve()?;
         }
         let survey = Survey::of(&spaces, wanted, tolerance);
-        shares.clone_from(&survey.shares);
+        counts.clone_from(&survey.counts);
         if survey.complete {
-            return Ok(spaces.into_iter().zip(survey.shares).map(|(space, share)| space.into_pairs(share)).collect());
+            return Ok(spaces.into_iter().zip(survey.counts).map(|(space, wanted)| space.into_pairs(wanted)).collect());
         }
         if restarts > RESTARTS || exhausted {
             return Err(GeneratorError::NotConverged {
@@ -102,7 +102,7 @@ pub(super) fn largest_eigenpairs<O: Operator>(
     }
 }
 
-/// Multiplies the newest block of every space, its j-th vectors together.
+/// Multiplies the newest block of every space; the j-th vectors of all spaces are multiplied together.
 fn multiply<O: Operator>(operator: &O, spaces: &mut [Space]) {
     let blocks: Vec<Vec<Vec<f64>>> = (0..BLOCK)
         .into_par_iter()
@@ -130,14 +130,14 @@ fn multiply<O: Operator>(operator: &O, spaces: &mut [Space]) {
     }
 }
 
-/// What the spaces together have found.
+/// Convergence of the spaces together.
 struct Survey {
-    /// Pairs of each space among the wanted ones.
-    shares: Vec<usize>,
-    /// Whether all of them are found.
+    /// Number of wanted pairs in each space.
+    counts: Vec<usize>,
+    /// Whether all wanted pairs have converged.
     complete: bool,
     converged: usize,
-    /// Largest residual among them over the first eigenvalue.
+    /// Largest residual of the wanted pairs over the first eigenvalue.
     residual: f64,
 }
 
@@ -147,45 +147,46 @@ impl Survey {
         for (i, space) in spaces.iter().enumerate() {
             all.extend(space.values.iter().map(|value| (*value, i)));
         }
-        // A stable sort: equal values stay in the order of their spaces.
+        // The sort is stable: equal values stay in the order of their spaces.
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         let enough = all.len() >= wanted;
         all.truncate(wanted);
         let scale = all[0].0.max(f64::MIN_POSITIVE);
         let cut = all[all.len() - 1].0;
-        let mut shares = vec![0; spaces.len()];
-        all.iter().for_each(|(_, i)| shares[*i] += 1);
+        let mut counts = vec![0; spaces.len()];
+        all.iter().for_each(|(_, i)| counts[*i] += 1);
         let (mut converged, mut residual, mut separate) = (0, 0.0_f64, true);
-        for (space, share) in spaces.iter().zip(&shares) {
-            let residuals = (0..*share).map(|j| space.residual(j) / scale);
+        for (space, wanted) in spaces.iter().zip(&counts) {
+            let residuals = (0..*wanted).map(|j| space.residual(j) / scale);
             for own in residuals {
                 residual = residual.max(own);
                 converged += usize::from(own <= tolerance);
             }
-            // The first value left out must be known well enough to stay out.
-            if *share < space.values.len() {
-                let above = space.values[*share] + space.residual(*share);
+            // The first value left out must be accurate enough to stay out.
+            if *wanted < space.values.len() {
+                let above = space.values[*wanted] + space.residual(*wanted);
                 separate &= above <= cut + 2.0 * tolerance * scale;
             } else {
                 separate &= space.is_whole();
             }
         }
-        Self { complete: enough && converged == wanted && separate, shares, converged, residual }
+        Self { complete: enough && converged == wanted && separate, counts, converged, residual }
     }
 }
 
-/// The subspace of one space.
+/// Krylov subspace of one space.
 struct Space {
-    /// Orthonormal rows, the first `size` of which are in use. Memory that is never written is never taken.
+    /// Orthonormal rows, the first `size` of which are in use. Memory that is never written is never allocated
+    /// physically.
     basis: Array2<f64>,
     size: usize,
     /// First row of the newest block.
     from: usize,
-    /// Before a product the next block, after it the image of the newest one.
+    /// The next block before a product; the image of the newest block after it.
     block: Array2<f64>,
-    /// The operator on the basis, in the first `size` rows and columns.
+    /// Projection of the operator on the basis, in the first `size` rows and columns.
     projected: Array2<f64>,
-    /// How the newest block is coupled to the next.
+    /// Coupling of the newest block to the next.
     coupling: Array2<f64>,
     /// Ritz values, falling, and their vectors in the basis as rows.
     values: Vec<f64>,
@@ -215,19 +216,19 @@ impl Space {
         self.basis.ncols()
     }
 
-    /// Whether the subspace is the whole space, whose Ritz pairs are eigenpairs.
+    /// Returns whether the subspace is the whole space, so that Ritz pairs are eigenpairs.
     fn is_whole(&self) -> bool {
         self.size == self.dimension()
     }
 
-    /// Replaces a full basis by its best vectors; says whether it did.
-    fn make_room(&mut self, share: usize) -> Result<bool, GeneratorError> {
-        let capacity = (2 * share + SPARE).min(self.basis.nrows());
+    /// Replaces a full basis by its best vectors; returns whether it did.
+    fn make_room(&mut self, wanted: usize) -> Result<bool, GeneratorError> {
+        let capacity = (2 * wanted + SPARE).min(self.basis.nrows());
         if self.is_whole() || self.size + BLOCK <= capacity || capacity == self.dimension() {
             return Ok(false);
         }
         self.solve()?;
-        let kept = (share + SPARE / 2).min(self.size - BLOCK);
+        let kept = (wanted + SPARE / 2).min(self.size - BLOCK);
         self.rotate(kept);
         self.projected.fill(0.0);
         for (j, value) in self.values[..kept].iter().enumerate() {
@@ -237,7 +238,7 @@ impl Space {
         Ok(true)
     }
 
-    /// Takes the next block into the basis, cut where the space is full.
+    /// Appends the next block to the basis, cut if the space is full.
     fn append(&mut self) {
         let count = self.block.nrows().min(self.basis.nrows() - self.size);
         self.from = self.size;
@@ -248,7 +249,7 @@ impl Space {
         }
     }
 
-    /// Projects the operator onto the basis by the image of the newest block, and makes the next block of what is left.
+    /// Projects the operator onto the basis by the image of the newest block, and makes the remainder the next block.
     fn project(&mut self, stream: &mut random::Stream) {
         if self.from == self.size {
             return;
@@ -261,7 +262,7 @@ impl Space {
         self.coupling = orthonormalise(&mut self.block, basis, stream);
     }
 
-    /// The Ritz pairs.
+    /// Computes the Ritz pairs.
     fn solve(&mut self) -> Result<(), GeneratorError> {
         let projected = &self.projected;
         let entry = |i: usize, j: usize| 0.5 * (projected[[i, j]] + projected[[j, i]]);
@@ -269,7 +270,8 @@ impl Space {
         Ok(())
     }
 
-    /// ‖Av − θv‖ of a Ritz pair: A·v = θ·v + (next block)ᵀ R s, with s the part of the vector in the newest block.
+    /// Returns ‖Av − θv‖ of a Ritz pair: A·v = θ·v + (next block)ᵀ R s, with s the part of the vector in the newest
+    /// block.
     fn residual(&self, j: usize) -> f64 {
         if self.is_whole() {
             return 0.0;
@@ -289,20 +291,20 @@ impl Space {
         });
     }
 
-    fn into_pairs(mut self, share: usize) -> Eigenpairs {
-        self.rotate(share);
+    fn into_pairs(mut self, wanted: usize) -> Eigenpairs {
+        self.rotate(wanted);
         let n = self.dimension();
         let (mut rows, _) = self.basis.into_raw_vec_and_offset();
-        rows.truncate(share * n);
+        rows.truncate(wanted * n);
         rows.shrink_to_fit();
-        self.values.truncate(share);
-        // The length is share·n by the lines above.
-        let vectors = Array2::from_shape_vec((share, n), rows).unwrap_or_default();
+        self.values.truncate(wanted);
+        // The length is wanted·n by the lines above.
+        let vectors = Array2::from_shape_vec((wanted, n), rows).unwrap_or_default();
         Eigenpairs { values: self.values, vectors }
     }
 }
 
-/// basis·blockᵀ, summed over chunks in order.
+/// Returns basis·blockᵀ, summed over chunks in order.
 fn overlaps(basis: ArrayView2<f64>, block: ArrayView2<f64>) -> Array2<f64> {
     let chunks: Vec<_> = basis.axis_chunks_iter(Axis(1), CHUNK).zip(block.axis_chunks_iter(Axis(1), CHUNK)).collect();
     let parts: Vec<Array2<f64>> = chunks.into_par_iter().map(|(basis, block)| basis.dot(&block.t())).collect();
@@ -311,22 +313,22 @@ fn overlaps(basis: ArrayView2<f64>, block: ArrayView2<f64>) -> Array2<f64> {
     sum
 }
 
-/// block −= overlapsᵀ·basis.
+/// Computes block −= overlapsᵀ·basis.
 fn subtract(block: &mut Array2<f64>, overlaps: &Array2<f64>, basis: ArrayView2<f64>) {
     let chunks: Vec<_> =
         block.axis_chunks_iter_mut(Axis(1), CHUNK).zip(basis.axis_chunks_iter(Axis(1), CHUNK)).collect();
     chunks.into_par_iter().for_each(|(mut block, basis)| block -= &overlaps.t().dot(&basis));
 }
 
-/// Makes the rows of `block` orthonormal and orthogonal to `basis`; returns R with block_before = Rᵀ·block_after, up to its
-/// part in the span of the basis.
+/// Makes the rows of `block` orthonormal and orthogonal to `basis`. Returns R with block_before = Rᵀ·block_after,
+/// except for its part in the span of the basis.
 ///
-/// A row that vanishes, because the subspace is invariant, is replaced by a random one with zero coupling.
+/// A row that vanishes because the subspace is invariant is replaced by a random one with zero coupling.
 fn orthonormalise(block: &mut Array2<f64>, basis: ArrayView2<f64>, stream: &mut random::Stream) -> Array2<f64> {
     let (rows, n) = block.dim();
     let room = n - basis.nrows();
     if room < rows {
-        // The next block completes the space. Until then its coupling is bounded by the whole length of this one.
+        // The next block completes the space. Until then its coupling is bounded by the whole length of this block.
         let length = block.iter().map(|v| v * v).sum::<f64>().sqrt();
         *block = block.slice(s![..room, ..]).to_owned();
         orthonormalise(block, basis, stream);
@@ -341,8 +343,8 @@ fn orthonormalise(block: &mut Array2<f64>, basis: ArrayView2<f64>, stream: &mut 
             coupling.row_mut(i).fill(0.0);
         }
     }
-    // Rounding leaves parts in the basis that scaling to unit length has magnified. Projecting twice is enough, unless a row
-    // was hardly more than rounding.
+    // Rounding leaves components in the basis that scaling to unit length magnifies. Projecting twice suffices, unless
+    // a row was hardly more than rounding.
     for _ in 0..4 {
         if basis.nrows() > 0 {
             let columns = overlaps(basis, block.view());
@@ -358,7 +360,8 @@ fn orthonormalise(block: &mut Array2<f64>, basis: ArrayView2<f64>, stream: &mut 
     coupling
 }
 
-/// Modified Gram–Schmidt among the rows; rows of length up to `vanishing` get zero on the diagonal of R and stay.
+/// Orthonormalises the rows by modified Gram–Schmidt. Rows of length up to `vanishing` get zero on the diagonal of R
+/// and stay.
 fn within_block(block: &mut Array2<f64>, vanishing: f64) -> Array2<f64> {
     let rows = block.nrows();
     let mut coupling = Array2::<f64>::zeros((rows, rows));
@@ -386,7 +389,7 @@ fn within_block(block: &mut Array2<f64>, vanishing: f64) -> Array2<f64> {
 mod tests {
     use super::*;
 
-    /// A diagonal operator on each of several spaces.
+    /// Diagonal operators on several spaces.
     struct Diagonal(Vec<Vec<f64>>);
 
     impl Operator for Diagonal {
@@ -405,7 +408,7 @@ mod tests {
         }
     }
 
-    /// v ↦ 1 (1·v).
+    /// The operator v ↦ 1 (1·v).
     struct Ones(usize);
 
     impl Operator for Ones {
@@ -432,7 +435,7 @@ mod tests {
 
     #[test]
     fn repeated_eigenvalues_are_all_found() {
-        // diag(10, 10, 10, 9, 9, 1/k …): a single start vector would see 10 and 9 once.
+        // diag(10, 10, 10, 9, 9, 1/k …): a single start vector would find 10 and 9 once.
         let diagonal = (0..300).map(|i| match i {
             7 | 50 | 299 => 10.0,
             0 | 120 => 9.0,
@@ -446,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_of_all_spaces_are_found_wherever_they_are() {
+    fn the_largest_eigenvalues_of_all_spaces_are_found() {
         // Slowly falling values, most of them in one space, so that its subspace is filled and restarted.
         let spaces: Vec<Vec<f64>> = [(900, 1.0, 1e-3), (500, 0.95, 1e-2), (40, 0.5, 1e-2), (3, 0.99, 0.3)]
             .map(|(n, first, step): (usize, f64, f64)| (0..n).map(|i| first / (1.0 + step * i as f64)).collect())
@@ -468,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn an_operator_of_low_rank_is_exhausted_without_harm() {
+    fn an_operator_of_low_rank_is_solved() {
         for n in [64, 5, 6, 3] {
             let count = n.min(5);
             let found = largest_eigenpairs(&Ones(n), count, 1e-10, 2).unwrap().remove(0);
@@ -480,8 +483,8 @@ mod tests {
     }
 
     #[test]
-    fn eigenvalues_that_are_not_found_are_an_error_that_says_so() {
-        // A residual below rounding is not to be had.
+    fn lack_of_convergence_is_an_error() {
+        // A residual below rounding cannot be reached.
         let diagonal = (0..400).map(|i| 1.0 + 1e-3 * f64::from(i));
         let error = largest_eigenpairs(&Diagonal(vec![diagonal.collect()]), 20, 1e-18, 3).unwrap_err();
         assert!(matches!(error, GeneratorError::NotConverged { wanted: 20, .. }), "{error}");

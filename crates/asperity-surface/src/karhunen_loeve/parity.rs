@@ -1,4 +1,4 @@
-//! Reflections that leave a covariance on a rectangle as it is, and the functions they keep or turn over.
+//! Reflections that leave a covariance on a rectangle unchanged, and their even and odd functions.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -6,12 +6,12 @@ use asperity_base::map::Grid;
 
 /// Functions on a rectangle that are even or odd in x and in y, by their values on the first half of each axis.
 ///
-/// A covariance that is even in x and y commutes with both reflections of the map, so that its modes are of one of four
-/// classes, each of which lives on a quarter of the points. A stationary covariance with an oblique lay commutes with the
-/// reflection through the centre alone. In row order that one is the reversal of the sequence of all points: the classes are
+/// A covariance that is even in x and y commutes with both reflections of the map. So its modes belong to one of four
+/// classes, each defined by a quarter of the points. A stationary covariance with an oblique lay commutes only with the
+/// reflection through the centre. In row order this reflection reverses the sequence of all points: the classes are
 /// those of a single row of nx·ny points.
 ///
-/// Coordinates belong to the unit vectors (e ± mirrored e)/‖·‖, so inner products are those of the functions.
+/// Coordinates refer to the unit vectors (e ± mirrored e)/‖·‖, so inner products equal those of the functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Class {
     columns: usize,
@@ -21,13 +21,13 @@ pub(super) struct Class {
 }
 
 impl Class {
-    /// The classes of a map: four quarters, or two halves for a covariance that is not mirror-symmetric.
+    /// Returns the classes of a map: four quarters, or two halves for a covariance that is not mirror-symmetric.
     pub(super) fn all(grid: Grid, mirror_symmetric: bool) -> Vec<Self> {
         let (columns, rows) = if mirror_symmetric { (grid.nx(), grid.ny()) } else { (grid.points(), 1) };
         Self::of(columns, rows)
     }
 
-    /// The classes of one row of points.
+    /// Returns the classes of one row of points.
     pub(super) fn of_profile(points: usize) -> Vec<Self> {
         Self::of(points, 1)
     }
@@ -48,17 +48,18 @@ impl Class {
         half(self.rows, self.odd_y)
     }
 
-    /// Number of coordinates.
+    /// Returns the number of coordinates.
     pub(super) fn len(&self) -> usize {
         self.half_columns() * self.half_rows()
     }
 
-    /// An odd class of a single row has no coordinate.
+    /// Returns whether there is no coordinate, as in an odd class of a single row.
     pub(super) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The point of coordinate `i`, and its images with their signs; a middle point is its own image and occurs twice.
+    /// Returns the point of coordinate `i` and its images with their signs; a middle point is its own image and occurs
+    /// twice.
     pub(super) fn images(&self, i: usize) -> [(usize, f64); 4] {
         let (x, y) = (i % self.half_columns(), i / self.half_columns());
         let (mirrored_x, mirrored_y) = (self.columns - 1 - x, (self.rows - 1 - y) * self.columns);
@@ -66,18 +67,18 @@ impl Class {
         [(y + x, 1.0), (y + mirrored_x, sign_x), (mirrored_y + x, sign_y), (mirrored_y + mirrored_x, sign_x * sign_y)]
     }
 
-    /// Weight 1/√2 for each axis on whose middle line the point of coordinate `i` lies.
+    /// Returns the weight 1/√2 for each axis on whose middle line the point of coordinate `i` lies.
     pub(super) fn middle_weight(&self, i: usize) -> f64 {
         middle(i % self.half_columns(), self.columns) * middle(i / self.half_columns(), self.rows)
     }
 
-    /// Value at its point of a function whose coordinate `i` is 1.
+    /// Returns the value at its point of a function whose coordinate `i` is 1.
     pub(super) fn value_per_coordinate(&self, i: usize) -> f64 {
         0.5 / self.middle_weight(i)
     }
 
-    /// Value at a place of the map of a function whose coordinate there is 1, and that coordinate; `None` where functions of
-    /// the class vanish.
+    /// Returns the value at a place of the map of a function whose coordinate there is 1, and that coordinate; `None`
+    /// if functions of the class vanish there.
     pub(super) fn coordinate_at(&self, place: usize) -> Option<(usize, f64)> {
         let fold = |i: usize, n: usize, odd: bool| {
             let (folded, sign) = if 2 * i < n { (i, 1.0) } else { (n - 1 - i, sign(odd)) };
@@ -89,7 +90,7 @@ impl Class {
         Some((i, sign_x * sign_y * self.value_per_coordinate(i)))
     }
 
-    /// Coordinates of the part of `map` that is of this class.
+    /// Computes the coordinates of the part of `map` that belongs to this class.
     pub(super) fn fold(&self, map: &[f64], coordinates: &mut [f64]) {
         let (half_columns, sign_x, sign_y) = (self.half_columns(), sign(self.odd_x), sign(self.odd_y));
         for (y, out) in coordinates.chunks_exact_mut(half_columns).enumerate() {
@@ -126,9 +127,10 @@ impl Class {
         }
     }
 
-    /// Turns a function so that, in row order of the map, its first value of at least half the largest magnitude is positive.
+    /// Chooses the sign of a function so that, in row order of the map, its first value of at least half the largest
+    /// magnitude is positive.
     pub(super) fn fix_sign(&self, coordinates: &mut [f64]) {
-        // The first such value lies among the coordinates' own points, because magnitudes are symmetric.
+        // The first such value is among the coordinates' own points, because magnitudes are symmetric.
         let value = |(i, coordinate): (usize, &f64)| self.value_per_coordinate(i) * coordinate;
         let largest = coordinates.iter().enumerate().map(value).fold(0.0_f64, |m, v| m.max(v.abs()));
         let leading = coordinates.iter().enumerate().map(value).find(|v| v.abs() >= 0.5 * largest);
@@ -138,7 +140,7 @@ impl Class {
     }
 }
 
-/// Points that describe an even or odd function of n points.
+/// Returns the number of points that define an even or odd function of n points.
 fn half(n: usize, odd: bool) -> usize {
     if odd { n / 2 } else { n.div_ceil(2) }
 }
@@ -147,7 +149,7 @@ fn sign(odd: bool) -> f64 {
     if odd { -1.0 } else { 1.0 }
 }
 
-/// Weight 1/√2 of a middle point, which is its own mirror; 1 elsewhere.
+/// Returns the weight 1/√2 of a middle point, which is its own mirror image; 1 elsewhere.
 fn middle(i: usize, n: usize) -> f64 {
     if 2 * i + 1 == n { FRAC_1_SQRT_2 } else { 1.0 }
 }

@@ -1,4 +1,4 @@
-//! The eigenproblem of a stationary covariance on an interval.
+//! Eigenproblem of a stationary covariance on an interval.
 
 use std::convert::Infallible;
 
@@ -16,13 +16,13 @@ pub struct ProfileModes {
     pub eigenvalues_m: Vec<f64>,
     /// Eigenfunctions at the cell centres in m^{−1/2}, shape `[modes, points]`, with Σ φ_j² Δ = 1.
     pub functions: Array2<f64>,
-    /// Share Σλ/L of the variance.
+    /// Fraction Σλ/L of the variance.
     pub captured_variance: f64,
 }
 
-/// The first `modes` eigenpairs on `points` cells of `pitch_m`, by Nyström's method with the midpoint rule.
+/// Computes the first `modes` eigenpairs on `points` cells of `pitch_m`, by Nyström's method with the midpoint rule.
 ///
-/// The matrix is ρ(x_i − x_j)Δ at the cell centres, so with all modes the covariance of the map's own points is met
+/// The matrix is ρ(x_i − x_j)Δ at the cell centres. So all modes together reproduce the covariance of the map's points
 /// exactly, and eigenvalues converge to those of the interval with order Δ² (for a kernel with a kink or smoother).
 /// Functions have a fixed sign: the first value of at least half the largest magnitude is positive. Even and odd
 /// functions are two dense problems of half the size, which cost about 2.5 n³ operations.
@@ -51,7 +51,7 @@ pub fn profile_modes(
             pairs.push((value, function));
         }
     }
-    // A stable sort: of equal eigenvalues, the even function comes first.
+    // The sort is stable: of equal eigenvalues, the even function comes first.
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     pairs.truncate(modes);
     let mut functions = Array2::from_shape_fn((modes, points), |(j, i)| pairs[j].1[i] / pitch_m.sqrt());
@@ -61,8 +61,8 @@ pub fn profile_modes(
     Ok(ProfileModes { eigenvalues_m, functions, captured_variance })
 }
 
-/// All eigenpairs of one class of parity of a symmetric matrix that commutes with the reflections, by its entries between
-/// points of the map: values, falling, and coordinates as rows.
+/// Computes all eigenpairs of one class of parity of a symmetric matrix that commutes with the reflections, by its
+/// entries between points of the map: values, falling, and coordinates as rows.
 pub(super) fn class_eigenpairs(
     class: &Class,
     entry: impl Fn(usize, usize) -> f64,
@@ -74,7 +74,7 @@ pub(super) fn class_eigenpairs(
     })
 }
 
-/// All eigenpairs of a dense symmetric matrix, falling: values (zero below rounding) and unit vectors as rows.
+/// Computes all eigenpairs of a dense symmetric matrix, falling: values (zero below rounding) and unit vectors as rows.
 pub(super) fn dense_eigenpairs(
     n: usize,
     entry: impl Fn(usize, usize) -> f64,
@@ -89,7 +89,7 @@ pub(super) fn dense_eigenpairs(
     Ok((values, vectors))
 }
 
-/// Turns a vector so that its first value of at least half the largest magnitude is positive.
+/// Chooses the sign of a vector so that its first value of at least half the largest magnitude is positive.
 fn fix_sign(mut vector: ArrayViewMut1<f64>) {
     let largest = vector.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let leading = vector.iter().copied().find(|v| v.abs() >= 0.5 * largest);
@@ -98,7 +98,7 @@ fn fix_sign(mut vector: ArrayViewMut1<f64>) {
     }
 }
 
-/// Closed-form eigenvalues of e^{−|x−y|/ℓ} on an interval of `size_m`, in metre, falling.
+/// Returns the closed-form eigenvalues of e^{−|x−y|/ℓ} on an interval of `size_m`, in metre, falling.
 ///
 /// λ = 2ℓ/(1 + (ℓω)²), where with half length a, ω solves 1/ℓ = ω tan ωa (even functions) or ω = −tan(ωa)/ℓ (odd ones),
 /// one root in each half period (Ghanem & Spanos 1991, §2.3.3).

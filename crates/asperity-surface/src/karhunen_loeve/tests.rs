@@ -7,7 +7,7 @@ fn unit(model: CorrelationModel, length_x_m: f64, length_y_m: f64) -> Covariance
     Covariance::new(model, 1.0, length_x_m, length_y_m).unwrap()
 }
 
-/// Eigenvalues of the full covariance matrix of a small grid times the cell area.
+/// Returns the eigenvalues of the full covariance matrix of a small grid times the cell area.
 fn dense(covariance: &dyn StationaryCovariance, grid: Grid) -> Vec<f64> {
     let place = |i: usize| ((i % grid.nx()) as f64 * grid.dx_m(), (i / grid.nx()) as f64 * grid.dy_m());
     let entry = |i: usize, j: usize| {
@@ -17,7 +17,7 @@ fn dense(covariance: &dyn StationaryCovariance, grid: Grid) -> Vec<f64> {
     dense_eigenpairs(grid.points(), entry).unwrap().0
 }
 
-/// Functions as rows of ny·nx values.
+/// Returns the functions as rows of ny·nx values.
 fn functions(found: &ClassModes) -> Array2<f64> {
     let count = found.eigenvalues_m2.len();
     let rows: Vec<Vec<f64>> =
@@ -27,7 +27,7 @@ fn functions(found: &ClassModes) -> Array2<f64> {
 
 fn assert_orthonormal(surface: &KarhunenLoeve) {
     let cell = surface.grid().cell_area_m2();
-    let functions: Vec<_> = (0..surface.germ_len()).map(|j| surface.mode_per_m(j)).collect();
+    let functions: Vec<_> = (0..surface.xi_len()).map(|j| surface.mode_per_m(j)).collect();
     for (i, a) in functions.iter().enumerate() {
         for (j, b) in functions.iter().enumerate().take(i + 1) {
             let product = cell * (a * b).sum();
@@ -37,22 +37,22 @@ fn assert_orthonormal(surface: &KarhunenLoeve) {
 }
 
 #[test]
-fn a_hundred_and_one_terms_hold_the_known_share_of_a_two_dimensional_variance() {
-    // The shares of the separable exponential and of the squared exponential on the unit square, to the three digits
-    // in which they are known.
+fn a_hundred_and_one_terms_have_the_known_fraction_of_a_two_dimensional_variance() {
+    // The fractions of the separable exponential and of the squared exponential on the unit square, to the three
+    // published digits.
     for (length, exponential, squared) in [(0.1, 0.665, 0.940), (0.2, 0.839, 0.9999)] {
-        let share = |model| {
+        let fraction = |model| {
             modes(&unit(model, length, length), &[1.0, 1.0], &[256, 256], 101, ModesRoute::Separable)
                 .unwrap()
                 .captured_variance
         };
-        assert!((share(CorrelationModel::Exponential) - exponential).abs() < 1e-3);
-        assert!((share(CorrelationModel::SquaredExponential) - squared).abs() < 1e-3);
+        assert!((fraction(CorrelationModel::Exponential) - exponential).abs() < 1e-3);
+        assert!((fraction(CorrelationModel::SquaredExponential) - squared).abs() < 1e-3);
     }
 }
 
 #[test]
-fn products_of_the_closed_form_are_the_separable_spectrum() {
+fn products_of_the_closed_form_equal_the_separable_spectrum() {
     let line = exponential_eigenvalues_m(0.2, 1.0, 101);
     let mut wanted: Vec<f64> = line.iter().flat_map(|a| line.iter().map(move |b| a * b)).collect();
     wanted.sort_by(|a, b| b.total_cmp(a));
@@ -62,8 +62,8 @@ fn products_of_the_closed_form_are_the_separable_spectrum() {
     for (value, wanted) in fine.eigenvalues.iter().zip(&wanted).take(12) {
         assert!((value / wanted - 1.0).abs() < 2e-3, "{value} {wanted}");
     }
-    let share: f64 = wanted[..101].iter().sum();
-    let errors = [coarse, fine].map(|found| (found.captured_variance - share).abs());
+    let fraction: f64 = wanted[..101].iter().sum();
+    let errors = [coarse, fine].map(|found| (found.captured_variance - fraction).abs());
     assert!(errors[1] < 1e-3 && ((errors[0] / errors[1]).log2() - 2.0).abs() < 0.1, "{errors:?}");
 }
 
@@ -94,7 +94,7 @@ fn the_separable_exponential_has_its_published_spectrum_on_the_unit_square() {
 }
 
 #[test]
-fn a_hundred_and_one_modes_by_iteration_are_those_of_the_dense_problem_without_duplicates() {
+fn a_hundred_and_one_modes_by_iteration_equal_those_of_the_dense_problem() {
     // A constant start vector, or a single one, would return pairs of equal eigenvalues twice or once too few.
     let grid = Grid::covering(64, 64, 1.0, 1.0).unwrap();
     for covariance in
@@ -120,7 +120,7 @@ fn an_oblique_lay_keeps_its_angle_in_the_modes() {
         let vectors = functions(&found);
         let gram = vectors.dot(&vectors.t()) * grid.cell_area_m2();
         assert!(gram.indexed_iter().all(|((i, j), v)| (v - f64::from(u8::from(i == j))).abs() < 1e-11));
-        // All modes rebuild the covariance, which is not that of mirrored lags.
+        // All modes reproduce the covariance, which differs from the covariance at mirrored lags.
         let all = method(&covariance, grid, grid.points()).unwrap();
         let here = all.values_at(4 * 13 + 6);
         let met = all.superpose(all.eigenvalues_m2.iter().zip(here).map(|(value, phi)| value * phi));
@@ -136,7 +136,7 @@ fn an_oblique_lay_keeps_its_angle_in_the_modes() {
 }
 
 #[test]
-fn both_general_methods_give_the_dense_eigenvalues_also_where_they_are_equal() {
+fn both_general_methods_return_the_dense_eigenvalues_with_their_multiplicity() {
     let grids = [Grid::new(16, 16, 1.0, 1.0), Grid::new(20, 11, 0.5, 1.0), Grid::new(9, 13, 1.0, 1.0)];
     for grid in grids.map(Result::unwrap) {
         for covariance in [
@@ -160,7 +160,7 @@ fn both_general_methods_give_the_dense_eigenvalues_also_where_they_are_equal() {
 
 #[test]
 fn both_general_methods_span_the_same_field() {
-    // Cut where eigenvalues are apart, the covariance does not depend on how equal modes are rotated.
+    // When the truncation separates distinct eigenvalues, the covariance does not depend on rotations of equal modes.
     let grid = Grid::new(18, 18, 1.0, 1.0).unwrap();
     let covariance = unit(CorrelationModel::Matern { nu: 0.8 }, 5.0, 5.0);
     let all = dense(&covariance, grid);
@@ -192,8 +192,8 @@ fn the_general_and_the_separable_route_agree_on_a_separable_covariance() {
 #[test]
 fn the_isotropic_exponential_is_not_the_separable_one() {
     let covariance = unit(CorrelationModel::Exponential, 0.1, 0.1);
-    let share = |route| modes(&covariance, &[1.0, 1.0], &[48, 48], 101, route).unwrap().captured_variance;
-    assert!(share(ModesRoute::General) > share(ModesRoute::Separable) + 0.02);
+    let fraction = |route| modes(&covariance, &[1.0, 1.0], &[48, 48], 101, route).unwrap().captured_variance;
+    assert!(fraction(ModesRoute::General) > fraction(ModesRoute::Separable) + 0.02);
 }
 
 #[test]
@@ -218,11 +218,11 @@ fn a_map_is_the_sum_of_its_terms_on_every_route() {
     for route in [ModesRoute::Separable, ModesRoute::General, ModesRoute::Periodic] {
         let surface = KarhunenLoeve::new(&covariance, grid, 30, route).unwrap();
         assert_orthonormal(&surface);
-        let germ = random::standard_normal(&mut random::stream(5, "karhunen-loeve", 0), 30);
+        let xi = random::standard_normal(&mut random::stream(5, "karhunen-loeve", 0), 30);
         let mut sum = Array2::<f64>::zeros(grid.shape());
         let mut variance = Array2::<f64>::zeros(grid.shape());
         let mut with_point = Array2::<f64>::zeros(grid.shape());
-        for (j, xi) in germ.iter().enumerate() {
+        for (j, xi) in xi.iter().enumerate() {
             let mode = surface.mode_per_m(j);
             let value = surface.eigenvalues_m2()[j];
             sum.scaled_add(3.0 * value.sqrt() * xi, &mode);
@@ -230,7 +230,7 @@ fn a_map_is_the_sum_of_its_terms_on_every_route() {
             with_point.scaled_add(9.0 * value * mode[[3, 4]], &mode);
         }
         let close = |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
-        assert!(close(&sum, surface.generate(&germ).heights_m()), "{route:?}");
+        assert!(close(&sum, surface.generate(&xi).heights_m()), "{route:?}");
         assert!(close(&variance, &surface.pointwise_std_m().mapv(|s| s * s)), "{route:?}");
         assert!(close(&with_point, &surface.covariance_with_m2(3, 4)), "{route:?}");
         assert!(surface.eigenvalues_m2().windows(2).all(|pair| pair[0] >= pair[1]));
@@ -245,8 +245,8 @@ fn the_ensemble_has_the_variance_of_its_modes_within_four_standard_errors() {
     let count = 2000;
     let powers: Vec<f64> = (0..count)
         .map(|index| {
-            let germ = random::standard_normal(&mut random::stream(9, "ensemble", index), 40);
-            let map = surface.generate(&germ);
+            let xi = random::standard_normal(&mut random::stream(9, "ensemble", index), 40);
+            let map = surface.generate(&xi);
             map.present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
         })
         .collect();
@@ -287,12 +287,12 @@ fn modes_do_not_depend_on_the_number_of_threads() {
             let found = pool.install(|| method(&covariance, grid, 25).unwrap());
             (functions(&found), found.eigenvalues_m2)
         };
-        assert!(with(1) == with(3), "not one bit may differ");
+        assert!(with(1) == with(3), "results must be bit-identical");
     }
 }
 
 #[test]
-fn the_captured_slope_variance_is_that_of_the_covariance_of_the_modes() {
+fn the_captured_slope_variance_equals_that_of_the_covariance_of_the_modes() {
     let grid = Grid::new(14, 11, 1.0, 0.7).unwrap();
     let covariance = unit(CorrelationModel::Exponential, 3.0, 4.0);
     for (route, modes) in [(ModesRoute::General, 20), (ModesRoute::Separable, 20), (ModesRoute::Periodic, 21)] {
@@ -322,16 +322,16 @@ fn the_captured_slope_variance_is_that_of_the_covariance_of_the_modes() {
 }
 
 #[test]
-fn as_many_periodic_modes_as_are_foretold_hold_the_share_of_the_slopes() {
+fn the_predicted_number_of_periodic_modes_has_the_requested_fraction_of_the_slopes() {
     let grid = Grid::new(48, 40, 1.0, 1.0).unwrap();
     for covariance in
         [unit(CorrelationModel::SquaredExponential, 6.0, 6.0), unit(CorrelationModel::Matern { nu: 1.5 }, 4.0, 9.0)]
     {
         let needed = modes_for_slopes(&covariance, grid, 0.9);
-        let share = |modes: usize| {
+        let fraction = |modes: usize| {
             KarhunenLoeve::new(&covariance, grid, modes, ModesRoute::Periodic).unwrap().captured_slope_variance()
         };
         // Differences of a periodic mode leave out the pair across the edge: about 1/48 of its slope.
-        assert!(share(needed) > 0.88 && share(needed / 2) < 0.9, "{needed}: {}", share(needed));
+        assert!(fraction(needed) > 0.88 && fraction(needed / 2) < 0.9, "{needed}: {}", fraction(needed));
     }
 }

@@ -11,14 +11,15 @@ use asperity_base::numeric::solve_positive_definite;
 #[derive(Debug)]
 pub(super) struct Undetermined;
 
-/// Times that the fit is repeated on what it left, which takes out the rounding of the normal equations.
+/// Number of times that the fit is repeated on its residual, which removes the rounding error of the normal equations.
 const REFINEMENTS: usize = 2;
 
-/// Heights of the least-squares polynomial of total `degree` at every point of the map, in metre.
+/// Returns the heights of the least-squares polynomial of total `degree` at every point of the map, in metre.
 ///
-/// The basis are products P_a(u) P_b(v), a + b ≤ degree, of Legendre polynomials in coordinates from −1 to 1 over the
-/// present points: orthogonal on a full map but for the sampling. A row's share of the normal equations is P_b P_d times
-/// the sums of P_a P_c over its present points, so a fit costs degree² operations a point and not degree⁴.
+/// The basis consists of products P_a(u) P_b(v), a + b ≤ degree, of Legendre polynomials in coordinates from −1 to 1
+/// over the present points. It is orthogonal on a full map except for the sampling. A row contributes P_b P_d times the
+/// sums of P_a P_c over its present points to the normal equations, so a fit costs degree² operations per point instead
+/// of degree⁴.
 pub(super) fn fit(map: &HeightMap, degree: usize) -> Result<Array2<f64>, Undetermined> {
     let (ny, nx) = map.grid().shape();
     let (columns, rows) = Span::of(map);
@@ -46,7 +47,7 @@ pub(super) fn fit(map: &HeightMap, degree: usize) -> Result<Array2<f64>, Undeter
             }
         }
     });
-    // Roughness of nanometres may sit on millimetres of offset: the mean goes first.
+    // The mean is removed first, because roughness of nanometres may have an offset of millimetres.
     let present = (map.grid().points() - map.missing_points()) as f64;
     let mean_m = sums_over_rows(ny, 1, |row, sum| {
         sum[0] += heights.row(row).iter().filter(|z| !z.is_nan()).sum::<f64>();
@@ -84,7 +85,7 @@ pub(super) fn fit(map: &HeightMap, degree: usize) -> Result<Array2<f64>, Undeter
     Ok(Array2::from_shape_fn((ny, nx), |(row, column)| form[row * nx + column]))
 }
 
-/// P_0(u) … P_degree(u) by Bonnet's recurrence.
+/// Returns P_0(u) … P_degree(u) by Bonnet's recurrence.
 fn legendre(u: f64, degree: usize) -> Vec<f64> {
     let mut values = vec![1.0, u];
     for k in 1..degree {

@@ -6,9 +6,9 @@ use super::{Span, polynomial, sums_over_rows};
 use asperity_base::map::HeightMap;
 use asperity_base::numeric::solve_positive_definite;
 
-/// Steps of the search.
+/// Largest number of steps of the search.
 const MAX_ITERATIONS: usize = 100;
-/// A step that moves no parameter by more, in units of half the map, ends the search.
+/// Largest change of a parameter, in units of half the map, at which the search ends.
 const SETTLED: f64 = 1e-13;
 /// Bounds of the damping.
 const LEAST_DAMPING: f64 = 1e-12;
@@ -16,39 +16,39 @@ const MOST_DAMPING: f64 = 1e12;
 /// Parameters of a cylinder: height and two slopes at the centre, curvature, direction of the axis.
 const PARAMETERS: usize = 5;
 
-/// Why there is no sphere or cylinder.
+/// Reason why there is no sphere or cylinder.
 pub(super) enum RoundError {
-    /// The points do not determine it.
+    /// The points do not determine the form.
     Undetermined,
-    /// The search did not settle.
+    /// The search did not converge.
     NotConverged { iterations: usize },
 }
 
-/// A sphere or cylinder.
+/// Result of the fit of a sphere or cylinder.
 pub(super) struct Fitted {
     pub(super) heights_m: Array2<f64>,
     pub(super) radius_m: f64,
 }
 
-/// A sphere or cylinder that passes the height `c` above the centre of the map, with slopes (p, q) and signed curvature κ
-/// there: smooth through the plane, κ = 0, where centre and radius are not.
+/// A sphere or cylinder that passes the height `c` above the centre of the map, with slopes (p, q) and signed curvature
+/// κ there. These parameters are smooth through the plane, κ = 0, while centre and radius are not.
 ///
-/// A point d = (x, y, w) from that height lies on the surface when κ/2 (|d|² − (t·d)²) = n·d, n the unit normal and t the
-/// axis of the cylinder, orthogonal to n; for a sphere the term with t is absent. Of the two roots w the one that tends to
-/// the tangent plane is taken.
+/// A point d = (x, y, w) from that height is on the surface if κ/2 (|d|² − (t·d)²) = n·d, with n the unit normal and t
+/// the axis of the cylinder, orthogonal to n. For a sphere the term with t is absent. Of the two roots w, the one that
+/// tends to the tangent plane is taken.
 #[derive(Debug, Clone, Copy)]
 struct Round {
     height: f64,
     slope_x: f64,
     slope_y: f64,
-    /// Along −n: positive for a ridge or cap.
+    /// Curvature along −n: positive for a ridge or cap.
     curvature: f64,
-    /// Angle of the axis with x, seen from above; `None` for a sphere.
+    /// Angle of the axis with x in the map plane; `None` for a sphere.
     axis: Option<f64>,
 }
 
 impl Round {
-    /// The parameters that a fit varies.
+    /// Returns the number of parameters of the fit.
     fn parameters(&self) -> usize {
         if self.axis.is_some() { PARAMETERS } else { PARAMETERS - 1 }
     }
@@ -63,7 +63,7 @@ impl Round {
         }
     }
 
-    /// Height at (x, y) from the centre, NaN beyond the rim.
+    /// Returns the height at (x, y) from the centre, NaN beyond the rim.
     fn at(&self, x: f64, y: f64) -> f64 {
         let (p, q) = (self.slope_x, self.slope_y);
         let upright = 1.0 / (1.0 + p * p + q * q).sqrt();
@@ -83,7 +83,7 @@ impl Round {
     }
 }
 
-/// The points of a map in units of half its longer side, so that all parameters of a fit are of one size.
+/// Points of a map in units of half its longer side, so that all parameters of a fit have similar size.
 struct Points<'a> {
     map: &'a HeightMap,
     columns: Span,
@@ -101,7 +101,7 @@ impl Points<'_> {
         (row as f64 - self.rows.centre) * self.map.grid().dy_m() / self.unit_m
     }
 
-    /// Σ (z − form)² over the present points; NaN when one lies beyond the rim.
+    /// Returns Σ (z − form)² over the present points; NaN if a point is beyond the rim.
     fn misfit(&self, form: &Round) -> f64 {
         self.accumulate(1, |x, y, z, sums| sums[0] += (z - form.at(x, y)).powi(2))[0]
     }
@@ -117,7 +117,7 @@ impl Points<'_> {
     }
 }
 
-/// The sphere or cylinder of least squares in height, by Levenberg's and Marquardt's method from the quadratic.
+/// Fits a sphere or cylinder by least squares in height with the Levenberg–Marquardt method, starting from a quadratic.
 pub(super) fn fit(map: &HeightMap, cylinder: bool) -> Result<Fitted, RoundError> {
     let grid = map.grid();
     let (columns, rows) = Span::of(map);
@@ -128,7 +128,7 @@ pub(super) fn fit(map: &HeightMap, cylinder: bool) -> Result<Fitted, RoundError>
     let n = start.parameters();
     let (mut best, mut misfit) = (start, points.misfit(&start));
     if misfit.is_nan() {
-        // The quadratic's curvature may be too much for a sphere under the outermost points.
+        // The quadratic's curvature may be too large for a sphere that includes the outermost points.
         best.curvature = 0.0;
         misfit = points.misfit(&best);
     }
@@ -151,7 +151,7 @@ pub(super) fn fit(map: &HeightMap, cylinder: bool) -> Result<Fitted, RoundError>
                 damping = (0.1 * damping).max(LEAST_DAMPING);
                 break is_still;
             }
-            // Rounding alone keeps the misfit from falling.
+            // Only rounding prevents a further decrease of the misfit.
             if is_still || damping > MOST_DAMPING {
                 break true;
             }
@@ -169,9 +169,9 @@ pub(super) fn fit(map: &HeightMap, cylinder: bool) -> Result<Fitted, RoundError>
     Err(RoundError::NotConverged { iterations: MAX_ITERATIONS })
 }
 
-/// JᵀJ and Jᵀr, derivatives by central differences.
+/// Returns JᵀJ and Jᵀr, with derivatives by central differences.
 fn normal_equations(points: &Points, form: &Round, n: usize) -> (Vec<f64>, Vec<f64>) {
-    /// Near the cube root of the rounding unit: the error of a central difference is then about its square.
+    /// Step close to the cube root of the rounding unit; the error of a central difference is then about its square.
     const DIFFERENCE: f64 = 1e-5;
     let moved = |parameter: usize, by: f64| {
         let mut step = [0.0; PARAMETERS];
@@ -185,7 +185,7 @@ fn normal_equations(points: &Points, form: &Round, n: usize) -> (Vec<f64>, Vec<f
         for (slope, (after, before)) in slopes.iter_mut().zip(&pairs) {
             *slope = (after.at(x, y) - before.at(x, y)) / (2.0 * DIFFERENCE);
         }
-        // A point at the rim has no derivative; it lies under the form and steps that lose it are refused.
+        // A point at the rim has no derivative. It is inside the form, and steps that lose it are rejected.
         if slopes.iter().any(|s| s.is_nan()) {
             return;
         }
@@ -200,10 +200,10 @@ fn normal_equations(points: &Points, form: &Round, n: usize) -> (Vec<f64>, Vec<f
     (sums, right)
 }
 
-/// Height, slopes and curvatures of the least-squares quadratic at the centre.
+/// Returns height, slopes and curvatures of the least-squares quadratic at the centre.
 fn start(points: &Points, cylinder: bool) -> Result<Round, RoundError> {
     let form = polynomial::fit(points.map, 2).map_err(|polynomial::Undetermined| RoundError::Undetermined)?;
-    // Five values of a quadratic along each axis and diagonal give its coefficients; a step is the whole map.
+    // Five values of a quadratic along each axis and diagonal determine its coefficients; a step is the whole map.
     let grid = points.map.grid();
     let (row, column) = (grid.ny() / 2, grid.nx() / 2);
     let value = |row: usize, column: usize| (form[[row, column]] - points.offset_m) / points.unit_m;
@@ -225,7 +225,7 @@ fn start(points: &Points, cylinder: bool) -> Result<Round, RoundError> {
     let slope_x = (value(row, end_column) - value(row, 0)) / (x2 - x0) - 0.5 * xx * (x2 + x0) - xy * y1;
     let slope_y = (value(end_row, column) - value(0, column)) / (y2 - y0) - 0.5 * yy * (y2 + y0) - xy * x1;
     let height = value(row, column) - slope_x * x1 - slope_y * y1 - 0.5 * (xx * x1 * x1 + yy * y1 * y1) - xy * x1 * y1;
-    // The axis of a cylinder lies across the direction of the stronger curvature.
+    // The axis of a cylinder is normal to the direction of the stronger curvature.
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let strongest = half.hypot(xy);
     let (bend, axis) = if cylinder {

@@ -21,10 +21,10 @@ fn a_quadratic_is_removed_at_any_pitch_and_offset() {
 }
 
 #[test]
-fn what_is_left_is_orthogonal_to_the_form_on_the_present_points() {
+fn the_residual_is_orthogonal_to_the_form_on_the_present_points() {
     let grid = Grid::new(40, 30, 1e-6, 1e-6).unwrap();
     let mut heights = noise(grid, 0);
-    // Half of the map is missing, so that the polynomials are far from orthogonal.
+    // Half of the map is missing, so the polynomials are far from orthogonal.
     heights.indexed_iter_mut().filter(|((row, column), _)| row + column > 35).for_each(|(_, z)| *z = f64::NAN);
     let map = HeightMap::new(grid, heights).unwrap();
     for (level, degree) in [
@@ -42,14 +42,14 @@ fn what_is_left_is_orthogonal_to_the_form_on_the_present_points() {
                 left.map(|((row, column), z)| z * (column as f64 / 40.0).powi(a) * (row as f64 / 30.0).powi(b)).sum();
             assert!(product.abs() < 1e-9, "{level}: {product:e}");
         }
-        // Form and rest make up the map again.
+        // Form and residual add up to the map.
         let again = &levelled.form_m + levelled.map.heights_m();
         assert!(again.iter().zip(map.heights_m()).all(|(a, b)| b.is_nan() || (a - b).abs() < 1e-12));
     }
 }
 
 #[test]
-fn a_polynomial_of_degree_twelve_takes_out_its_own_kind() {
+fn a_polynomial_of_degree_twelve_is_removed_by_its_own_degree() {
     let grid = Grid::new(50, 40, 1e-6, 1e-6).unwrap();
     let map = HeightMap::from_function(grid, |x, y| {
         let (u, v) = (x / 25e-6 - 1.0, y / 20e-6 - 1.0);
@@ -89,15 +89,15 @@ fn points_on_a_line_do_not_determine_a_plane() {
     assert!(remove_form(&HeightMap::new(grid, row).unwrap(), Level::Plane).is_err());
 }
 
-/// The sphere of centre (x₀, y₀) and radius R, its top at the height `top`; R < 0 is a dish.
+/// Returns the sphere of centre (x₀, y₀) and radius R with its top at the height `top`; R < 0 is a dish.
 fn sphere(x0: f64, y0: f64, top: f64, radius: f64) -> impl Fn(f64, f64) -> f64 {
     move |x, y| top - radius + radius.signum() * (radius * radius - (x - x0).powi(2) - (y - y0).powi(2)).sqrt()
 }
 
 #[test]
-fn a_sphere_is_removed_and_its_radius_told() {
+fn a_sphere_is_removed_and_its_radius_returned() {
     let grid = Grid::new(60, 45, 2e-6, 3e-6).unwrap();
-    // A cap, a dish, a sphere whose top lies beyond the map, nearly a hemisphere, and one that is almost a plane.
+    // A cap, a dish, a sphere whose top is beyond the map, nearly a hemisphere, and nearly a plane.
     for (x0, y0, radius) in
         [(60e-6, 70e-6, 1e-3), (50e-6, 60e-6, -0.5e-3), (300e-6, -200e-6, 2e-3), (60e-6, 67e-6, 95e-6), (0.0, 0.0, 0.3)]
     {
@@ -105,10 +105,10 @@ fn a_sphere_is_removed_and_its_radius_told() {
         let levelled = remove_form(&map, Level::Sphere).unwrap();
         let found = levelled.radius_m.unwrap();
         let depth = map.present_m().fold(f64::NEG_INFINITY, f64::max) - map.present_m().fold(f64::INFINITY, f64::min);
-        // The radius is known to the rounding of the heights, of some 5 µm, over the depth of the sphere in the map.
+        // The error of the radius is the rounding of the heights, of some 5 µm, over the depth of the sphere in the map.
         assert!((found / radius - 1.0).abs() < 1e-13 * 1e-4 / depth + 1e-9, "{found} is not {radius}");
         let rest = levelled.map.present_m().fold(0.0, |m: f64, z| m.max(z.abs()));
-        // The function above knows its heights to the rounding of the radius.
+        // The heights of the function above are accurate to the rounding of the radius.
         assert!(rest < 1e-10 * depth + f64::EPSILON * radius.abs(), "{rest:e} of {depth:e}");
     }
 }
@@ -126,15 +126,15 @@ fn a_rough_sphere_with_holes_keeps_its_roughness() {
     let (n, sum) = levelled.map.present_m().fold((0.0, 0.0), |(n, sum), z| (n + 1.0, sum + z * z));
     // 5,485 residuals: the standard error of their rms is 1/√(2n) = 1 %.
     assert!(((sum / n).sqrt() / 10e-9 - 1.0).abs() < 0.03);
-    // A cap of 40 µm radius is 2 µm deep; 10 nm at 5,485 points leave the curvature uncertain by about 1e-4.
+    // A cap of 40 µm radius is 2 µm deep; 10 nm at 5,485 points give the curvature an error of about 1e-4.
     assert!((levelled.radius_m.unwrap() / 400e-6 - 1.0).abs() < 1e-3);
 }
 
 #[test]
-fn a_tilted_cylinder_of_any_axis_is_removed_and_its_radius_told() {
+fn a_tilted_cylinder_of_any_axis_is_removed_and_its_radius_returned() {
     let grid = Grid::new(50, 60, 2e-6, 2e-6).unwrap();
     for (angle, tilt, radius) in [(0.3, 0.0, 1e-3), (1.6, 0.1, -0.4e-3), (2.9, -0.05, 300e-6), (0.0, 0.2, 2e-3)] {
-        // Points at the distance R from the axis through (a, b, c) along the unit vector t, found by bisection.
+        // Points at the distance R from the axis through (a, b, c) along the unit vector t, by bisection.
         let (sin, cos) = f64::sin_cos(angle);
         let length = 1.0_f64.hypot(tilt);
         let t = [cos / length, sin / length, tilt / length];
@@ -145,7 +145,7 @@ fn a_tilted_cylinder_of_any_axis_is_removed_and_its_radius_told() {
                 let along: f64 = d.iter().zip(&t).map(|(d, t)| d * t).sum();
                 (d.iter().map(|d| d * d).sum::<f64>() - along * along).sqrt()
             };
-            // The axis passes at this height, where the distance is least; the outer side lies R beyond at most.
+            // The axis passes at this height, where the distance is least; the outer side is at most R beyond.
             let axis = centre[2] + tilt * ((x - centre[0]) * cos + (y - centre[1]) * sin);
             let (mut low, mut high) = (axis, axis + 2.0 * radius);
             for _ in 0..200 {
@@ -174,7 +174,7 @@ fn forms_are_named_as_in_study_files() {
 }
 
 #[test]
-fn a_form_dominates_when_its_rms_height_exceeds_that_of_the_rest() {
+fn a_form_is_dominant_if_its_rms_height_exceeds_that_of_the_rest() {
     let grid = Grid::new(64, 48, 1e-6, 1e-6).unwrap();
     let (rough, n) = (noise(grid, 7), 64.0_f64);
     let with = |slope: f64, bend: f64| {
@@ -185,7 +185,7 @@ fn a_form_dominates_when_its_rms_height_exceeds_that_of_the_rest() {
         dominant_form(&HeightMap::new(grid, heights).unwrap())
     };
     assert_eq!(with(0.0, 0.0), None);
-    // A slope s over n points has the rms height s √((n² − 1)/12), a parabola b x² that of b √((n² − 1)(n² − 4)/180).
+    // A slope s over n points has the rms height s √((n² − 1)/12), a parabola b x² has b √((n² − 1)(n² − 4)/180).
     let (of_slope, of_bend) = (((n * n - 1.0) / 12.0).sqrt(), ((n * n - 1.0) * (n * n - 4.0) / 180.0).sqrt());
     assert_eq!(with(0.8 / of_slope, 0.0), None);
     assert_eq!(with(0.0, 0.8 / of_bend), None);
@@ -195,7 +195,7 @@ fn a_form_dominates_when_its_rms_height_exceeds_that_of_the_rest() {
         let found = with(slope / of_slope, bend / of_bend).unwrap();
         assert_eq!(found.level, level);
         let wanted = slope.hypot(if level == Level::Plane { 0.0 } else { bend });
-        // Noise of variance 1 on 3072 points tilts and bends by a few per cent.
+        // Noise of variance 1 on 3072 points changes tilt and curvature by a few per cent.
         assert!((found.form_rms_m / wanted - 1.0).abs() < 0.05, "{found:?}, wanted {wanted}");
         let rest = if level == Level::Plane { 1.0_f64.hypot(bend) } else { 1.0 };
         assert!((found.roughness_rms_m / rest - 1.0).abs() < 0.05, "{found:?}, wanted {rest}");

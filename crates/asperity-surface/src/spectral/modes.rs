@@ -13,12 +13,12 @@ struct Mode {
     eigenvalue_m2: f64,
     /// Place of the wavevector in the spectrum.
     place: usize,
-    /// Place of −q where the spectrum stores it too; `place` itself when q = −q.
+    /// Place of −q if the spectrum stores it too; `place` itself if q = −q.
     mirror: Option<usize>,
     sine: bool,
 }
 
-/// Real Fourier modes sorted by falling eigenvalue; the eigenfunctions of every periodic stationary covariance.
+/// Real Fourier modes sorted by falling eigenvalue: the eigenfunctions of every periodic stationary covariance.
 #[derive(Debug, Clone)]
 pub(crate) struct FourierModes {
     fft: RealFft2,
@@ -30,20 +30,22 @@ pub(crate) struct FourierModes {
 pub(crate) struct WrappedSpectrum {
     /// Clipped eigenvalues of the unit-variance operator in m², laid out as the spectrum of [`RealFft2`].
     pub(crate) eigenvalues_m2: Vec<f64>,
-    /// Share of the variance that negative eigenvalues held, before clipping.
+    /// Fraction of the variance in negative eigenvalues, before clipping.
     pub(crate) clipped: f64,
 }
 
-/// Unclipped eigenvalues of the covariance wrapped onto the periodic `domain`: the transform of ρ at the least image.
+/// Returns the unclipped eigenvalues of the covariance wrapped onto the periodic `domain`: the transform of ρ at the
+/// least image.
 ///
-/// ρ is even under a change of both signs, so eigenvalues are real; a mirror-symmetric one has λ(k_x, k_y) = λ(k_x, −k_y).
-/// Both are imposed against rounding. Lags of half the domain have two or four images of equal length; their mean is taken.
+/// ρ is even under a change of both signs, so eigenvalues are real. A mirror-symmetric ρ has λ(k_x, k_y) = λ(k_x, −k_y).
+/// Both symmetries are imposed against rounding. Lags of half the domain have two or four images of equal length; their
+/// mean is used.
 pub(crate) fn wrapped_eigenvalues_m2(covariance: &dyn StationaryCovariance, domain: Grid, fft: &RealFft2) -> Vec<f64> {
     let (nx, ny) = (domain.nx(), domain.ny());
     let mirrors = covariance.mirror_symmetric();
     let rho = |column: f64, row: f64| covariance.correlation(column * domain.dx_m(), row * domain.dy_m());
     let mut wrapped = vec![0.0; nx * ny];
-    // Only one quadrant or half plane is evaluated: a Bessel function costs more than a transform.
+    // Only one quadrant or half plane is evaluated, because a Bessel function costs more than a transform.
     for row in 0..=ny / 2 {
         for column in 0..=nx / 2 {
             let (x, y) = (column as f64, row as f64);
@@ -74,16 +76,16 @@ pub(crate) fn wrapped_eigenvalues_m2(covariance: &dyn StationaryCovariance, doma
         .collect()
 }
 
-/// As [`wrapped_eigenvalues_m2`], with negative eigenvalues set to zero and the others scaled back to unit variance.
+/// Computes [`wrapped_eigenvalues_m2`], sets negative eigenvalues to zero and scales the others to unit variance.
 pub(crate) fn wrapped_spectrum(covariance: &dyn StationaryCovariance, domain: Grid, fft: &RealFft2) -> WrappedSpectrum {
     let mut eigenvalues_m2 = wrapped_eigenvalues_m2(covariance, domain, fft);
     let ny = domain.ny();
-    let share = |values: &[f64], part: fn(f64) -> f64| {
+    let fraction = |values: &[f64], part: fn(f64) -> f64| {
         let sum: f64 = values.iter().enumerate().map(|(i, &l)| fft.multiplicity(i / ny) * part(l)).sum();
         sum / domain.area_m2()
     };
-    let clipped = share(&eigenvalues_m2, |l| (-l).max(0.0));
-    let kept = share(&eigenvalues_m2, |l| l.max(0.0));
+    let clipped = fraction(&eigenvalues_m2, |l| (-l).max(0.0));
+    let kept = fraction(&eigenvalues_m2, |l| l.max(0.0));
     for eigenvalue in &mut eigenvalues_m2 {
         *eigenvalue = eigenvalue.max(0.0) / kept;
     }
@@ -91,7 +93,7 @@ pub(crate) fn wrapped_spectrum(covariance: &dyn StationaryCovariance, domain: Gr
 }
 
 impl FourierModes {
-    /// All real modes of the periodic `domain`, from the eigenvalues of its stored wavevectors.
+    /// Creates all real modes of the periodic `domain` from the eigenvalues of its stored wavevectors.
     ///
     /// Ties are broken by the wavevector's place, the cosine first.
     pub(crate) fn new(domain: Grid, fft: RealFft2, eigenvalues_m2: &[f64]) -> Self {
@@ -121,7 +123,7 @@ impl FourierModes {
         Self { fft, area_m2: domain.area_m2(), modes }
     }
 
-    /// Sorts the modes by the wavevector's place, the cosine first, whatever their eigenvalues.
+    /// Sorts the modes by the place of the wavevector, the cosine first, regardless of their eigenvalues.
     pub(crate) fn sort_by_place(&mut self) {
         self.modes.sort_by_key(|mode| (mode.place, mode.sine));
     }
@@ -131,9 +133,9 @@ impl FourierModes {
         self.modes.truncate(count);
     }
 
-    /// Share of the variance that modes without their partner, the sine of a cosine, hold: the last one at most. All others together
-    /// have the same variance everywhere.
-    pub(crate) fn unpaired_share(&self) -> f64 {
+    /// Returns the fraction of the variance in modes without their partner (the sine of a cosine); at most the last
+    /// mode. All others together have the same variance everywhere.
+    pub(crate) fn unpaired_fraction(&self) -> f64 {
         let total: f64 = self.eigenvalues_m2().sum();
         match self.modes.last() {
             Some(mode) if !mode.sine && mode.mirror != Some(mode.place) => mode.eigenvalue_m2 / total,
@@ -141,7 +143,7 @@ impl FourierModes {
         }
     }
 
-    /// Leaves the constant mode out and scales the others so that they hold its variance too.
+    /// Removes the constant mode and scales the others to the whole variance.
     pub(crate) fn without_constant(&mut self) {
         let whole: f64 = self.eigenvalues_m2().sum();
         self.modes.retain(|mode| mode.place != 0);
@@ -149,12 +151,12 @@ impl FourierModes {
         self.modes.iter_mut().for_each(|mode| mode.eigenvalue_m2 *= scale);
     }
 
-    /// The transform of the domain.
+    /// Returns the transform of the domain.
     pub(crate) fn fft(&self) -> &RealFft2 {
         &self.fft
     }
 
-    /// Eigenvalues in m² of all stored wavevectors, laid out as the spectrum of [`RealFft2`]; zero where modes were cut.
+    /// Returns the eigenvalues in m² of all stored wavevectors, in the order of [`RealFft2`]; zero for removed modes.
     pub(crate) fn spectrum_m2(&self) -> Vec<f64> {
         let mut spectrum = vec![0.0; self.fft.spectrum_len()];
         for mode in &self.modes {
@@ -166,26 +168,26 @@ impl FourierModes {
         spectrum
     }
 
-    /// Number of modes.
+    /// Returns the number of modes.
     pub(crate) fn len(&self) -> usize {
         self.modes.len()
     }
 
-    /// Eigenvalues in m², falling.
+    /// Returns the eigenvalues in m², falling.
     pub(crate) fn eigenvalues_m2(&self) -> impl Iterator<Item = f64> + '_ {
         self.modes.iter().map(|mode| mode.eigenvalue_m2)
     }
 
-    /// Writes Σ_j √λ_j φ_j ξ_j, cropped to the first `rows` × `columns` points, in row order.
-    pub(crate) fn synthesise(&self, germ: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+    /// Computes Σ_j √λ_j φ_j ξ_j, cropped to the first `rows` × `columns` points, in row order.
+    pub(crate) fn synthesise(&self, xi: &[f64], rows: usize, columns: usize) -> Vec<f64> {
         self.superpose(
-            self.modes.iter().zip(germ).map(|(mode, xi)| (mode, mode.eigenvalue_m2.sqrt() * xi)),
+            self.modes.iter().zip(xi).map(|(mode, xi)| (mode, mode.eigenvalue_m2.sqrt() * xi)),
             rows,
             columns,
         )
     }
 
-    /// √λ_j Σ_x w(x) φ_j(x) for every j by one transform: the adjoint of [`FourierModes::synthesise`].
+    /// Computes √λ_j Σ_x w(x) φ_j(x) for every j by one transform: the adjoint of [`FourierModes::synthesise`].
     pub(crate) fn analyse(&self, weights: &[f64], rows: usize, columns: usize) -> Vec<f64> {
         let mut spectrum = self.fft.spectrum();
         self.fft.forward_padded(weights, rows, columns, &mut spectrum, &mut self.fft.workspace());
@@ -197,26 +199,27 @@ impl FourierModes {
         self.modes.iter().map(product).collect()
     }
 
-    /// Σ_j λ_j φ_j(x₀) φ_j(x) for the domain's point x₀ = (`row`, `column`), cropped.
+    /// Returns Σ_j λ_j φ_j(x₀) φ_j(x) for the domain's point x₀ = (`row`, `column`), cropped.
     pub(crate) fn covariance_with(&self, row: usize, column: usize, rows: usize, columns: usize) -> Vec<f64> {
         let ny = self.fft.ny();
         let weights = self.modes.iter().map(|mode| (mode, mode.eigenvalue_m2 * self.value(mode, row, column, ny)));
         self.superpose(weights, rows, columns)
     }
 
-    /// Σ_j λ_j φ_j², cropped. Complete pairs of cosine and sine are uniform, so only a cut pair depends on the point.
+    /// Returns Σ_j λ_j φ_j², cropped. Complete pairs of cosine and sine are uniform, so only an incomplete pair depends
+    /// on the point.
     pub(crate) fn pointwise_variance(&self, rows: usize, columns: usize) -> Array2<f64> {
         let ny = self.fft.ny();
         let cut = self.modes.last().filter(|mode| !mode.sine && mode.mirror != Some(mode.place));
         let whole = self.modes.len() - usize::from(cut.is_some());
-        // A mode that is its own mirror is ±1/√A everywhere, a pair has cos² + sin² = 1.
+        // A mode that is its own mirror image is ±1/√A everywhere; a pair has cos² + sin² = 1.
         let uniform = self.modes[..whole].iter().map(|mode| mode.eigenvalue_m2).sum::<f64>() / self.area_m2;
         Array2::from_shape_fn((rows, columns), |(row, column)| {
             uniform + cut.map_or(0.0, |mode| mode.eigenvalue_m2 * self.value(mode, row, column, ny).powi(2))
         })
     }
 
-    /// φ_j at a point of the domain, in 1/m.
+    /// Returns φ_j at a point of the domain, in 1/m.
     fn value(&self, mode: &Mode, row: usize, column: usize, ny: usize) -> f64 {
         let (kx, ky) = ((mode.place / ny) as f64, signed_index(mode.place % ny, ny));
         let turns = kx * column as f64 / self.fft.nx() as f64 + ky * row as f64 / ny as f64;
@@ -225,7 +228,7 @@ impl FourierModes {
         (norm / self.area_m2).sqrt() * if mode.sine { sin } else { cos }
     }
 
-    /// Σ a_j φ_j by one inverse transform.
+    /// Returns Σ a_j φ_j by one inverse transform.
     fn superpose<'a>(&self, weights: impl Iterator<Item = (&'a Mode, f64)>, rows: usize, columns: usize) -> Vec<f64> {
         let points = (self.fft.nx() * self.fft.ny()) as f64;
         let mut spectrum = self.fft.spectrum();

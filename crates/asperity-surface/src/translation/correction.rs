@@ -1,4 +1,4 @@
-//! The Gaussian spectrum whose translation comes closest to a target correlation.
+//! Gaussian spectrum whose translation comes closest to a target correlation.
 
 #[cfg(test)]
 mod tests;
@@ -15,156 +15,158 @@ use asperity_base::fourier::{Workspace, good_length};
 use asperity_base::law::{Marginal, translation::Translation};
 use asperity_base::map::Grid;
 
-/// Share of negative variance that counts as rounding.
+/// Fraction of negative variance that counts as rounding.
 const NEGLIGIBLE: f64 = 1e-12;
-/// Largest side of an embedding domain over that of the grid, and its largest number of points.
+/// Largest side of an embedding domain over the side of the grid, and its largest number of points.
 const LARGEST_FACTOR: usize = 8;
 const LARGEST_DOMAIN: usize = 1 << 22;
-/// Values of the objective that a step of the descent must undercut one of.
+/// Number of previous values of the objective; a step must go below the largest of them.
 const MEMORY: usize = 8;
-/// A descent of the sum of squares by less than this share in as many steps as the memory is none.
+/// Relative decrease of the sum of squares over [`MEMORY`] steps below which the descent has stalled.
 const LEAST_GAIN: f64 = 1e-3;
-/// Armijo's share of the slope that a step must gain, and the least share of a step that is tried.
+/// Fraction of the slope that a step must gain (Armijo), and the least fraction of a step that is tried.
 const SUFFICIENT: f64 = 1e-4;
-const LEAST_SHARE: f64 = 1e-6;
+const LEAST_FRACTION: f64 = 1e-6;
 
-/// Corrected translation by Fourier synthesis: the Gaussian field whose translated correlation is that of a target, or as
-/// near to it as a correlation can be.
+/// Corrected translation by Fourier synthesis: the Gaussian field whose translated correlation equals a target, or
+/// comes as close to it as possible.
 ///
-/// Pre-distortion, ρ_G = T⁻¹(ρ_X) with T the law's distortion, is exact where ρ_G has no negative spectrum. Else the
-/// spectrum S ≥ 0 of ρ_G with least Σ (T(ρ_G) − ρ_X)² over the lags is searched, where the negative one, clipped, leaves a
-/// larger deviation than the tolerance. As in the translation approximation of Shields, Deodatis & Bocchini, steps alternate
-/// between the marginal transform ρ_G → T(ρ_G) and spectra that cannot be negative. Theirs multiply the spectrum by the ratio
-/// of target and met spectra; here it moves against the gradient of the sum of squares and back onto the nearest
-/// non-negative spectrum of unit variance (spectral projected gradients), which descends surely and leaves less.
+/// Pre-distortion, ρ_G = T⁻¹(ρ_X) with T the distortion by the distribution, is exact if ρ_G has no negative spectrum.
+/// Otherwise the negative part is clipped. If the deviation then exceeds the tolerance, a search finds the spectrum S ≥
+/// 0 of ρ_G with least Σ (T(ρ_G) − ρ_X)² over the lags. As in the translation approximation of Shields, Deodatis &
+/// Bocchini, steps alternate between the marginal transform ρ_G → T(ρ_G) and spectra that cannot be negative. Their
+/// method multiplies the spectrum by the ratio of target and achieved spectra. Here the spectrum moves against the
+/// gradient of the sum of squares and back onto the nearest non-negative spectrum of unit variance (spectral projected
+/// gradients), which is a guaranteed descent with smaller deviations.
 ///
 /// # References
-/// Shields, Deodatis & Bocchini, *Prob. Eng. Mech.* **26** (2011) 511, <https://doi.org/10.1016/j.probengmech.2011.04.003>;
-/// Birgin, Martínez & Raydan, *SIAM J. Optim.* **10** (2000) 1196, <https://doi.org/10.1137/S1052623497330963>.
+/// Shields, Deodatis & Bocchini, *Prob. Eng. Mech.* **26** (2011) 511,
+/// <https://doi.org/10.1016/j.probengmech.2011.04.003>; Birgin, Martínez & Raydan, *SIAM J. Optim.* **10** (2000) 1196,
+/// <https://doi.org/10.1137/S1052623497330963>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TranslationCorrection {
-    /// Largest deviation |ρ − target| at which the search ends.
+    /// Deviation |ρ − target| at which the search ends.
     pub tolerance: f64,
     /// Largest number of iterations.
     pub iterations: usize,
 }
 
 impl Default for TranslationCorrection {
-    /// A deviation of 1e-3, which is below the sampling error of any map's correlation; 100 iterations.
+    /// Returns a deviation of 1e-3, which is below the sampling error of any map's correlation, and 100 iterations.
     fn default() -> Self {
         Self { tolerance: 1e-3, iterations: 100 }
     }
 }
 
-/// A Gaussian field to be translated, and how near its translation is to the target.
+/// A Gaussian field to be translated, and the deviation of its translation from the target.
 #[derive(Debug, Clone)]
 pub struct CorrectedField {
-    /// The Gaussian field, of the target's standard deviation.
+    /// The Gaussian field, with the standard deviation of the target.
     pub field: SpectralField,
-    /// How near.
+    /// Deviation from the target.
     pub report: CorrectionReport,
 }
 
-/// Whether a translated field can have a target correlation at all.
+/// Feasibility of a target correlation for a translated field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feasibility {
-    /// The least correlation that the law allows, at ρ_G = −1.
+    /// Least correlation that the distribution allows, at ρ_G = −1.
     pub least_correlation: f64,
-    /// The least value of the target at the lags of the map.
+    /// Least value of the target at the lags of the map.
     pub least_target: f64,
-    /// Share of the variance that negative eigenvalues of the target itself hold, wrapped onto the domain: above zero the
-    /// map holds too few correlation lengths, or the target is no correlation.
-    pub target_negative_share: f64,
-    /// Share of the variance that negative eigenvalues of the pre-distorted correlation hold: above zero no Gaussian field
-    /// is translated into the target.
-    pub predistorted_negative_share: f64,
+    /// Fraction of the variance in negative eigenvalues of the target itself, wrapped onto the domain. A positive value
+    /// means that the map contains too few correlation lengths, or that the target is no correlation.
+    pub target_negative_fraction: f64,
+    /// Fraction of the variance in negative eigenvalues of the pre-distorted correlation. If it is positive, no
+    /// Gaussian field has the target as its translation.
+    pub predistorted_negative_fraction: f64,
 }
 
 impl Feasibility {
-    /// By how much the target falls below the least correlation of the law; 0 where it does not.
+    /// Returns the depth of the target below the least correlation of the distribution; 0 if it does not fall below.
     pub fn shortfall(&self) -> f64 {
         (self.least_correlation - self.least_target).max(0.0)
     }
 
-    /// Whether pre-distortion meets the target to rounding.
+    /// Returns whether pre-distortion reproduces the target to rounding.
     pub fn is_feasible(&self) -> bool {
-        self.shortfall() == 0.0 && self.predistorted_negative_share < NEGLIGIBLE
+        self.shortfall() == 0.0 && self.predistorted_negative_fraction < NEGLIGIBLE
     }
 }
 
-/// Target and achieved correlation of a translated field at the lags of its map: on a periodic grid up to half the sides, on
-/// a free one all of them. No sampling is involved.
+/// Target and achieved correlation of a translated field at the lags of its map, without sampling: on a periodic grid
+/// up to half the sides, on a free grid all lags.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorrectionReport {
-    /// What stands in the way.
+    /// Feasibility of the target.
     pub feasibility: Feasibility,
-    /// What the plain map leaves, whose Gaussian field has the target's correlation.
+    /// Deviation of plain translation, whose Gaussian field has the correlation of the target.
     pub plain: TranslationReport,
-    /// What pre-distortion and one clipping leave.
+    /// Deviation after pre-distortion and one clipping.
     pub predistorted: TranslationReport,
-    /// What is left in the end.
+    /// Final deviation.
     pub corrected: TranslationReport,
     /// Iterations after pre-distortion.
     pub iterations: usize,
-    /// Whether the tolerance is met.
+    /// Whether the deviation is within the tolerance.
     pub converged: bool,
     /// The target, shape `[lags along y, lags along x]`, in steps of the grid.
     pub target: Array2<f64>,
-    /// The correlation of plain translation, likewise.
+    /// The correlation of plain translation at the same lags.
     pub achieved_plain: Array2<f64>,
-    /// The correlation achieved, likewise.
+    /// The achieved correlation at the same lags.
     pub achieved: Array2<f64>,
 }
 
 impl TranslationCorrection {
-    /// The Gaussian field on the periodic `grid`.
+    /// Computes the Gaussian field on the periodic `grid`.
     ///
     /// # Errors
-    /// A law with a parameter outside its range, or a target that is not in [−1, 1] or not 1 at zero.
+    /// A distribution with a parameter outside its range, or a target that is not in [−1, 1] or not 1 at zero.
     pub fn periodic(
         &self,
         target: &dyn StationaryCovariance,
-        law: &Marginal,
+        marginal: &Marginal,
         grid: Grid,
     ) -> Result<CorrectedField, TranslationError> {
-        self.field(target, law, grid, &Lags::periodic(target, grid))
+        self.field(target, marginal, grid, &Lags::periodic(target, grid))
     }
 
-    /// The Gaussian field on a `grid` whose opposite edges do not know each other: a crop of a periodic domain of at least
-    /// twice the sides. Only the lags within the grid count, so that beyond them the correlation may be what it likes.
+    /// Computes the Gaussian field on a `grid` whose opposite edges are independent: a crop of a periodic domain of at
+    /// least twice the sides. Only the lags within the grid count; beyond them the correlation is unconstrained.
     ///
     /// # Errors
-    /// As [`TranslationCorrection::periodic`].
+    /// The errors of [`TranslationCorrection::periodic`].
     pub fn free(
         &self,
         target: &dyn StationaryCovariance,
-        law: &Marginal,
+        marginal: &Marginal,
         grid: Grid,
     ) -> Result<CorrectedField, TranslationError> {
         let lags = embedding(target, grid)?;
-        self.field(target, law, grid, &lags)
+        self.field(target, marginal, grid, &lags)
     }
 
     fn field(
         &self,
         target: &dyn StationaryCovariance,
-        law: &Marginal,
+        marginal: &Marginal,
         grid: Grid,
         lags: &Lags,
     ) -> Result<CorrectedField, TranslationError> {
-        let translation = Translation::new(law)?;
+        let translation = Translation::new(marginal)?;
         let mut work = lags.fft.workspace();
         let wanted = lags.wrapped(target)?;
         let unclipped = lags.spectrum(&wanted, &mut work);
-        // Targets that the law does not reach are raised to the least correlation.
-        let normal = lags.wrapped(&Predistorted::new(Borrowed(target), law)?)?;
+        // Targets below the least correlation of the distribution are raised to it.
+        let normal = lags.wrapped(&Predistorted::new(Borrowed(target), marginal)?)?;
         let predistorted = lags.spectrum(&normal, &mut work);
         let least_target = lags.least(&wanted);
         let feasibility = Feasibility {
             least_correlation: translation.least_correlation(),
             least_target,
-            target_negative_share: lags.negative_share(&unclipped),
-            predistorted_negative_share: lags.negative_share(&predistorted),
+            target_negative_fraction: lags.negative_fraction(&unclipped),
+            predistorted_negative_fraction: lags.negative_fraction(&predistorted),
         };
         let mut search = Search { lags, translation: &translation, target: &wanted, least_gain: LEAST_GAIN, work };
 
@@ -193,15 +195,15 @@ impl TranslationCorrection {
         let cell_m2 = lags.domain.cell_area_m2();
         let spectrum = WrappedSpectrum {
             eigenvalues_m2: best.spectrum.iter().map(|s| s * cell_m2).collect(),
-            clipped: feasibility.predistorted_negative_share,
+            clipped: feasibility.predistorted_negative_fraction,
         };
         let field = SpectralField::from_spectrum(grid, lags.domain, lags.fft.clone(), target.std_m(), &spectrum);
         Ok(CorrectedField { field, report })
     }
 }
 
-/// The domain on which the *target* is a correlation, or the largest one tried. A pre-distorted correlation is often not
-/// positive on any domain, so that it cannot say when to stop.
+/// Returns the domain on which the *target* is a correlation, or the largest one tried. A pre-distorted correlation is
+/// often not positive definite on any domain, so it cannot determine the size.
 fn embedding(target: &dyn StationaryCovariance, grid: Grid) -> Result<Lags, TranslationError> {
     let (mut factor_x, mut factor_y) = (2, 2);
     loop {
@@ -212,7 +214,7 @@ fn embedding(target: &dyn StationaryCovariance, grid: Grid) -> Result<Lags, Tran
         let across_x = target.correlation(0.5 * domain.width_m(), 0.0).abs();
         let across_y = target.correlation(0.0, 0.5 * domain.height_m()).abs();
         let factor = if across_x > across_y { &mut factor_x } else { &mut factor_y };
-        if lags.negative_share(&spectrum) < NEGLIGIBLE
+        if lags.negative_fraction(&spectrum) < NEGLIGIBLE
             || *factor >= LARGEST_FACTOR
             || 2 * domain.points() > LARGEST_DOMAIN
         {
@@ -239,7 +241,7 @@ impl StationaryCovariance for Borrowed<'_> {
     }
 }
 
-/// The spectrum of least largest deviation so far.
+/// Spectrum with the least largest deviation so far.
 struct Best {
     spectrum: Vec<f64>,
     deviation: TranslationReport,
@@ -247,8 +249,8 @@ struct Best {
 
 struct Descent {
     best: Best,
-    /// The last spectrum, of least sum of squares.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the tests look where the search ends"))]
+    /// The last spectrum, with the least sum of squares.
+    #[cfg_attr(not(test), expect(dead_code, reason = "only tests read the last spectrum"))]
     last: Vec<f64>,
     iterations: usize,
 }
@@ -264,20 +266,20 @@ struct Search<'a> {
     lags: &'a Lags,
     translation: &'a Translation,
     target: &'a [f64],
-    /// The share by which [`MEMORY`] steps should lower the sum of squares.
+    /// Fraction by which [`MEMORY`] steps should lower the sum of squares.
     least_gain: f64,
     work: Workspace,
 }
 
 impl Search<'_> {
-    /// The correlation of the translated field of a spectrum.
+    /// Returns the correlation of the translated field of a spectrum.
     fn translated(&mut self, spectrum: &[f64]) -> Vec<f64> {
         self.correlations(spectrum).0
     }
 
-    /// The correlation of the translated field of a spectrum, and its slope over that of the normal one.
+    /// Returns the correlation of the translated field of a spectrum, and its slope over that of the normal field.
     fn correlations(&mut self, spectrum: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        /// Lags that a thread takes at a time.
+        /// Number of lags in one unit of work of a thread.
         const AT_ONCE: usize = 1 << 13;
 
         let mut normal = self.lags.map(spectrum, &mut self.work);
@@ -302,12 +304,12 @@ impl Search<'_> {
         Height { value, gradient: self.lags.spectrum(&slopes, &mut self.work), deviation }
     }
 
-    /// Σ a b over all wavevectors, over their number: Parseval's sum over the lags.
+    /// Returns Σ a b over all wavevectors, over their number: Parseval's sum over the lags.
     fn product(&self, a: &[f64], b: &[f64]) -> f64 {
         self.lags.sum(a.iter().zip(b).map(|(a, b)| a * b)) / self.lags.points() as f64
     }
 
-    /// Spectral projected gradients from the projection of the pre-distorted spectrum.
+    /// Runs spectral projected gradients from the projection of the pre-distorted spectrum.
     fn descend(&mut self, settings: &TranslationCorrection, predistorted: Vec<f64>, first: Best) -> Descent {
         let mut best = first;
         let mut spectrum = predistorted;
@@ -338,14 +340,14 @@ impl Search<'_> {
                 break;
             }
             let highest = values[values.len().saturating_sub(MEMORY)..].iter().copied().fold(0.0, f64::max);
-            let mut share = 1.0;
+            let mut fraction = 1.0;
             let (next, there) = loop {
-                let next: Vec<f64> = spectrum.iter().zip(&direction).map(|(s, d)| s + share * d).collect();
+                let next: Vec<f64> = spectrum.iter().zip(&direction).map(|(s, d)| s + fraction * d).collect();
                 let there = self.height(&next);
-                if there.value <= highest + SUFFICIENT * share * slope || share < LEAST_SHARE {
+                if there.value <= highest + SUFFICIENT * fraction * slope || fraction < LEAST_FRACTION {
                     break (next, there);
                 }
-                share *= 0.5;
+                fraction *= 0.5;
             };
             // Barzilai and Borwein's step |Δs|²/(Δs·Δgradient).
             let moved: Vec<f64> = next.iter().zip(&spectrum).map(|(a, b)| a - b).collect();

@@ -7,12 +7,13 @@ use asperity_base::correlation::StationaryCovariance;
 use asperity_base::fourier::{RealFft2, Workspace};
 use asperity_base::map::Grid;
 
-/// How far a correlation may leave [−1, 1].
+/// Tolerance by which a correlation may exceed [−1, 1].
 const ROUNDING: f64 = 1e-12;
 
-/// The lags of a periodic domain, of which those up to `rows` − 1 and `columns` − 1 points count.
+/// Lags of a periodic domain, of which those up to `rows` − 1 and `columns` − 1 points count.
 ///
-/// Spectra are unnormalised transforms S of correlations, stored as [`RealFft2`] does; ρ(0) = 1 is ΣS = number of points.
+/// Spectra are unnormalised transforms S of correlations, in the order of [`RealFft2`]; ρ(0) = 1 means ΣS = number of
+/// points.
 pub(super) struct Lags {
     pub(super) domain: Grid,
     pub(super) fft: RealFft2,
@@ -24,14 +25,15 @@ pub(super) struct Lags {
 }
 
 impl Lags {
-    /// All lags of a periodic grid, for correlations with the symmetry of `target`.
+    /// Creates all lags of a periodic grid, for correlations with the symmetry of `target`.
     pub(super) fn periodic(target: &dyn StationaryCovariance, grid: Grid) -> Self {
         let fft = RealFft2::new(grid.nx(), grid.ny());
         let (rows, columns) = (grid.ny() / 2 + 1, grid.nx() / 2 + 1);
         Self { domain: grid, fft, rows, columns, mirrored: target.mirror_symmetric() }
     }
 
-    /// The lags within `grid` on a domain of at least twice its sides, for correlations with the symmetry of `target`.
+    /// Creates the lags within `grid` on a domain of at least twice its sides, for correlations with the symmetry of
+    /// `target`.
     pub(super) fn within(target: &dyn StationaryCovariance, grid: Grid, domain: Grid) -> Self {
         let fft = RealFft2::new(domain.nx(), domain.ny());
         Self { domain, fft, rows: grid.ny(), columns: grid.nx(), mirrored: target.mirror_symmetric() }
@@ -41,7 +43,7 @@ impl Lags {
         self.domain.points()
     }
 
-    /// The correlation at the least image of every lag of the domain.
+    /// Returns the correlation at the least image of every lag of the domain.
     pub(super) fn wrapped(&self, correlation: &dyn StationaryCovariance) -> Result<Vec<f64>, TranslationError> {
         let (nx, ny) = (self.domain.nx(), self.domain.ny());
         let mut wrapped = vec![0.0; nx * ny];
@@ -72,7 +74,7 @@ impl Lags {
         Ok(wrapped)
     }
 
-    /// The spectrum of an even map; what is not even is rounding and left out.
+    /// Returns the spectrum of an even map; its odd part is rounding and is dropped.
     pub(super) fn spectrum(&self, map: &[f64], work: &mut Workspace) -> Vec<f64> {
         let mut spectrum = self.fft.spectrum();
         self.fft.forward(map, &mut spectrum, work);
@@ -80,7 +82,7 @@ impl Lags {
         (0..spectrum.len())
             .map(|place| {
                 let (kx, ky) = (place / ny, place % ny);
-                // Wavevectors on the edges of the half that is stored have their opposites there.
+                // Wavevectors on the edges of the stored half have their opposites there.
                 let has_image = self.mirrored || kx == 0 || 2 * kx == self.domain.nx();
                 if !has_image {
                     return spectrum[place].re;
@@ -90,7 +92,7 @@ impl Lags {
             .collect()
     }
 
-    /// The map of a spectrum.
+    /// Returns the map of a spectrum.
     pub(super) fn map(&self, spectrum: &[f64], work: &mut Workspace) -> Vec<f64> {
         let mut complex = self.fft.spectrum();
         for (to, from) in complex.iter_mut().zip(spectrum) {
@@ -101,18 +103,18 @@ impl Lags {
         map
     }
 
-    /// Σ over all wavevectors, stored or not.
+    /// Returns the sum over all wavevectors, stored or not.
     pub(super) fn sum(&self, values: impl Iterator<Item = f64>) -> f64 {
         let ny = self.fft.ny();
         values.enumerate().map(|(place, value)| self.fft.multiplicity(place / ny) * value).sum()
     }
 
-    /// The share of the variance that negative eigenvalues hold.
-    pub(super) fn negative_share(&self, spectrum: &[f64]) -> f64 {
+    /// Returns the fraction of the variance in negative eigenvalues.
+    pub(super) fn negative_fraction(&self, spectrum: &[f64]) -> f64 {
         self.sum(spectrum.iter().map(|s| (-s).max(0.0))) / self.points() as f64
     }
 
-    /// Negative eigenvalues set to zero and the others scaled to unit variance.
+    /// Sets negative eigenvalues to zero and scales the others to unit variance.
     pub(super) fn clip(&self, spectrum: &mut [f64]) {
         let scale = self.points() as f64 / self.sum(spectrum.iter().map(|s| s.max(0.0)));
         for s in spectrum {
@@ -120,7 +122,8 @@ impl Lags {
         }
     }
 
-    /// The nearest spectrum (in the sum of squares) that is nowhere negative and has unit variance: max(S − c, 0).
+    /// Replaces a spectrum by the nearest one (in the sum of squares) that is non-negative and has unit variance: max(S
+    /// − c, 0).
     ///
     /// # References
     /// Michelot, *J. Optim. Theory Appl.* **50** (1986) 195, <https://doi.org/10.1007/BF00938486>.
@@ -132,7 +135,7 @@ impl Lags {
             let count = self.sum(spectrum.iter().map(|s| f64::from(u8::from(kept(s)))));
             let sum = self.sum(spectrum.iter().map(|s| if kept(s) { *s } else { 0.0 }));
             let next = (sum - points) / count;
-            // The offset rises until no kept value lies below it.
+            // The offset rises until no kept value is below it.
             if next <= offset || next.is_nan() {
                 break;
             }
@@ -143,29 +146,29 @@ impl Lags {
         }
     }
 
-    /// Whether the lag at this place of a map counts.
+    /// Returns whether the lag at this place of a map counts.
     pub(super) fn counts(&self, place: usize) -> bool {
         let (nx, ny) = (self.domain.nx(), self.domain.ny());
         let (row, column) = (place / nx, place % nx);
         row.min(ny - row) < self.rows && column.min(nx - column) < self.columns
     }
 
-    /// The counted lags of one quadrant, shape `[lags along y, lags along x]`.
+    /// Returns the counted lags of one quadrant, shape `[lags along y, lags along x]`.
     pub(super) fn quadrant(&self, map: &[f64]) -> Array2<f64> {
         Array2::from_shape_fn((self.rows, self.columns), |(row, column)| map[row * self.domain.nx() + column])
     }
 
-    /// The least of a map at the counted lags.
+    /// Returns the least value of a map at the counted lags.
     pub(super) fn least(&self, map: &[f64]) -> f64 {
         let counted = map.iter().enumerate().filter(|(place, _)| self.counts(*place));
         counted.map(|(_, value)| *value).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far two correlations lie apart at the counted lags.
+    /// Returns the deviation of two correlations at the counted lags.
     pub(super) fn deviation(&self, met: &[f64], target: &[f64]) -> TranslationReport {
         let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
         let (nx, mut count) = (self.domain.nx(), 0.0);
-        // One quadrant says all of a mirrored correlation, two of another.
+        // One quadrant determines a mirror-symmetric correlation, two determine any other.
         let left = if self.mirrored { 0 } else { self.columns.min(nx.div_ceil(2)) - 1 };
         for row in 0..self.rows {
             for column in (0..self.columns).chain(nx - left..nx) {
@@ -185,7 +188,7 @@ impl Lags {
     }
 }
 
-/// The lag of least size that is `column` points on a circle of `n`.
+/// Returns the lag of least size that is `column` points on a circle of `n`.
 fn least_image(column: usize, n: usize) -> f64 {
     if 2 * column <= n { column as f64 } else { column as f64 - n as f64 }
 }

@@ -1,14 +1,14 @@
-//! The Gaussian correlation beneath a translated one.
+//! Gaussian correlation whose translation is a given correlation.
 
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::law::{LawError, Marginal, translation::Translation};
 
-/// The Gaussian correlation that a translation turns into that of `target`: ρ_G = T⁻¹(ρ_X).
+/// Gaussian correlation that a translation converts into the correlation of `target`: ρ_G = T⁻¹(ρ_X).
 ///
-/// ρ_G may fail to be a correlation function; generators then clip what is negative, and
-/// [`Translated::correlation_report`](super::Translated::correlation_report) says what is left;
-/// [`TranslationCorrection`](super::TranslationCorrection) leaves less of it. Targets below the least correlation of the
-/// law are raised to it.
+/// ρ_G may fail to be a correlation function. Generators then clip its negative part, and
+/// [`Translated::correlation_report`](super::Translated::correlation_report) returns the remaining deviation.
+/// [`TranslationCorrection`](super::TranslationCorrection) leaves a smaller one. Targets below the least correlation of
+/// the distribution are raised to it.
 #[derive(Debug, Clone)]
 pub struct Predistorted<C> {
     target: C,
@@ -17,17 +17,19 @@ pub struct Predistorted<C> {
 }
 
 impl<C: StationaryCovariance> Predistorted<C> {
-    /// The correlation to give to a Gaussian field for heights of law `law` with the covariance `target`.
+    /// Creates the correlation of a Gaussian field for heights of the distribution `marginal` with the covariance
+    /// `target`.
     ///
     /// # Errors
-    /// A law with a parameter outside its range.
-    pub fn new(target: C, law: &Marginal) -> Result<Self, LawError> {
-        let translation = Translation::new(law)?;
+    /// A distribution with a parameter outside its range.
+    pub fn new(target: C, marginal: &Marginal) -> Result<Self, LawError> {
+        let translation = Translation::new(marginal)?;
         let least = translation.least_correlation();
         Ok(Self { target, translation, least })
     }
 
-    /// The least correlation that heights of the law can have by translation; targets below it are not met.
+    /// Returns the least correlation that heights of the distribution can have by translation; lower targets are not
+    /// reached.
     pub fn least_correlation(&self) -> f64 {
         self.least
     }
@@ -40,7 +42,7 @@ impl<C: StationaryCovariance> StationaryCovariance for Predistorted<C> {
 
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
         let wanted = self.target.correlation(dx_m, dy_m).clamp(self.least, 1.0);
-        // A value that is not finite is found by the generators.
+        // The generators detect a value that is not finite.
         self.translation.normal_correlation(wanted).unwrap_or(f64::NAN)
     }
 

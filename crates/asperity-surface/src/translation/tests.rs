@@ -12,26 +12,27 @@ fn beta() -> Marginal {
 }
 
 #[test]
-fn the_table_is_the_quantile() {
-    for law in [beta(), Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(), Marginal::beta(30.0, 2.0, 0.0, 1.0).unwrap()] {
-        let map = NormalToLaw::new(&law, 0.0, 1.0);
+fn the_table_equals_the_quantile() {
+    for marginal in [beta(), Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(), Marginal::beta(30.0, 2.0, 0.0, 1.0).unwrap()]
+    {
+        let map = NormalToMarginal::new(&marginal, 0.0, 1.0);
         for i in -900..=900 {
             let g = f64::from(i) * 0.010_37;
-            let error = (map.value(g) - law.translate(g)).abs();
-            assert!(error < 2e-9, "{law:?} at {g}: {error:e}");
+            let error = (map.value(g) - marginal.translate(g)).abs();
+            assert!(error < 2e-9, "{marginal:?} at {g}: {error:e}");
         }
     }
 }
 
 #[test]
-fn heights_have_the_law_at_every_point_also_of_a_truncated_field() {
-    // 12 modes hold about half of the variance, unevenly; Kolmogorov's distance stays below its 1e−3 quantile.
+fn heights_have_the_distribution_at_every_point_also_of_a_truncated_field() {
+    // 12 modes have about half of the variance, unevenly. Kolmogorov's distance stays below its 1e−3 quantile.
     let grid = Grid::new(16, 16, 1.0, 1.0).unwrap();
     let field =
         KarhunenLoeve::new(&covariance(CorrelationModel::Exponential, 4.0), grid, 12, ModesRoute::Separable).unwrap();
     assert!(field.captured_variance() < 0.7);
     let surface = Translated::new(field, beta()).unwrap();
-    assert!(surface.least_variance_share() < 0.9);
+    assert!(surface.least_variance_fraction() < 0.9);
     let count = 4000;
     let maps: Vec<_> = (0..count)
         .map(|index| surface.generate(&random::standard_normal(&mut random::stream(2, "law", index), 12)))
@@ -48,7 +49,7 @@ fn heights_have_the_law_at_every_point_also_of_a_truncated_field() {
 }
 
 #[test]
-fn a_plain_lognormal_translation_distorts_as_the_closed_form_says() {
+fn a_plain_lognormal_translation_has_the_closed_form_distortion() {
     // ρ_X = (e^{σ²ρ} − 1)/(e^{σ²} − 1).
     let sigma = 0.8_f64;
     let target = covariance(CorrelationModel::SquaredExponential, 4.0);
@@ -67,23 +68,23 @@ fn a_plain_lognormal_translation_distorts_as_the_closed_form_says() {
 }
 
 #[test]
-fn the_corrected_translation_meets_the_target_and_the_plain_one_does_not() {
+fn the_corrected_translation_reproduces_the_target_and_the_plain_one_does_not() {
     let target = covariance(CorrelationModel::Exponential, 5.0);
     let grid = Grid::new(48, 48, 1.0, 1.0).unwrap();
-    let law = Marginal::lognormal(0.0, 0.8, 0.0).unwrap();
-    let plain = Translated::new(SpectralField::periodic(&target, grid), law.clone()).unwrap();
-    let predistorted = Predistorted::new(target, &law).unwrap();
+    let marginal = Marginal::lognormal(0.0, 0.8, 0.0).unwrap();
+    let plain = Translated::new(SpectralField::periodic(&target, grid), marginal.clone()).unwrap();
+    let predistorted = Predistorted::new(target, &marginal).unwrap();
     let field = SpectralField::periodic(&predistorted, grid);
     let clipped = field.clipped_variance();
-    let corrected = Translated::new(field, law).unwrap();
+    let corrected = Translated::new(field, marginal).unwrap();
     let (before, after) = (plain.correlation_report(&target).unwrap(), corrected.correlation_report(&target).unwrap());
     assert!(before.largest_deviation > 0.03);
     assert!(after.largest_deviation < 0.02 * before.largest_deviation + 3.0 * clipped, "{after:?}, clipped {clipped}");
 }
 
 #[test]
-fn the_predistortion_of_the_papers_beta_is_the_published_one() {
-    // ρ_G for ρ_X = e⁻¹, e^{−.1} and e⁻².
+fn the_predistortion_of_the_papers_beta_distribution_is_the_published_one() {
+    // Published ρ_G for ρ_X = e⁻¹, e^{−.1} and e⁻².
     let gaussian = Predistorted::new(covariance(CorrelationModel::Exponential, 1.0), &beta()).unwrap();
     for (lag, wanted) in [(1.0, 0.375_013_83), (0.1, 0.907_643_18), (2.0, 0.138_828_91)] {
         assert!((gaussian.correlation(lag, 0.0) - wanted).abs() < 5e-8);
@@ -91,7 +92,7 @@ fn the_predistortion_of_the_papers_beta_is_the_published_one() {
 }
 
 #[test]
-fn sampled_heights_have_the_correlation_that_is_computed() {
+fn sampled_heights_have_the_computed_correlation() {
     let target = covariance(CorrelationModel::SquaredExponential, 3.0);
     let grid = Grid::new(24, 24, 1.0, 1.0).unwrap();
     let predistorted = Predistorted::new(target, &beta()).unwrap();
@@ -101,8 +102,8 @@ fn sampled_heights_have_the_correlation_that_is_computed() {
     let count = 600;
     let mut sums = [(0.0, 0.0); 4];
     for index in 0..count {
-        let germ = random::standard_normal(&mut random::stream(4, "beta", index), surface.germ_len());
-        let map = surface.generate(&germ);
+        let xi = random::standard_normal(&mut random::stream(4, "beta", index), surface.xi_len());
+        let map = surface.generate(&xi);
         let z = map.heights_m();
         for (sum, (x, y)) in sums.iter_mut().zip(lags) {
             let mean = z.indexed_iter().map(|((r, c), v)| v * z[[(r + y) % 24, (c + x) % 24]]).sum::<f64>() / 576.0;
@@ -126,14 +127,14 @@ fn a_field_that_vanishes_at_a_point_is_refused() {
     #[derive(Debug)]
     struct Odd(Grid);
     impl RandomSurface for Odd {
-        fn germ_len(&self) -> usize {
+        fn xi_len(&self) -> usize {
             1
         }
         fn grid(&self) -> Grid {
             self.0
         }
-        fn generate(&self, germ: &[f64]) -> HeightMap {
-            HeightMap::from_function(self.0, |x, _| germ[0] * (x - 4.5)).unwrap()
+        fn generate(&self, xi: &[f64]) -> HeightMap {
+            HeightMap::from_function(self.0, |x, _| xi[0] * (x - 4.5)).unwrap()
         }
     }
     impl GaussianSurface for Odd {

@@ -1,4 +1,4 @@
-//! A map cut into cells, and what its heights and pairs of heights add up to in each.
+//! A map divided into cells, and sums over heights and pairs of heights in each cell.
 
 use std::ops::Range;
 
@@ -6,57 +6,58 @@ use rayon::prelude::*;
 
 use asperity_base::map::{Grid, HeightMap};
 
-/// Cells along the longer side of a map, at most.
+/// Largest number of cells along the longer side of a map.
 const MOST_CELLS: f64 = 64.0;
-/// Side of a cell over the correlation length, at least.
-const CELL_SHARE: f64 = 0.5;
-/// An axis with fewer correlation lengths than this holds no blocks of its own and is not cut.
+/// Least side of a cell over the correlation length.
+const CELL_FRACTION: f64 = 0.5;
+/// Least number of correlation lengths along an axis; an axis with fewer is not divided.
 const LEAST_LENGTHS: f64 = 8.0;
 
-/// Heights about their mean over their standard deviation, cut into cells that hold equally many correlation lengths along
+/// Heights about their mean over their standard deviation, in cells with the same number of correlation lengths along
 /// x and y.
 pub(super) struct Cells {
     grid: Grid,
     /// Scaled heights in row order, 0 where missing.
     value: Vec<f64>,
-    /// 1 where a height is present and 0 where not; `None` when all are.
+    /// 1 where a height is present and 0 elsewhere; `None` if all are present.
     present: Option<Vec<f64>>,
     count: f64,
     size: (usize, usize),
-    /// Pairs of points are taken from every so many rows, a quarter of a correlation length apart: the rows between add a
-    /// hundredth to what the map knows.
+    /// Stride of the rows from which pairs of points are taken, a quarter of a correlation length. The rows between add
+    /// only a hundredth of the information.
     stride: usize,
     /// Cells along y and x.
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Distance between neighbouring cells along x and y, in units that hold [`Cells::length`] to a correlation length.
+    /// Distance between neighbouring cells along x and y, in units of which a correlation length has [`Cells::length`].
     pub(super) step: (f64, f64),
     /// Correlation length in those units.
     pub(super) length: f64,
 }
 
 impl Cells {
-    /// Cuts a map of mean `mean_m` and standard deviation `std_m` whose correlation falls to 1/e at `length_m` along x and
-    /// y; an axis without a length, or with too few of them, stays whole. `None` when both do.
+    /// Divides a map of mean `mean_m` and standard deviation `std_m` whose correlation falls to 1/e at `length_m` along
+    /// x and y. An axis without a length, or with too few of them, is not divided. Returns `None` if neither axis is
+    /// divided.
     pub(super) fn cut(map: &HeightMap, mean_m: f64, std_m: f64, length_m: [Option<f64>; 2]) -> Option<Self> {
         let grid = map.grid();
         let points = [grid.nx() as f64, grid.ny() as f64];
         let pitch_m = [grid.dx_m(), grid.dy_m()];
-        // Correlation lengths in points, along the axes that are cut.
+        // Correlation lengths in points, along the axes that are divided.
         let length = [0, 1].map(|axis| {
             let points_per_length = length_m[axis]? / pitch_m[axis];
             (points[axis] >= LEAST_LENGTHS * points_per_length).then_some(points_per_length)
         });
         let needed = [0, 1].map(|axis| length[axis].map_or(0.0, |l| points[axis] / (MOST_CELLS * l)));
-        let share = needed.into_iter().fold(CELL_SHARE, f64::max);
-        let size = [0, 1].map(|axis| length[axis].map_or(points[axis], |l| (share * l).round().max(1.0)));
+        let fraction = needed.into_iter().fold(CELL_FRACTION, f64::max);
+        let size = [0, 1].map(|axis| length[axis].map_or(points[axis], |l| (fraction * l).round().max(1.0)));
         if length == [None, None] {
             return None;
         }
         let value = map.heights_m().iter().map(|z| if z.is_nan() { 0.0 } else { (z - mean_m) / std_m }).collect();
         let missing = map.missing_points();
         let present = (missing > 0).then(|| map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect());
-        let step = [0, 1].map(|axis| length[axis].map_or(1.0, |l| size[axis] / (share * l)));
+        let step = [0, 1].map(|axis| length[axis].map_or(1.0, |l| size[axis] / (fraction * l)));
         Some(Self {
             grid,
             value,
@@ -67,11 +68,11 @@ impl Cells {
             size: (size[0] as usize, size[1] as usize),
             stride: length[1].map_or(1, |l| (0.25 * l).max(1.0) as usize),
             step: (step[0], step[1]),
-            length: 1.0 / share,
+            length: 1.0 / fraction,
         })
     }
 
-    /// Scaled height at a point, 0 where missing.
+    /// Returns the scaled height at a point, 0 where missing.
     pub(super) fn value(&self, point: usize) -> f64 {
         self.value[point]
     }
@@ -80,7 +81,7 @@ impl Cells {
         self.present.as_ref().is_none_or(|present| present[point] > 0.0)
     }
 
-    /// Heights present.
+    /// Returns the number of present heights.
     pub(super) fn count(&self) -> f64 {
         self.count
     }
@@ -89,7 +90,7 @@ impl Cells {
         self.grid
     }
 
-    /// Sums of a term over the points of each cell, the terms of points outside `rows` and `columns` left out.
+    /// Returns sums of a term over the points of each cell, without the points outside `rows` and `columns`.
     pub(super) fn sums<const K: usize>(
         &self,
         rows: &Range<usize>,
@@ -115,19 +116,19 @@ impl Cells {
         (0..self.rows).into_par_iter().map(band).collect::<Vec<_>>().concat()
     }
 
-    /// As [`Cells::sums`] over all points.
+    /// Returns [`Cells::sums`] over all points.
     pub(super) fn sums_of_all<const K: usize>(&self, term: impl Fn(usize) -> [f64; K] + Sync) -> Vec<[f64; K]> {
         self.sums(&(0..self.grid.ny()), &(0..self.grid.nx()), term)
     }
 
-    /// Share of the present heights in each cell.
-    pub(super) fn shares(&self) -> Vec<f64> {
+    /// Returns the fraction of the present heights in each cell.
+    pub(super) fn fractions(&self) -> Vec<f64> {
         let counts = self.sums_of_all(|point| [f64::from(u8::from(self.is_present(point)))]);
         counts.into_iter().map(|[count]| count / self.count).collect()
     }
 
-    /// Sum of the products of scaled heights a lag apart, and number of pairs, in the cell of the pair's first point; over every
-    /// so many rows.
+    /// Returns the sum of the products of scaled heights a lag apart, and the number of pairs, in the cell of the
+    /// pair's first point, with the stride of the rows.
     pub(super) fn pairs(&self, lag_x: isize, lag_y: usize) -> Vec<[f64; 2]> {
         let (nx, ny) = (self.grid.nx(), self.grid.ny());
         let columns = (-lag_x).max(0) as usize..nx.saturating_add_signed(-lag_x.max(0));
@@ -156,7 +157,7 @@ impl Cells {
         (0..self.rows).into_par_iter().map(band).collect::<Vec<_>>().concat()
     }
 
-    /// How many present heights of each cell fall into each of `classes`, cell after cell.
+    /// Returns the number of present heights of each cell in each of `classes`, cell after cell.
     pub(super) fn histogram(&self, classes: usize, class: impl Fn(f64) -> usize + Sync) -> Vec<f64> {
         let band = |cell_row: usize| {
             let mut counts = vec![0.0; self.columns * classes];
@@ -174,7 +175,7 @@ impl Cells {
     }
 }
 
-/// Σ a b.
+/// Returns Σ a b.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let mut lanes = [0.0; LANES];

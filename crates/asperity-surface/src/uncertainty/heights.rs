@@ -1,4 +1,4 @@
-//! Sq, Sa, Ssk, Sku and Sdq: smooth functions of means over the map.
+//! Estimates of Sq, Sa, Ssk, Sku and Sdq: smooth functions of means over the map.
 
 use super::cells::Cells;
 use super::removal::Removal;
@@ -6,20 +6,20 @@ use super::window::Window;
 use super::{Estimate, estimate};
 use asperity_base::stats::Interval;
 
-/// Means that are fitted to the map before an influence is taken: the statistic's own and its scale.
+/// Number of means that are fitted to the map before an influence is computed: the statistic and its scale.
 pub(super) const FITTED: f64 = 2.0;
 
-/// Kurtosis beyond which a map does not tell how Ssk and Sku spread: their intervals would hold the truth in fewer than nine
-/// cases of ten, as those of lognormal heights of Sku 4.6 on thirty correlation lengths a side.
+/// Kurtosis above which a map does not determine the spread of Ssk and Sku. Their intervals would have less than 90 %
+/// coverage, as for lognormal heights of Sku 4.6 on thirty correlation lengths a side.
 const LARGEST_SKU: f64 = 4.0;
 
 /// Sums over each cell, over the number of present heights.
 pub(super) struct HeightSums {
-    /// Share of the points.
-    pub(super) share: Vec<f64>,
-    /// The scaled heights to the powers 1 to 4.
+    /// Fraction of the points.
+    pub(super) fraction: Vec<f64>,
+    /// Scaled heights to the powers 1 to 4.
     pub(super) power: [Vec<f64>; 4],
-    /// Their sizes and their signs.
+    /// Absolute values and signs of the scaled heights.
     size: Vec<f64>,
     sign: Vec<f64>,
 }
@@ -32,49 +32,49 @@ impl HeightSums {
             [v, v * v, v.powi(3), v.powi(4), v.abs(), sign]
         });
         let part = |k: usize| sums.iter().map(|sum| sum[k] / cells.count()).collect::<Vec<f64>>();
-        Self { share: cells.shares(), power: [part(0), part(1), part(2), part(3)], size: part(4), sign: part(5) }
+        Self { fraction: cells.fractions(), power: [part(0), part(1), part(2), part(3)], size: part(4), sign: part(5) }
     }
 
-    /// Influences on ⟨|v|⟩ over its value.
+    /// Returns the influences on ⟨|v|⟩ over its value.
     pub(super) fn mean_size_influence(&self) -> Vec<f64> {
         let (mean, sign) = (total(&self.size), total(&self.sign));
-        let term = |i: usize| (self.size[i] - mean * self.share[i] - sign * self.power[0][i]) / mean;
-        (0..self.share.len()).map(term).collect()
+        let term = |i: usize| (self.size[i] - mean * self.fraction[i] - sign * self.power[0][i]) / mean;
+        (0..self.fraction.len()).map(term).collect()
     }
 
-    /// Influences on ⟨v²⟩.
+    /// Returns the influences on ⟨v²⟩.
     pub(super) fn sq_influence(&self) -> Vec<f64> {
-        self.power[1].iter().zip(&self.share).map(|(square, share)| square - share).collect()
+        self.power[1].iter().zip(&self.fraction).map(|(square, fraction)| square - fraction).collect()
     }
 
-    /// Influences on Ssk.
+    /// Returns the influences on Ssk.
     pub(super) fn ssk_influence(&self, ssk: f64) -> Vec<f64> {
         let term = |(i, square): (usize, f64)| {
-            self.power[2][i] - ssk * self.share[i] - 3.0 * self.power[0][i] - 1.5 * ssk * square
+            self.power[2][i] - ssk * self.fraction[i] - 3.0 * self.power[0][i] - 1.5 * ssk * square
         };
         self.sq_influence().into_iter().enumerate().map(term).collect()
     }
 
-    /// Influences on Sku.
+    /// Returns the influences on Sku.
     pub(super) fn sku_influence(&self, ssk: f64, sku: f64) -> Vec<f64> {
         let term = |(i, square): (usize, f64)| {
-            self.power[3][i] - sku * self.share[i] - 4.0 * ssk * self.power[0][i] - 2.0 * sku * square
+            self.power[3][i] - sku * self.fraction[i] - 4.0 * ssk * self.power[0][i] - 2.0 * sku * square
         };
         self.sq_influence().into_iter().enumerate().map(term).collect()
     }
 
-    /// Sq: the mean of v² is linear in the map but for the form, whose part of the variance is put back.
+    /// Estimates Sq. The mean of v² is linear in the map except for the form, whose variance is restored.
     pub(super) fn sq(&self, window: &Window, sq_m: f64, removal: &Removal, tail: f64) -> Option<Estimate> {
-        let inflated = 1.0 / (1.0 - removal.share);
+        let inflated = 1.0 / (1.0 - removal.fraction);
         let of_map = self.sq_influence();
         let influence: Vec<f64> =
             of_map.iter().zip(&removal.influence).map(|(own, put)| own + inflated * put).collect();
         squared(window, &influence, sq_m, inflated, tail)
     }
 
-    /// Sa, linear in the map but for the form.
+    /// Estimates Sa, linear in the map except for the form.
     pub(super) fn sa(&self, window: &Window, sa_m: f64, removal: &Removal, tail: f64) -> Option<Estimate> {
-        let kept = 1.0 - removal.share;
+        let kept = 1.0 - removal.fraction;
         let of_map = self.mean_size_influence();
         let influence: Vec<f64> =
             of_map.iter().zip(&removal.influence).map(|(own, put)| own + 0.5 * put / kept).collect();
@@ -85,9 +85,10 @@ impl HeightSums {
         estimate(sa_m, centre, centre * se, interval, spread.blocks).filter(|e| e.interval.low > 0.0)
     }
 
-    /// Ssk, on the scale arctan Ssk, on which its spread hardly depends on it: of Gamma laws the standard error grows as
-    /// 1 + 0.7 Ssk², of lognormal ones as 1 + 1.1 Ssk², at Ssk up to 1. It rests on sixth powers of the heights, of which a
-    /// map of a heavy-tailed surface holds too few large ones: none beyond [`LARGEST_SKU`].
+    /// Estimates Ssk, on the scale arctan Ssk, on which its spread hardly depends on it: for Gamma distributions the
+    /// standard error grows as 1 + 0.7 Ssk², for lognormal ones as 1 + 1.1 Ssk², at Ssk up to 1. The standard error
+    /// needs sixth powers of the heights, and a map of a heavy-tailed surface has too few large ones. So there is no
+    /// estimate above [`LARGEST_SKU`].
     pub(super) fn ssk(&self, window: &Window, ssk: f64, sku: f64, tail: f64) -> Option<Estimate> {
         let spread = window.spread(&self.ssk_influence(ssk), FITTED).filter(|_| sku <= LARGEST_SKU)?;
         let se = spread.variance.sqrt();
@@ -97,7 +98,7 @@ impl HeightSums {
         estimate(ssk, ssk, se, Interval { low: end(-1.0), high: end(1.0) }, spread.blocks).filter(|_| finite)
     }
 
-    /// Sku, on the scale 1/Sku³, on which it is spread evenly, under the condition of Ssk.
+    /// Estimates Sku, on the scale 1/Sku³, on which its spread is uniform, under the same condition as Ssk.
     pub(super) fn sku(&self, window: &Window, ssk: f64, sku: f64, tail: f64) -> Option<Estimate> {
         let spread = window.spread(&self.sku_influence(ssk, sku), FITTED).filter(|_| sku <= LARGEST_SKU)?;
         let se = spread.variance.sqrt();
@@ -107,7 +108,7 @@ impl HeightSums {
     }
 }
 
-/// Sdq by forward differences, whose square is a mean over the map.
+/// Estimates Sdq by forward differences, whose square is a mean over the map.
 pub(super) fn sdq(cells: &Cells, window: &Window, sdq: Option<f64>, tail: f64) -> Option<Estimate> {
     let grid = cells.grid();
     let nx = grid.nx();
@@ -128,8 +129,8 @@ pub(super) fn sdq(cells: &Cells, window: &Window, sdq: Option<f64>, tail: f64) -
     squared(window, &influence, sdq?, 1.0, tail)
 }
 
-/// The estimate of a root of a mean, from the relative influences on the mean; `inflated` puts back what is known to be
-/// missing from the mean.
+/// Estimates a root of a mean from the relative influences on the mean; `inflated` restores the variance removed
+/// from the mean.
 fn squared(window: &Window, influence: &[f64], root: f64, inflated: f64, tail: f64) -> Option<Estimate> {
     let spread = window.spread(influence, FITTED)?;
     let (low, high) = spread.deviates(tail);

@@ -1,4 +1,4 @@
-//! Lengths at which the correlation falls to a level.
+//! Estimates of the lengths at which the correlation falls to a level.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -11,17 +11,18 @@ use super::{Estimate, estimate};
 use asperity_base::correlation::Axis;
 use asperity_base::stats::{Interval, Spread};
 
-/// Means that are fitted to the map before the influence on a correlation is taken: of heights, squares and products.
+/// Number of means that are fitted to the map before the influence on a correlation is computed: heights, squares and
+/// products.
 const FITTED: f64 = 3.0;
-/// Directions over half a turn along which Sal is sought.
+/// Number of directions over half a turn in the search of Sal.
 const DIRECTIONS: usize = 12;
-/// Ratio of the lengths at which the correlation along a direction is looked at.
+/// Ratio of successive lengths in the search along a direction.
 const STRIDE: f64 = 1.25;
 
 /// A lag in points along x and y.
 type Lag = (isize, usize);
 
-/// What lengths are estimated from.
+/// Data for the estimates of lengths.
 pub(super) struct Lengths<'a> {
     cells: &'a Cells,
     window: &'a Window,
@@ -29,7 +30,7 @@ pub(super) struct Lengths<'a> {
     removal: &'a Removal,
     /// Probability beyond either end of an interval.
     tail: f64,
-    /// Correlation of the surface at a lag less a level, and its influences on the cells.
+    /// Returns the correlation of the surface at a lag minus a level, and its influences on the cells.
     known: RefCell<BTreeMap<Lag, (f64, Vec<f64>)>>,
 }
 
@@ -44,11 +45,11 @@ impl<'a> Lengths<'a> {
         Self { cells, window, sums, removal, tail, known: RefCell::default() }
     }
 
-    /// The length over which the correlation along an axis falls to 1/e, found to be `value_m`.
+    /// Estimates the length over which the correlation along an axis falls to 1/e; `value_m` is the length of the map.
     ///
-    /// A length is refused when the mean of z(x)z(x + τ) − z²(x)/e over the map is farther from zero than its spread
-    /// allows; the interval holds the lengths that are not. No slope of the correlation enters, and the mean is linear in
-    /// what is averaged.
+    /// A test rejects a length if the mean of z(x)z(x + τ) − z²(x)/e over the map is farther from zero than its spread
+    /// allows. The interval contains the lengths that are not rejected. It needs no slope of the correlation, and the
+    /// mean is linear in the averaged products.
     pub(super) fn along(&self, axis: Axis, value_m: Option<f64>) -> Option<Estimate> {
         let level = (-1.0_f64).exp();
         let value_m = value_m?;
@@ -73,7 +74,8 @@ impl<'a> Lengths<'a> {
         let high = outward(inside, limit, |k| distance(k).map(|d| 1.0 + d))?;
         let centre = outward(inside, limit, |k| self.difference(lag(k), level))?;
         let (_, spread) = self.tested(lag(inside.max(1)), level)?;
-        // The mean slope of the correlation over the interval turns the spread of a correlation into that of a length.
+        // The mean slope of the correlation over the interval converts the spread of a correlation into that of a
+        // length.
         let (near, far) = (low.floor() as usize, high.ceil() as usize);
         let fall = self.difference(lag(near), level)? - self.difference(lag(far), level)?;
         let error = spread.variance.sqrt() * (far - near) as f64 / fall;
@@ -81,11 +83,11 @@ impl<'a> Lengths<'a> {
         estimate(value_m, centre * pitch_m, error * pitch_m, interval, spread.blocks)
     }
 
-    /// Sal, the shortest length over all directions at which the correlation falls to 0.2; `guess_m` are lengths along x and
-    /// y of that order.
+    /// Estimates Sal, the shortest length over all directions at which the correlation falls to 0.2; `guess_m` are
+    /// lengths along x and y of that order.
     ///
-    /// The shortest of many estimates is too short. The lower end is the shortest lower end of all directions; the upper one
-    /// is the shortest upper end, with limits that hold for all directions at once, which is safe rather than narrow.
+    /// The shortest of many estimates is too short. The lower end is the shortest lower end of all directions. The
+    /// upper end is the shortest upper end, with simultaneous limits for all directions, which is conservative.
     pub(super) fn sal(&self, sal_m: Option<f64>, guess_m: [Option<f64>; 2]) -> Option<Estimate> {
         let (sal_m, level) = (sal_m?, 0.2);
         let mut shortest: Option<(f64, f64, f64)> = None;
@@ -105,8 +107,8 @@ impl<'a> Lengths<'a> {
         estimate(sal_m, centre, se, Interval { low, high }, blocks)
     }
 
-    /// Interval of the correlation at a lag, on the scale artanh ρ, on which the spread hardly depends on ρ and no end
-    /// reaches ±1.
+    /// Returns the interval of the correlation at a lag, on the scale artanh ρ, on which the spread hardly depends on ρ
+    /// and no end reaches ±1.
     pub(super) fn correlation(&self, lag: Lag) -> Option<Interval> {
         if lag == (0, 0) {
             return Some(Interval { low: 1.0, high: 1.0 });
@@ -119,7 +121,7 @@ impl<'a> Lengths<'a> {
         (interval.low <= interval.high).then_some(interval)
     }
 
-    /// Correlation of the surface at a lag, less a level; `None` without pairs.
+    /// Returns the correlation of the surface at a lag, minus a level; `None` without pairs.
     fn difference(&self, lag: Lag, level: f64) -> Option<f64> {
         if let Some((correlation, _)) = self.known.borrow().get(&lag) {
             return Some(correlation - level);
@@ -129,26 +131,27 @@ impl<'a> Lengths<'a> {
         if count == 0.0 {
             return None;
         }
-        let (mean, kept) = (sum / count, 1.0 - self.removal.share);
+        let (mean, kept) = (sum / count, 1.0 - self.removal.fraction);
         let of_pairs = pairs.iter().map(|p| kept * (p[0] - mean * p[1]) / count);
         let influence = of_pairs.zip(&self.removal.influence).map(|(own, put)| own + (1.0 - mean) * put).collect();
-        let correlation = kept * mean + self.removal.share;
+        let correlation = kept * mean + self.removal.fraction;
         self.known.borrow_mut().insert(lag, (correlation, influence));
         Some(correlation - level)
     }
 
-    /// The same and its spread.
+    /// Returns the difference and its spread.
     pub(super) fn tested(&self, lag: Lag, level: f64) -> Option<(f64, Spread)> {
         let difference = self.difference(lag, level)?;
         let known = self.known.borrow();
         let (_, product) = known.get(&lag)?;
-        let weight = level * (1.0 - self.removal.share);
-        let squares = self.sums.power[1].iter().zip(&self.sums.share).map(|(square, share)| weight * (square - share));
+        let weight = level * (1.0 - self.removal.fraction);
+        let squares =
+            self.sums.power[1].iter().zip(&self.sums.fraction).map(|(square, fraction)| weight * (square - fraction));
         let influence: Vec<f64> = product.iter().zip(squares).map(|(product, square)| product - square).collect();
         Some((difference, self.window.spread(&influence, FITTED)?))
     }
 
-    /// Where the correlation in a direction falls to `level` within half the field.
+    /// Returns the point at which the correlation in a direction falls to `level` within half the field.
     fn ray(&self, turn: f64, level: f64, guess_m: [Option<f64>; 2]) -> Option<Ray> {
         let grid = self.cells.grid();
         let lag = |length_m: f64| -> Option<Lag> {
@@ -156,7 +159,7 @@ impl<'a> Lengths<'a> {
             let within = x.abs() <= (grid.nx() / 2) as f64 && y.abs() <= (grid.ny() / 2) as f64;
             within.then_some((x as isize, y.max(0.0) as usize))
         };
-        // Lags are whole points: their own lengths count.
+        // Lags are whole points, so their own lengths are used.
         let length_m = |(x, y): Lag| (x as f64 * grid.dx_m()).hypot(y as f64 * grid.dy_m());
         let look = |wanted_m: f64| {
             let lag = lag(wanted_m)?;
@@ -183,7 +186,7 @@ impl<'a> Lengths<'a> {
         let crossing = |near: (f64, f64), far: (f64, f64)| near.0 + near.1 / (near.1 - far.1) * (far.0 - near.0);
         let middle = look(crossing(near, far))?;
         let length_m = match middle {
-            // Still one of the two lags.
+            // The result is still one of the two lags.
             (length_m, _) if length_m <= near.0 || length_m >= far.0 => crossing(near, far),
             (_, difference) if difference > 0.0 => crossing(middle, far),
             _ => crossing(near, middle),
@@ -195,12 +198,12 @@ impl<'a> Lengths<'a> {
 struct Ray {
     length_m: f64,
     slope_per_m: f64,
-    /// The nearest lag.
+    /// Returns the nearest lag.
     lag: Lag,
 }
 
-/// Where a function that is positive at `from` first falls to zero on the way to `to`, found in whole steps that double, and
-/// linear between steps; `None` when it does not fall so far, or is not defined on the way.
+/// Returns the first zero of a function that is positive at `from`, on the way to `to`, found in whole steps that
+/// double and linear between steps. Returns `None` if the function does not fall to zero, or is undefined on the way.
 fn outward(from: usize, to: usize, value: impl Fn(usize) -> Option<f64>) -> Option<f64> {
     let (mut near, mut above) = (from, value(from)?);
     let mut stride = 1;

@@ -1,4 +1,5 @@
-//! Sk, Spk and Svk, which depend on the flattest part of the material ratio curve and so on no mean: by a block bootstrap.
+//! Estimates of Sk, Spk and Svk by a block bootstrap. They depend on the flattest part of the material ratio curve, not
+//! on means.
 
 use rand::RngExt;
 use rayon::prelude::*;
@@ -11,11 +12,11 @@ use crate::areal::{EquivalentLine, MaterialRatio};
 use asperity_base::random;
 use asperity_base::stats::{Interval, Moments, Spread};
 
-/// Classes of height of equal share.
+/// Number of height classes of equal frequency.
 const CLASSES: usize = 256;
-/// Heights that settle the bounds of the classes.
+/// Number of heights that determine the bounds of the classes.
 const SAMPLE: usize = 1 << 16;
-/// Blocks to a draw, at most.
+/// Largest number of blocks per draw.
 const MOST_BLOCKS: usize = 256;
 /// Side of a block in correlation lengths.
 const BLOCK_LENGTHS: f64 = 3.5;
@@ -23,8 +24,8 @@ const BLOCK_LENGTHS: f64 = 3.5;
 /// Estimates of Sk, Spk and Svk.
 pub(super) type Core = [Option<Estimate>; 3];
 
-/// Draws square blocks of the map with replacement, and the curve from each draw. Blocks cut correlations, so that their
-/// spread is too small; by how much is told by Sa, whose spread is known and which is drawn along.
+/// Draws square blocks of the map with replacement, and computes the curve of each draw. Blocks cut correlations, so
+/// their spread is too small. The ratio of the known spread of Sa to its bootstrap spread corrects this.
 pub(super) fn core(
     cells: &Cells,
     window: &Window,
@@ -42,14 +43,14 @@ pub(super) fn core(
     };
     let wider = spread.variance.sqrt() / (std(3) / classes.mean_size(&total_of(&classes.counts, cells)));
     let of = |k: usize, value: f64| {
-        // The draws are of heights over their standard deviation.
+        // The draws use heights over their standard deviation.
         let se = std(k) * values.sq_m * wider;
         scaled(value, se, removed, &spread, draws.tail)
     };
     [of(0, values.sk_m), of(1, values.spk_m), of(2, values.svk_m)]
 }
 
-/// How blocks are drawn.
+/// Settings of the draws.
 pub(super) struct Draws {
     pub(super) seed: u64,
     pub(super) resamples: usize,
@@ -63,7 +64,7 @@ fn scaled(value: f64, se: f64, removed: f64, spread: &Spread, tail: f64) -> Opti
     estimate(value, centre, se, interval, spread.blocks)
 }
 
-/// How many heights of each cell lie in each class.
+/// Number of heights of each cell in each class.
 struct Classes {
     /// Bounds of the classes, ascending.
     bounds: Vec<f64>,
@@ -94,7 +95,7 @@ impl Classes {
         let side = |step: f64, count: usize| ((BLOCK_LENGTHS * cells.length / step).round() as usize).clamp(1, count);
         let (right, down) = (side(cells.step.0, cells.columns), side(cells.step.1, cells.rows));
         let table = self.summed(cells);
-        // With fewer blocks than the map holds draws spread more, as Sa's do, by which they are scaled.
+        // With fewer blocks than the map has, draws spread more; so does Sa, which scales them.
         let drawn = (cells.rows * cells.columns).div_ceil(right * down).min(MOST_BLOCKS);
         let at = |row: usize, column: usize| &table[(row * (cells.columns + 1) + column) * CLASSES..][..CLASSES];
         let replicate = |index: usize| {
@@ -115,7 +116,7 @@ impl Classes {
         (0..draws.resamples).into_par_iter().map(replicate).collect()
     }
 
-    /// Counts of the cells above and left of each corner.
+    /// Returns the counts of the cells above and left of each corner.
     fn summed(&self, cells: &Cells) -> Vec<f64> {
         let width = cells.columns + 1;
         let mut table = vec![0.0; (cells.rows + 1) * width * CLASSES];
@@ -132,7 +133,7 @@ impl Classes {
         table
     }
 
-    /// Two heights for each class, at the quarters of its share.
+    /// Returns two heights for each class, at the quarters of its frequency.
     fn heights(&self, counts: &[f64]) -> Vec<f64> {
         let total = total(counts);
         let mut heights = Vec::with_capacity(2 * CLASSES);
@@ -149,7 +150,7 @@ impl Classes {
         heights
     }
 
-    /// ⟨|v − ⟨v⟩|⟩ with every height at the middle of its class.
+    /// Returns ⟨|v − ⟨v⟩|⟩ with every height at the middle of its class.
     fn mean_size(&self, counts: &[f64]) -> f64 {
         let middle = |k: usize| 0.5 * (self.bounds[k] + self.bounds[k + 1]);
         let mean = |of: &dyn Fn(f64) -> f64| {

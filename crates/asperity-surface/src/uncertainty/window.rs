@@ -1,35 +1,35 @@
-//! Variance of the sum of a correlated field that is known on cells.
+//! Variance of the sum of a correlated field that is given on cells.
 
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
 use super::cells::dot;
 use asperity_base::stats::{Spread, flat_top};
 
-/// The reach of a correlogram is where it falls to this.
+/// Value of a correlogram that defines its reach.
 const FADED: f64 = 0.2;
-/// The window ends at so many reaches, and is flat up to half of that: an exponential correlogram then lies within to 95 %.
+/// End of the window in reaches; it is flat up to half of that. It then includes 95 % of an exponential correlogram.
 const REACHES: f64 = 4.65;
-/// A window at least spans so many correlation lengths of the heights.
+/// Least extent of a window in correlation lengths of the heights.
 const LEAST_LENGTHS: f64 = 3.75;
-/// A large map affords a wider window, down to so many blocks.
+/// Number of blocks down to which a large map widens its window.
 const BLOCKS_TO_SPARE: f64 = 40.0;
 /// Longest distance between cells that a window spans.
 const LONGEST: f64 = 24.0;
-/// Largest share of the variance that the fitted means may have taken out of the window.
+/// Largest fraction of the variance that the fitted means may remove from the window.
 const LARGEST_FITTED: f64 = 0.5;
-/// The same for the mean of the heights, whose own variance is wanted.
+/// The same limit for the mean of the heights, whose own variance is wanted.
 const LARGEST_REMOVED: f64 = 0.15;
-/// Fewer blocks carry no interval.
+/// Least number of blocks for an interval.
 const LEAST_BLOCKS: f64 = 6.0;
-/// Sectors of direction in which a correlogram is looked at.
+/// Number of sectors of direction in which a correlogram is evaluated.
 const SECTORS: usize = 4;
 
-/// Pairs of cells: which lags there are, how far, and how much of the map's points they hold.
+/// Pairs of cells: their lags, distances, and fractions of the points of the map.
 pub(super) struct Window {
     rows: usize,
     columns: usize,
     length: f64,
-    /// Area of a cell, or its side where only one axis is cut.
+    /// Area of a cell, or its side if only one axis is divided.
     cell: f64,
     plane: bool,
     /// Half of all lags, by distance; the first is zero.
@@ -41,15 +41,16 @@ struct Lag {
     down: usize,
     distance: f64,
     sector: usize,
-    /// 1 for the lag zero, 2 for the others and their opposites.
+    /// 1 for the lag zero, 2 for the others, which stand for their opposites too.
     times: f64,
-    /// Sum over the pairs of cells of the product of their shares of the points.
-    share: f64,
+    /// Sum over the pairs of cells of the product of their fractions of the points.
+    fraction: f64,
 }
 
 impl Window {
-    /// `share` of the points in each cell, `step` between cells along x and y, `length` of the heights' correlation.
-    pub(super) fn new(rows: usize, columns: usize, step: (f64, f64), length: f64, share: &[f64]) -> Self {
+    /// Creates the pairs for the fraction of the points in each cell, the `step` between cells along x and y, and the
+    /// correlation `length` of the heights.
+    pub(super) fn new(rows: usize, columns: usize, step: (f64, f64), length: f64, fraction: &[f64]) -> Self {
         let plane = rows > 1 && columns > 1;
         let mut lags = vec![];
         for down in 0..rows {
@@ -61,8 +62,8 @@ impl Window {
                 }
                 let turn = ((y.atan2(x) + FRAC_PI_8) / FRAC_PI_4).floor() as usize % SECTORS;
                 let times = if down == 0 && right == 0 { 1.0 } else { 2.0 };
-                let share = products(share, columns, right, down);
-                lags.push(Lag { right, down, distance, sector: turn, times, share });
+                let fraction = products(fraction, columns, right, down);
+                lags.push(Lag { right, down, distance, sector: turn, times, fraction });
             }
         }
         lags.sort_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -70,19 +71,20 @@ impl Window {
         Self { rows, columns, length, cell, plane, lags }
     }
 
-    /// The spread of a statistic whose error is the sum of its influences on the cells, which add up to zero because
-    /// `fitted` means of the map were taken for those of the surface.
+    /// Computes the spread of a statistic whose error is the sum of its influences on the cells. They add up to zero
+    /// because `fitted` means of the map replaced those of the surface.
     ///
-    /// The variance is the sum of the products of influences over all pairs of cells, under a window of their distance that
-    /// is flat and then falls to zero. It is corrected for what the fitted means took out, and for the tail of an
-    /// exponential correlogram beyond the window. The blocks are the degrees of freedom of that sum, less those that heavy
-    /// tails of the influence cost.
+    /// The variance is the sum of the products of influences over all pairs of cells, under a window of their distance
+    /// that is flat and then falls to zero. It is corrected for the variance that the fitted means removed, and for the
+    /// tail of an exponential correlogram beyond the window. The blocks are the degrees of freedom of that sum, reduced
+    /// for heavy tails of the influence.
     ///
-    /// `None` when fewer than six blocks are left, or the influences do not vary.
+    /// Returns `None` if fewer than six blocks are left, or the influences are constant.
     ///
     /// # References
-    /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x> (flat-top
-    /// windows); Lahiri, *Resampling Methods for Dependent Data*, Springer 2003, ch. 12 (blocks of spatial data).
+    /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>
+    /// (flat-top windows); Lahiri, *Resampling Methods for Dependent Data*, Springer 2003, ch. 12 (blocks of spatial
+    /// data).
     pub(super) fn spread(&self, influence: &[f64], fitted: f64) -> Option<Spread> {
         let reach = self.reach(influence);
         let spare = 2.0 * (self.cells() * self.cell / (5.76 * BLOCKS_TO_SPARE)).sqrt();
@@ -94,8 +96,8 @@ impl Window {
         for lag in within {
             let weight = flat_top(lag.distance, end);
             sum += weight * lag.times * products(influence, self.columns, lag.right, lag.down);
-            taken += weight * lag.times * lag.share;
-            squares += weight * weight * lag.times * lag.share;
+            taken += weight * lag.times * lag.fraction;
+            squares += weight * weight * lag.times * lag.fraction;
         }
         let (third, fourth, blocks) = self.block_moments(influence, end.round() as usize);
         let tail = self.tail(end, reach / (1.0 / FADED).ln());
@@ -109,9 +111,9 @@ impl Window {
         })
     }
 
-    /// Variance of the mean of the heights over that of the heights left, from the sums of the scaled heights on the cells
-    /// over the number of points, when `terms` orthogonal means were removed from them; and what each cell adds to it, which
-    /// is its height times those of its neighbours under the window.
+    /// Returns the variance of the mean of the heights over the variance of the remaining heights, after `terms`
+    /// orthogonal means were removed. `heights` are the sums of the scaled heights on the cells over the number of
+    /// points. Also returns the contribution of each cell: its height times those of its neighbours under the window.
     pub(super) fn mean_variance(&self, heights: &[f64], terms: f64) -> (f64, Vec<f64>) {
         let reach = self.reach(heights);
         let end = self.narrowed((REACHES * reach).clamp(2.0, LONGEST), terms, LARGEST_REMOVED);
@@ -119,7 +121,7 @@ impl Window {
         let mut parts = vec![0.0; heights.len()];
         for lag in self.lags.iter().take_while(|lag| lag.distance < end) {
             let weight = flat_top(lag.distance, end);
-            taken += weight * lag.times * lag.share;
+            taken += weight * lag.times * lag.fraction;
             // Half of a pair belongs to either cell.
             let shift = lag.down * self.columns;
             for here in 0..heights.len() - shift {
@@ -137,16 +139,16 @@ impl Window {
         (parts.iter().sum(), parts)
     }
 
-    /// Number of equally filled cells.
+    /// Returns the number of equally filled cells.
     fn cells(&self) -> f64 {
-        1.0 / self.lags[0].share
+        1.0 / self.lags[0].fraction
     }
 
-    /// A window no wider than so that `fitted` means take at most `largest` of the variance out of it.
+    /// Narrows a window until `fitted` means remove at most `largest` of the variance from it.
     fn narrowed(&self, mut end: f64, fitted: f64, largest: f64) -> f64 {
         let taken = |end: f64| {
             let within = self.lags.iter().take_while(|lag| lag.distance < end);
-            within.map(|lag| flat_top(lag.distance, end) * lag.times * lag.share).sum::<f64>()
+            within.map(|lag| flat_top(lag.distance, end) * lag.times * lag.fraction).sum::<f64>()
         };
         while end > 2.0 && fitted * taken(end) > largest {
             end *= 0.95;
@@ -154,8 +156,8 @@ impl Window {
         end
     }
 
-    /// Distance at which the correlogram first falls to [`FADED`], averaged over rings of pairs; the longest of all
-    /// directions and of each sector.
+    /// Returns the distance at which the correlogram first falls to [`FADED`], averaged over rings of pairs; the
+    /// longest of all directions and of each sector.
     fn reach(&self, field: &[f64]) -> f64 {
         let mut rings = vec![[[0.0; 4]; SECTORS]; LONGEST as usize + 2];
         let mut ring_before = 0;
@@ -174,9 +176,9 @@ impl Window {
             let product = products(field, self.columns, lag.right, lag.down);
             let sectors = if ring == 0 { 0..SECTORS } else { lag.sector..lag.sector + 1 };
             for sector in sectors {
-                let [sum, share, distance, lags] = &mut rings[ring][sector];
+                let [sum, fraction, distance, lags] = &mut rings[ring][sector];
                 *sum += product;
-                *share += lag.share;
+                *fraction += lag.fraction;
                 *distance += lag.distance;
                 *lags += 1.0;
             }
@@ -184,7 +186,7 @@ impl Window {
         found[SECTORS].unwrap_or(LONGEST)
     }
 
-    /// Share of the sum of an exponential correlogram of this decay that lies under the window.
+    /// Returns the fraction of the sum of an exponential correlogram of this decay that lies under the window.
     fn tail(&self, end: f64, decay: f64) -> f64 {
         let (half, full) = (0.5 * end / decay, end / decay);
         let zeroth = |x: f64| (-x).exp();
@@ -195,7 +197,7 @@ impl Window {
         1.0 - low(half) + 2.0 * (low(half) - low(full)) - (high(half) - high(full)) / half
     }
 
-    /// Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and number of square blocks of `side` cells with the sums S.
+    /// Returns Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and the number of square blocks of `side` cells with the sums S.
     fn block_moments(&self, influence: &[f64], side: usize) -> (f64, f64, f64) {
         let longest = if self.plane { self.rows.min(self.columns) } else { self.rows.max(self.columns) };
         let side = side.min(longest / 3).max(1);
@@ -213,7 +215,7 @@ impl Window {
     }
 }
 
-/// Sum of the products of the values of a cell and of that `right` and `down` of it.
+/// Returns the sum of the products of the values of a cell and of the cell `right` and `down` of it.
 fn products(values: &[f64], columns: usize, right: isize, down: usize) -> f64 {
     let rows = values.len() / columns;
     let from = (-right).max(0) as usize;
@@ -228,7 +230,7 @@ fn products(values: &[f64], columns: usize, right: isize, down: usize) -> f64 {
     sum
 }
 
-/// Where the correlogram of one sector, or of all, crosses [`FADED`] on the last ring.
+/// Returns the distance at which the correlogram of one sector, or of all, crosses [`FADED`] on the last ring.
 fn crossing(rings: &[[[f64; 4]; SECTORS]], which: usize) -> Option<f64> {
     let of = |ring: &[[f64; 4]; SECTORS]| {
         let chosen = if which < SECTORS { which..which + 1 } else { 0..SECTORS };
@@ -248,7 +250,7 @@ mod tests {
     use asperity_base::random;
     use asperity_base::stats::Moments;
 
-    /// Means over discs of `radius` of white noise on a square of `side` cells: a field of known correlation.
+    /// Returns means over discs of `radius` of white noise on a square of `side` cells: a field of known correlation.
     fn field(side: usize, radius: isize, index: u64) -> Vec<f64> {
         let wide = side + 2 * radius as usize;
         let white = random::standard_normal(&mut random::stream(31, "white", index), wide * wide);
@@ -270,27 +272,27 @@ mod tests {
     }
 
     #[test]
-    fn the_variance_of_a_mean_is_that_of_the_white_noise_beneath() {
+    fn the_variance_of_a_mean_equals_that_of_the_underlying_white_noise() {
         let side = 48;
-        let share = vec![1.0 / (side * side) as f64; side * side];
-        let window = Window::new(side, side, (1.0, 1.0), 2.0, &share);
-        // Discs of 1 and of 13 points: each white value counts as often as its disc has points, but near the edges.
+        let fraction = vec![1.0 / (side * side) as f64; side * side];
+        let window = Window::new(side, side, (1.0, 1.0), 2.0, &fraction);
+        // Discs of 1 and of 13 points: each white value counts once for each point of its disc, except near the edges.
         for (radius, points) in [(0, 1.0), (2, 13.0_f64)] {
             let spreads: Vec<Spread> = (0..60)
                 .map(|index| {
                     let values = field(side, radius, index);
                     let mean = values.iter().sum::<f64>() / values.len() as f64;
-                    let influence: Vec<f64> = values.iter().map(|v| (v - mean) * share[0]).collect();
+                    let influence: Vec<f64> = values.iter().map(|v| (v - mean) * fraction[0]).collect();
                     window.spread(&influence, 1.0).unwrap()
                 })
                 .collect();
-            let wanted = points * points * share[0];
+            let wanted = points * points * fraction[0];
             let found = Moments::of(&spreads.iter().map(|s| s.variance).collect::<Vec<_>>());
             let error = found.standard_error();
-            // The tail of an exponential is allowed for where there is none, at most 5 %; edges take up to 2·2/48 away.
+            // The allowance for an exponential tail is at most 5 % where there is none; edges remove up to 2·2/48.
             let ratio = found.mean / wanted;
             assert!(ratio > 0.91 - 3.0 * error / wanted && ratio < 1.06 + 3.0 * error / wanted, "{radius}: {ratio}");
-            // The variance scatters as that of a χ² of as many degrees of freedom as there are blocks.
+            // The variance varies like χ² with the number of blocks as degrees of freedom.
             let blocks = Moments::of(&spreads.iter().map(|s| s.blocks).collect::<Vec<_>>()).mean;
             let scatter = found.std / found.mean * (0.5 * blocks).sqrt();
             assert!(scatter > 0.7 && scatter < 1.4, "{radius}: {scatter}");
@@ -298,10 +300,10 @@ mod tests {
     }
 
     #[test]
-    fn the_share_of_an_exponential_under_the_window_is_its_integral() {
+    fn the_fraction_of_an_exponential_under_the_window_equals_its_integral() {
         for (columns, power) in [(9, 1), (1, 0)] {
-            let share = vec![1.0 / (9 * columns) as f64; 9 * columns];
-            let window = Window::new(9, columns, (1.0, 1.0), 1.0, &share);
+            let fraction = vec![1.0 / (9 * columns) as f64; 9 * columns];
+            let window = Window::new(9, columns, (1.0, 1.0), 1.0, &fraction);
             for (end, decay) in [(4.65, 1.0), (10.0, 1.5)] {
                 let steps = 20_000;
                 let step = end / f64::from(steps);
@@ -315,18 +317,18 @@ mod tests {
     }
 
     #[test]
-    fn a_window_of_radius_r_leaves_the_blocks_of_its_squared_area() {
+    fn a_window_of_radius_r_gives_the_blocks_of_its_squared_area() {
         // ∫ w² over the plane is 2π (½ + 5/12)(end/2)² = 5.76 (end/2)².
         let side = 64;
-        let share = vec![1.0 / (side * side) as f64; side * side];
-        let window = Window::new(side, side, (1.0, 1.0), 2.0, &share);
+        let fraction = vec![1.0 / (side * side) as f64; side * side];
+        let window = Window::new(side, side, (1.0, 1.0), 2.0, &fraction);
         let area: f64 = window.lags.iter().map(|lag| flat_top(lag.distance, 10.0).powi(2) * lag.times).sum();
         assert!((area / (5.76 * 25.0) - 1.0).abs() < 0.01, "{area}");
         assert!((window.cells() / (side * side) as f64 - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn deviates_are_at_the_limits_of_the_distance() {
+    fn limits_have_the_distance_of_the_quantile() {
         for skewness in [-0.4, 0.0, 1e-8, 0.3] {
             let spread = Spread { variance: 4.0, blocks: 17.0, skewness };
             let (low, high) = spread.deviates(0.025);

@@ -2,8 +2,8 @@ use super::*;
 use asperity_base::correlation::{Axis, profile_spectrum, radial_spectrum};
 use asperity_base::random;
 
-/// What a sum over j = −60 … 60 leaves out of the one over all j, in which power falls with γ^{−2Hj} upwards and γ^{2(1−H)j}
-/// downwards, at lags of order 1.
+/// Returns the remainder of the sum over j = −60 … 60 against all j, at lags of order 1. Power falls with γ^{−2Hj}
+/// upwards and γ^{2(1−H)j} downwards.
 fn left_out(gamma: f64, hurst: f64) -> f64 {
     10.0 * (gamma.powf(-120.0 * hurst) + gamma.powf(-120.0 * (1.0 - hurst)))
 }
@@ -68,7 +68,7 @@ fn random_phases_have_the_variance_and_the_structure_function() {
     }
 }
 
-/// Slope of a least-squares line through (ln x, ln y).
+/// Returns the slope of a least-squares line through (ln x, ln y).
 fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
     let n = points.len() as f64;
@@ -79,8 +79,9 @@ fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
 /// Three lines per octave, at 2^m, 2^{m+1/3} and 2^{m+2/3} times the first.
 const THIRD: f64 = 1.259_921_049_894_873_2;
 
-/// Mean density in octaves 2^m of `first`, m in `octaves`, whose edges lie midway between lines. `power` is what a value of
-/// the spectrum holds at its wavenumber, `extent` the measure of wavevectors up to one.
+/// Returns the mean density in octaves 2^m of `first`, m in `octaves`, whose edges are midway between lines. `power`
+/// maps a value of the spectrum to the power at its wavenumber, `extent` a wavenumber to the measure of wavevectors up
+/// to it.
 fn in_octaves(
     first: f64,
     octaves: std::ops::Range<i32>,
@@ -102,15 +103,15 @@ fn the_spectrum_of_a_profile_falls_with_the_power_five_minus_two_d_in_octaves_an
         let grid = Grid::new(16384, 2, 1.0, 1.0).unwrap();
         let surface =
             WeierstrassMandelbrot::corrugation(grid, dimension, THIRD, 1.0, WeierstrassForm::Truncated).unwrap();
-        let germ = random::standard_normal(&mut random::stream(6, "slope", 0), surface.germ_len());
-        let spectrum = profile_spectrum(&surface.generate(&germ), Axis::X).unwrap();
+        let xi = random::standard_normal(&mut random::stream(6, "slope", 0), surface.xi_len());
+        let spectrum = profile_spectrum(&surface.generate(&xi), Axis::X).unwrap();
         let first = TAU / 16384.0;
-        // From the fifth octave on lines are eight bins apart, so that the window's lobes do not overlap.
+        // From the fifth octave on lines are eight bins apart, so the window's lobes do not overlap.
         let all: Vec<(f64, f64)> = spectrum.q_rad_per_m.iter().copied().zip(spectrum.psd_m3.iter().copied()).collect();
         let octaves = slope(in_octaves(first, 5..12, &all, |q| q).into_iter());
         let wanted = -(5.0 - 2.0 * dimension);
         assert!((octaves - wanted).abs() < 0.01, "D {dimension}: slope {octaves}, wanted {wanted}");
-        // Between the lines there is nothing but leakage, which a fit to every frequency follows.
+        // Between the lines there is only leakage, which a fit to every frequency would follow.
         let (low, high) = (first * 2_f64.powi(5), first * 2_f64.powi(12));
         let naive = slope(all.iter().copied().filter(|(q, _)| *q >= low && *q < high));
         assert!((naive - wanted).abs() > 1.0, "D {dimension}: {naive} by every frequency, {wanted}");
@@ -123,11 +124,11 @@ fn the_spectra_of_a_surface_fall_with_its_dimension_along_profiles_and_radially(
     for dimension in [2.2, 2.5, 2.8] {
         let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
         let surface = WeierstrassMandelbrot::new(grid, dimension, THIRD, 4, 1.0, WeierstrassForm::Truncated).unwrap();
-        let germ = random::standard_normal(&mut random::stream(6, "slope", 1), surface.germ_len());
-        let map = surface.generate(&germ);
+        let xi = random::standard_normal(&mut random::stream(6, "slope", 1), surface.xi_len());
+        let map = surface.generate(&xi);
         let first = TAU / n as f64;
         // Profiles have dimension D − 1, hence −(5 − 2(D − 1)). The ridges of π/4 have lines at 1/√2 = 2^{−1/2}, on the
-        // edges of the octaves of the others; shifting the edges by 1/12 keeps clear of both.
+        // edges of the octaves of the others. Shifting the edges by 1/12 avoids both.
         let profile = profile_spectrum(&map, Axis::X).unwrap();
         let all: Vec<(f64, f64)> = profile.q_rad_per_m.iter().copied().zip(profile.psd_m3.iter().copied()).collect();
         let along = slope(in_octaves(first * 2_f64.powf(1.0 / 12.0), 4..8, &all, |q| q).into_iter());
@@ -152,13 +153,13 @@ fn a_map_is_the_sum_of_its_cosines() {
     let grid = Grid::new(9, 7, 0.5, 0.8).unwrap();
     for form in [WeierstrassForm::Truncated, WeierstrassForm::Convergent] {
         let surface = WeierstrassMandelbrot::new(grid, 2.4, 1.6, 5, 0.2, form).unwrap();
-        let germ = random::standard_normal(&mut random::stream(7, "cosines", 0), surface.germ_len());
-        let phases: Vec<f64> = germ.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
-        let map = surface.generate(&germ);
+        let xi = random::standard_normal(&mut random::stream(7, "cosines", 0), surface.xi_len());
+        let phases: Vec<f64> = xi.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
+        let map = surface.generate(&xi);
         for ((row, column), z) in map.heights_m().indexed_iter() {
             let (x, y) = (0.5 * column as f64, 0.8 * row as f64);
             let mut sum = 0.0;
-            let terms = surface.germ_len() / 5;
+            let terms = surface.xi_len() / 5;
             for k in 0..terms {
                 let q = TAU / 5.6 * 1.6_f64.powi(k as i32);
                 for m in 1..=5 {
@@ -185,7 +186,7 @@ fn a_corrugation_is_the_profile_of_equation_one() {
     // With a width of 2π the wavenumbers are γ^0, γ^1, …
     let grid = Grid::covering(64, 2, TAU, 1.0).unwrap();
     let surface = WeierstrassMandelbrot::corrugation(grid, 1.3, 1.5, 0.7, WeierstrassForm::Convergent).unwrap();
-    let last = surface.germ_len() as i32 - 1;
+    let last = surface.xi_len() as i32 - 1;
     let profile = WeierstrassProfile::new(1.3, 1.5, 0.7, 0, last, WeierstrassForm::Convergent).unwrap();
     let phases: Vec<f64> = (0..=last).map(|k| 0.7 * f64::from(k)).collect();
     let map = surface.map(&phases);
@@ -205,8 +206,8 @@ fn the_rms_height_can_be_set() {
     assert!((surface.variance_m2().sqrt() / 1e-6 - 1.0).abs() < 1e-12);
     let powers: Vec<f64> = (0..400)
         .map(|index| {
-            let germ = random::standard_normal(&mut random::stream(8, "rms", index), surface.germ_len());
-            surface.generate(&germ).present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
+            let xi = random::standard_normal(&mut random::stream(8, "rms", index), surface.xi_len());
+            surface.generate(&xi).present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
         })
         .collect();
     let mean = powers.iter().sum::<f64>() / 400.0;

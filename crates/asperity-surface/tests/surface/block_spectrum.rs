@@ -1,4 +1,4 @@
-//! Spectra over blocks of wavevectors, compared with those of maps.
+//! Spectra over blocks of wavevectors, compared with spectra of maps.
 
 use asperity_base::correlation::{Block, BlockSpectrum, CorrelationModel, Covariance};
 use asperity_base::map::Grid;
@@ -6,8 +6,9 @@ use asperity_base::random;
 use asperity_surface::{RandomSurface, SpectralField};
 
 #[test]
-fn the_expected_density_is_the_mean_of_the_densities_of_maps() {
-    // Folded tails, the window and a lay: of 24 maps the mean density of each block is compared with the expectation.
+fn the_expected_density_equals_the_mean_density_of_maps() {
+    // With folded tails, the window and a lay: the mean density of each block over 24 maps is compared with its
+    // expectation.
     for covariance in [
         Covariance::new(CorrelationModel::Exponential, 1.0, 6.0, 6.0).unwrap(),
         Covariance::new(CorrelationModel::Matern { nu: 1.0 }, 1.0, 3.0, 12.0).unwrap(),
@@ -15,13 +16,14 @@ fn the_expected_density_is_the_mean_of_the_densities_of_maps() {
         let field = SpectralField::free(&covariance, Grid::new(128, 96, 1.0, 1.0).unwrap()).unwrap();
         let maps: Vec<BlockSpectrum> = (0..24)
             .map(|index| {
-                let germ = random::standard_normal(&mut random::stream(3, "blocks", index), field.germ_len());
-                BlockSpectrum::of(&field.generate(&germ)).unwrap()
+                let xi = random::standard_normal(&mut random::stream(3, "blocks", index), field.xi_len());
+                BlockSpectrum::of(&field.generate(&xi)).unwrap()
             })
             .collect();
         let (mut squares, mut compared) = (0.0, 0.0);
         for first in maps[0].blocks() {
-            // The ends of the reliable bands differ, so a block need not be whole in every map. Steep blocks have more samples.
+            // The ends of the reliable bands differ, so a block may be incomplete in some maps. Steep blocks have more
+            // samples.
             let same =
                 |block: &&Block| block.degrees_of_freedom == first.degrees_of_freedom && block.samples == first.samples;
             let found: Vec<&Block> = maps.iter().filter_map(|map| map.blocks().iter().find(same)).collect();
@@ -31,7 +33,7 @@ fn the_expected_density_is_the_mean_of_the_densities_of_maps() {
             let mean = found.iter().map(|block| block.density_m4).sum::<f64>() / 24.0;
             let freedom = 24.0 * found[0].degrees_of_freedom;
             let wanted = maps[0].expected_m4(first, &covariance);
-            // The standard error of the mean, and 4 % for the samples that stand for a block.
+            // The standard error of the mean, plus 4 % for the samples that represent a block.
             squares += (mean / wanted - 1.0).powi(2) / (2.0 / freedom + 0.04_f64.powi(2));
             compared += 1.0;
         }

@@ -1,4 +1,4 @@
-//! The measured covariance, tried on fields of known correlation.
+//! The measured covariance on fields of known correlation.
 
 use asperity_base::correlation::{
     Autocorrelation, BlockSpectrum, CorrelationFamily, CorrelationModel, Covariance, MeasuredCovariance,
@@ -9,7 +9,8 @@ use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 use asperity_surface::{GaussianSurface, KarhunenLoeve, ModesRoute, RandomSurface, SpectralField};
 
-/// Transform of the cubic spline that is one at zero and zero at every other lag, over the pitch, at a phase per lag.
+/// Returns the transform of the cubic spline that is one at zero and zero at every other lag, over the pitch, at a
+/// phase per lag.
 fn spline_factor(phase: f64) -> f64 {
     let half = 0.5 * phase;
     let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
@@ -21,7 +22,7 @@ fn all_lags(map: &HeightMap) -> Autocorrelation {
 }
 
 fn draw(field: &SpectralField, stage: &str, index: u64) -> HeightMap {
-    field.generate(&random::standard_normal(&mut random::stream(31, stage, index), field.germ_len()))
+    field.generate(&random::standard_normal(&mut random::stream(31, stage, index), field.xi_len()))
 }
 
 fn sample(covariance: &dyn StationaryCovariance, grid: Grid, index: u64) -> HeightMap {
@@ -38,7 +39,7 @@ fn unit_grid(nx: usize, ny: usize) -> Grid {
     Grid::new(nx, ny, 1.0, 1.0).unwrap()
 }
 
-/// Short-range roughness on a wave that dies out: no family of the fits has this shape.
+/// Short-range roughness on a wave that decays; no family of the fits has this shape.
 struct Mixture;
 
 impl StationaryCovariance for Mixture {
@@ -58,7 +59,7 @@ fn ridge() -> Rotated<Covariance> {
 }
 
 #[test]
-fn reliable_lags_are_those_of_the_estimate_but_for_the_mean_and_the_clipping() {
+fn reliable_lags_equal_the_estimate_except_for_the_mean_and_the_clipping() {
     let (estimate, measured) = measure(&sample(&ridge(), unit_grid(192, 160), 0));
     let report = measured.report();
     assert!(report.decayed_x && report.decayed_y && report.clipping_change < 0.03 && report.mean_share < 0.05);
@@ -100,7 +101,7 @@ fn it_is_a_covariance_at_any_points_and_at_every_pitch() {
 }
 
 #[test]
-fn generated_maps_have_the_correlation_of_the_measured_one() {
+fn generated_maps_have_the_measured_correlation() {
     let grid = unit_grid(160, 128);
     let (estimate, measured) = measure(&sample(&ridge(), grid, 2));
     let report = measured.report();
@@ -114,21 +115,21 @@ fn generated_maps_have_the_correlation_of_the_measured_one() {
         let spread = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1) as f64;
         let error = (spread / count as f64).sqrt();
         let wanted = estimate.covariance_m2(x, y);
-        // Four standard errors of the mean, and what clipping changed.
+        // Four standard errors of the mean, plus the effect of clipping.
         let bound = 4.0 * error + report.clipping_change * estimate.variance_m2();
         assert!((mean - wanted).abs() < bound, "({x}, {y}): {mean} ± {error}, measured {wanted}");
     }
 }
 
-/// Mean square of the slopes to the next heights over the variance.
+/// Returns the mean square of the slopes to the next heights over the variance.
 fn slopes(rho: impl Fn(f64, f64) -> f64) -> f64 {
     4.0 - 2.0 * rho(1.0, 0.0) - 2.0 * rho(0.0, 1.0)
 }
 
 #[test]
 fn a_smooth_map_stays_smooth() {
-    // The slopes of the covariance against those of the map itself, whose neighbours' differences are what they are. In a map
-    // of twelve lengths the correlation may not be seen to decay, and has to be shortened.
+    // The slopes of the covariance are compared with differences of neighbours in the map. In a map
+    // of twelve lengths the correlation may not visibly decay, and is then tapered.
     let smooth = Covariance::isotropic(CorrelationModel::SquaredExponential, 1.0, 8.0).unwrap();
     let lay = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 30.0, 5.0).unwrap();
     let oblique = Rotated::new(lay, 0.5).unwrap();
@@ -148,8 +149,8 @@ fn a_smooth_map_stays_smooth() {
                 let (estimate, measured) = measure(&HeightMap::new(map.grid(), heights).unwrap());
                 let own = (estimate.semivariance_m2(1, 0).unwrap() + estimate.semivariance_m2(0, 1).unwrap())
                     / estimate.variance_m2();
-                let share = 1.0 - measured.report().mean_share;
-                ratios.push((slopes(|x, y| measured.correlation(x, y)) / (2.0 * share * own)).sqrt());
+                let fraction = 1.0 - measured.report().mean_share;
+                ratios.push((slopes(|x, y| measured.correlation(x, y)) / (2.0 * fraction * own)).sqrt());
             }
             let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
             assert!((mean - 1.0).abs() < bound, "case {case}, holes {holes}: {ratios:?}");
@@ -168,7 +169,8 @@ fn scattered_voids_leave_a_smooth_map_nearly_smooth() {
     let (_, whole) = measure(&map);
     let (_, holed) = measure(&HeightMap::new(map.grid(), heights).unwrap());
     let roughness = |measured: &MeasuredCovariance| slopes(|x, y| measured.correlation(x, y)).sqrt();
-    // Every lag has other pairs, a noise of a few thousandths from lag to lag. Taken for roughness it would double the slopes.
+    // Every lag has different pairs, a noise of a few thousandths from lag to lag. As roughness it would double the
+    // slopes.
     assert!((roughness(&holed) / roughness(&whole) - 1.0).abs() < 0.04);
 }
 
@@ -178,7 +180,8 @@ fn a_mixture_that_no_model_fits_is_reproduced_where_the_fitted_model_is_not() {
     let (_, measured) = measure(&map);
     let spectrum = BlockSpectrum::of(&map).unwrap();
     let fitted = fit_covariance(&[&spectrum], measured.std_m(), &CorrelationFamily::ALL).unwrap().best();
-    // The standard error of one lag of one map, where the correlation is small; less where it is large.
+    // The standard error of one lag of one map where the correlation is small; it is less where the correlation is
+    // large.
     let error = measured.report().standard_error;
     assert!(error < 0.05);
     let mut worst = [0.0_f64; 2];
@@ -190,14 +193,14 @@ fn a_mixture_that_no_model_fits_is_reproduced_where_the_fitted_model_is_not() {
     }
     assert!(worst[0] < 3.0 * error, "measured: {worst:?}, standard error {error}");
     assert!(worst[1] > 6.0 * error, "fitted: {worst:?}, standard error {error}");
-    // The wave is there in what is generated.
+    // The generated maps contain the wave.
     let field = SpectralField::periodic(&measured, unit_grid(320, 256));
     let drawn = all_lags(&draw(&field, "mixture", 0));
     assert!(drawn.correlation(8, 0) < -0.25 && drawn.correlation(16, 0) > 0.2);
 }
 
 #[test]
-fn missing_heights_do_not_change_the_covariance_but_for_their_noise() {
+fn missing_heights_add_only_noise_to_the_covariance() {
     let map = sample(&Mixture, unit_grid(200, 200), 4);
     let (_, whole) = measure(&map);
     let mask = random::standard_normal(&mut random::stream(5, "mask", 0), 40_000);
@@ -214,8 +217,8 @@ fn missing_heights_do_not_change_the_covariance_but_for_their_noise() {
 }
 
 #[test]
-fn the_variance_that_went_with_the_mean_is_put_back() {
-    // Maps of eight correlation lengths: the mean takes about a tenth of the variance with it.
+fn the_variance_removed_with_the_mean_is_restored() {
+    // Maps of eight correlation lengths: the mean removes about a tenth of the variance.
     let planted = Covariance::isotropic(CorrelationModel::Exponential, 1.0, 8.0).unwrap();
     let field = SpectralField::free(&planted, unit_grid(64, 64)).unwrap();
     let count = 60;
@@ -232,7 +235,7 @@ fn the_variance_that_went_with_the_mean_is_put_back() {
     };
     let missing = 1.0 - mean(&raw);
     assert!(missing > 3.0 * error(&raw), "{missing}");
-    // The tail beyond the taper is lost to the correction too, so a part of the mean's variance stays away.
+    // The correction also lacks the tail beyond the taper, so a part of the mean's variance stays lost.
     assert!((mean(&corrected) - 1.0).abs() < 2.0 * error(&corrected) + 0.5 * missing, "{}", mean(&corrected));
     assert!(mean(&corrected) > mean(&raw) + 0.5 * missing);
 }
@@ -260,13 +263,13 @@ fn karhunen_loeve_expands_it_generally_and_periodically() {
 }
 
 #[test]
-fn a_lay_that_does_not_decay_is_reported_and_stays_a_covariance() {
+fn a_lay_that_does_not_decay_is_reported_and_its_covariance_stays_valid() {
     let long = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 150.0).unwrap();
     let (_, measured) = measure(&sample(&SeparableCovariance(long), unit_grid(128, 128), 8));
     let report = measured.report();
     assert!(report.decayed_x && !report.decayed_y && report.taper_change > 0.3, "{report:?}");
     assert!(report.clipping_change < 0.05);
-    // Shortened, but by less than a tenth up to a tenth of the map.
+    // The taper lowers it by less than a tenth up to a tenth of the map.
     assert!(measured.correlation(0.0, 12.0) > 0.9);
 }
 
@@ -288,7 +291,7 @@ fn the_profile_spectrum_is_the_transform_of_the_covariance_along_x() {
     let (_, measured) = measure(&sample(&ridge(), unit_grid(96, 80), 3));
     let end_m = measured.support_m().0;
     for q in [0.0, 0.05, 0.3, 1.0, 2.5, 4.0] {
-        // The rule of trapezoids: the spline has a continuous second derivative, so that errors fall like the fourth power.
+        // Trapezoidal rule: the spline has a continuous second derivative, so errors fall like the fourth power.
         let step_m = 1.0 / 64.0;
         let terms = (1..(end_m / step_m) as usize).map(|k| k as f64 * step_m);
         let sum: f64 = terms.map(|x| measured.value_m2(x, 0.0) * (q * x).cos()).sum();
@@ -299,7 +302,7 @@ fn the_profile_spectrum_is_the_transform_of_the_covariance_along_x() {
 }
 
 #[test]
-fn a_map_that_is_all_form_or_has_no_neighbours_has_no_covariance() {
+fn a_map_without_roughness_or_neighbours_has_no_covariance() {
     let bowl = HeightMap::from_function(unit_grid(64, 64), |x, y| x * x + y * y).unwrap();
     let estimate = all_lags(&bowl);
     let error = MeasuredCovariance::new(&estimate).unwrap_err();
@@ -345,8 +348,8 @@ fn the_radial_spectrum_is_the_mean_of_the_transform_over_the_directions() {
 }
 
 #[test]
-fn the_covariance_beneath_a_lognormal_law_is_its_closed_form() {
-    // Heights e^{sg} have ρ = (e^{s²ρ_G} − 1)/(e^{s²} − 1), so that ρ_G = ln(1 + ρ(e^{s²} − 1))/s².
+fn the_normal_covariance_of_lognormal_heights_has_its_closed_form() {
+    // Heights e^{sg} have ρ = (e^{s²ρ_G} − 1)/(e^{s²} − 1), so ρ_G = ln(1 + ρ(e^{s²} − 1))/s².
     let (_, measured) = measure(&sample(&ridge(), unit_grid(96, 80), 3));
     let square = 0.8_f64.powi(2);
     let distorted = |rho: f64| (square * rho).exp_m1() / square.exp_m1();
@@ -357,10 +360,10 @@ fn the_covariance_beneath_a_lognormal_law_is_its_closed_form() {
         assert!((found - wanted).abs() < 0.03, "({x}, {y}): {found} {wanted}");
     }
     assert!((beneath.correlation(0.0, 1e-9) - 1.0).abs() < 1e-6 && beneath.std_m() == measured.std_m());
-    // It is a covariance: a free field of it needs no clipping.
+    // It is a valid covariance: a free field of it needs no clipping.
     let clipped = SpectralField::free(&beneath, unit_grid(96, 80)).unwrap().clipped_variance();
     assert!(clipped < 1e-6, "{clipped}");
-    // Slopes that are 1.3 times too great are lowered by that factor: 1 − ρ at one lag is its square.
+    // Slopes that are 1.3 times too large are lowered by that factor: 1 − ρ at one lag is its square.
     let target = measured.correlation(1.0, 0.0);
     let ratio = |own: &MeasuredCovariance| ((1.0 - own.correlation(1.0, 0.0)) / (1.0 - target)).sqrt();
     let smoother = measured.beneath(|rho| rho, 0.5, |own| 1.3 * ratio(own));

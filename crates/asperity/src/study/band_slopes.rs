@@ -163,7 +163,7 @@ mod tests {
             let field = Translated::new(SpectralField::free(&covariance, grid).unwrap(), law).unwrap();
             let maps: Vec<HeightMap> = (0..12)
                 .map(|index| {
-                    let germ = random::standard_normal(&mut random::stream(4, "slopes", index), field.germ_len());
+                    let germ = random::standard_normal(&mut random::stream(4, "slopes", index), field.xi_len());
                     field.generate(&germ)
                 })
                 .collect();

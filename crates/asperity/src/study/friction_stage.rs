@@ -63,10 +63,10 @@ impl SolvedLevel {
         seed: u64,
     ) -> Result<Self, StudyError> {
         let failed = |error| StudyError::Friction { level: control.name(), error };
-        let (lanes, layout) = (level.lanes, Layout { periodic, lanes: level.lanes });
-        let statistics = FrictionStatistics::of(&level.records, window.step_m(), layout, seed).map_err(failed)?;
+        let (lanes, layout) = (level.tracks, Layout { periodic, lanes: level.tracks });
+        let statistics = FrictionStatistics::new(&level.records, window.step_m(), layout, seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
-        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), layout, seed).map_err(failed)?;
+        let process = FrictionStatistics::new(&at_mean_load, window.step_m(), layout, seed).map_err(failed)?;
         // The study knows the correlation under rectangles.
         let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
         let narrower = level.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
@@ -76,9 +76,9 @@ impl SolvedLevel {
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with(&windows, lanes, &MODELS, settings).ok();
+        let study = || WindowStudy::with_models(&windows, lanes, &MODELS, settings).ok();
         let window_study = if varies { study() } else { None };
-        let analysis = ProcessAnalysis::of(&at_mean_load, window, layout, strip_m);
+        let analysis = ProcessAnalysis::new(&at_mean_load, window, layout, strip_m);
         let heavy_tail = statistics.heavy_tail();
         let contact_fraction = contact_fraction(&level, layout);
         Ok(Self {

@@ -84,7 +84,7 @@ pub(super) fn run(
     let sizes = Sizes {
         fine_solves: section.fine_solves,
         reference_samples: section.reference_samples,
-        variables: section.variables.min(surface.germ_len()),
+        variables: section.variables.min(surface.xi_len()),
         degree: section.degree,
         stiffness: section.stiffness,
         ..Sizes::new(seed)
@@ -166,7 +166,7 @@ fn patch_sentence(
 }
 
 fn expansion_sentence(section: &PressureSection, surface: &dyn RandomSurface) -> String {
-    let germ = surface.germ_len();
+    let germ = surface.xi_len();
     let variables = section.variables.min(germ);
     format!(
         "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {germ} variables at total degree {}.",
@@ -183,7 +183,7 @@ fn sample_fields(
     solver: Solver,
     seed: u64,
 ) -> Result<Vec<(&'static str, Field)>, StudyError> {
-    let germ = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.germ_len());
+    let germ = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&germ);
     let posed = |error| StudyError::Contact { section: "pressure", error };
     let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(posed)?;

@@ -91,7 +91,7 @@ impl Sampler {
     /// Map number `index`, the same whichever maps are drawn beside it.
     pub fn draw(&self, index: u64) -> HeightMap {
         let mut stream = random::stream(self.seed, STAGE, index);
-        self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
+        self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()))
     }
 
     /// What to be wary of, in sentences.

@@ -49,7 +49,7 @@ fn table(spectrum: BinnedSpectrum, unit: &str, model: Option<impl Fn(&[f64]) -> 
 pub(super) fn structure_table(map: &HeightMap) -> Result<Table, StudyError> {
     let scaling = fractal::scaling(map, None)?;
     let axes = [(Axis::X, scaling.and_then(|s| s.x)), (Axis::Y, scaling.and_then(|s| s.y))]
-        .map(|(axis, scaling)| (StructureFunction::of(map, axis), scaling));
+        .map(|(axis, scaling)| (StructureFunction::new(map, axis), scaling));
     let mut lags_m: Vec<f64> = axes.iter().flat_map(|(structure, _)| structure.lags_m.iter().copied()).collect();
     lags_m.sort_by(f64::total_cmp);
     lags_m.dedup();

@@ -43,7 +43,7 @@ impl Trial {
         let surface = &generated.surface;
         let drawn = (0..MAPS).into_par_iter().map(|index| {
             let mut stream = random::stream(1, "trial maps", index);
-            let map = surface.generate(&random::standard_normal(&mut stream, surface.germ_len()));
+            let map = surface.generate(&random::standard_normal(&mut stream, surface.xi_len()));
             let map = Preparation { level: treatment(level), ..Preparation::default() }.apply(&map)?.map;
             Ok(slopes.ratio_of(&map)?.map(|ratio| (map, scale * ratio)))
         });

@@ -143,7 +143,7 @@ impl Twins {
             .map(|index| {
                 let mut stream = random::stream(self.seed, TRIAL_STAGE, index);
                 let trial =
-                    masked(&surface.generate(&random::standard_normal(&mut stream, surface.germ_len())), &self.scan)?;
+                    masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
                 let left = Preparation { level: self.level, ..Preparation::default() }.apply(&trial)?.map;
                 // Statistics are about the mean, whether or not it counts as form.
                 let points = left.present_m().count() as f64;
@@ -251,7 +251,7 @@ impl Twins {
     /// Twin number `index`, counted from 0: a function of the seed and the number alone.
     pub fn draw(&self, index: u64) -> HeightMap {
         let mut stream = random::stream(self.seed, STAGE, index);
-        let twin = self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()));
+        let twin = self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()));
         twin.scaled(self.gain)
     }
 

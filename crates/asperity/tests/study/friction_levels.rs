@@ -46,14 +46,14 @@ fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
         // Heights of the plane in units of Sq = 0.5 µm, every other of which makes the curve.
         let heights_m: Vec<f64> = (0..9).map(|k| 0.5e-6 * (1.5 - 0.25 * f64::from(k))).collect();
         let levels = planes(strips, &heights_m);
-        let curve = LoadCurve::of(levels.iter().step_by(2)).unwrap();
+        let curve = LoadCurve::from_levels(levels.iter().step_by(2)).unwrap();
         for level in levels.iter().skip(1).step_by(2) {
             let between = curve.mean_pressure_pa(level.penetration_m).unwrap();
             println!("{:e}: {between:e} for {:e}", level.penetration_m, level.mean_pressure_pa);
             assert!((between / level.mean_pressure_pa - 1.0).abs() < 0.05);
             assert!((curve.penetration_m(between).unwrap() - level.penetration_m).abs() < 1e-15);
         }
-        let last = LoadPoint::of(&levels[8]);
+        let last = LoadPoint::from_level(&levels[8]);
         assert!(curve.mean_pressure_pa(1.01 * last.penetration_m).is_err());
     });
 }
@@ -66,10 +66,10 @@ fn the_interval_of_a_load_is_students_in_the_logarithm() {
         (level.mean_pressure_pa, level.strip_pressures_pa) = (2.0, vec![1.0, 2.0, 3.0]);
         // t = 4.302653 with two degrees of freedom, standard error 1/√3.
         let factor = (4.302_653 / (2.0 * 3.0_f64.sqrt())).exp();
-        let interval = LoadPoint::of(&level).interval;
+        let interval = LoadPoint::from_level(&level).interval;
         assert!((interval.low * factor / 2.0 - 1.0).abs() < 1e-6 && (interval.high / factor / 2.0 - 1.0).abs() < 1e-6);
         level.strip_pressures_pa = vec![2.0; 3];
-        let exact = LoadPoint::of(&level).interval;
+        let exact = LoadPoint::from_level(&level).interval;
         assert_eq!((exact.low, exact.high), (2.0, 2.0));
     });
 }

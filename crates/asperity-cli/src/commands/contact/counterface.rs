@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::contact::{ContactError, Elastic, Laid, Pair, composite};
+use asperity::contact::{ContactError, Elastic, Orientation, Pair, composite};
 use asperity::map::HeightMap;
 use asperity::quantity::Pressure;
 use clap::Args;
@@ -65,7 +65,7 @@ impl Counterface {
             0 => {}
             missing => return Err(unusable(ContactError::Missing { missing, points: upper.grid().points() })),
         }
-        let laid = if self.counterface_as_laid { Laid::AsLaid } else { Laid::Mirrored };
+        let laid = if self.counterface_as_laid { Orientation::Aligned } else { Orientation::Mirrored };
         composite(&map, &upper, laid).map_err(unusable)
     }
 

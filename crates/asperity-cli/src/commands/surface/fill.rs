@@ -91,7 +91,7 @@ impl Fill {
         let maps = self.target.open(self.count, &[&self.input])?;
         let germ = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
-            random::standard_normal(&mut stream, filling.germ_len())
+            random::standard_normal(&mut stream, filling.xi_len())
         };
         for first in (0..self.count).step_by(FILLED_AT_ONCE) {
             let some = first..(first + FILLED_AT_ONCE).min(self.count);

@@ -12,16 +12,16 @@ fn the_curve_and_its_integral_by_hand() {
     assert!((curve.integral_to(0.0625) - 0.25).abs() < 1e-15);
 }
 
-/// `n` heights of the standard normal law, one in the middle of each of `n` equal shares.
+/// Returns `n` heights of the standard normal distribution, one in the middle of each of `n` equal fractions.
 fn normal(n: usize) -> Vec<f64> {
     (0..n).map(|i| standard_normal_quantile((i as f64 + 0.5) / n as f64)).collect()
 }
 
-/// Of normal heights the flattest secant spans 30 % to 70 %; all else follows from φ and Φ in closed form.
+/// For normal heights the flattest secant spans 30 % to 70 %, and all parameters follow from φ and Φ in closed form.
 ///
-/// Its fall is 2 z₇₀ over 40 %, and Sk = 5 z₇₀. The least-squares slope is ∫(p − ½) z dp/∫(p − ½)² dp over 30 % to 70 %;
-/// with ∫ z Φ φ dz = −φΦ + Φ(√2 z)/(2√π) the numerator is −0.4 φ(z₇₀) + (2Φ(√2 z₇₀) − 1)/(2√π), the denominator
-/// 2·0.2³/3. Peaks begin at z = Sk/2, Smrk1 = Φ(−z), their area is φ(z) − z Φ(−z), and Spk twice that over Smrk1.
+/// Its fall is 2 z₇₀ over 40 %, and Sk = 5 z₇₀. The least-squares slope is ∫(p − ½) z dp/∫(p − ½)² dp over 30 % to 70 %.
+/// With ∫ z Φ φ dz = −φΦ + Φ(√2 z)/(2√π) the numerator is −0.4 φ(z₇₀) + (2Φ(√2 z₇₀) − 1)/(2√π) and the denominator
+/// 2·0.2³/3. Peaks start at z = Sk/2, Smrk1 = Φ(−z), their area is φ(z) − z Φ(−z), and Spk is twice that over Smrk1.
 #[test]
 fn normal_heights_have_the_closed_form_sk_family_and_volumes() {
     let (pdf, cdf) = (asperity_base::law::standard_normal_pdf, asperity_base::law::standard_normal_cdf);
@@ -33,16 +33,16 @@ fn normal_heights_have_the_closed_form_sk_family_and_volumes() {
     let curve = MaterialRatio::of(&normal(400_000));
     let [core, secant] = curve.cores([EquivalentLine::LeastSquares, EquivalentLine::Secant]);
     let volumes = curve.volumes(0.1, 0.8);
-    // The flattest secant is flat to second order in its start, so interpolation leaves about 1e-6 of the ends'.
+    // The flattest secant is flat to second order in its start, so interpolation has an error of about 1e-6.
     for (found, sk) in [(core, sk), (secant, 5.0 * z)] {
-        let share = cdf(-0.5 * sk);
-        let peak = 2.0 * (pdf(0.5 * sk) - 0.5 * sk * share) / share;
+        let fraction = cdf(-0.5 * sk);
+        let peak = 2.0 * (pdf(0.5 * sk) - 0.5 * sk * fraction) / fraction;
         for (name, found, wanted) in [
             ("Sk", found.sk_m, sk),
             ("Spk", found.spk_m, peak),
             ("Svk", found.svk_m, peak),
-            ("Smrk1", found.smrk1, share),
-            ("Smrk2", found.smrk2, 1.0 - share),
+            ("Smrk1", found.smrk1, fraction),
+            ("Smrk2", found.smrk2, 1.0 - fraction),
         ] {
             assert!((found / wanted - 1.0).abs() < 1e-4, "{name} = {found}, not {wanted}");
         }
@@ -60,9 +60,10 @@ fn normal_heights_have_the_closed_form_sk_family_and_volumes() {
     }
 }
 
-/// The flattest secant, the least-squares line and the integral by their definitions, on the curve's own heights.
+/// Computes the flattest secant, the least-squares line and the integral from their definitions, on the heights of the
+/// curve.
 #[test]
-fn the_fast_searches_and_sums_are_the_plain_ones() {
+fn the_fast_searches_and_sums_equal_direct_ones() {
     for (n, kind) in [(7, 0), (10, 1), (1000, 0), (4097, 1), (9000, 2), (70_000, 0), (70_001, 2)] {
         let rough = random::standard_normal(&mut random::stream(18, "material", n as u64), n);
         let heights: Vec<f64> = rough
@@ -82,7 +83,7 @@ fn the_fast_searches_and_sums_are_the_plain_ones() {
         let start = curve.flattest_secant();
         assert!((fall(start) - wanted).abs() < 1e-9, "{n}: {} {wanted}", fall(start));
 
-        // The mean square deviation of the line does not fall when the line is moved or turned.
+        // Shifting or rotating the line does not lower its mean square deviation.
         let (slope, upper) = curve.least_squares(start);
         let fine = 40_000;
         let cost = |slope: f64, upper: f64| {
@@ -106,7 +107,7 @@ fn the_fast_searches_and_sums_are_the_plain_ones() {
 
 #[test]
 fn of_equal_secants_the_first_is_taken() {
-    // Two level stretches of half the surface each, both 40 % long at least: the upper one is first.
+    // Two constant stretches of half the surface each, both longer than 40 %. The upper one is first.
     let heights: Vec<f64> = (0..1000).map(|i| if i < 500 { 1.0 } else { 0.0 }).collect();
     let curve = MaterialRatio::of(&heights);
     assert_eq!(curve.flattest_secant(), 0.5 / 1000.0);
@@ -115,18 +116,18 @@ fn of_equal_secants_the_first_is_taken() {
     assert!((core.svkx_m - 1.0).abs() < 1e-12 && (core.smrk2 - 0.5).abs() < 2e-3, "{core:?}");
 }
 
-/// Programs that resample the curve to some thousand ratios lose spikes that are rarer than that.
+/// Programs that resample the curve to some thousand ratios lose rarer spikes.
 #[test]
 fn peaks_rarer_than_a_resampled_curve_keep_their_volume() {
-    // One point in 50,000 is a spike 1,000 standard deviations high: it adds 1000/50,000 = 0.02 to Vmp = 0.0473 of the
-    // normal rest. On a curve of 10,000 ratios, linear between them, it is a triangle between the first two, of volume
-    // ½·1000/10,000 = 0.05, whatever its own width.
+    // One point in 50,000 is a spike 1,000 standard deviations high. It adds 1000/50,000 = 0.02 to Vmp = 0.0473 of the
+    // normal rest. On a linearly interpolated curve of 10,000 ratios it is a triangle between the first two, of volume
+    // ½·1000/10,000 = 0.05, for any width of the spike.
     let n = 400_000;
     let mut heights = normal(n);
     heights[..n / 50_000].fill(1000.0);
     let curve = MaterialRatio::of(&heights);
     let found = curve.volumes(0.1, 0.8).peak_material_m;
-    // The volume of a spike counts from the height at 10 %, 1.28: less than 2e-5·5.
+    // The volume of a spike counts from the height at 10 %, 1.28; the difference is less than 2e-5·5.
     assert!((found - 0.04734317537802668 - 0.02).abs() < 1e-4, "{found}");
     let resampled = |ratios: usize| {
         let heights: Vec<f64> = (0..ratios).map(|i| curve.height_m(i as f64 / (ratios - 1) as f64)).collect();
@@ -134,7 +135,7 @@ fn peaks_rarer_than_a_resampled_curve_keep_their_volume() {
         let above: f64 = trapezoids.take(ratios / 10).sum();
         above - 0.1 * curve.height_m(0.1)
     };
-    // Converging with the number of ratios, and far off before they are as dense as the spikes.
+    // The result converges with the number of ratios and is far off until they are as dense as the spikes.
     let errors = [1_000, 10_000, 100_000, 1_000_000].map(|ratios| (resampled(ratios) / found - 1.0).abs());
     assert!(errors[0] > 5.0 && errors[1] > 0.3 && errors[2] < 0.05 && errors[3] < 0.01, "{errors:?}");
 }
@@ -151,7 +152,7 @@ fn a_ramp_is_all_core() {
 
 #[test]
 fn a_plateau_with_dales_has_no_core_height() {
-    // Three quarters at height 0, the rest falling to −1: the flattest secant is level.
+    // Three quarters at height 0, the rest falling to −1: the flattest secant is horizontal.
     let heights: Vec<f64> = (0..1000).map(|i| if i < 750 { 0.0 } else { f64::from(749 - i) / 250.0 }).collect();
     let core = MaterialRatio::of(&heights).core(EquivalentLine::LeastSquares);
     assert_eq!((core.sk_m, core.spk_m), (0.0, 0.0));

@@ -1,4 +1,4 @@
-//! The unconditional field beneath a conditional one.
+//! Unconditional field of a conditional surface.
 
 use rayon::prelude::*;
 
@@ -8,14 +8,14 @@ use asperity_base::correlation::StationaryCovariance;
 use asperity_base::fourier::{RealFft2, good_length};
 use asperity_base::map::Grid;
 
-/// Share of clipped variance, and correlation across the domain, below which a larger domain is of no use.
+/// Fraction of clipped variance, and correlation across the domain, below which a larger domain has no benefit.
 const NEGLIGIBLE: f64 = 1e-12;
 const DECAYED: f64 = 1e-6;
-/// Points of the largest domain that is more than twice the grid.
+/// Largest number of points of a domain that is more than twice the grid.
 pub(crate) const LARGEST_DOMAIN: usize = 1 << 22;
 
-/// As [`SpectralField::free`], but with a domain that grows only while the correlation reaches across it: one that is no
-/// correlation function, as beneath many translations, has negative eigenvalues on every domain.
+/// Creates a field like [`SpectralField::free`], but with a domain that grows only while the correlation reaches across
+/// it. An invalid correlation, as used for many translations, has negative eigenvalues on every domain.
 pub(super) fn embedded(covariance: &dyn StationaryCovariance, grid: Grid) -> Result<SpectralField, GeneratorError> {
     let (mut factor_x, mut factor_y) = (2, 2);
     loop {
@@ -33,12 +33,13 @@ pub(super) fn embedded(covariance: &dyn StationaryCovariance, grid: Grid) -> Res
     }
 }
 
-/// Correlations at the lags of a periodic domain of up to half its sides, each found once.
+/// Correlations at the lags of a periodic domain of up to half its sides, each computed once.
 struct Table {
     pitch_m: (f64, f64),
     half: (usize, usize),
     mirrors: bool,
-    /// Rows are lags 0 … along y; columns are lags along x, from zero with mirror symmetry, else from minus half.
+    /// Rows are lags 0 … along y. Columns are lags along x, from zero with mirror symmetry, otherwise from minus half
+    /// the domain.
     values: Vec<f64>,
 }
 
@@ -61,7 +62,7 @@ impl Table {
         self.values.len() / (self.half.1 + 1)
     }
 
-    /// Largest |ρ| where the domain closes along x, and along y.
+    /// Returns the largest |ρ| at which the domain closes along x, and along y.
     fn largest_across(&self) -> (f64, f64) {
         let columns = self.columns();
         let largest = |values: &mut dyn Iterator<Item = &f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -73,7 +74,7 @@ impl Table {
 }
 
 impl StationaryCovariance for Table {
-    /// Only correlations are looked up.
+    /// Returns 1; the table is used only for correlations.
     fn std_m(&self) -> f64 {
         1.0
     }

@@ -1,4 +1,4 @@
-//! Missing points that share one neighbourhood of measured heights.
+//! Groups of missing points that share one neighbourhood of measured heights.
 
 use std::collections::BTreeMap;
 
@@ -10,22 +10,22 @@ use asperity_base::monitor::{Cancelled, Monitor};
 
 /// Side in points of the tiles whose small voids share a neighbourhood.
 const TILE: usize = 8;
-/// Points and sides in points from which a void is split without trying it whole.
+/// Number of points and side in points above which a void is divided without trying it as a whole.
 const WHOLE_POINTS: usize = 4096;
 const WHOLE_SIDE: usize = 96;
-/// Fewest points and shortest side of a part.
+/// Least number of points and shortest side of a part.
 const FEW_POINTS: usize = 24;
 const SHORT_SIDE: usize = 8;
-/// Floating-point operations of the factorisations of a map, at least and at most so many for each missing point, and the
-/// limits of the number of heights from it.
+/// Floating-point operations of the factorisations of a map, least and largest number of them for each missing point,
+/// and the resulting limits of the number of heights.
 const WORK: f64 = 5e10;
 pub(super) const LEAST_WORK_PER_POINT: f64 = 1.5e6;
 const MOST_WORK_PER_POINT: f64 = 2e7;
 const FEWEST_HEIGHTS: f64 = 150.0;
 const MOST_HEIGHTS: f64 = 2000.0;
-/// Heights that no neighbourhood exceeds, whatever the void.
+/// Largest number of heights of any neighbourhood.
 const HEIGHTS_AT_MOST: usize = 4000;
-/// Distances in points up to which all heights are taken, the fewest heights first.
+/// Distances in points within which all heights are used, in the order of the search.
 const DENSE: [f64; 6] = [3.0, 4.0, 6.0, 8.0, 12.0, 16.0];
 
 /// Missing points, and the heights on which they are conditioned.
@@ -33,21 +33,21 @@ const DENSE: [f64; 6] = [3.0, 4.0, 6.0, 8.0, 12.0, 16.0];
 pub(super) struct Group {
     /// Places of the missing points.
     pub(super) targets: Vec<u32>,
-    /// Weight of this group at each of them; over all groups, the weights at a point add up to 1.
-    pub(super) shares: Vec<f64>,
+    /// Weight of this group at each missing point; the weights of all groups at a point add up to 1.
+    pub(super) weights: Vec<f64>,
     /// Numbers of the measured heights.
     pub(super) heights: Vec<u32>,
 }
 
-/// Floating-point operations that each of so many missing points may take.
+/// Returns the floating-point operations available for each of this number of missing points.
 pub(super) fn work_per_point(missing: usize) -> f64 {
     (WORK / missing as f64).clamp(LEAST_WORK_PER_POINT, MOST_WORK_PER_POINT)
 }
 
-/// All missing points of a map in groups.
+/// Divides all missing points of a map into groups.
 ///
-/// Voids that are connected by sides or corners stay together where one neighbourhood serves them; small ones within a tile
-/// share one; large ones are cut into parts that overlap and fade into each other.
+/// Voids that are connected by sides or corners stay together if one neighbourhood suffices. Small voids within a tile
+/// share one. Large voids are divided into overlapping parts with smooth transitions.
 pub(super) fn groups(
     pyramid: &Pyramid,
     grid: Grid,
@@ -96,22 +96,22 @@ pub(super) fn groups(
     monitor.progress("neighbourhoods", total, total);
     let mut sums = vec![0.0; nx * ny];
     for group in &found {
-        group.targets.iter().zip(&group.shares).for_each(|(place, share)| sums[*place as usize] += share);
+        group.targets.iter().zip(&group.weights).for_each(|(place, weight)| sums[*place as usize] += weight);
     }
     for group in &mut found {
-        group.targets.iter().zip(&mut group.shares).for_each(|(place, share)| *share /= sums[*place as usize]);
+        group.targets.iter().zip(&mut group.weights).for_each(|(place, weight)| *weight /= sums[*place as usize]);
     }
     Ok(found)
 }
 
 enum Job {
-    /// Places of small voids next to each other.
+    /// Places of small adjacent voids.
     Tile(Vec<u32>),
     /// Label and sides of one void.
     Void(u32, [usize; 4]),
 }
 
-/// Cuts voids into parts.
+/// Divides voids into parts.
 struct Cutter<'a> {
     pyramid: &'a Pyramid,
     /// Number of the void at each place.
@@ -120,12 +120,12 @@ struct Cutter<'a> {
     work_per_point: f64,
 }
 
-/// The part of a void in a rectangle of columns and rows `first` to before `end`.
+/// Part of a void in a rectangle of columns and rows from `first` up to, but without, `end`.
 struct Part {
     label: u32,
     first: [usize; 2],
     end: [usize; 2],
-    /// Whether it is all of the void.
+    /// Whether the part is the whole void.
     whole: bool,
 }
 
@@ -133,10 +133,10 @@ impl Cutter<'_> {
     fn tile(&self, places: &[u32]) -> Group {
         let most = self.most_heights(places.len());
         let heights = self.heights(places, most).unwrap_or_else(|| self.fewest_heights(places));
-        Group { targets: places.to_vec(), shares: vec![1.0; places.len()], heights }
+        Group { targets: places.to_vec(), weights: vec![1.0; places.len()], heights }
     }
 
-    /// Halves a part until its neighbourhood is small enough for the number of its points.
+    /// Halves a part until its neighbourhood is small enough for its number of points.
     fn cut(&self, part: &Part, monitor: &dyn Monitor) -> Vec<Group> {
         if monitor.cancelled() {
             return Vec::new();
@@ -145,7 +145,7 @@ impl Cutter<'_> {
         let (longer, side) = if sides[0] >= sides[1] { (0, sides[0]) } else { (1, sides[1]) };
         // Parts overlap by an eighth of their side on either side of a cut.
         let overlap = if part.whole { 0 } else { (sides[0].min(sides[1]) / 8).max(2) };
-        let (targets, shares) = self.points(part, overlap);
+        let (targets, weights) = self.points(part, overlap);
         let within = |axis: usize, at: usize| (part.first[axis]..part.end[axis]).contains(&at);
         if !targets.iter().any(|place| within(0, *place as usize % self.nx) && within(1, *place as usize / self.nx)) {
             return Vec::new();
@@ -155,7 +155,7 @@ impl Cutter<'_> {
         if !(divisible && too_large) {
             let heights = self.heights(&targets, self.most_heights(targets.len()));
             if let Some(heights) = heights.or_else(|| (!divisible).then(|| self.fewest_heights(&targets))) {
-                return vec![Group { targets, shares, heights }];
+                return vec![Group { targets, weights, heights }];
             }
         }
         let middle = part.first[longer] + side / 2;
@@ -167,36 +167,37 @@ impl Cutter<'_> {
         groups
     }
 
-    /// Points of a part with their shares, which fall linearly over the overlap on either side of its edges.
+    /// Returns the points of a part with their weights, which fall linearly over the overlap on either side of its
+    /// edges.
     fn points(&self, part: &Part, overlap: usize) -> (Vec<u32>, Vec<f64>) {
         let ny = self.labels.len() / self.nx;
         let span = |axis: usize, n: usize| part.first[axis].saturating_sub(overlap)..(part.end[axis] + overlap).min(n);
-        let (mut targets, mut shares) = (Vec::new(), Vec::new());
+        let (mut targets, mut weights) = (Vec::new(), Vec::new());
         for row in span(1, ny) {
             for column in span(0, self.nx) {
                 let place = row * self.nx + column;
                 if self.labels[place] == part.label {
                     targets.push(place as u32);
-                    shares.push(share(part, 0, column, overlap) * share(part, 1, row, overlap));
+                    weights.push(weight(part, 0, column, overlap) * weight(part, 1, row, overlap));
                 }
             }
         }
-        (targets, shares)
+        (targets, weights)
     }
 
-    /// Heights whose factorisation is worth it for so many missing points.
+    /// Returns the largest number of heights whose factorisation is affordable for this number of missing points.
     fn most_heights(&self, points: usize) -> usize {
         (3.0 * self.work_per_point * points as f64).cbrt().clamp(FEWEST_HEIGHTS, MOST_HEIGHTS) as usize
     }
 
-    /// The best neighbourhood of at most `most` heights, if there is one.
+    /// Returns the best neighbourhood of at most `most` heights, if there is one.
     fn heights(&self, places: &[u32], most: usize) -> Option<Vec<u32>> {
         let targets = self.pyramid.targets(places);
         let found = DENSE.iter().map_while(|dense| self.pyramid.around(&targets, *dense, most)).last();
         found.map(numbers)
     }
 
-    /// The smallest neighbourhood, cut where it exceeds all bounds.
+    /// Returns the smallest neighbourhood, truncated if it exceeds all bounds.
     fn fewest_heights(&self, places: &[u32]) -> Vec<u32> {
         let found = self.pyramid.around(&self.pyramid.targets(places), DENSE[0], usize::MAX);
         let mut heights = numbers(found.unwrap_or_default());
@@ -209,8 +210,8 @@ fn numbers(found: Vec<(f64, u32)>) -> Vec<u32> {
     found.into_iter().map(|(_, height)| height).collect()
 }
 
-/// A trapezoid: one half at the edges of the part, falling to zero where its neighbour is alone.
-fn share(part: &Part, axis: usize, at: usize, overlap: usize) -> f64 {
+/// Returns a trapezoidal weight: one half at the edges of the part, falling to zero where only its neighbour counts.
+fn weight(part: &Part, axis: usize, at: usize, overlap: usize) -> f64 {
     if overlap == 0 {
         return 1.0;
     }
@@ -219,10 +220,11 @@ fn share(part: &Part, axis: usize, at: usize, overlap: usize) -> f64 {
     (0.5 + 0.5 * inside / (overlap as f64 + 0.5)).clamp(0.0, 1.0)
 }
 
-/// No void.
+/// Label of a place outside of all voids.
 const NONE: u32 = u32::MAX;
 
-/// Missing points connected by sides or corners, each in row order, and the number of the void at each place.
+/// Returns the missing points connected by sides or corners, each in row order, and the number of the void at each
+/// place.
 fn regions(present: &[usize], grid: Grid) -> (Vec<Vec<u32>>, Vec<u32>) {
     let (ny, nx) = grid.shape();
     let mut labels = vec![0; nx * ny];

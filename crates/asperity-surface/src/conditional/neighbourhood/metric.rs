@@ -1,33 +1,34 @@
-//! How far apart two points are, as the correlation sees it.
+//! Distance between two points, scaled by the correlation.
 
 use std::collections::VecDeque;
 
 use crate::conditional::lags::Lags;
 use asperity_base::map::Grid;
 
-/// Share of the correlation of neighbours that bounds the central lobe, and the share beyond which heights are not looked for.
+/// Fractions of the correlation of neighbours: at the border of the central lobe, and below which heights are not used.
 const LOBE: f64 = 0.5;
 const FAINT: f64 = 0.1;
-/// Reach in radii of the central lobe, and at least so many points.
+/// Reach in radii of the central lobe, and least reach in points.
 const REACH: f64 = 8.0;
 /// Elongation of the lobe below which it counts as round.
 const ROUND: f64 = 1.25;
 
-/// Distances in points along the short axis of the central lobe of the correlation; along its long axis, the points count
-/// for less, by the ratio of the axes.
+/// Distances in points along the short axis of the central lobe of the correlation. Distances along its long axis are
+/// divided by the ratio of the axes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Metric {
     /// Rows of the matrix from lags in points to the frame in which distances are Euclidean.
     to_frame: [[f64; 2]; 2],
     /// Long over short axis of the lobe.
     elongation: f64,
-    /// Distance beyond which heights tell little.
+    /// Distance beyond which heights have little influence.
     reach: f64,
 }
 
 impl Metric {
-    /// The metric of the moments of the central lobe, the connected lags around zero of more than half the correlation of
-    /// neighbours. It reaches over eight radii of the lobe, and further while a tenth of that correlation is met.
+    /// Computes the metric from the moments of the central lobe: the connected lags around zero with more than half the
+    /// correlation of neighbours. It reaches over eight radii of the lobe, and further while the correlation exceeds a
+    /// tenth of that of neighbours.
     pub(super) fn of(lags: &Lags, grid: Grid) -> Self {
         let (nx, ny) = (grid.nx() as isize, grid.ny() as isize);
         let neighbours = [(1, 0), (0, 1), (1, 1), (-1, 1)].into_iter().filter(|(x, y)| *x < nx && *y < ny);
@@ -57,13 +58,13 @@ impl Metric {
         metric
     }
 
-    /// A lag or place in points, in the frame in which distances are Euclidean.
+    /// Transforms a lag or place in points to the frame in which distances are Euclidean.
     pub(super) fn frame(&self, x: f64, y: f64) -> [f64; 2] {
         let [[xx, xy], [yx, yy]] = self.to_frame;
         [xx * x + xy * y, yx * x + yy * y]
     }
 
-    /// Half sides in points of the box around all lags of a distance of at most `radius`.
+    /// Returns the half sides in points of the box around all lags of a distance of at most `radius`.
     pub(super) fn half_sides(&self, radius: f64) -> (f64, f64) {
         let [[xx, xy], [yx, yy]] = self.to_frame;
         let determinant = xx * yy - xy * yx;
@@ -79,7 +80,7 @@ impl Metric {
     }
 }
 
-/// Second moments xx, xy, yy of the connected lags around zero above `level`, each a square of one point.
+/// Returns the second moments xx, xy, yy of the connected lags around zero above `level`, each a square of one point.
 fn lobe_moments(lags: &Lags, (nx, ny): (isize, isize), level: f64) -> [f64; 3] {
     // The other half plane is the mirror image.
     let width = (2 * nx - 1) as usize;

@@ -1,4 +1,4 @@
-//! How much of the measured heights the correlation does not explain.
+//! Variance of the measured heights that the correlation does not explain.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -7,21 +7,21 @@ use rayon::prelude::*;
 use crate::conditional::lags::Lags;
 use asperity_base::map::Grid;
 
-/// Variances of the noise that are tried, over that of the heights, from [`LEAST_NOISE`] up by factors of ten.
+/// Candidate variances of the noise over the variance of the heights, from [`LEAST_NOISE`] up by factors of ten.
 const DECADES: i32 = 8;
-/// Noise that is always allowed: rounding makes smooth correlations singular.
+/// Least noise, always included because rounding makes smooth correlations singular.
 pub(super) const LEAST_NOISE: f64 = 1e-10;
-/// Side in points, and number along a side of the map, of the patches whose likelihood is asked.
+/// Side in points of the patches used for the likelihood, and their number along a side of the map.
 const PATCH: usize = 12;
 const PATCHES: usize = 6;
-/// Logarithm of the likelihood by which more noise must be better.
+/// Least gain in log-likelihood for which more noise is chosen.
 const DECISIVE: f64 = 3.0;
 
-/// Variance of white noise under which `values` at `places` are likeliest, in decades from 1e-10 to 1e-2 of the variance
-/// `variance` of the field: the least one that none exceeds decisively.
+/// Returns the most likely variance of white noise on `values` at `places`, in decades from 1e-10 to 1e-2 of the
+/// variance `variance` of the field: the least one that no other exceeds decisively.
 ///
-/// A correlation smoother than the heights, such as a fitted model under measurement noise, would have the voids swing: the
-/// steps between neighbours are then impossible, and are continued.
+/// A correlation smoother than the heights, such as a fitted model without measurement noise, would cause oscillations
+/// in the voids: the steps between neighbouring heights are then extremely unlikely, and the field continues them.
 pub(super) fn likeliest_noise(lags: &Lags, grid: Grid, places: &[usize], values: &[f64], variance: f64) -> f64 {
     let (ny, nx) = grid.shape();
     let mut at = vec![f64::NAN; nx * ny];
@@ -54,7 +54,7 @@ fn noise(decade: i32) -> f64 {
     LEAST_NOISE * 10.0_f64.powi(decade)
 }
 
-/// Logarithm of the Gaussian density of the values of a patch, but for a constant.
+/// Returns the logarithm of the Gaussian density of the values of a patch, up to a constant.
 fn likelihood(lags: &Lags, patch: &[(isize, isize, f64)], noise: f64, variance: f64) -> f64 {
     let n = patch.len();
     let between = Mat::from_fn(n, n, |i, j| {

@@ -1,12 +1,12 @@
-//! Measured heights thinned step by step.
+//! Measured heights, thinned level by level.
 
 use rayon::prelude::*;
 
 use super::metric::Metric;
 use asperity_base::map::Grid;
 
-/// The measured heights of a map, and fewer and fewer of them: one per cell of a lattice in the frame of the metric, whose
-/// pitch doubles from level to level.
+/// Measured heights of a map, thinned level by level to one per cell of a lattice in the frame of the metric. The
+/// pitch of the lattice doubles from level to level.
 #[derive(Debug)]
 pub(super) struct Pyramid {
     metric: Metric,
@@ -14,14 +14,14 @@ pub(super) struct Pyramid {
     ny: usize,
     /// Place of each height.
     places: Vec<usize>,
-    /// Number of the height at each place; [`MISSING`] where there is none.
+    /// Number of the height at each place; [`MISSING`] if there is none.
     heights: Vec<u32>,
     /// Binary logarithm of half the pitch of the first level.
     finest: i32,
     levels: Vec<Level>,
 }
 
-/// No height is there.
+/// Marks a place without height.
 const MISSING: u32 = u32::MAX;
 
 /// One height per cell, sorted by row and column of the cell.
@@ -31,7 +31,7 @@ struct Level {
 }
 
 impl Pyramid {
-    /// The heights at `places` of a map on `grid`.
+    /// Creates the levels of the heights at `places` of a map on `grid`.
     pub(super) fn new(metric: Metric, grid: Grid, places: Vec<usize>) -> Self {
         let (ny, nx) = grid.shape();
         let mut heights = vec![MISSING; grid.points()];
@@ -52,7 +52,7 @@ impl Pyramid {
         pyramid
     }
 
-    /// The height next to the centre of each cell of a lattice of this pitch, out of `kept`.
+    /// Returns, out of `kept`, the height next to the centre of each cell of a lattice of this pitch.
     fn thinned(&self, kept: &[u32], pitch: f64) -> Level {
         let mut found: Vec<(i32, i32, f64, u32)> = kept
             .par_iter()
@@ -68,12 +68,12 @@ impl Pyramid {
         Level { cells: found.into_iter().map(|(row, column, _, height)| (row, column, height)).collect() }
     }
 
-    /// A place in the frame of the metric. Half a point off, so that no place lies between two cells.
+    /// Transforms a place to the frame of the metric, half a point off, so that no place lies between two cells.
     fn frame_of(&self, place: usize) -> [f64; 2] {
         self.metric.frame((place % self.nx) as f64 + 0.5, (place / self.nx) as f64 + 0.5)
     }
 
-    /// Places of the heights, by their numbers.
+    /// Returns the places of the heights, by their numbers.
     pub(super) fn places(&self) -> &[usize] {
         &self.places
     }
@@ -82,9 +82,9 @@ impl Pyramid {
         self.places
     }
 
-    /// Heights around `targets` with their squared distances to them, nearest first: all within `dense` times the
-    /// elongation of the lobe, and beyond thinned to a spacing of about 1/`dense` of their distance. None if they are more
-    /// than `most`.
+    /// Returns the heights around `targets` with their squared distances to them, nearest first: all within `dense`
+    /// times the elongation of the lobe, and beyond thinned to a spacing of about 1/`dense` of their distance. Returns
+    /// `None` if they are more than `most`.
     pub(super) fn around(&self, targets: &Targets, dense: f64, most: usize) -> Option<Vec<(f64, u32)>> {
         let mut found = Vec::new();
         let mut outer = dense * 2.0_f64.powi(self.finest);
@@ -116,7 +116,7 @@ impl Pyramid {
         (found.len() <= most).then_some(found)
     }
 
-    /// All heights within `radius`, or some more than `most`.
+    /// Collects all heights within `radius`, or some more than `most`.
     fn within(&self, targets: &Targets, radius: f64, most: usize, found: &mut Vec<(f64, u32)>) {
         let (half_x, half_y) = self.metric.half_sides(radius);
         let [left, top, right, bottom] = targets.sides;
@@ -137,7 +137,7 @@ impl Pyramid {
         }
     }
 
-    /// What is needed of `places`, which are missing, to find heights around them.
+    /// Prepares the missing `places` for the search of heights around them.
     pub(super) fn targets(&self, places: &[u32]) -> Targets {
         let at = |place: u32| (place as usize % self.nx, place as usize / self.nx);
         let mut sides = [usize::MAX, usize::MAX, 0, 0];
@@ -145,7 +145,7 @@ impl Pyramid {
             let (column, row) = at(*place);
             sides = [sides[0].min(column), sides[1].min(row), sides[2].max(column), sides[3].max(row)];
         }
-        // Nearest is always one on the rim.
+        // The nearest target is always on the rim.
         let width = sides[2] - sides[0] + 3;
         let mut mask = vec![false; width * (sides[3] - sides[1] + 3)];
         let inside = |place: u32| {
@@ -166,20 +166,20 @@ impl Pyramid {
     }
 }
 
-/// Missing points around which heights are looked for.
+/// Missing points around which heights are searched.
 #[derive(Debug)]
 pub(super) struct Targets {
     /// First and last column and row: left, top, right, bottom.
     pub(super) sides: [usize; 4],
-    /// The same in the frame of the metric.
+    /// The sides in the frame of the metric.
     bounds: [f64; 4],
-    /// Those that are not surrounded by others, in the frame.
+    /// Targets that are not surrounded by others, in the frame.
     rim: Vec<[f64; 2]>,
 }
 
 impl Targets {
     fn squared_distance(&self, [u, v]: [f64; 2]) -> f64 {
-        // Four minima at once: a comparison waits for the one before.
+        // Four independent minima, because each comparison waits for the one before.
         let mut least = [f64::INFINITY; 4];
         for some in self.rim.chunks(4) {
             for (least, [a, b]) in least.iter_mut().zip(some) {

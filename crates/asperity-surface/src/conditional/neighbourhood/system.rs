@@ -1,4 +1,4 @@
-//! The weights of one neighbourhood.
+//! Kriging weights of one neighbourhood.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
@@ -7,8 +7,8 @@ use super::NeighbourhoodSurface;
 use super::groups::Group;
 
 impl NeighbourhoodSurface {
-    /// What each of `misses` says at the missing points of a group, times their shares: as many values for each point as
-    /// there are misses.
+    /// Computes the corrections at the missing points of a group for each of `misses`, times the weights of the group:
+    /// as many values for each point as there are misses.
     pub(super) fn corrections(&self, group: &Group, misses: &[Vec<f64>]) -> Vec<f64> {
         let (count, heights) = (misses.len(), group.heights.len());
         let mut corrections = vec![0.0; group.targets.len() * count];
@@ -18,25 +18,25 @@ impl NeighbourhoodSurface {
         let at: Vec<(isize, isize)> =
             group.heights.iter().map(|height| self.column_and_row(self.places[*height as usize])).collect();
         let factor = self.factor(&at);
-        // One by one: together, their rounding would depend on how many there are.
+        // Solved one by one, because the rounding of a joint solve depends on the number of right-hand sides.
         let solve =
             |misses: &Vec<f64>| factor.solve(Mat::from_fn(heights, 1, |i, _| misses[group.heights[i] as usize]));
         let weights: Vec<Mat<f64>> = misses.iter().map(solve).collect();
         let mut correlations = vec![0.0; heights];
-        let points = group.targets.iter().zip(&group.shares);
-        for ((place, share), out) in points.zip(corrections.chunks_exact_mut(count)) {
+        let points = group.targets.iter().zip(&group.weights);
+        for ((place, fraction), out) in points.zip(corrections.chunks_exact_mut(count)) {
             let (column, row) = self.column_and_row(*place as usize);
             for (value, (x, y)) in correlations.iter_mut().zip(&at) {
                 *value = self.lags.at(column - x, row - y);
             }
             for (weights, out) in weights.iter().zip(out) {
-                *out = share * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+                *out = fraction * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         corrections
     }
 
-    /// The factor of the correlation of noisy heights. Where rounding leaves it indefinite, they get ten times the noise.
+    /// Factorises the correlation of noisy heights. If rounding leaves it indefinite, the noise is multiplied by ten.
     fn factor(&self, at: &[(isize, isize)]) -> Llt<f64> {
         let mut between = Mat::<f64>::zeros(at.len(), at.len());
         for (j, (x, y)) in at.iter().enumerate() {
@@ -49,7 +49,7 @@ impl NeighbourhoodSurface {
             for i in 0..at.len() {
                 between[(i, i)] = self.lags.at(0, 0) + noise;
             }
-            // Beyond the number of the heights, the diagonal dominates.
+            // When the noise exceeds the number of heights, the diagonal dominates.
             match between.llt(Side::Lower) {
                 Ok(factor) => return factor,
                 Err(_) if noise <= at.len() as f64 => noise *= 10.0,

@@ -9,28 +9,28 @@ fn grid(nx: usize, ny: usize) -> Grid {
     Grid::new(nx, ny, 1.0, 1.0).unwrap()
 }
 
-fn germ(len: usize, stage: &str, index: u64) -> Vec<f64> {
+fn xi(len: usize, stage: &str, index: u64) -> Vec<f64> {
     random::standard_normal(&mut random::stream(21, stage, index), len)
 }
 
-/// A map of unit variance with what `missing` says missing.
+/// Returns a map of unit variance with missing points where `missing` is true.
 fn measured(covariance: &dyn StationaryCovariance, grid: Grid, missing: impl Fn(usize, usize) -> bool) -> HeightMap {
     let field = SpectralField::free(covariance, grid).unwrap();
-    let mut heights = field.generate(&germ(field.germ_len(), "truth", 0)).heights_m().clone();
+    let mut heights = field.generate(&xi(field.xi_len(), "truth", 0)).heights_m().clone();
     heights.indexed_iter_mut().filter(|((row, column), _)| missing(*row, *column)).for_each(|(_, z)| *z = f64::NAN);
     HeightMap::new(grid, heights).unwrap()
 }
 
-/// What the weights of a surface are worth at one missing point, over the variance.
+/// Accuracy of the weights of a surface at one missing point, over the variance.
 struct Weighed {
     /// Error variance of conditioning on all heights, and of the surface.
     exact: f64,
     met: f64,
-    /// Variance of the maps over the truths that they are conditioned on.
+    /// Variance of the maps over the true maps on which they are conditioned.
     variance: f64,
 }
 
-/// Correlation between two places, with the noise of a height.
+/// Returns the correlations between the measured places, with the noise of the heights.
 fn between(surface: &NeighbourhoodSurface) -> Mat<f64> {
     let places = &surface.places;
     let entry = |i: usize, j: usize| rho(surface, places[i], places[j]) + if i == j { surface.noise } else { 0.0 };
@@ -42,7 +42,7 @@ fn rho(surface: &NeighbourhoodSurface, p: usize, q: usize) -> f64 {
     surface.lags.at((p % nx) as isize - (q % nx) as isize, (p / nx) as isize - (q / nx) as isize)
 }
 
-/// The missing places, their correlations with all heights, and the kriging weights by dense algebra.
+/// Returns the missing places, their correlations with all heights, and the kriging weights by dense algebra.
 fn dense(surface: &NeighbourhoodSurface) -> (Vec<usize>, Mat<f64>, Mat<f64>) {
     let places = &surface.places;
     let missing: Vec<usize> = (0..surface.grid.points()).filter(|p| places.binary_search(p).is_err()).collect();
@@ -51,8 +51,8 @@ fn dense(surface: &NeighbourhoodSurface) -> (Vec<usize>, Mat<f64>, Mat<f64>) {
     (missing, to_missing, best)
 }
 
-/// By dense algebra at every missing point: the weights of the surface are what unit misses make of it; the best ones solve
-/// the system of all heights.
+/// Computes the accuracy at every missing point by dense algebra. Unit differences give the weights of the surface; the
+/// system of all heights gives the best weights.
 fn weighed(surface: &NeighbourhoodSurface) -> Vec<Weighed> {
     let (nx, n) = (surface.grid.nx(), surface.places.len());
     let units: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect()).collect();
@@ -73,7 +73,8 @@ fn weighed(surface: &NeighbourhoodSurface) -> Vec<Weighed> {
     (0..missing.len()).map(of).collect()
 }
 
-/// A surface with as little work for each missing point as on maps of many: on small ones, neighbourhoods hold most heights.
+/// Returns a surface with the limited work per missing point of large maps; on small maps neighbourhoods contain most
+/// heights.
 fn thrifty(covariance: &dyn StationaryCovariance, map: &HeightMap) -> NeighbourhoodSurface {
     let surface = NeighbourhoodSurface::new(covariance, map, 0.0, 0.0, &Silent).unwrap();
     let pyramid = Pyramid::new(Metric::of(&surface.lags, surface.grid), surface.grid, surface.places.clone());
@@ -93,13 +94,13 @@ fn block(row: usize, column: usize) -> bool {
     (12..28).contains(&row) && (11..27).contains(&column)
 }
 
-/// One point in five, wherever it is.
+/// Returns true for one point in five, at random.
 fn salt(row: usize, column: usize) -> bool {
-    germ(1, "salt", (1000 * row + column) as u64)[0] > 0.84
+    xi(1, "salt", (1000 * row + column) as u64)[0] > 0.84
 }
 
 #[test]
-fn the_heights_around_a_void_are_worth_all_heights() {
+fn neighbourhoods_lose_less_than_one_percent_of_accuracy() {
     let rough: [(&str, Box<dyn StationaryCovariance>); 4] = [
         ("exponential", Box::new(isotropic(CorrelationModel::Exponential, 12.0))),
         ("self-affine", Box::new(isotropic(CorrelationModel::SelfAffine { hurst: 0.8 }, 12.0))),
@@ -111,9 +112,9 @@ fn the_heights_around_a_void_are_worth_all_heights() {
             let map = measured(&*covariance, grid(40, 40), missing);
             let surface = thrifty(&*covariance, &map);
             for Weighed { exact, met, variance } in weighed(&surface) {
-                // The mean is off by a root of this of its standard deviation.
-                let share = met / exact - 1.0;
-                assert!((-1e-6..0.01).contains(&share), "{name}: {met:e} {exact:e}");
+                // The error of the mean is the root of this ratio times its standard deviation.
+                let fraction = met / exact - 1.0;
+                assert!((-1e-6..0.01).contains(&fraction), "{name}: {met:e} {exact:e}");
                 assert!((variance - 1.0).abs() < 1e-6, "{name}: {variance}");
             }
         }
@@ -121,8 +122,8 @@ fn the_heights_around_a_void_are_worth_all_heights() {
 }
 
 #[test]
-fn smooth_voids_are_known_and_keep_their_variance() {
-    // The least noise bounds how far a smooth field is continued, so errors are compared with the variance.
+fn smooth_voids_have_small_errors_and_keep_their_variance() {
+    // The least noise limits the extrapolation of a smooth field, so errors are compared with the variance.
     for length in [2.0, 4.0, 8.0] {
         let smooth = isotropic(CorrelationModel::SquaredExponential, length);
         for missing in [block, salt] {
@@ -132,7 +133,7 @@ fn smooth_voids_are_known_and_keep_their_variance() {
             let weighed = weighed(&surface);
             let largest = |value: &dyn Fn(&Weighed) -> f64| weighed.iter().map(value).fold(0.0_f64, f64::max);
             let (excess, off) = (largest(&|w| w.met - w.exact), largest(&|w| (w.variance - 1.0).abs()));
-            // What thinning costs at worst: most where a void is four lengths wide, see docs/validation/filling.md.
+            // Largest loss by thinning: in a void four lengths wide, see docs/validation/filling.md.
             assert!(excess < if length > 6.0 { 1e-3 } else { 0.12 }, "{length}: {excess:e}");
             assert!(off < 1e-3, "{length}: {off:e}");
         }
@@ -140,8 +141,7 @@ fn smooth_voids_are_known_and_keep_their_variance() {
 }
 
 #[test]
-fn no_weights_of_neighbourhoods_are_better_than_those_of_all_heights_where_the_table_of_the_documentation_is_asked_for()
-{
+fn weights_of_neighbourhoods_are_never_better_than_those_of_all_heights() {
     if std::env::var_os("ASPERITY_TABLES").is_none() {
         println!("skipped: ASPERITY_TABLES is not set");
         return;
@@ -172,7 +172,7 @@ fn no_weights_of_neighbourhoods_are_better_than_those_of_all_heights_where_the_t
             let surface = thrifty(&*covariance, &map);
             let found = weighed(&surface);
             let fold = |value: &dyn Fn(&Weighed) -> f64| found.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
-            let share = |w: &Weighed| (w.met - w.exact) / (w.exact + 1e-8);
+            let fraction = |w: &Weighed| (w.met - w.exact) / (w.exact + 1e-8);
             assert!(found.iter().all(|w| w.met > w.exact - 1e-6), "{name}, {what}");
             assert!(found.iter().all(|w| (w.variance - 1.0).abs() < 1e-3), "{name}, {what}");
             println!(
@@ -181,8 +181,8 @@ fn no_weights_of_neighbourhoods_are_better_than_those_of_all_heights_where_the_t
                 -fold(&|w| -w.exact),
                 fold(&|w| w.exact),
                 fold(&|w| w.met - w.exact),
-                fold(&share),
-                found.iter().map(share).sum::<f64>() / found.len() as f64,
+                fold(&fraction),
+                found.iter().map(fraction).sum::<f64>() / found.len() as f64,
                 1.0 + fold(&|w| (w.variance - 1.0).abs()),
             );
         }
@@ -190,7 +190,7 @@ fn no_weights_of_neighbourhoods_are_better_than_those_of_all_heights_where_the_t
 }
 
 #[test]
-fn the_mean_is_that_of_all_heights() {
+fn the_mean_equals_that_of_all_heights() {
     let rough = isotropic(CorrelationModel::Matern { nu: 1.5 }, 5.0);
     for nugget in [0.0, 0.02] {
         let map = measured(&rough, grid(44, 40), block);
@@ -207,7 +207,7 @@ fn the_mean_is_that_of_all_heights() {
     }
 }
 
-/// Mean and standard error of values of independent maps.
+/// Returns the mean and standard error of values of independent maps.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -222,11 +222,11 @@ fn voids_of_a_smooth_map_are_as_steep_as_the_map_inside_and_across_their_edges()
     let (mut inside, mut across) = (Vec::new(), Vec::new());
     let field = SpectralField::free(&smooth, grid(200, 200)).unwrap();
     for index in 0..20 {
-        let mut heights = field.generate(&germ(field.germ_len(), "truth", index)).heights_m().clone();
+        let mut heights = field.generate(&xi(field.xi_len(), "truth", index)).heights_m().clone();
         heights.indexed_iter_mut().filter(|((r, c), _)| void(*r, *c)).for_each(|(_, z)| *z = f64::NAN);
         let map = HeightMap::new(field.grid(), heights).unwrap();
         let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
-        let drawn = surface.generate(&germ(surface.germ_len(), "fill", index));
+        let drawn = surface.generate(&xi(surface.xi_len(), "fill", index));
         let mut sums = [(0.0, 0.0); 3];
         for (row, heights) in drawn.heights_m().outer_iter().enumerate() {
             for column in 0..199 {
@@ -246,7 +246,7 @@ fn voids_of_a_smooth_map_are_as_steep_as_the_map_inside_and_across_their_edges()
 
 #[test]
 fn the_parts_of_a_large_void_show_no_seam() {
-    // Second differences would show a seam first: on a smooth map they are small.
+    // Second differences would reveal a seam first, because on a smooth map they are small.
     let smooth = isotropic(CorrelationModel::SquaredExponential, 8.0);
     let wanted = 6.0 - 8.0 * smooth.correlation(1.0, 0.0) + 2.0 * smooth.correlation(2.0, 0.0);
     let size = grid(190, 190);
@@ -254,15 +254,16 @@ fn the_parts_of_a_large_void_show_no_seam() {
     let ratios: Vec<f64> = (0..12)
         .map(|index| {
             let field = SpectralField::free(&smooth, size).unwrap();
-            let mut heights = field.generate(&germ(field.germ_len(), "truth", index)).heights_m().clone();
+            let mut heights = field.generate(&xi(field.xi_len(), "truth", index)).heights_m().clone();
             heights.indexed_iter_mut().filter(|((r, c), _)| void(*r, *c)).for_each(|(_, z)| *z = f64::NAN);
             let map = HeightMap::new(size, heights).unwrap();
             let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
             assert!(surface.groups.len() > 3);
-            let drawn = surface.generate(&germ(surface.germ_len(), "fill", index));
+            let drawn = surface.generate(&xi(surface.xi_len(), "fill", index));
             let z = drawn.heights_m();
-            let fading = surface.groups.iter().flat_map(|group| group.targets.iter().zip(&group.shares));
-            let fading = fading.filter(|(_, share)| (0.01..0.99).contains(*share)).map(|(place, _)| *place as usize);
+            let fading = surface.groups.iter().flat_map(|group| group.targets.iter().zip(&group.weights));
+            let fading =
+                fading.filter(|(_, fraction)| (0.01..0.99).contains(*fraction)).map(|(place, _)| *place as usize);
             let (mut sum, mut count) = (0.0, 0.0);
             for (row, column) in fading.map(|place| (place / 190, place % 190)) {
                 let along_x = z[[row, column - 1]] - 2.0 * z[[row, column]] + z[[row, column + 1]];
@@ -278,7 +279,7 @@ fn the_parts_of_a_large_void_show_no_seam() {
 }
 
 #[test]
-fn every_missing_point_belongs_to_groups_whose_shares_add_up_to_one() {
+fn weights_of_the_groups_of_every_missing_point_add_up_to_one() {
     let rough = isotropic(CorrelationModel::Exponential, 5.0);
     let voids: [fn(usize, usize) -> bool; 4] = [
         |row, column| row > 0 || column > 0,
@@ -292,29 +293,29 @@ fn every_missing_point_belongs_to_groups_whose_shares_add_up_to_one() {
         let mut sums = Array2::<f64>::zeros((120, 130));
         for group in &surface.groups {
             assert!(group.heights.len() <= 2000 && !group.heights.is_empty() || group.targets.len() > 24);
-            for (place, share) in group.targets.iter().zip(&group.shares) {
-                sums[[*place as usize / 130, *place as usize % 130]] += share;
+            for (place, fraction) in group.targets.iter().zip(&group.weights) {
+                sums[[*place as usize / 130, *place as usize % 130]] += fraction;
             }
         }
         for ((row, column), sum) in sums.indexed_iter() {
             assert!((sum - f64::from(u8::from(missing(row, column)))).abs() < 1e-12, "{row} {column}: {sum}");
         }
-        let drawn = surface.generate(&germ(surface.germ_len(), "fill", 0));
+        let drawn = surface.generate(&xi(surface.xi_len(), "fill", 0));
         assert_eq!(drawn.missing_points(), 0);
     }
 }
 
 #[test]
-fn heights_rougher_than_their_correlation_do_not_swing_the_voids() {
+fn heights_rougher_than_their_correlation_cause_no_oscillations() {
     let rough = isotropic(CorrelationModel::Exponential, 8.0);
     let smooth = isotropic(CorrelationModel::SquaredExponential, 8.0);
     let map = measured(&rough, grid(80, 80), |row, column| block(row, column) || block(80 - row, 80 - column));
     let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
     assert!(surface.noise() >= 1e-3, "{:e}", surface.noise());
-    let drawn = surface.generate(&germ(surface.germ_len(), "fill", 0));
+    let drawn = surface.generate(&xi(surface.xi_len(), "fill", 0));
     let largest = |map: &HeightMap| map.present_m().fold(0.0_f64, |m, z| m.max(z.abs()));
     assert!(largest(&drawn) < 1.3 * largest(&map), "{}", largest(&drawn));
-    // Their own correlation explains them.
+    // The correct correlation explains the heights without noise.
     let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Silent).unwrap();
     assert_eq!(surface.noise(), LEAST_NOISE);
 }
@@ -341,22 +342,22 @@ fn maps_are_the_same_alone_together_and_with_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 1e-3, &Silent).unwrap();
-            let germs: Vec<Vec<f64>> = (0..3).map(|i| germ(surface.germ_len(), "fill", i)).collect();
-            let alone = surface.generate(&germs[2]);
-            let together = surface.draw(germs, &Silent).unwrap();
-            assert!(alone == together[2], "not one bit may differ");
+            let xis: Vec<Vec<f64>> = (0..3).map(|i| xi(surface.xi_len(), "fill", i)).collect();
+            let alone = surface.generate(&xis[2]);
+            let together = surface.draw(xis, &Silent).unwrap();
+            assert!(alone == together[2], "results must be bit-identical");
             together
         })
     };
     let maps = with(1);
-    assert!(maps == with(3), "not one bit may differ");
+    assert!(maps == with(3), "results must be bit-identical");
     for (before, after) in map.heights_m().iter().zip(maps[0].heights_m()) {
         assert!(before.is_nan() || before.to_bits() == after.to_bits());
     }
 }
 
 #[test]
-fn who_is_asked_to_stop_stops() {
+fn cancellation_stops_all_computations() {
     struct Stopped;
     impl Monitor for Stopped {
         fn progress(&self, _what: &str, _done: usize, _total: usize) {}
@@ -369,7 +370,7 @@ fn who_is_asked_to_stop_stops() {
     let error = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Stopped).unwrap_err();
     assert!(matches!(error, ConditionalError::Cancelled(_)));
     let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Silent).unwrap();
-    assert!(surface.draw([germ(surface.germ_len(), "fill", 0)], &Stopped).is_err());
+    assert!(surface.draw([xi(surface.xi_len(), "fill", 0)], &Stopped).is_err());
     assert!(matches!(
         NeighbourhoodSurface::new(&rough, &map, 0.0, -1.0, &Silent),
         Err(ConditionalError::Parameter { parameter: "nugget", .. })

@@ -8,12 +8,12 @@ fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
     Covariance::isotropic(model, 1.0, length_m).unwrap()
 }
 
-/// Any covariance with the symmetry of a lay along an axis.
+/// Returns any covariance with the symmetry of a lay along an axis.
 fn mirrored() -> Covariance {
     covariance(CorrelationModel::Exponential, 1.0)
 }
 
-fn law(text: &str) -> Marginal {
+fn marginal(text: &str) -> Marginal {
     text.parse().unwrap()
 }
 
@@ -21,7 +21,7 @@ fn square(points: usize) -> Grid {
     Grid::new(points, points, 1.0, 1.0).unwrap()
 }
 
-/// cos(2πx/period), and one at zero.
+/// The correlation cos(2πx/period), and 1 at zero.
 struct Wave(f64);
 
 impl StationaryCovariance for Wave {
@@ -34,8 +34,8 @@ impl StationaryCovariance for Wave {
     }
 }
 
-/// Ensemble autocorrelation of a periodic surface averaged over rings of one point, Σ z z'/Σ z² with the law's known mean,
-/// and the standard error of each ring by the scatter of the realisations.
+/// Returns the ensemble autocorrelation of a periodic surface averaged over rings of one point, Σ z z'/Σ z² with the
+/// known mean of the distribution, and the standard error of each ring from the variability of the realisations.
 fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, stage: &str) -> Vec<(f64, f64)> {
     let grid = surface.grid();
     let lags = Lags::periodic(&mirrored(), grid);
@@ -50,8 +50,8 @@ fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, 
     (0..grid.points()).filter(|place| ring(*place) < rings).for_each(|place| sizes[ring(place)] += 1.0);
     let maps: Vec<Vec<f64>> = (0..count)
         .map(|index| {
-            let germ = random::standard_normal(&mut random::stream(2011, stage, index), surface.germ_len());
-            let heights: Vec<f64> = surface.generate(&germ).heights_m().iter().map(|z| z - mean).collect();
+            let xi = random::standard_normal(&mut random::stream(2011, stage, index), surface.xi_len());
+            let heights: Vec<f64> = surface.generate(&xi).heights_m().iter().map(|z| z - mean).collect();
             let mut spectrum = lags.fft.spectrum();
             lags.fft.forward(&heights, &mut spectrum, &mut work);
             let power: Vec<f64> = spectrum.iter().map(|s| s.norm_sqr() / grid.points() as f64).collect();
@@ -76,8 +76,8 @@ fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, 
 
 #[test]
 fn corrected_surfaces_keep_the_target_correlation_to_a_hundredth_over_two_hundred_realisations() {
-    // A side of 32 lengths: the variance of a lag's estimate is at most about πℓ²/A per map (Bartlett), 0.055² here, so that
-    // 200 maps leave 0.004, and less where ring averages and the common variance take part of it out.
+    // On a side of 32 lengths the variance of a lag's estimate is at most about πℓ²/A per map (Bartlett), 0.055² here.
+    // So 200 maps have an error of 0.004, reduced further by ring averages and the common variance.
     let target = covariance(CorrelationModel::SquaredExponential, 4.0);
     let grid = square(128);
     let ring_mean = |of: &dyn Fn(f64, f64) -> f64, ring: usize| {
@@ -93,16 +93,16 @@ fn corrected_surfaces_keep_the_target_correlation_to_a_hundredth_over_two_hundre
         all.iter().sum::<f64>() / all.len() as f64
     };
     for (text, plain_error) in [("beta:2.1,5", 0.00779), ("lognormal:0,0.5", 0.0312)] {
-        let law = law(text);
-        let distortion = Translation::new(&law).unwrap();
+        let marginal = marginal(text);
+        let distortion = Translation::new(&marginal).unwrap();
         let CorrectedField { field, report } =
-            TranslationCorrection { tolerance: 1e-2, ..Default::default() }.periodic(&target, &law, grid).unwrap();
+            TranslationCorrection { tolerance: 1e-2, ..Default::default() }.periodic(&target, &marginal, grid).unwrap();
         assert!(report.corrected.largest_deviation < 3e-3, "{text}: {:?}", report.corrected);
         let plain_field = SpectralField::periodic(&target, grid);
-        let corrected = Translated::new(field, law.clone()).unwrap();
-        let plain = Translated::new(plain_field, law.clone()).unwrap();
-        let met = ring_correlation(&corrected, law.mean(), 200, "corrected");
-        let distorted = ring_correlation(&plain, law.mean(), 200, "plain");
+        let corrected = Translated::new(field, marginal.clone()).unwrap();
+        let plain = Translated::new(plain_field, marginal.clone()).unwrap();
+        let met = ring_correlation(&corrected, marginal.mean(), 200, "corrected");
+        let distorted = ring_correlation(&plain, marginal.mean(), 200, "plain");
         let (mut largest, mut largest_plain) = (0.0_f64, 0.0_f64);
         for (ring, ((rho, error), (rho_plain, error_plain))) in met.into_iter().zip(distorted).enumerate() {
             let wanted = ring_mean(&|x, y| target.correlation(x, y), ring);
@@ -117,14 +117,14 @@ fn corrected_surfaces_keep_the_target_correlation_to_a_hundredth_over_two_hundre
             report.corrected.largest_deviation
         );
         assert!(largest < 0.01, "{text}: {largest}");
-        // The plain map's largest error, max |T(ρ) − ρ| over ρ in [0, 1], of which no lag of the grid holds more.
+        // Largest error of the plain map, max |T(ρ) − ρ| over ρ in [0, 1]; no lag of the grid exceeds it.
         assert!(report.plain.largest_deviation <= plain_error + 1e-4, "{text}: {:?}", report.plain);
         assert!((largest_plain - plain_error).abs() < 6e-3, "{text}: {largest_plain}");
     }
 }
 
 #[test]
-fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
+fn models_and_distributions_of_a_study_are_reproduced_on_both_boundaries() {
     for model in [
         CorrelationModel::Exponential,
         CorrelationModel::SquaredExponential,
@@ -135,8 +135,8 @@ fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
             let target = covariance(model, 4.0);
             let correction = TranslationCorrection::default();
             for (boundary, corrected) in [
-                ("periodic", correction.periodic(&target, &law(text), square(64)).unwrap()),
-                ("free", correction.free(&target, &law(text), square(32)).unwrap()),
+                ("periodic", correction.periodic(&target, &marginal(text), square(64)).unwrap()),
+                ("free", correction.free(&target, &marginal(text), square(32)).unwrap()),
             ] {
                 let CorrectionReport { feasibility, plain, predistorted, corrected, iterations, .. } = corrected.report;
                 println!(
@@ -145,11 +145,11 @@ fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
                     plain.largest_deviation,
                     predistorted.largest_deviation,
                     corrected.largest_deviation,
-                    feasibility.predistorted_negative_share
+                    feasibility.predistorted_negative_fraction
                 );
                 assert!(corrected.largest_deviation < 3e-3, "{model:?} {text} {boundary}");
                 assert!(corrected.largest_deviation <= predistorted.largest_deviation);
-                assert!(feasibility.target_negative_share < 1e-8);
+                assert!(feasibility.target_negative_fraction < 1e-8);
                 if text != "normal" {
                     assert!(plain.largest_deviation > 3.0 * corrected.largest_deviation);
                 }
@@ -158,7 +158,7 @@ fn models_and_laws_of_a_study_are_met_on_both_boundaries() {
     }
 }
 
-/// The published iteration, for comparison: S ← S (S_target/S_met)^1.4, from the target's spectrum.
+/// Runs the published iteration for comparison: S ← S (S_target/S_met)^1.4, from the target's spectrum.
 fn translation_approximation(lags: &Lags, translation: &Translation, target: &[f64], iterations: usize) -> Vec<f64> {
     let mut work = lags.fft.workspace();
     let mut wanted = lags.spectrum(target, &mut work);
@@ -176,7 +176,7 @@ fn translation_approximation(lags: &Lags, translation: &Translation, target: &[f
 }
 
 #[test]
-fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_iteration() {
+fn strongly_distorted_targets_are_approached_better_than_by_clipping_or_the_published_iteration() {
     let grid = square(64);
     let lags = Lags::periodic(&mirrored(), grid);
     for (text, model) in [
@@ -185,10 +185,10 @@ fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_
         ("johnson_sb:0,0.15", CorrelationModel::SquaredExponential),
         ("lognormal:0,2", CorrelationModel::Exponential),
     ] {
-        let (target, law) = (covariance(model, 8.0), law(text));
+        let (target, marginal) = (covariance(model, 8.0), marginal(text));
         let correction = TranslationCorrection { tolerance: 0.0, ..Default::default() };
-        let CorrectedField { report, .. } = correction.periodic(&target, &law, grid).unwrap();
-        let translation = Translation::new(&law).unwrap();
+        let CorrectedField { report, .. } = correction.periodic(&target, &marginal, grid).unwrap();
+        let translation = Translation::new(&marginal).unwrap();
         let wanted = lags.wrapped(&target).unwrap();
         let spectrum = translation_approximation(&lags, &translation, &wanted, 60);
         let normal = lags.map(&spectrum, &mut lags.fft.workspace());
@@ -205,7 +205,7 @@ fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_
             published.largest_deviation,
             published.rms_deviation,
         );
-        assert!(!report.feasibility.is_feasible() && report.feasibility.predistorted_negative_share > 1e-3);
+        assert!(!report.feasibility.is_feasible() && report.feasibility.predistorted_negative_fraction > 1e-3);
         assert!(report.corrected.largest_deviation < 0.75 * report.predistorted.largest_deviation, "{text}");
         assert!(report.corrected.largest_deviation < 1.1 * published.largest_deviation, "{text}");
         assert!(report.corrected.rms_deviation < 1.1 * published.rms_deviation, "{text}");
@@ -214,16 +214,16 @@ fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_
 
 #[test]
 fn the_search_ends_where_no_admissible_spectrum_is_better() {
-    // Two checks that know nothing of the search: its gradient is that of difference quotients, and a step against it comes
-    // back to the same spectrum by projection.
+    // Two checks independent of the search: its gradient equals difference quotients, and a step against it returns
+    // to the same spectrum by projection.
     let lags = Lags::within(&mirrored(), Grid::new(6, 5, 1.0, 1.0).unwrap(), Grid::new(12, 10, 1.0, 1.0).unwrap());
-    let law = law("lognormal:0,1.5");
+    let marginal = marginal("lognormal:0,1.5");
     let target = covariance(CorrelationModel::SquaredExponential, 2.5);
-    let translation = Translation::new(&law).unwrap();
+    let translation = Translation::new(&marginal).unwrap();
     let wanted = lags.wrapped(&target).unwrap();
     let work = lags.fft.workspace();
     let mut search = Search { lags: &lags, translation: &translation, target: &wanted, least_gain: 0.0, work };
-    let normal = lags.wrapped(&Predistorted::new(target, &law).unwrap()).unwrap();
+    let normal = lags.wrapped(&Predistorted::new(target, &marginal).unwrap()).unwrap();
     let start = lags.spectrum(&normal, &mut lags.fft.workspace());
     let mut projected = start.clone();
     lags.project(&mut projected);
@@ -231,7 +231,7 @@ fn the_search_ends_where_no_admissible_spectrum_is_better() {
     let here = search.height(&projected);
     let ny = lags.fft.ny();
     for place in [0, 1, 3, ny + 2, 3 * ny] {
-        // Even spectra alone: the partner (k_x, −k_y) moves along.
+        // Only even spectra: the partner (k_x, −k_y) changes too.
         let partner = (place / ny) * ny + (ny - place % ny) % ny;
         let along = |h: f64| {
             let mut moved = projected.clone();
@@ -271,7 +271,7 @@ fn the_projection_is_the_nearest_admissible_spectrum() {
         let mut projected = given.clone();
         lags.project(&mut projected);
         assert!((lags.sum(projected.iter().copied()) / points - 1.0).abs() < 1e-13);
-        // By bisection of the offset.
+        // Computes the offset by bisection.
         let total = |offset: f64| lags.sum(given.iter().map(|s| (s - offset).max(0.0)));
         let (mut low, mut high) = (-1e3, 1e3);
         for _ in 0..200 {
@@ -281,7 +281,7 @@ fn the_projection_is_the_nearest_admissible_spectrum() {
         for (s, p) in given.iter().zip(&projected) {
             assert!(((s - low).max(0.0) - p).abs() < 1e-12);
         }
-        // An admissible spectrum stays where it is.
+        // The projection leaves an admissible spectrum unchanged.
         let mut again = projected.clone();
         lags.project(&mut again);
         assert!(again.iter().zip(&projected).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -289,12 +289,12 @@ fn the_projection_is_the_nearest_admissible_spectrum() {
 }
 
 #[test]
-fn correlations_below_the_least_one_of_the_law_are_reported() {
-    // Least correlations: −0.95158625 of the friction law, −e^{−σ²} of a lognormal one, since
+fn correlations_below_the_least_one_of_the_distribution_are_reported() {
+    // Least correlations: −0.95158625 of the distribution of friction, −e^{−σ²} of a lognormal one, since
     // (e^{−σ²} − 1)/(e^{σ²} − 1) = −e^{−σ²}.
     let correction = TranslationCorrection::default();
     for (text, least) in [("beta:2.1,5", -0.951_586_25), ("lognormal:0,0.5", -(-0.25_f64).exp())] {
-        let CorrectedField { report, .. } = correction.periodic(&Wave(16.0), &law(text), square(32)).unwrap();
+        let CorrectedField { report, .. } = correction.periodic(&Wave(16.0), &marginal(text), square(32)).unwrap();
         assert!((report.feasibility.least_correlation - least).abs() < 1e-8, "{:?}", report.feasibility);
         assert!((report.feasibility.least_target + 1.0).abs() < 1e-12);
         assert!((report.feasibility.shortfall() - (1.0 + least)).abs() < 1e-8);
@@ -302,7 +302,7 @@ fn correlations_below_the_least_one_of_the_law_are_reported() {
         // At half a period no translation reaches the target.
         assert!(report.corrected.largest_deviation > 1.0 + least - 1e-7);
     }
-    let CorrectedField { report, .. } = correction.periodic(&Wave(16.0), &law("normal"), square(32)).unwrap();
+    let CorrectedField { report, .. } = correction.periodic(&Wave(16.0), &marginal("normal"), square(32)).unwrap();
     assert!(report.feasibility.shortfall() < 1e-12 && report.converged && report.iterations == 0);
     assert!(report.corrected.largest_deviation < 1e-12);
 }
@@ -318,26 +318,25 @@ fn a_target_that_is_no_correlation_is_an_error() {
             if dx_m == 3.0 { f64::NAN } else { (-dx_m).exp() }
         }
     }
-    let error = TranslationCorrection::default().periodic(&Broken, &law("normal"), square(8)).unwrap_err();
+    let error = TranslationCorrection::default().periodic(&Broken, &marginal("normal"), square(8)).unwrap_err();
     assert!(matches!(error, TranslationError::Target { lag_x_m: 3.0, lag_y_m: 0.0, .. }), "{error}");
 }
 
 #[test]
 fn the_field_has_the_correlation_that_the_report_states() {
-    // Two ways to the same number: the spectrum of the search, and the modes of the generator.
+    // Two independent computations of the same number: the spectrum of the search, and the modes of the generator.
     let target = covariance(CorrelationModel::SquaredExponential, 5.0);
-    let law = law("lognormal:0,1");
+    let marginal = marginal("lognormal:0,1");
     let correction = TranslationCorrection::default();
     for (free, corrected) in [
-        (false, correction.periodic(&target, &law, square(32)).unwrap()),
-        (true, correction.free(&target, &law, square(32)).unwrap()),
+        (false, correction.periodic(&target, &marginal, square(32)).unwrap()),
+        (true, correction.free(&target, &marginal, square(32)).unwrap()),
     ] {
         let CorrectedField { field, report } = corrected;
         assert_eq!(report.achieved.dim(), if free { (32, 32) } else { (17, 17) });
-        // A free field needs twice the sides, and not one more point for the sake of a spectrum that no domain makes
-        // positive.
-        assert_eq!(field.germ_len(), if free { 64 * 64 } else { 32 * 32 });
-        let surface = Translated::new(field, law.clone()).unwrap();
+        // A free field needs twice the sides. Larger domains do not make the spectrum positive.
+        assert_eq!(field.xi_len(), if free { 64 * 64 } else { 32 * 32 });
+        let surface = Translated::new(field, marginal.clone()).unwrap();
         let met = surface.correlation_with(0, 0).unwrap();
         for ((row, column), value) in report.achieved.indexed_iter() {
             assert!((met[[row, column]] - value).abs() < 1e-9, "({row},{column}): {} {value}", met[[row, column]]);
@@ -348,22 +347,22 @@ fn the_field_has_the_correlation_that_the_report_states() {
 }
 
 #[test]
-fn a_lay_at_an_angle_is_met_on_both_of_its_sides() {
+fn an_oblique_lay_is_reproduced_on_both_of_its_sides() {
     let long = Covariance::new(CorrelationModel::Exponential, 1.0, 7.0, 2.5).unwrap();
     let target = Rotated::new(long, 0.6).unwrap();
-    let law = law("lognormal:0,0.5");
+    let marginal = marginal("lognormal:0,0.5");
     let correction = TranslationCorrection::default();
-    // An even and an odd side, where half a period is a lag or is none.
+    // An even and an odd side: half a period is a lag only on an even side.
     for grid in [Grid::new(48, 45, 1.0, 1.0).unwrap(), Grid::new(45, 48, 1.0, 1.0).unwrap()] {
         for (free, corrected) in [
-            (false, correction.periodic(&target, &law, grid).unwrap()),
-            (true, correction.free(&target, &law, grid).unwrap()),
+            (false, correction.periodic(&target, &marginal, grid).unwrap()),
+            (true, correction.free(&target, &marginal, grid).unwrap()),
         ] {
             let CorrectedField { field, report } = corrected;
             assert!(report.corrected.largest_deviation < 0.01, "{free}: {:?}", report.corrected);
             assert!(report.plain.largest_deviation > 0.02, "{:?}", report.plain);
-            let surface = Translated::new(field, law.clone()).unwrap();
-            // The correlation with one point in the middle, whose lags have either sign.
+            let surface = Translated::new(field, marginal.clone()).unwrap();
+            // Correlation with one point in the middle, whose lags have either sign.
             let met = surface.correlation_with(20, 20).unwrap();
             for (x, y) in [(3_i32, 2_i32), (-3, 2), (6, 4), (-6, 4), (2, 6), (-2, 6)] {
                 let value = met[[(20 + y) as usize, (20 + x) as usize]];

@@ -260,7 +260,7 @@ fn solved(
         Ok(level) => level,
         Err(error) => return Ok(Err(error.to_string())),
     };
-    let means: Vec<f64> = level.records.chunks(level.lanes).map(|strip| Record::at_mean_load(strip).0).collect();
+    let means: Vec<f64> = level.records.chunks(level.tracks).map(|strip| Record::at_mean_load(strip).0).collect();
     if means.iter().any(|mean| !mean.is_finite()) {
         return Ok(Err("a strip carries no load".into()));
     }
@@ -269,7 +269,7 @@ fn solved(
         rms_gradient(strips.map(index).heights_m(), setup.grid, Boundary::Free).powi(2)
     });
     let rms_slope = (squares.sum::<f64>() / STRIPS as f64).sqrt();
-    Ok(Ok(Solved { means, plastic_fraction: level.plastic_share, rms_slope }))
+    Ok(Ok(Solved { means, plastic_fraction: level.plastic_fraction, rms_slope }))
 }
 
 /// Friction of contacts that all have the hardness: τ_max/H, and α of a pressure-dependent shear strength.

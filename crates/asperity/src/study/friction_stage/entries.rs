@@ -33,7 +33,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         penetration_m: level.penetration_m,
         mean_pressure_pa: level.mean_pressure_pa,
         contact_fraction: level.contact_fraction,
-        plastic_share: level.plastic_share,
+        plastic_share: level.plastic_fraction,
         mean: solved.quotient_mean(),
         mean_interval: interval(statistics.estimates.mean),
         std: moment(statistics.moments.std),
@@ -90,7 +90,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         upscaling,
         empty_windows: statistics.empty_windows,
         contact_cells_per_window: statistics.contact_cells,
-        sparse_window_share: statistics.sparse_share,
+        sparse_window_share: statistics.sparse_fraction,
         effective_windows: statistics.effective_windows,
         failed_samples: level.failures.len(),
     }

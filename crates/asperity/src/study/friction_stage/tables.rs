@@ -72,7 +72,7 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
 
 /// Load against depth, from the shallowest level.
 fn load_curve_table(levels: &[SolvedLevel]) -> Table {
-    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::of(&level.level)).collect();
+    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_level(&level.level)).collect();
     points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
     let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
     Table::new([

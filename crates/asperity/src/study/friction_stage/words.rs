@@ -1,6 +1,6 @@
 //! What the friction stage assumed, and what to be wary of, in sentences.
 
-use crate::friction::statistics::{HeavyTail, ISOLATED_SHARE, WANTED_CONTACT_CELLS};
+use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
 use crate::study::config::{FrictionSection, WindowShape};
 use crate::study::friction_stage::SolvedLevel;
@@ -41,7 +41,7 @@ pub(super) fn sentences(
         WindowShape::Rectangle => "a window",
         WindowShape::Ellipse => "an elliptic window",
     };
-    let width = match lead.level.lanes {
+    let width = match lead.level.tracks {
         1 if window.width_m() > strips.half_space.grid().height_m() * (1.0 - 1e-9) => {
             "the width of the strip".to_owned()
         }
@@ -78,13 +78,13 @@ pub(super) fn sentences(
 pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
     let (name, statistics) = (solved.control.name(), &solved.statistics);
     let mut warnings = Vec::new();
-    let sparse = statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > ISOLATED_SHARE;
+    let sparse = statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_fraction > ISOLATED_FRACTION;
     if sparse {
         let heavy = solved.heavy_tail.map_or("", |_| ", and the quotient F/N of single windows has no variance");
         warnings.push(format!(
             "at {name}, {} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells ({} on average): the grid is \
              too coarse or the window too short for that load; the variability of friction is partly the grid's{heavy}",
-            sentence::digits(100.0 * statistics.sparse_share),
+            sentence::digits(100.0 * statistics.sparse_fraction),
             sentence::digits(statistics.contact_cells)
         ));
     }
@@ -108,7 +108,7 @@ pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
 
 /// Why the quotient F/N has no variance.
 pub(in crate::study) fn no_variance(tail: &HeavyTail) -> String {
-    let sparse = sentence::digits(100.0 * tail.sparse_share);
+    let sparse = sentence::digits(100.0 * tail.sparse_fraction);
     let contacts = format!("{sparse} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells");
     // The tail index α is 1/ξ; a shape that may be 0 leaves it without an upper end.
     let index = |shape: f64| if shape > 0.0 { sentence::digits(1.0 / shape) } else { "∞".to_owned() };

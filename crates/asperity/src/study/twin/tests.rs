@@ -21,7 +21,7 @@ fn map_of(covariance: &Covariance, law: &Marginal, shape: (usize, usize), index:
     let field = SpectralField::free(&Predistorted::new(*covariance, law).unwrap(), grid).unwrap();
     let surface = Translated::with_rms_height(field, law.clone(), covariance.std_m()).unwrap();
     let mut stream = random::stream(77, "known map", index);
-    surface.generate(&random::standard_normal(&mut stream, surface.germ_len())).heights_m().clone()
+    surface.generate(&random::standard_normal(&mut stream, surface.xi_len())).heights_m().clone()
 }
 
 fn scan_of(heights_m: Array2<f64>) -> Scan {
@@ -104,7 +104,7 @@ fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
     let long = Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 1e-6, 12e-6, 3e-6).unwrap();
     let grid = Grid::new(120, 120, PITCH_M, PITCH_M).unwrap();
     let field = SpectralField::free(&Rotated::new(long, 0.7).unwrap(), grid).unwrap();
-    let scan = field.generate(&random::standard_normal(&mut random::stream(77, "oblique", 0), field.germ_len()));
+    let scan = field.generate(&random::standard_normal(&mut random::stream(77, "oblique", 0), field.xi_len()));
     // Along and across the lay, on the diagonals.
     let diagonals = |map: &HeightMap| {
         let acf = Autocorrelation::within(map, 8, 8).unwrap();

@@ -1,4 +1,4 @@
-//! Responses of generators to their germs against finite differences.
+//! Responses of generators to ξ against finite differences.
 
 use ndarray::Array2;
 
@@ -8,18 +8,18 @@ use asperity_base::law::Marginal;
 use asperity_base::map::Grid;
 use asperity_base::random::{standard_normal, stream};
 
-/// Largest deviation of the stated response from central differences, over the largest response.
+/// Returns the largest deviation of the response from central differences, over the largest response.
 fn deviation(surface: &dyn RandomSurface, step: f64) -> f64 {
     let shape = surface.grid().shape();
     let values = standard_normal(&mut stream(1, "germ_response", 0), shape.0 * shape.1);
     let weights = Array2::from_shape_fn(shape, |(row, column)| values[row * shape.1 + column]);
-    let stated = surface.germ_response(&weights).unwrap();
-    assert_eq!(stated.len(), surface.germ_len());
-    let mut germ = vec![0.0; surface.germ_len()];
-    let mut sum = |j: usize, xi: f64| {
-        germ[j] = xi;
-        let sum = (surface.generate(&germ).heights_m() * &weights).sum();
-        germ[j] = 0.0;
+    let stated = surface.xi_response(&weights).unwrap();
+    assert_eq!(stated.len(), surface.xi_len());
+    let mut xi = vec![0.0; surface.xi_len()];
+    let mut sum = |j: usize, value: f64| {
+        xi[j] = value;
+        let sum = (surface.generate(&xi).heights_m() * &weights).sum();
+        xi[j] = 0.0;
         sum
     };
     let differences: Vec<f64> = (0..stated.len()).map(|j| (sum(j, step) - sum(j, -step)) / (2.0 * step)).collect();
@@ -28,7 +28,7 @@ fn deviation(surface: &dyn RandomSurface, step: f64) -> f64 {
 }
 
 #[test]
-fn the_response_of_linear_generators_is_that_of_finite_differences() {
+fn the_response_of_linear_generators_equals_finite_differences() {
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 2.0, 3.0, 2.0).unwrap();
     let turned = Rotated::new(covariance, 0.4).unwrap();
     for (nx, ny) in [(8, 6), (7, 9)] {
@@ -44,7 +44,7 @@ fn the_response_of_linear_generators_is_that_of_finite_differences() {
         }
         let separable = KarhunenLoeve::new(&covariance, grid, 9, ModesRoute::Separable).unwrap();
         assert!(deviation(&separable, 1.0) < 1e-10);
-        // Not linear: both differences err by the square of their steps.
+        // This surface is not linear: the error of the differences is of second order in their step.
         let skewed = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
         assert!(deviation(&Translated::new(separable, skewed).unwrap(), 1e-3) < 1e-5);
     }

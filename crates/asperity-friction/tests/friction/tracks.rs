@@ -1,4 +1,4 @@
-//! Several windows side by side on one strip are not several strips.
+//! Several windows side by side on one strip do not count as several strips.
 
 use asperity_base::correlation::{
     LagNormalisation, LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity,
@@ -12,9 +12,9 @@ use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, 
 use asperity_friction::statistics::FrictionStatistics;
 use asperity_friction::strip::Record;
 
-const LANES: usize = 3;
+const TRACKS: usize = 3;
 
-/// A record of a law, of the correlation e^{−lag/10}; a periodic one goes round.
+/// Returns a record of a distribution with the correlation e^{−lag/10}; a periodic record is continuous at its ends.
 fn record(law: &str, n: usize, index: u64, periodic: bool) -> Vec<f64> {
     let law: Marginal = law.parse().unwrap();
     let phi = (-0.1_f64).exp();
@@ -22,7 +22,7 @@ fn record(law: &str, n: usize, index: u64, periodic: bool) -> Vec<f64> {
     let std = (1.0 - phi * phi).sqrt();
     let mut last = noise[0];
     if periodic {
-        // Where one turn from nothing ends, with all turns before it.
+        // State at the end of one turn from zero, with all previous turns added.
         last = noise.iter().fold(0.0, |last, e| phi * last + std * e) / (1.0 - phi.powi(n as i32));
     }
     let mut values = Vec::with_capacity(n);
@@ -35,11 +35,11 @@ fn record(law: &str, n: usize, index: u64, periodic: bool) -> Vec<f64> {
     values
 }
 
-/// Strips of one lane, and the same with copies side by side.
+/// Returns strips of one track, and the same strips with copies side by side.
 fn copied(strips: usize, n: usize, seed: u64) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
     let single: Vec<Vec<f64>> =
         (0..strips as u64).map(|strip| record("beta:2.1,5", n, 1000 * seed + strip, false)).collect();
-    let copies = single.iter().flat_map(|lane| vec![lane.clone(); LANES]).collect();
+    let copies = single.iter().flat_map(|track| vec![track.clone(); TRACKS]).collect();
     (single, copies)
 }
 
@@ -66,11 +66,11 @@ fn same_estimate(a: Option<Estimate>, b: Option<Estimate>, what: &str) {
 }
 
 fn layout(periodic: bool) -> Layout {
-    Layout { periodic, lanes: LANES }
+    Layout { periodic, lanes: TRACKS }
 }
 
 #[test]
-fn copies_side_by_side_say_what_one_of_them_says() {
+fn copies_side_by_side_have_the_statistics_of_one_of_them() {
     for (strips, periodic) in [(1, false), (4, true), (24, false)] {
         let (single, copies) = copied(strips, 2400 / strips, strips as u64);
         let (single, copies) = (views(&single), views(&copies));
@@ -90,24 +90,24 @@ fn copies_side_by_side_say_what_one_of_them_says() {
         for (a, b) in of_single.iter().zip(&of_copies) {
             same_estimate(a.estimate, b.estimate, a.name);
         }
-        let jackknife = |records: &[&[f64]], lanes: usize| {
+        let jackknife = |records: &[&[f64]], tracks: usize| {
             let normalisation = LagNormalisation::PairNormalised;
             let estimate = RecordCorrelation::estimate(records, 1.0, 60, normalisation).unwrap();
             let fitted = fit_record(&estimate, RecordModel::Exponential).unwrap();
-            fitted_length_interval(records, lanes, 1.0, 60, normalisation, &fitted).unwrap()
+            fitted_length_interval(records, tracks, 1.0, 60, normalisation, &fitted).unwrap()
         };
-        same(jackknife(&single, 1), jackknife(&copies, LANES), "jackknife");
-        let cross = |records: &[&[f64]], lanes: usize| {
+        same(jackknife(&single, 1), jackknife(&copies, TRACKS), "jackknife");
+        let cross = |records: &[&[f64]], tracks: usize| {
             let pairs: Vec<(&[f64], &[f64])> = records.iter().map(|r| (&r[..r.len() - 3], &r[3..])).collect();
-            cross_correlation(&pairs, lanes, 1.0, 0).unwrap().interval
+            cross_correlation(&pairs, tracks, 1.0, 0).unwrap().interval
         };
-        same(cross(&single, 1), cross(&copies, LANES), "cross-correlation");
-        let (a, b) = (Stationarity::of(&single, 1, 1.0).unwrap(), Stationarity::of(&copies, LANES, 1.0).unwrap());
+        same(cross(&single, 1), cross(&copies, TRACKS), "cross-correlation");
+        let (a, b) = (Stationarity::of(&single, 1, 1.0).unwrap(), Stationarity::of(&copies, TRACKS, 1.0).unwrap());
         close(a.trend.p_value, b.trend.p_value, "trend");
         close(a.variance_change.p_value, b.variance_change.p_value, "variance");
         let spectrum =
-            |records: &[&[f64]], lanes: usize| record_spectrum(records, lanes, 1.0, RecordEnds::Free).unwrap();
-        let (a, b) = (spectrum(&single, 1), spectrum(&copies, LANES));
+            |records: &[&[f64]], tracks: usize| record_spectrum(records, tracks, 1.0, RecordEnds::Free).unwrap();
+        let (a, b) = (spectrum(&single, 1), spectrum(&copies, TRACKS));
         for bin in 0..a.density.len() {
             close(a.low[bin], b.low[bin], "spectrum");
             close(a.degrees_of_freedom[bin], b.degrees_of_freedom[bin], "spectrum");
@@ -115,8 +115,8 @@ fn copies_side_by_side_say_what_one_of_them_says() {
     }
 }
 
-fn length(records: &[Vec<f64>], lanes: usize, ends: RecordEnds) -> LengthFit {
-    let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes, records: views(records) };
+fn length(records: &[Vec<f64>], tracks: usize, ends: RecordEnds) -> LengthFit {
+    let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: tracks, records: views(records) };
     fit_length(&[channel], RecordModel::Exponential, LengthSettings { ends, ..LengthSettings::default() }).unwrap()
 }
 
@@ -129,16 +129,17 @@ fn the_length_of_copies_side_by_side_has_the_interval_of_one_of_them() {
         (24, 100, RecordEnds::Free),
     ] {
         let (single, copies) = copied(strips, n, 100 + strips as u64);
-        let (a, b) = (length(&single, 1, ends), length(&copies, LANES, ends));
+        let (a, b) = (length(&single, 1, ends), length(&copies, TRACKS, ends));
         close(a.length_m, b.length_m, "length");
         same(a.interval, b.interval, "length");
         assert_eq!((a.pieces, a.lanes_alike), (b.pieces, 1.0));
-        close(b.lanes_alike, LANES as f64, "lanes alike");
-        let ranked = |records: &[Vec<f64>], lanes: usize| {
-            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes, records: views(records) };
+        close(b.lanes_alike, TRACKS as f64, "lanes alike");
+        let ranked = |records: &[Vec<f64>], tracks: usize| {
+            let channel =
+                WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: tracks, records: views(records) };
             rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings { ends, ..LengthSettings::default() }).unwrap()
         };
-        for (a, b) in ranked(&single, 1).iter().zip(ranked(&copies, LANES)) {
+        for (a, b) in ranked(&single, 1).iter().zip(ranked(&copies, TRACKS)) {
             assert_eq!((a.fit.model, a.worse), (b.fit.model, b.worse));
             assert!((a.aic_difference - b.aic_difference).abs() < 1e-6 * a.aic_difference.max(1.0), "{a:?} {b:?}");
         }
@@ -146,37 +147,39 @@ fn the_length_of_copies_side_by_side_has_the_interval_of_one_of_them() {
 }
 
 #[test]
-fn independent_lanes_are_worth_as_many_strips() {
-    let lanes = 4;
+fn independent_tracks_count_as_strips() {
+    let tracks = 4;
     let (mut mean, mut std, mut fitted, mut curve) = (vec![], vec![], vec![], vec![]);
     let runs = 20;
     for run in 0..runs {
         let all: Vec<Vec<f64>> =
-            (0..8 * lanes as u64).map(|index| record("normal:3,1", 400, 5000 + 100 * run + index, false)).collect();
-        let first: Vec<Vec<f64>> = all.iter().step_by(lanes).cloned().collect();
+            (0..8 * tracks as u64).map(|index| record("normal:3,1", 400, 5000 + 100 * run + index, false)).collect();
+        let first: Vec<Vec<f64>> = all.iter().step_by(tracks).cloned().collect();
         let (one, four) = (views(&first), views(&all));
-        let of = |records: &[&[f64]], lanes: usize| ProcessMoments::of(records, Layout { periodic: false, lanes });
-        let (a, b) = (of(&one, 1), of(&four, lanes));
+        let of =
+            |records: &[&[f64]], tracks: usize| ProcessMoments::of(records, Layout { periodic: false, lanes: tracks });
+        let (a, b) = (of(&one, 1), of(&four, tracks));
         mean.push(b.mean.unwrap().standard_error / a.mean.unwrap().standard_error);
         std.push(b.std.unwrap().standard_error / a.std.unwrap().standard_error);
         let width = |fit: LengthFit| (fit.interval.high / fit.interval.low).ln();
-        fitted.push(width(length(&all, lanes, RecordEnds::Free)) / width(length(&first, 1, RecordEnds::Free)));
-        let jackknife = |records: &[&[f64]], lanes: usize| {
+        fitted.push(width(length(&all, tracks, RecordEnds::Free)) / width(length(&first, 1, RecordEnds::Free)));
+        let jackknife = |records: &[&[f64]], tracks: usize| {
             let normalisation = LagNormalisation::PairNormalised;
             let estimate = RecordCorrelation::estimate(records, 1.0, 60, normalisation).unwrap();
             let fit = fit_record(&estimate, RecordModel::Exponential).unwrap();
-            let interval = fitted_length_interval(records, lanes, 1.0, 60, normalisation, &fit).unwrap();
+            let interval = fitted_length_interval(records, tracks, 1.0, 60, normalisation, &fit).unwrap();
             interval.high - interval.low
         };
-        curve.push(jackknife(&four, lanes) / jackknife(&one, 1));
+        curve.push(jackknife(&four, tracks) / jackknife(&one, 1));
     }
     for (what, ratios, scatter) in [("mean", mean, 0.2), ("std", std, 0.2), ("ℓ", fitted, 0.2), ("curve", curve, 0.3)]
     {
         let logarithms: Vec<f64> = ratios.iter().map(|ratio: &f64| ratio.ln()).collect();
         let found = Moments::of(&logarithms);
         println!("{what}: {} ± {}", found.mean.exp(), found.std);
-        // A standard error from some thirty blocks is known to 1/√60 = 13 %, a quotient of two to 18 %, one of jackknives from
-        // twenty parts of correlated curves to some 30 %: four errors of the mean of 20 logarithms, and a twentieth.
+        // A standard error from some thirty blocks has an error of 1/√60 = 13 %, a quotient of two 18 %. For jackknives
+        // from twenty parts of correlated curves it is some 30 %. The bound is four errors of the mean of 20
+        // logarithms, and a twentieth.
         assert!((found.mean - 0.5_f64.ln()).abs() < 4.0 * scatter / (runs as f64).sqrt() + 0.05, "{what}: {found:?}");
     }
 }
@@ -194,13 +197,13 @@ fn of_values(friction: Vec<f64>) -> Record {
 }
 
 #[test]
-fn the_tail_and_the_laws_of_copies_are_those_of_one_of_them() {
+fn the_tail_and_the_distributions_of_copies_equal_those_of_one_of_them() {
     let (single, copies) = copied(20, 1000, 300);
-    let statistics = |records: Vec<Vec<f64>>, lanes: usize| {
+    let statistics = |records: Vec<Vec<f64>>, tracks: usize| {
         let records: Vec<Record> = records.into_iter().map(of_values).collect();
-        FrictionStatistics::of(&records, 1e-3, Layout { periodic: false, lanes }, 1).unwrap()
+        FrictionStatistics::new(&records, 1e-3, Layout { periodic: false, lanes: tracks }, 1).unwrap()
     };
-    let (a, b) = (statistics(single, 1), statistics(copies, LANES));
+    let (a, b) = (statistics(single, 1), statistics(copies, TRACKS));
     for (a, b) in a.marginals.fits.iter().zip(&b.marginals.fits) {
         assert_eq!(a.family, b.family);
     }
@@ -217,7 +220,7 @@ fn the_tail_and_the_laws_of_copies_are_those_of_one_of_them() {
     }
 }
 
-/// Largest distance of p-values from the uniform law.
+/// Returns the largest distance of p-values from the uniform distribution.
 fn from_uniform(mut p: Vec<f64>) -> f64 {
     p.sort_by(f64::total_cmp);
     let n = p.len() as f64;
@@ -226,13 +229,13 @@ fn from_uniform(mut p: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn p_values_of_a_right_law_are_uniform_on_periodic_strips_and_on_lanes_that_are_copies() {
+fn p_values_of_a_correct_distribution_are_uniform_on_periodic_strips_and_on_copied_tracks() {
     let runs = 150_u64;
-    let p = |seed: u64, strips: usize, n: usize, periodic: bool, lanes: usize, known: Layout| -> Vec<[f64; 2]> {
+    let p = |seed: u64, strips: usize, n: usize, periodic: bool, tracks: usize, known: Layout| -> Vec<[f64; 2]> {
         (0..runs)
             .map(|run| {
                 let of = |strip: usize| record("normal:3,1", n, 100_000 * seed + 100 * run + strip as u64, periodic);
-                let records: Vec<Vec<f64>> = (0..strips).flat_map(|strip| vec![of(strip); lanes]).collect();
+                let records: Vec<Vec<f64>> = (0..strips).flat_map(|strip| vec![of(strip); tracks]).collect();
                 let values = records.concat();
                 let null = ProcessNull::of(&views(&records), known, 99, run).unwrap();
                 let found = null.goodness(&fit(Family::Normal, &values).unwrap(), &values).unwrap();
@@ -241,14 +244,14 @@ fn p_values_of_a_right_law_are_uniform_on_periodic_strips_and_on_lanes_that_are_
             .collect()
     };
     let distances = |p: &[[f64; 2]]| [0, 1].map(|k| from_uniform(p.iter().map(|p| p[k]).collect()));
-    // The 99.9 % quantile of Kolmogorov's law, and the step of p-values of 99 draws.
+    // The 99.9 % quantile of Kolmogorov's distribution, plus the step of p-values of 99 draws.
     let allowed = 1.95 / (runs as f64).sqrt() + 0.01;
     let periodic = distances(&p(1, 8, 120, true, 1, true.into()));
-    let copies = distances(&p(2, 6, 200, true, LANES, Layout { periodic: true, lanes: LANES }));
+    let copies = distances(&p(2, 6, 200, true, TRACKS, Layout { periodic: true, lanes: TRACKS }));
     println!("{periodic:?} {copies:?} of {allowed}");
     assert!(periodic.iter().chain(&copies).all(|distance| *distance < allowed), "{periodic:?} {copies:?}");
-    // Copies taken for strips of their own refuse far too often.
-    let naive = p(2, 6, 200, true, LANES, true.into());
+    // Copies that count as strips are rejected far too often.
+    let naive = p(2, 6, 200, true, TRACKS, true.into());
     let refused = naive.iter().filter(|p| p[1] <= 0.1).count();
     assert!(refused > 40, "{refused} of {runs}");
 }

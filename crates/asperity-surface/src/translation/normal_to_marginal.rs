@@ -1,4 +1,4 @@
-//! The map g ↦ F⁻¹(Φ(g)) at the speed of maps.
+//! Tabulated map g ↦ F⁻¹(Φ(g)), fast enough for whole maps.
 
 use asperity_base::law::Marginal;
 
@@ -6,35 +6,37 @@ use asperity_base::law::Marginal;
 const NODES_PER_UNIT: f64 = 128.0;
 const REACH: f64 = 8.0;
 
-/// g ↦ offset + scale·F⁻¹(Φ(g)).
+/// The map g ↦ offset + scale·F⁻¹(Φ(g)).
 #[derive(Debug, Clone)]
-pub(super) struct NormalToLaw {
-    law: Marginal,
+pub(super) struct NormalToMarginal {
+    marginal: Marginal,
     offset: f64,
     scale: f64,
-    /// Values at −REACH, …, REACH and two nodes beyond each end: where the quantile needs a root search for each value.
+    /// Values at −REACH, …, REACH and two nodes beyond each end; only for distributions whose quantile needs a root
+    /// search.
     table: Option<Vec<f64>>,
 }
 
-impl NormalToLaw {
-    pub(super) fn new(law: &Marginal, offset: f64, scale: f64) -> Self {
-        let table = matches!(law, Marginal::Beta { .. }).then(|| {
+impl NormalToMarginal {
+    pub(super) fn new(marginal: &Marginal, offset: f64, scale: f64) -> Self {
+        let table = matches!(marginal, Marginal::Beta { .. }).then(|| {
             let nodes = (2.0 * REACH * NODES_PER_UNIT) as usize + 5;
-            (0..nodes).map(|i| law.translate((i as f64 - 2.0) / NODES_PER_UNIT - REACH)).collect()
+            (0..nodes).map(|i| marginal.translate((i as f64 - 2.0) / NODES_PER_UNIT - REACH)).collect()
         });
-        Self { law: law.clone(), offset, scale, table }
+        Self { marginal: marginal.clone(), offset, scale, table }
     }
 
     pub(super) fn value(&self, g: f64) -> f64 {
         let value = match &self.table {
             Some(table) if g.abs() < REACH => interpolate(table, (g + REACH) * NODES_PER_UNIT),
-            _ => self.law.translate(g),
+            _ => self.marginal.translate(g),
         };
         self.offset + self.scale * value
     }
 }
 
-/// Cubic Hermite interpolation at `position` (in nodes after the second) with fourth-order slopes: error O(h⁴).
+/// Interpolates at `position` (in nodes after the second) by a cubic Hermite polynomial with fourth-order slopes: error
+/// O(h⁴).
 fn interpolate(table: &[f64], position: f64) -> f64 {
     let left = (position.floor() as usize + 2).min(table.len() - 4);
     let t = position - (left as f64 - 2.0);
