@@ -1,6 +1,6 @@
 //! All methods of the comparison, from the contact solutions of one study.
 //!
-//! Besides the methods of [`asperity::pressure`]: censored regression ([`latent`]), a two-part model ([`two_part`]), a control
+//! Besides the methods of [`asperity::pressure`]: censored regression, a two-part model, a control
 //! variate in the rotated normal variables, multilevel Monte Carlo without regression, and pooling of cells.
 
 mod censored;

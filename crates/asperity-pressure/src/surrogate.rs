@@ -241,7 +241,7 @@ fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Samples in the variables of the germ rotated to the cell, see [`Adapted`], and fresh ones.
+/// Samples in the variables of the germ rotated to the cell, and fresh ones.
 #[derive(Debug, Clone)]
 pub struct Rotated {
     /// Variables of each sample; none where no direction predicts the pressure.

@@ -230,7 +230,7 @@ fn estimates_do_not_depend_on_the_number_of_threads() {
 
 fn small_study() -> Study {
     let study = Study::new(5);
-    Study { fine_solves: 170, reference_samples: 170, variables: 3, degree: 2, surrogate_samples: 2000, ..study }
+    Study { fine_solves: 80, reference_samples: 100, variables: 2, degree: 2, surrogate_samples: 1000, ..study }
 }
 
 fn outcome(outcomes: Vec<Outcome>, name: &str) -> Outcome {
@@ -239,7 +239,7 @@ fn outcome(outcomes: Vec<Outcome>, name: &str) -> Outcome {
 
 #[test]
 fn cells_of_a_stationary_periodic_patch_are_pooled_and_every_method_finds_their_contact_probability() {
-    let grid = Grid::covering(16, 16, 1.0, 1.0).unwrap();
+    let grid = Grid::covering(12, 12, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
     let surface = SpectralField::periodic(&covariance, grid);
     let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
@@ -259,12 +259,12 @@ fn cells_of_a_stationary_periodic_patch_are_pooled_and_every_method_finds_their_
 
 #[test]
 fn cells_of_a_free_patch_differ_and_are_not_pooled() {
-    let grid = Grid::covering(16, 16, 1.0, 1.0).unwrap();
+    let grid = Grid::covering(12, 12, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
     let surface = KarhunenLoeve::new(&covariance, grid, 30, ModesRoute::Separable).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
-    let study = Study { fine_solves: 400, reference_samples: 100, ..small_study() };
+    let study = Study { fine_solves: 150, reference_samples: 20, ..small_study() };
     let outcomes = estimates(&study, &problem, &Silent).unwrap();
     let refusal = outcome(outcomes, "pooled_sites").unwrap_err().to_string();
     assert!(refusal.contains("cells differ"), "{refusal}");
