@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use asperity::contact::area::PERIMETER_WEIGHT;
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
-use asperity::correlation::{CorrelationModel, Covariance, LagNormalisation, RecordCorrelation};
+use asperity::correlation::{CorrelationModel, Covariance, RecordCorrelation};
 use asperity::friction::law::{BowdenTabor, FrictionLaw};
 use asperity::friction::statistics::FrictionStatistics;
 use asperity::friction::strip::{Record, Strips};
@@ -326,8 +326,7 @@ fn white_friction_under_a_window_has_the_triangular_correlation() {
     let noise = |strip| random::standard_normal(&mut random::stream(3, "white", strip), 4096);
     let records: Vec<Record> = (0..60).map(|strip| averaged(&noise(strip), &window, grid)).collect();
     let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
-    let normalisation = LagNormalisation::PairNormalised;
-    let found = RecordCorrelation::estimate(&series, window.step_m(), 32, normalisation).unwrap();
+    let found = RecordCorrelation::estimate(&series, window.step_m(), 32).unwrap();
     // 1 − s/W, whose estimate from 60 · 64 windows errs by √(2/3 · 1/3840) ≈ .013; 1/e at (1 − 1/e) W = .632 W.
     for (lag, rho) in found.correlation.iter().enumerate() {
         let triangle = (1.0 - lag as f64 / 16.0).max(0.0);

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
 
 use asperity::correlation::{
-    LagNormalisation, LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity,
-    WindowedRecords, cross_correlation, fit_length, fit_record, fitted_length_interval, rank_lengths, record_spectrum,
+    LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity, WindowedRecords,
+    cross_correlation, fit_length, fit_record, fitted_length_interval, rank_lengths, record_spectrum,
 };
 use asperity::friction::statistics::FrictionStatistics;
 use asperity::friction::strip::Record;
@@ -93,10 +93,9 @@ fn copies_side_by_side_say_what_one_of_them_says() {
             same_estimate(a.estimate, b.estimate, a.name);
         }
         let jackknife = |records: &[&[f64]], lanes: usize| {
-            let normalisation = LagNormalisation::PairNormalised;
-            let estimate = RecordCorrelation::estimate(records, 1.0, 60, normalisation).unwrap();
+            let estimate = RecordCorrelation::estimate(records, 1.0, 60).unwrap();
             let fitted = fit_record(&estimate, RecordModel::Exponential).unwrap();
-            fitted_length_interval(records, lanes, 1.0, 60, normalisation, &fitted).unwrap()
+            fitted_length_interval(records, lanes, 1.0, 60, &fitted).unwrap()
         };
         same(jackknife(&single, 1), jackknife(&copies, LANES), "jackknife");
         let cross = |records: &[&[f64]], lanes: usize| {
@@ -164,10 +163,9 @@ fn independent_lanes_are_worth_as_many_strips() {
         let width = |fit: LengthFit| (fit.interval.high / fit.interval.low).ln();
         fitted.push(width(length(&all, lanes, RecordEnds::Free)) / width(length(&first, 1, RecordEnds::Free)));
         let jackknife = |records: &[&[f64]], lanes: usize| {
-            let normalisation = LagNormalisation::PairNormalised;
-            let estimate = RecordCorrelation::estimate(records, 1.0, 60, normalisation).unwrap();
+            let estimate = RecordCorrelation::estimate(records, 1.0, 60).unwrap();
             let fit = fit_record(&estimate, RecordModel::Exponential).unwrap();
-            let interval = fitted_length_interval(records, lanes, 1.0, 60, normalisation, &fit).unwrap();
+            let interval = fitted_length_interval(records, lanes, 1.0, 60, &fit).unwrap();
             interval.high - interval.low
         };
         curve.push(jackknife(&four, lanes) / jackknife(&one, 1));
