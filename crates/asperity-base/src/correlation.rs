@@ -20,10 +20,10 @@ pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWar
 pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
 pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use record::{
-    CrossCorrelation, DriftTest, LackOfFit, LagNormalisation, LengthFit, LengthSettings, Observation, ObservedLengths,
-    RankedLength, RecordBand, RecordCorrelation, RecordEnds, RecordFit, RecordHistory, RecordModel, RecordSpectrum,
-    Stationarity, Wander, WindowedModel, WindowedRecords, cross_correlation, fit_length, fit_record,
-    fitted_length_interval, rank_lengths, record_spectrum, windowed_exponential,
+    CrossCorrelation, DriftTest, LackOfFit, LengthFit, LengthSettings, Observation, ObservedLengths, RankedLength,
+    RecordBand, RecordCorrelation, RecordEnds, RecordFit, RecordHistory, RecordModel, RecordSpectrum, Stationarity,
+    Wander, WindowedModel, WindowedRecords, cross_correlation, fit_length, fit_record, fitted_length_interval,
+    rank_lengths, record_spectrum, windowed_exponential,
 };
 #[doc(hidden)]
 pub use spectrum::Block;

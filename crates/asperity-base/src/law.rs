@@ -11,7 +11,6 @@ mod moments;
 mod special;
 mod text;
 pub mod translation;
-mod translator;
 
 #[doc(hidden)]
 pub use chi_square::chi_square_quantile;
@@ -19,4 +18,3 @@ pub use error::LawError;
 pub use johnson::{Johnson, JohnsonSystem};
 pub use marginal::Marginal;
 pub use special::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
-pub use translator::Translator;

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use crate::FrictionError;
 use crate::strip::Record;
 use asperity_base::correlation::{
-    EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record, fitted_length_interval,
+    EstimateError, RecordCorrelation, RecordFit, RecordModel, fit_record, fitted_length_interval,
 };
 use asperity_base::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
 use asperity_base::law::goodness::ProcessNull;
@@ -143,10 +143,9 @@ fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
 
 pub(super) fn correlate(series: &[&[f64]], tracks: usize, step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
     let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
-    let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
+    let estimate = RecordCorrelation::estimate(series, step_m, largest_lag)?;
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;
-    let length_interval =
-        fitted_length_interval(series, tracks, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
+    let length_interval = fitted_length_interval(series, tracks, step_m, largest_lag, &exponential);
     let mut models =
         RecordModel::USUAL.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
     models.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use crate::strip::Record;
 use crate::window::Window;
 use asperity_base::correlation::{
-    EstimateError, LackOfFit, LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation,
-    RecordModel, WindowedModel, WindowedRecords, fit_length, fit_record, rank_lengths,
+    EstimateError, LackOfFit, LengthFit, LengthSettings, RankedLength, RecordCorrelation, RecordModel, WindowedModel,
+    WindowedRecords, fit_length, fit_record, rank_lengths,
 };
 use asperity_base::stats::{Interval, Moments, student_quantile, student_two_sided};
 
@@ -226,6 +226,5 @@ fn correlation(channel: &WindowedRecords<'_>) -> Result<RecordCorrelation, Estim
     // Beyond four windows the correlation is negligible.
     let lags = (4.0 * channel.window_m / channel.step_m) as usize;
     let longest = channel.records.iter().map(|record| record.len()).max().unwrap_or(0);
-    let normalisation = LagNormalisation::PairNormalised;
-    RecordCorrelation::estimate(&channel.records, channel.step_m, lags.min(longest / 2), normalisation)
+    RecordCorrelation::estimate(&channel.records, channel.step_m, lags.min(longest / 2))
 }

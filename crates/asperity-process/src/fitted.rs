@@ -226,7 +226,7 @@ fn rising(parameter: &'static str, interval: Option<[f64; 2]>) -> Result<(), Pro
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use asperity_base::correlation::{LagNormalisation, RecordCorrelation};
+    use asperity_base::correlation::RecordCorrelation;
     use asperity_base::stats::Moments;
 
     pub(crate) fn fitted(shape: CorrelationShape) -> FittedProcess {
@@ -270,7 +270,7 @@ pub(super) mod tests {
                 .map(|index| {
                     let mu = process.simulate(0.5, 50e-6, 4, index).unwrap();
                     assert_eq!(mu.len(), 10_001);
-                    let acf = RecordCorrelation::estimate(&[&mu], 50e-6, 40, LagNormalisation::PairNormalised);
+                    let acf = RecordCorrelation::estimate(&[&mu], 50e-6, 40);
                     (Moments::of(&mu), acf.unwrap().correlation)
                 })
                 .collect();

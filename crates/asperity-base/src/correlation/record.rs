@@ -27,15 +27,6 @@ pub use ranking::{RankedLength, rank_lengths};
 pub use spectrum::{RecordSpectrum, record_spectrum};
 pub use stationarity::{DriftTest, Stationarity, Wander};
 
-/// How the sum of products at a lag becomes a covariance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LagNormalisation {
-    /// Divided by the number of values present: biased towards zero at long lags, positive definite when none is missing.
-    Biased,
-    /// Divided by the number of pairs present at the lag: unbiased for a known mean, noisy at long lags.
-    PairNormalised,
-}
-
 /// Autocorrelation of one or more records with equal steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordCorrelation {
@@ -53,16 +44,12 @@ pub struct RecordCorrelation {
 
 impl RecordCorrelation {
     /// Estimates the correlation of `records` up to `largest_lag` steps. NaN is a missing value. The common mean of all
-    /// values present is removed, and products are pooled, so realisations of one process should come together.
+    /// values present is removed, and products are pooled, so realisations of one process should come together. A sum of products
+    /// is divided by the number of pairs present at its lag: unbiased for a known mean, noisy at long lags.
     ///
     /// # Errors
     /// Fewer than three values present, values that do not vary, or a step that is not positive.
-    pub fn estimate(
-        records: &[&[f64]],
-        step_m: f64,
-        largest_lag: usize,
-        normalisation: LagNormalisation,
-    ) -> Result<Self, EstimateError> {
+    pub fn estimate(records: &[&[f64]], step_m: f64, largest_lag: usize) -> Result<Self, EstimateError> {
         if !(step_m > 0.0 && step_m.is_finite()) {
             return Err(EstimateError::BadStep { step_m });
         }
@@ -89,11 +76,7 @@ impl RecordCorrelation {
         let correlation = sums
             .iter()
             .zip(&pairs)
-            .map(|(sum, count)| match normalisation {
-                LagNormalisation::Biased => sum / present as f64 / variance,
-                LagNormalisation::PairNormalised if *count > 0.0 => sum / count / variance,
-                LagNormalisation::PairNormalised => f64::NAN,
-            })
+            .map(|(sum, count)| if *count > 0.0 { sum / count / variance } else { f64::NAN })
             .collect();
         Ok(Self { step_m, correlation, pairs, mean, variance })
     }
@@ -128,8 +111,8 @@ mod tests {
     use super::*;
     use crate::random;
 
-    fn of_one(values: &[f64], normalisation: LagNormalisation) -> Result<Vec<f64>, EstimateError> {
-        RecordCorrelation::estimate(&[values], 1.0, values.len(), normalisation).map(|found| found.correlation)
+    fn of_one(values: &[f64]) -> Result<Vec<f64>, EstimateError> {
+        RecordCorrelation::estimate(&[values], 1.0, values.len()).map(|found| found.correlation)
     }
 
     /// A stationary autoregressive record with correlation φ^lag.
@@ -147,21 +130,19 @@ mod tests {
     }
 
     #[test]
-    fn both_normalisations_are_direct_sums_with_missing_values() {
+    fn correlations_are_direct_sums_over_the_pairs_present() {
         let mut record = autoregressive(0.7, 23, 0);
         (record[3], record[10], record[11]) = (f64::NAN, f64::NAN, f64::INFINITY);
         let present: Vec<f64> = record.iter().copied().filter(|v| v.is_finite()).collect();
         let mean = present.iter().sum::<f64>() / 20.0;
         let variance = present.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 20.0;
-        let biased = of_one(&record, LagNormalisation::Biased).unwrap();
-        let paired = of_one(&record, LagNormalisation::PairNormalised).unwrap();
+        let paired = of_one(&record).unwrap();
         for lag in 0..23 {
             let products: Vec<f64> = (0..23 - lag)
                 .map(|i| (record[i] - mean) * (record[i + lag] - mean))
                 .filter(|p| p.is_finite())
                 .collect();
             let sum = products.iter().sum::<f64>() / variance;
-            assert!((biased[lag] - sum / 20.0).abs() < 1e-13);
             assert!((paired[lag] - sum / products.len() as f64).abs() < 1e-12 || products.is_empty());
         }
     }
@@ -198,7 +179,7 @@ mod tests {
                 let records: Vec<Vec<f64>> =
                     (0..4).map(|r| autoregressive(0.960_789_439_2, 5000, 4 * index + r)).collect();
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-                let found = RecordCorrelation::estimate(&views, 10.0, 400, LagNormalisation::PairNormalised).unwrap();
+                let found = RecordCorrelation::estimate(&views, 10.0, 400).unwrap();
                 fit_record(&found, RecordModel::Exponential).unwrap().length_m
             })
             .collect();
@@ -209,9 +190,9 @@ mod tests {
 
     #[test]
     fn records_without_variation_or_values_are_refused() {
-        assert_eq!(of_one(&[0.1; 5], LagNormalisation::Biased), Err(EstimateError::Constant { present: 5 }));
-        assert!(matches!(of_one(&[], LagNormalisation::Biased), Err(EstimateError::TooFew { present: 0, .. })));
-        let bad = RecordCorrelation::estimate(&[&[0.0, 1.0, 2.0]], 0.0, 2, LagNormalisation::Biased);
+        assert_eq!(of_one(&[0.1; 5]), Err(EstimateError::Constant { present: 5 }));
+        assert!(matches!(of_one(&[]), Err(EstimateError::TooFew { present: 0, .. })));
+        let bad = RecordCorrelation::estimate(&[&[0.0, 1.0, 2.0]], 0.0, 2);
         assert_eq!(bad, Err(EstimateError::BadStep { step_m: 0.0 }));
     }
 }

@@ -116,16 +116,6 @@ impl Translation {
         Ok(rho)
     }
 
-    /// Share of the variance carried by the Hermite orders 1, 2, …: (c_n/σ)².
-    pub fn shares(&self) -> &[f64] {
-        &self.shares[..ORDER]
-    }
-
-    /// Share of the variance that orders beyond the series carry; it is counted at the first of them.
-    pub fn unresolved_share(&self) -> f64 {
-        self.shares[ORDER]
-    }
-
     /// The slope dρ_X/dρ_G at ρ_G.
     pub fn slope(&self, rho: f64) -> f64 {
         self.summed.iter().enumerate().rev().fold(0.0, |sum, (i, share)| sum * rho + share * (i as f64 + 1.0))
@@ -191,7 +181,7 @@ mod tests {
             assert!((friction.correlation(rho) - target).abs() < 1e-14);
         }
         assert!((friction.least_correlation() + 0.951_586_25).abs() < 1e-8, "{}", friction.least_correlation());
-        assert!(friction.unresolved_share() < 1e-12);
+        assert!(friction.shares[ORDER] < 1e-12);
         let error = friction.normal_correlation(-0.99).unwrap_err();
         assert!(matches!(error, LawError::Correlation { least, .. } if (least + 0.9516).abs() < 1e-4));
     }

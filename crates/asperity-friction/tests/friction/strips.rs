@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use asperity_base::correlation::{CorrelationModel, Covariance, LagNormalisation, RecordCorrelation};
+use asperity_base::correlation::{CorrelationModel, Covariance, RecordCorrelation};
 use asperity_base::law::Marginal;
 use asperity_base::law::fit::Family;
 use asperity_base::map::{Grid, HeightMap};
@@ -325,8 +325,7 @@ fn white_friction_under_a_window_has_the_triangular_correlation() {
     let noise = |strip| random::standard_normal(&mut random::stream(3, "white", strip), 4096);
     let records: Vec<Record> = (0..60).map(|strip| averaged(&noise(strip), &window, grid)).collect();
     let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
-    let normalisation = LagNormalisation::PairNormalised;
-    let found = RecordCorrelation::estimate(&series, window.step_m(), 32, normalisation).unwrap();
+    let found = RecordCorrelation::estimate(&series, window.step_m(), 32).unwrap();
     // The triangle 1 − s/W. Its estimate from 60 · 64 windows has the error √(2/3 · 1/3840) ≈ .013; 1/e at (1 − 1/e) W
     // = .632 W.
     for (lag, rho) in found.correlation.iter().enumerate() {

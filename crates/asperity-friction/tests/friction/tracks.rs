@@ -1,8 +1,8 @@
 //! Several windows side by side on one strip do not count as several strips.
 
 use asperity_base::correlation::{
-    LagNormalisation, LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity,
-    WindowedRecords, cross_correlation, fit_length, fit_record, fitted_length_interval, rank_lengths, record_spectrum,
+    LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity, WindowedRecords,
+    cross_correlation, fit_length, fit_record, fitted_length_interval, rank_lengths, record_spectrum,
 };
 use asperity_base::law::Marginal;
 use asperity_base::law::fit::{Family, fit};
@@ -91,10 +91,9 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
             same_estimate(a.estimate, b.estimate, a.name);
         }
         let jackknife = |records: &[&[f64]], tracks: usize| {
-            let normalisation = LagNormalisation::PairNormalised;
-            let estimate = RecordCorrelation::estimate(records, 1.0, 60, normalisation).unwrap();
+            let estimate = RecordCorrelation::estimate(records, 1.0, 60).unwrap();
             let fitted = fit_record(&estimate, RecordModel::Exponential).unwrap();
-            fitted_length_interval(records, tracks, 1.0, 60, normalisation, &fitted).unwrap()
+            fitted_length_interval(records, tracks, 1.0, 60, &fitted).unwrap()
         };
         same(jackknife(&single, 1), jackknife(&copies, TRACKS), "jackknife");
         let cross = |records: &[&[f64]], tracks: usize| {
@@ -164,10 +163,9 @@ fn independent_tracks_count_as_strips() {
         let width = |fit: LengthFit| (fit.interval.high / fit.interval.low).ln();
         fitted.push(width(length(&all, tracks, RecordEnds::Free)) / width(length(&first, 1, RecordEnds::Free)));
         let jackknife = |records: &[&[f64]], tracks: usize| {
-            let normalisation = LagNormalisation::PairNormalised;
-            let estimate = RecordCorrelation::estimate(records, 1.0, 60, normalisation).unwrap();
+            let estimate = RecordCorrelation::estimate(records, 1.0, 60).unwrap();
             let fit = fit_record(&estimate, RecordModel::Exponential).unwrap();
-            let interval = fitted_length_interval(records, tracks, 1.0, 60, normalisation, &fit).unwrap();
+            let interval = fitted_length_interval(records, tracks, 1.0, 60, &fit).unwrap();
             interval.high - interval.low
         };
         curve.push(jackknife(&four, tracks) / jackknife(&one, 1));

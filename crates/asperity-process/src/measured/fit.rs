@@ -8,8 +8,7 @@ use super::{MeasuredError, Prepared};
 use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 use asperity_base::correlation::{
-    LagNormalisation, LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory,
-    WindowedModel,
+    LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
 };
 use asperity_base::law::Marginal;
 use asperity_base::law::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
@@ -145,7 +144,7 @@ fn correlate(
     history: RecordHistory,
 ) -> Result<(RecordCorrelation, ObservedLengths), MeasuredError> {
     let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
-    let found = RecordCorrelation::estimate(pieces, step_m, longest / 2, LagNormalisation::PairNormalised)?;
+    let found = RecordCorrelation::estimate(pieces, step_m, longest / 2)?;
     Ok((found, ObservedLengths::of(pieces, step_m, history)?))
 }
 

@@ -1,15 +1,15 @@
 //! Synthetic processes of known correlation and marginal law on cells, and windows that slide over them.
 
 use asperity::fourier::{Complex64, RealFft2};
+use asperity::law::Marginal;
 use asperity::law::translation::Translation;
-use asperity::law::{Marginal, Translator};
 use asperity::random;
 
 use super::Result;
 
 /// A periodic process of correlation e^{−s/ℓ} and a given law, on cells of length 1.
 pub(crate) struct Field {
-    law: Option<Translator>,
+    law: Option<Marginal>,
     fft: RealFft2,
     /// Standard deviations of the Fourier coefficients of the normal process.
     amplitudes: Vec<f64>,
@@ -34,7 +34,6 @@ impl Field {
         let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
         fft.forward(&lags, &mut spectrum, &mut work);
         let amplitudes = spectrum.iter().map(|value| value.re.max(0.0).sqrt()).collect();
-        let law = law.as_ref().map(Translator::new).transpose()?;
         Ok(Self { law, fft, amplitudes })
     }
 

@@ -2,7 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "the laws are written in this program")]
 
-use asperity::law::{Marginal, Translator};
+use asperity::law::Marginal;
 use asperity::random;
 
 /// Steps to a correlation length.
@@ -38,14 +38,14 @@ impl Planted {
 
     /// The records of a run.
     pub(crate) fn records(&self, run: u64) -> Vec<Vec<f64>> {
-        let translator = Translator::new(&self.law()).expect("a law");
+        let law = self.law();
         let n = self.lengths * STEPS / self.strips;
         (0..self.strips as u64)
             .map(|strip| {
                 let cells = self.cells();
                 let seed = run * 1000 + strip;
                 let long = if self.periodic { circle(n, seed) } else { line(n + cells - 1, seed) };
-                let values: Vec<f64> = long.iter().map(|g| translator.translate(*g)).collect();
+                let values: Vec<f64> = long.iter().map(|g| law.translate(*g)).collect();
                 let mean = |start: usize| (start..start + cells).map(|i| values[i % values.len()]).sum::<f64>();
                 // A sixteenth of the window is less than a step here: every position is kept.
                 (0..n).map(|start| mean(start) / cells as f64).collect()

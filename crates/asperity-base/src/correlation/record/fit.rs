@@ -1,6 +1,6 @@
 //! Least-squares fits of models to estimated correlations.
 
-use super::{LagNormalisation, RecordCorrelation, RecordModel};
+use super::{RecordCorrelation, RecordModel};
 use crate::correlation::estimate::EstimateError;
 use crate::numeric::{Range, least_squares};
 use crate::stats::{Interval, Moments, student_quantile};
@@ -51,7 +51,6 @@ pub fn fitted_length_interval(
     lanes: usize,
     step_m: f64,
     largest_lag: usize,
-    normalisation: LagNormalisation,
     fit: &RecordFit,
 ) -> Option<Interval> {
     let strips = records.len().div_ceil(lanes);
@@ -80,7 +79,7 @@ pub fn fitted_length_interval(
             })
             .collect();
         let views: Vec<&[f64]> = left.iter().map(Vec::as_slice).collect();
-        let found = RecordCorrelation::estimate(&views, step_m, largest_lag, normalisation).ok()?;
+        let found = RecordCorrelation::estimate(&views, step_m, largest_lag).ok()?;
         fit_record(&found, fit.model).ok().map(|fit| fit.length_m)
     };
     let lengths: Vec<f64> = (0..parts).map(without).collect::<Option<_>>()?;

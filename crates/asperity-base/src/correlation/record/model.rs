@@ -6,7 +6,7 @@ use statrs::function::erf::erfc;
 use statrs::function::gamma::ln_gamma;
 
 use super::tail::TailTable;
-use crate::correlation::bessel::matern;
+use crate::correlation::CorrelationModel;
 
 /// Windows shorter than this share of ℓ change nothing, and their second differences would be rounding.
 const NO_WINDOW: f64 = 1e-5;
@@ -55,21 +55,10 @@ impl RecordModel {
     /// ρ_0 at r = s/ℓ.
     pub(super) fn scaled(&self, r: f64) -> f64 {
         match *self {
-            Self::Exponential => (-r).exp(),
-            Self::SquaredExponential => (-r * r).exp(),
             Self::Triangle => (1.0 - r).max(0.0),
-            Self::Matern { nu } => {
-                let y = (2.0 * nu).sqrt() * r;
-                if nu == 0.5 {
-                    (-y).exp()
-                } else if nu == 1.5 {
-                    (1.0 + y) * (-y).exp()
-                } else if nu == 2.5 {
-                    (1.0 + y + y * y / 3.0) * (-y).exp()
-                } else {
-                    matern(nu, y)
-                }
-            }
+            Self::Exponential => CorrelationModel::Exponential.correlation(r),
+            Self::SquaredExponential => CorrelationModel::SquaredExponential.correlation(r),
+            Self::Matern { nu } => CorrelationModel::Matern { nu }.correlation(r),
         }
     }
 
