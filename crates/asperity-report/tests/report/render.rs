@@ -483,7 +483,7 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
         "<td>0.061</td>",
         "exceeded once in 100 mm",
         "0.2310 [0.2280, 0.2360]",
-        "<td>inside</td><td>600.0 µm</td><td>0.012</td>",
+        "<td>inside</td><td>600 µm</td><td>0.012</td>",
         "<td>taken out</td><td>0.0 µm [0.0, 8.5]</td>",
         "0.021 (p = 0.41)",
         "Std, “area”",
