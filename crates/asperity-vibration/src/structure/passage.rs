@@ -35,10 +35,9 @@ pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passag
     let Some(forcing) = oscillator.forcing() else {
         return Err(VibrationError::NotFound { what: "passage", reason: "the oscillator has no forcing" });
     };
-    let (weakening, scaled_forcing, linear) =
-        (Weakening::new(oscillator), ScaledForcing::new(oscillator), Linear(oscillator));
+    let (weakening, scaled, linear) = (Weakening::new(oscillator), ScaledForcing::new(oscillator), Linear(oscillator));
     // Growth rate of the forward excess at W = 0.
-    let rate = |tau: f64| 1.0 + scaled_forcing.rate(tau);
+    let rate = |tau: f64| 1.0 + scaled.rate(tau);
     if rate(tau) <= 0.0 {
         return Ok(None);
     }
