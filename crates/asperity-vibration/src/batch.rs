@@ -10,7 +10,7 @@ mod kernel;
 
 use std::ops::Range;
 
-use self::kernel::{Constants, Cuts, Expansion, LANES, States};
+use self::kernel::{Consts, Cuts, Expansion, LANES, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
@@ -224,7 +224,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
 /// Batch of a batch, and the queue of trajectories that wait for a free lane.
 struct Batch<const N: usize, const EXPONENTIAL: bool, F, W> {
     duration: f64,
-    consts: Constants,
+    consts: Consts,
     states: States,
     cuts: Cuts,
     expansion: Box<Expansion<N, EXPONENTIAL>>,
@@ -236,7 +236,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
     fn new(settings: &TrajectorySettings) -> Self {
         Self {
             duration: settings.duration,
-            consts: Constants::NONE,
+            consts: Consts::NONE,
             states: States::NONE,
             cuts: Cuts::NONE,
             expansion: Box::new(Expansion::NONE),

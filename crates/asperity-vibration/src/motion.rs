@@ -152,11 +152,7 @@ impl<F: Fluctuation> Motion<F> {
     }
 
     /// Creates a motion from a state of slip.
-    pub(super) fn from_slip_state(
-        oscillator: &Oscillator,
-        fluctuation: F,
-        state: SlipState,
-    ) -> Result<Self, VibrationError> {
+    pub(super) fn from_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
         let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;
         (motion.tau, motion.w, motion.e, motion.phase) = (state.tau, state.w, state.e, state.phase);
         Ok(motion)

@@ -27,7 +27,7 @@ const REACH: f64 = 0.98;
 
 /// Constants of the slip equations, per lane; see [`super::super::series`].
 #[derive(Debug, Clone)]
-pub(super) struct Constants {
+pub(super) struct Consts {
     pub(super) jump: Lane,
     linear: Lane,
     gain: Lane,
@@ -88,7 +88,7 @@ pub(super) struct Cuts {
     excess: Lane,
 }
 
-impl Constants {
+impl Consts {
     pub(super) const NONE: Self = Self {
         jump: [0.0; LANES],
         linear: [0.0; LANES],
@@ -301,7 +301,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Returns r(W) and its slope.
     #[inline(always)]
-    fn law(consts: &Constants, l: usize, w: f64) -> (f64, f64) {
+    fn law(consts: &Consts, l: usize, w: f64) -> (f64, f64) {
         let (gain, curvature) = (consts.gain[l], consts.curvature[l]);
         if EXPONENTIAL {
             let (fade, less_one) = exponential(-curvature * w);
@@ -314,7 +314,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Computes the recurrence of [`super::super::series::Series`] without forcing.
     #[inline(always)]
-    fn expand(&mut self, consts: &Constants, states: &States) {
+    fn expand(&mut self, consts: &Consts, states: &States) {
         (self.w[0], self.s[0]) = (states.w, states.w);
         let (gain, curvature) = if EXPONENTIAL {
             let mut gain = [0.0; LANES];
@@ -362,14 +362,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Computes the coefficients of order m from the previous ones and Σ w_k r_{m−k}, or Σ k·w_k r_{m−k}.
     #[inline(always)]
-    fn advance(
-        &mut self,
-        consts: &Constants,
-        states: &States,
-        (gain, curvature): (&Lane, &Lane),
-        m: usize,
-        sum: &Lane,
-    ) {
+    fn advance(&mut self, consts: &Consts, states: &States, (gain, curvature): (&Lane, &Lane), m: usize, sum: &Lane) {
         let (next, after) = (RECIPROCAL[m], RECIPROCAL[m + 1]);
         let (before, e) = (self.w[m - 1], self.e[1]);
         let w = each(|l| (e[l] + consts.linear[l] * before[l] + self.r[m - 1][l]) * next);
@@ -402,7 +395,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     /// Returns the time of the zero of W, W′ there, and whether it was found. W is positive at 0 and w ≤ 0 with slope
     /// `slope` at h.
     #[inline(always)]
-    fn arrival(&self, consts: &Constants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
+    fn arrival(&self, consts: &Consts, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
         // W″ follows from W and W′, so each iteration is Halley's method, of third order.
         let bend = |w: &Lane, slope: &Lane| {
             each(|l| {
@@ -470,7 +463,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     #[inline(always)]
     pub(super) fn step<const HAS_GRID: bool>(
         &mut self,
-        consts: &Constants,
+        consts: &Consts,
         states: &mut States,
         until: f64,
         tolerance: f64,
@@ -544,7 +537,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Shortens the steps on which e^{−cW} rises more steeply than its series can represent.
     #[inline(always)]
-    fn limit_exponential_steps(&self, consts: &Constants, cap: &mut Lane) {
+    fn limit_exponential_steps(&self, consts: &Consts, cap: &mut Lane) {
         let lowest = lower_bound(&self.w, cap);
         let steep = each(|l| flag(consts.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
         if any(&steep) {

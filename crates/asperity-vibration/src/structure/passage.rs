@@ -42,7 +42,7 @@ pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passag
         return Ok(None);
     }
     let end = tau + MAX_PERIODS * TAU / forcing.frequency;
-    let mut motion = Motion::from_slip_state(oscillator, Steady, SlipState::detached(tau))?;
+    let mut motion = Motion::from_slip(oscillator, Steady, SlipState::detached(tau))?;
     // A later detachment means an earlier state at each time.
     let mut tangent: Tangent = [-weakening.jump, -rate(tau)];
     let (mut turn, mut turns, mut begun, mut slides_since) = (Turn::EMPTY, Vec::new(), tau, tau);
