@@ -134,10 +134,9 @@ impl FittedProcess {
     /// Returns the model of m(s) with lengths in multiples of `unit_m`: 1 for metre, N/c for the oscillator. The
     /// correlation is the one of m, not of the underlying normal process. Unless a generator is stated, exponential
     /// correlations use the recursion and all others a sum of harmonics.
-    /// harmonics.
     ///
+    /// # Errors
     /// Fails like [`FittedProcess::check`], and if μ is constant, because a constant has no such model.
-    /// As [`FittedProcess::check`]; and a constant μ has no such model.
     pub fn model(&self, unit_m: f64) -> Result<ProcessModel, ProcessError> {
         self.check()?;
         positive("unit of length", unit_m)?;

@@ -10,7 +10,7 @@ mod kernel;
 
 use std::ops::Range;
 
-use self::kernel::{Constants, Cuts, Expansion, LANES, States};
+use self::kernel::{Consts, Cuts, Expansion, LANES, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
@@ -224,7 +224,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
 /// Batch of a batch, and the queue of trajectories that wait for a free lane.
 struct Batch<const N: usize, const EXPONENTIAL: bool, F, W> {
     duration: f64,
-    constants: Constants,
+    consts: Consts,
     states: States,
     cuts: Cuts,
     expansion: Box<Expansion<N, EXPONENTIAL>>,
@@ -236,7 +236,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
     fn new(settings: &TrajectorySettings) -> Self {
         Self {
             duration: settings.duration,
-            constants: Constants::NONE,
+            consts: Consts::NONE,
             states: States::NONE,
             cuts: Cuts::NONE,
             expansion: Box::new(Expansion::NONE),
@@ -260,11 +260,11 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
                 return;
             }
             loop {
-                let Self { constants, states, cuts, expansion, .. } = self;
+                let Self { consts, states, cuts, expansion, .. } = self;
                 if N == STEADY {
-                    expansion.step::<false>(constants, states, self.duration, STEADY_TOLERANCE, cuts);
+                    expansion.step::<false>(consts, states, self.duration, STEADY_TOLERANCE, cuts);
                 } else {
-                    expansion.step::<true>(constants, states, self.duration, NOISY_TOLERANCE, cuts);
+                    expansion.step::<true>(consts, states, self.duration, NOISY_TOLERANCE, cuts);
                 }
                 let mut one_ended = false;
                 for lane in 0..LANES {
@@ -294,7 +294,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
 
     /// Assigns a trajectory, which starts in stick, to a lane.
     fn start(&mut self, lane: usize, trajectory: LaneTrajectory<F, W>) -> Outcome {
-        self.constants.set(lane, &trajectory.oscillator);
+        self.consts.set(lane, &trajectory.oscillator);
         let excess = trajectory.excess;
         self.states.tau[lane] = 0.0;
         self.states.enter(lane, &trajectory.cell, trajectory.velocity);
@@ -384,7 +384,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
         // An arrival has W′ = e + jump ≤ 0; any other value is rounding at a grazing arrival.
         let opposite = |e: f64, m: f64, t: &LaneTrajectory<F, W>| -e - 2.0 * (t.static_friction + m) / t.velocity;
         let m = trajectory.fluctuation_at(states.passed[lane]);
-        let mut e = states.e[lane].min(-self.constants.jump[lane]);
+        let mut e = states.e[lane].min(-self.consts.jump[lane]);
         let from = states.direction[lane];
         if from < 0.0 {
             e = opposite(e, m, trajectory);

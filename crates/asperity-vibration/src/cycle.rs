@@ -176,7 +176,7 @@ pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, SlipState), Vib
 /// from a detachment turns back before the belt velocity.
 pub(super) fn cycle_at_belt(oscillator: &Oscillator) -> Result<Option<(LimitCycle, SlipState)>, VibrationError> {
     let start = SlipState::detached(0.0);
-    let mut motion = Motion::from_slip_state(oscillator, Steady, start)?;
+    let mut motion = Motion::from_slip(oscillator, Steady, start)?;
     // A turn starts at a detachment; a lap starts at a return from over-slip.
     let (mut turn, mut lap) = (Turn::EMPTY, Turn::EMPTY);
     let mut returned: Option<SlipState> = None;

@@ -33,16 +33,16 @@ pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), Vibrat
     };
     let period = TAU / forcing.frequency;
     let free = critical_damping(oscillator)?.critical_damping_ratio;
-    let (scaled_forcing, jump) = (ScaledForcing::new(oscillator), Weakening::new(oscillator).jump);
+    let (scaled, jump) = (ScaledForcing::new(oscillator), Weakening::new(oscillator).jump);
     let mismatch = |phase: f64| -> Result<Option<(f64, f64)>, VibrationError> {
-        if 1.0 + scaled_forcing.rate(phase) <= 0.0 {
+        if 1.0 + scaled.rate(phase) <= 0.0 {
             return Ok(None);
         }
         let Some(damping) = grazing_damping(oscillator, phase, free.max(0.01), 60.0 * free.max(0.01))? else {
             return Ok(None);
         };
         let Some(minimum) = first_minimum(&oscillator.with_damping(damping)?, phase)? else { return Ok(None) };
-        let stick = scaled_forcing.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
+        let stick = scaled.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
         Ok(stick.map(|stick| (minimum.time + stick - period, damping)))
     };
     let mut best: Option<(f64, f64)> = None;

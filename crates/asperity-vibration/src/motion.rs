@@ -24,7 +24,7 @@ pub(super) struct Motion<F> {
     static_friction: f64,
     damping: f64,
     velocity: f64,
-    scaled_forcing: ScaledForcing,
+    scaled: ScaledForcing,
     law: FrictionLaw,
     drive: Drive,
     fluctuation: F,
@@ -118,7 +118,7 @@ impl<F: Fluctuation> Motion<F> {
             static_friction: oscillator.static_friction(),
             damping: oscillator.damping_ratio(),
             velocity,
-            scaled_forcing: ScaledForcing::new(oscillator),
+            scaled: ScaledForcing::new(oscillator),
             law: oscillator.law().clone(),
             drive,
             fluctuation,
@@ -138,7 +138,7 @@ impl<F: Fluctuation> Motion<F> {
         motion.cell = CurrentCell::new(motion.draw()?, 0.0);
         motion.m = motion.cell.left;
         motion.e = ((start - motion.static_friction) + 2.0 * motion.damping * velocity - motion.m) / velocity
-            - motion.scaled_forcing.force(0.0);
+            - motion.scaled.force(0.0);
         motion.phase = motion.phase_at_rest()?;
         if motion.phase == Phase::OverSlip {
             motion.e = motion.opposite_excess();
@@ -152,11 +152,7 @@ impl<F: Fluctuation> Motion<F> {
     }
 
     /// Creates a motion from a state of slip.
-    pub(super) fn from_slip_state(
-        oscillator: &Oscillator,
-        fluctuation: F,
-        state: SlipState,
-    ) -> Result<Self, VibrationError> {
+    pub(super) fn from_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
         let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;
         (motion.tau, motion.w, motion.e, motion.phase) = (state.tau, state.w, state.e, state.phase);
         Ok(motion)
@@ -188,7 +184,7 @@ impl<F: Fluctuation> Motion<F> {
 
     fn displacement_of(&self, tau: f64, phase: Phase, e: f64, m: f64) -> f64 {
         let force = (self.velocity * e + m + self.static_friction) * phase.direction();
-        force - 2.0 * self.damping * self.velocity + self.velocity * self.scaled_forcing.force(tau)
+        force - 2.0 * self.damping * self.velocity + self.velocity * self.scaled.force(tau)
     }
 
     /// Advances to the next cut, at most to `until`; returns the event if the cut is one.

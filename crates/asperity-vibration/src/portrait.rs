@@ -23,7 +23,7 @@ pub struct PhasePoint {
 /// without a cycle.
 pub fn cycle_portrait(oscillator: &Oscillator, points: usize) -> Result<Option<Vec<PhasePoint>>, VibrationError> {
     let (Regime::Cycle(cycle), state) = locate(oscillator)? else { return Ok(None) };
-    let motion = Motion::from_slip_state(oscillator, Steady, state)?;
+    let motion = Motion::from_slip(oscillator, Steady, state)?;
     sampled(motion, state.tau, state.tau + cycle.period, points).map(Some)
 }
 

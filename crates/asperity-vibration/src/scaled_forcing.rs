@@ -88,12 +88,12 @@ mod tests {
     fn no_release_is_missed() {
         // Strong forcing: the excess oscillates and may reach the limit many periods before its mean does.
         for (amplitude, frequency, tau) in [(3.0, 2.0, 0.1), (0.3, 5.0, 2.0), (20.0, 0.7, 1.0), (0.0, 0.0, 0.0)] {
-            let scaled_forcing = ScaledForcing { amplitude, frequency };
+            let scaled = ScaledForcing { amplitude, frequency };
             for excess in [-0.01, -1.0, -6.5, -40.0] {
-                let found = scaled_forcing.release(1.0, 1.0, excess, tau, 1e3).unwrap();
-                assert!((excess + scaled_forcing.growth(1.0, 1.0, tau, found)).abs() < 1e-12);
+                let found = scaled.release(1.0, 1.0, excess, tau, 1e3).unwrap();
+                assert!((excess + scaled.growth(1.0, 1.0, tau, found)).abs() < 1e-12);
                 let fine = (0..200_000).map(|i| f64::from(i) / 200_000.0 * found * (1.0 - 1e-6));
-                assert!(fine.map(|t| excess + scaled_forcing.growth(1.0, 1.0, tau, t)).all(|e| e < 0.0));
+                assert!(fine.map(|t| excess + scaled.growth(1.0, 1.0, tau, t)).all(|e| e < 0.0));
             }
         }
     }
@@ -101,27 +101,27 @@ mod tests {
     #[test]
     fn a_stick_of_thousands_of_forcing_periods_ends_in_time() {
         // Slow belt and fast force.
-        let (scaled_forcing, excess) = (ScaledForcing { amplitude: 632.0, frequency: 5.75 }, -23_000.0);
-        let found = scaled_forcing.release(1.0, 1.0, excess, 0.3, f64::INFINITY).unwrap();
-        assert!((excess + scaled_forcing.growth(1.0, 1.0, 0.3, found)).abs() < 1e-9);
+        let (scaled, excess) = (ScaledForcing { amplitude: 632.0, frequency: 5.75 }, -23_000.0);
+        let found = scaled.release(1.0, 1.0, excess, 0.3, f64::INFINITY).unwrap();
+        assert!((excess + scaled.growth(1.0, 1.0, 0.3, found)).abs() < 1e-9);
         // Not before the force at its most favourable phase is sufficient, and within a period from there.
         let best = -(excess + 632.0 * (1.0 + (5.75_f64 * 0.3).cos()));
         assert!(found >= best && found < best + std::f64::consts::TAU / 5.75, "{found} after {best}");
-        assert_eq!(scaled_forcing.release(1.0, 1.0, excess, 0.3, found - 1e-6), None);
+        assert_eq!(scaled.release(1.0, 1.0, excess, 0.3, found - 1e-6), None);
         // The belt carries the mass away from the other limit, which the force narrowly misses at the start and never
         // reaches later.
-        let scaled_forcing = ScaledForcing { amplitude: 198.0, frequency: 8.68 };
+        let scaled = ScaledForcing { amplitude: 198.0, frequency: 8.68 };
         for missing in [1e-9, 1e-3, 0.1] {
             let excess = -2.0 * 198.0 - missing;
-            assert_eq!(scaled_forcing.release(-1.0, -1.0, excess, 0.0, 1e6), None);
+            assert_eq!(scaled.release(-1.0, -1.0, excess, 0.0, 1e6), None);
         }
     }
 
     #[test]
     fn without_forcing_a_stick_lasts_as_long_as_its_missing_force() {
-        let scaled_forcing = ScaledForcing { amplitude: 0.0, frequency: 0.0 };
-        assert_eq!(scaled_forcing.release(1.0, 1.0, -0.75, 3.0, 10.0), Some(0.75));
-        assert_eq!(scaled_forcing.release(1.0, 1.0, -0.75, 3.0, 0.5), None);
-        assert_eq!(scaled_forcing.release(-1.0, -1.0, -0.75, 3.0, 10.0), None);
+        let scaled = ScaledForcing { amplitude: 0.0, frequency: 0.0 };
+        assert_eq!(scaled.release(1.0, 1.0, -0.75, 3.0, 10.0), Some(0.75));
+        assert_eq!(scaled.release(1.0, 1.0, -0.75, 3.0, 0.5), None);
+        assert_eq!(scaled.release(-1.0, -1.0, -0.75, 3.0, 10.0), None);
     }
 }

@@ -114,8 +114,8 @@ impl Loading {
     /// Returns e′ at the start.
     #[inline(always)]
     pub(super) fn rate(&self, w: f64) -> f64 {
-        let scaled_forcing = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
-        self.base + scaled_forcing - self.kappa * w
+        let scaled = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
+        self.base + scaled - self.kappa * w
     }
 }
 

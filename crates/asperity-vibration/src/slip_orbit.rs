@@ -37,7 +37,7 @@ pub(super) fn first_minimum_from(
     mut visit: impl FnMut(Step, f64),
 ) -> Result<Option<Minimum>, VibrationError> {
     let mut weakening = Weakening::new(oscillator);
-    let scaled_forcing = ScaledForcing::new(oscillator);
+    let scaled = ScaledForcing::new(oscillator);
     let mut series = Series::new();
     let (mut w, mut e, mut time) = (0.0, excess, 0.0);
     let mut falling = false;
@@ -45,9 +45,9 @@ pub(super) fn first_minimum_from(
         let loading = Loading {
             base: 1.0,
             kappa: 1.0,
-            swing: scaled_forcing.amplitude * scaled_forcing.frequency,
-            frequency: scaled_forcing.frequency,
-            phase: scaled_forcing.frequency * (tau + time),
+            swing: scaled.amplitude * scaled.frequency,
+            frequency: scaled.frequency,
+            phase: scaled.frequency * (tau + time),
         };
         weakening.select(w, e, &loading);
         series.expand(&weakening, &loading, w, e, f64::INFINITY);
@@ -71,7 +71,7 @@ pub(super) fn first_minimum_from(
             return Ok(Some(Minimum { time, w }));
         }
         falling = acceleration < 0.0;
-        if scaled_forcing.amplitude == 0.0 && (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED {
+        if scaled.amplitude == 0.0 && (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED {
             return Ok(None);
         }
     }

@@ -276,7 +276,7 @@ mod tests {
         assert!(error.to_string().contains("slope"), "{error}");
     }
 
-    /// Little-endian doubles of a one-dimensional .npy file.
+    /// Returns the little-endian doubles of a one-dimensional .npy file.
     fn doubles(bytes: &[u8]) -> Vec<f64> {
         let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
         bytes[header..].chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()

@@ -27,7 +27,7 @@ const REACH: f64 = 0.98;
 
 /// Constants of the slip equations, per lane; see [`super::super::series`].
 #[derive(Debug, Clone)]
-pub(super) struct Constants {
+pub(super) struct Consts {
     pub(super) jump: Lane,
     linear: Lane,
     gain: Lane,
@@ -88,7 +88,7 @@ pub(super) struct Cuts {
     excess: Lane,
 }
 
-impl Constants {
+impl Consts {
     pub(super) const NONE: Self = Self {
         jump: [0.0; LANES],
         linear: [0.0; LANES],
@@ -301,8 +301,8 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Returns r(W) and its slope.
     #[inline(always)]
-    fn law(constants: &Constants, l: usize, w: f64) -> (f64, f64) {
-        let (gain, curvature) = (constants.gain[l], constants.curvature[l]);
+    fn law(consts: &Consts, l: usize, w: f64) -> (f64, f64) {
+        let (gain, curvature) = (consts.gain[l], consts.curvature[l]);
         if EXPONENTIAL {
             let (fade, less_one) = exponential(-curvature * w);
             (-(gain / curvature) * less_one, gain * fade)
@@ -314,21 +314,21 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Computes the recurrence of [`super::super::series::Series`] without forcing.
     #[inline(always)]
-    fn expand(&mut self, constants: &Constants, states: &States) {
+    fn expand(&mut self, consts: &Consts, states: &States) {
         (self.w[0], self.s[0]) = (states.w, states.w);
         let (gain, curvature) = if EXPONENTIAL {
             let mut gain = [0.0; LANES];
             for l in 0..LANES {
-                (self.r[0][l], gain[l]) = Self::law(constants, l, states.w[l]);
+                (self.r[0][l], gain[l]) = Self::law(consts, l, states.w[l]);
             }
-            (gain, constants.curvature)
+            (gain, consts.curvature)
         } else {
-            let quotient = each(|l| 1.0 / (1.0 + constants.curvature[l] * states.w[l]));
-            let curvature = each(|l| constants.curvature[l] * quotient[l]);
-            self.r[0] = each(|l| constants.gain[l] * states.w[l] * quotient[l]);
-            (each(|l| constants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
+            let quotient = each(|l| 1.0 / (1.0 + consts.curvature[l] * states.w[l]));
+            let curvature = each(|l| consts.curvature[l] * quotient[l]);
+            self.r[0] = each(|l| consts.gain[l] * states.w[l] * quotient[l]);
+            (each(|l| consts.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
         };
-        self.w[1] = each(|l| states.e[l] + constants.linear[l] * states.w[l] + constants.jump[l] + self.r[0][l]);
+        self.w[1] = each(|l| states.e[l] + consts.linear[l] * states.w[l] + consts.jump[l] + self.r[0][l]);
         self.s[1] = each(|l| self.w[1][l] * 0.5);
         self.r[1] = each(|l| gain[l] * self.w[1][l]);
         self.rates[1] = self.w[1];
@@ -346,10 +346,10 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
                 lower = each(|l| lower[l] + w[l] * r[l]);
                 above = r;
             }
-            self.advance(constants, states, (&gain, &curvature), m, &lower);
+            self.advance(consts, states, (&gain, &curvature), m, &lower);
             let last = self.factor(m);
             upper = each(|l| upper[l] + (first[l] * self.r[m][l] + last[l] * self.r[1][l]));
-            self.advance(constants, states, (&gain, &curvature), m + 1, &upper);
+            self.advance(consts, states, (&gain, &curvature), m + 1, &upper);
             m += 2;
         }
     }
@@ -362,17 +362,10 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Computes the coefficients of order m from the previous ones and Σ w_k r_{m−k}, or Σ k·w_k r_{m−k}.
     #[inline(always)]
-    fn advance(
-        &mut self,
-        constants: &Constants,
-        states: &States,
-        (gain, curvature): (&Lane, &Lane),
-        m: usize,
-        sum: &Lane,
-    ) {
+    fn advance(&mut self, consts: &Consts, states: &States, (gain, curvature): (&Lane, &Lane), m: usize, sum: &Lane) {
         let (next, after) = (RECIPROCAL[m], RECIPROCAL[m + 1]);
         let (before, e) = (self.w[m - 1], self.e[1]);
-        let w = each(|l| (e[l] + constants.linear[l] * before[l] + self.r[m - 1][l]) * next);
+        let w = each(|l| (e[l] + consts.linear[l] * before[l] + self.r[m - 1][l]) * next);
         self.e = [e, each(|l| -states.kappa[l] * before[l] * next)];
         if EXPONENTIAL {
             self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * next * sum[l]);
@@ -402,11 +395,11 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     /// Returns the time of the zero of W, W′ there, and whether it was found. W is positive at 0 and w ≤ 0 with slope
     /// `slope` at h.
     #[inline(always)]
-    fn arrival(&self, constants: &Constants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
+    fn arrival(&self, consts: &Consts, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
         // W″ follows from W and W′, so each iteration is Halley's method, of third order.
         let bend = |w: &Lane, slope: &Lane| {
             each(|l| {
-                let weakening = constants.linear[l] + Self::law(constants, l, w[l]).1;
+                let weakening = consts.linear[l] + Self::law(consts, l, w[l]).1;
                 weakening * slope[l] + states.direction[l] - states.kappa[l] * w[l]
             })
         };
@@ -470,26 +463,26 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     #[inline(always)]
     pub(super) fn step<const HAS_GRID: bool>(
         &mut self,
-        constants: &Constants,
+        consts: &Consts,
         states: &mut States,
         until: f64,
         tolerance: f64,
         cuts: &mut Cuts,
     ) {
-        self.expand(constants, states);
+        self.expand(consts, states);
         let (w0, slope0) = (self.w[0], self.w[1]);
         let remaining = each(|l| until - states.tau[l]);
         let left = each(|l| states.span[l] - states.passed[l]);
         let reach = self.reach(states, tolerance);
         let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
         let mut cap = each(|l| {
-            let stiffness = larger(states.kappa[l] + constants.softening[l] * quickest[l], 0.1);
+            let stiffness = larger(states.kappa[l] + consts.softening[l] * quickest[l], 0.1);
             // A falling W that arrives does so soon, and must not return before the end of the step.
             let fall = if slope0[l] < 0.0 { FALLS * w0[l] / -slope0[l] } else { f64::INFINITY };
             smaller(smaller(reach[l], fall), smaller(EXTREMA * PI / stiffness.sqrt(), remaining[l]))
         });
         if EXPONENTIAL {
-            self.limit_exponential_steps(constants, &mut cap);
+            self.limit_exponential_steps(consts, &mut cap);
         }
         (cuts.trial, cuts.tau, cuts.passed, cuts.excess) = (cap, states.tau, states.passed, states.e);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
@@ -509,7 +502,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         unsure = each(|l| larger(unsure[l], flag(slope[l].abs() > quickest[l])));
         if any(&arrived) {
             // Arrivals are searched before grid points: after an arrival the distance would run backwards.
-            let (t, end, found) = self.arrival(constants, states, &h, &w, &slope);
+            let (t, end, found) = self.arrival(consts, states, &h, &w, &slope);
             unsure = each(|l| larger(unsure[l], arrived[l] * (1.0 - found[l])));
             crossed = each(|l| crossed[l] * (1.0 - arrived[l]));
             h = each(|l| choose(arrived[l], t[l], h[l]));
@@ -528,8 +521,8 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         let ceiling = each(|l| larger(w0[l], w[l]) + turned[l] * h[l] * quickest[l]);
         cuts.turned = each(|l| turned[l] * flag(states.fastest[l] <= 1.0));
         cuts.weak = each(|l| {
-            let loss = constants.loss[l] - states.least[l] * constants.thinning[l];
-            flag(constants.floor[l] + states.least[l] <= ceiling[l] * loss)
+            let loss = consts.loss[l] - states.least[l] * consts.thinning[l];
+            flag(consts.floor[l] + states.least[l] <= ceiling[l] * loss)
         });
         states.tau = each(|l| choose(flag(h[l] == remaining[l]), until, states.tau[l] + h[l]));
         states.passed = each(|l| choose(crossed[l], 0.0, states.passed[l] + distance[l]));
@@ -544,13 +537,13 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Shortens the steps on which e^{−cW} rises more steeply than its series can represent.
     #[inline(always)]
-    fn limit_exponential_steps(&self, constants: &Constants, cap: &mut Lane) {
+    fn limit_exponential_steps(&self, consts: &Consts, cap: &mut Lane) {
         let lowest = lower_bound(&self.w, cap);
-        let steep = each(|l| flag(constants.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
+        let steep = each(|l| flag(consts.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
         if any(&steep) {
             for (l, h) in cap.iter_mut().enumerate() {
                 let w: [f64; N] = std::array::from_fn(|k| self.w[k][l]);
-                *h = exponential_step(&w, constants.curvature[l], *h);
+                *h = exponential_step(&w, consts.curvature[l], *h);
             }
         }
     }

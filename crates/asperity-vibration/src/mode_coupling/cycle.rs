@@ -131,7 +131,7 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
         let repeated = |earlier: &Maximum| !settled && summit.difference(earlier) < REPEATED;
         if let Some(back) = summits.iter().position(repeated) {
             if spiral == MAX_SPIRAL || !summits.iter().take(back).any(|earlier| summit.difference(earlier) < NEAR) {
-                return measured(&mut motion, summit, back + 1).map(Regime::Cycle);
+                return measure(&mut motion, summit, back + 1).map(Regime::Cycle);
             }
             spiral += 1;
         }
@@ -164,11 +164,7 @@ fn next_maximum(
 }
 
 /// Follows one more period and measures it; extremes lie at ends of steps.
-fn measured(
-    motion: &mut Motion<process::Steady>,
-    first: Maximum,
-    summits: usize,
-) -> Result<LimitCycle, VibrationError> {
+fn measure(motion: &mut Motion<process::Steady>, first: Maximum, summits: usize) -> Result<LimitCycle, VibrationError> {
     let contact = motion.contact_stiffness();
     let began = motion.now.tau;
     let mut tangential = [motion.now.x; 2];

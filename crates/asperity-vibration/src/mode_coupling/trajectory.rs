@@ -142,7 +142,7 @@ mod tests {
         State { tangential: x, tangential_velocity: u, normal: y, normal_velocity: v }
     }
 
-    /// k₃ = 4/3, K(0) = [2, 1; 1, 2], C = diag(0.02, 0.02), V = 0.2, μ_s = 1.3, μ = 1.2/(1 + 0.3|v|).
+    /// Returns a model with k₃ = 4/3, K(0) = [2, 1; 1, 2], C = diag(0.02, 0.02), V = 0.2, μ_s = 1.3, μ = 1.2/(1 + 0.3|v|).
     fn example() -> Model {
         Model::new(Parameters {
             damping: Damping::Axes { tangential: 0.02, normal: 0.02 },

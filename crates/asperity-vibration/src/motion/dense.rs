@@ -16,7 +16,7 @@ impl<F: Fluctuation> Motion<F> {
                 Drive::Distance => 0.0,
                 Drive::Time => slope * self.velocity * t,
             };
-            let excess = e + self.scaled_forcing.growth(1.0, 1.0 - drift_rate(self.drive, slope), start, t);
+            let excess = e + self.scaled.growth(1.0, 1.0 - drift_rate(self.drive, slope), start, t);
             return (self.displacement_of(tau, phase, excess, m + drift), self.velocity);
         }
         let (w, e) = self.series.state(t);

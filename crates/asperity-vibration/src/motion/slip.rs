@@ -35,9 +35,9 @@ impl<F: Fluctuation> Motion<F> {
         let loading = Loading {
             base: direction - drift,
             kappa: 1.0 + stretch,
-            swing: direction * self.scaled_forcing.amplitude * self.scaled_forcing.frequency,
-            frequency: self.scaled_forcing.frequency,
-            phase: self.scaled_forcing.frequency * self.tau,
+            swing: direction * self.scaled.amplitude * self.scaled.frequency,
+            frequency: self.scaled.frequency,
+            phase: self.scaled.frequency * self.tau,
         };
         self.weakening.select(self.w, self.e, &loading);
         let (estimate, to_grid_point) = self.horizon();
@@ -116,7 +116,7 @@ impl<F: Fluctuation> Motion<F> {
         let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::GridPoint);
         let [before, slope] = self.series.start();
         // A force may turn W more than once in a step.
-        let turns = self.scaled_forcing.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
+        let turns = self.scaled.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
         let m_before = self.m;
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };

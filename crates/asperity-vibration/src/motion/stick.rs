@@ -15,15 +15,15 @@ impl<F: Fluctuation> Motion<F> {
             Drive::Time => ((self.cell.end - self.coordinate()) / self.velocity).max(0.0),
         };
         let limit = (until - self.tau).min(to_grid_point);
-        let forward = self.scaled_forcing.release(1.0, 1.0 - rate, self.e, self.tau, limit);
+        let forward = self.scaled.release(1.0, 1.0 - rate, self.e, self.tau, limit);
         let backward =
-            self.scaled_forcing.release(-1.0, -1.0 - rate, self.opposite_excess(), self.tau, forward.unwrap_or(limit));
+            self.scaled.release(-1.0, -1.0 - rate, self.opposite_excess(), self.tau, forward.unwrap_or(limit));
         let (h, released) = match (forward, backward) {
             (_, Some(t)) => (t, Some(Phase::OverSlip)),
             (Some(t), None) => (t, Some(Phase::Slip)),
             (None, None) => (limit, None),
         };
-        self.e += self.scaled_forcing.growth(1.0, 1.0 - rate, self.tau, h);
+        self.e += self.scaled.growth(1.0, 1.0 - rate, self.tau, h);
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
         if self.drive == Drive::Time {

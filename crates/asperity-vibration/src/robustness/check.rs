@@ -140,7 +140,7 @@ impl Checker<'_> {
         self.oscillator.forcing().map_or(0.0, |f| f.amplitude * (f.frequency * tau).cos())
     }
 
-    /// Largest friction coefficient so far.
+    /// Returns the largest friction coefficient so far.
     fn strongest(&self) -> f64 {
         let law = match self.oscillator.law() {
             FrictionLaw::Tabulated(table) => table.points().map(|point| point[1]).fold(0.0, f64::max),

@@ -95,7 +95,7 @@ pub(super) fn started_at(
     let external = belt * ScaledForcing::new(oscillator).force(0.0);
     let force = phase.direction() * (displacement + 2.0 * oscillator.damping_ratio() * belt - external);
     let e = (force - oscillator.static_friction()) / belt;
-    Motion::from_slip_state(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
+    Motion::from_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
 }
 
 /// Next event of an orbit that helps to decide its attractor.
@@ -329,7 +329,7 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
     let classifier = StartClassifier::new(&free)?;
     let Some(map) = classifier.map.as_ref().filter(|_| classifier.after_stick.is_vibration()) else { return Ok(None) };
     let drawn = |kind, state: SlipState, duration: f64| -> Result<Option<Separatrix>, VibrationError> {
-        let motion = Motion::from_slip_state(&free, Steady, state)?;
+        let motion = Motion::from_slip(&free, Steady, state)?;
         Ok(Some(Separatrix { kind, points: sampled(motion, 0.0, duration, points)? }))
     };
     let unstable = map.cycles.iter().zip(&map.growth[1..]).rev().find(|(_, growth)| **growth > 0.0);
@@ -383,7 +383,7 @@ mod tests {
         let force = sign * (x + 2.0 * oscillator.damping_ratio() * belt);
         let e = (force - oscillator.static_friction()) / belt;
         let state = SlipState { tau: 0.0, phase, w: (1.0 - velocity / belt).abs(), e };
-        let mut motion = Motion::from_slip_state(oscillator, Steady, state).unwrap();
+        let mut motion = Motion::from_slip(oscillator, Steady, state).unwrap();
         loop {
             if motion.step(f64::INFINITY).unwrap().is_some_and(|event| event.kind == EventKind::Restick) {
                 return MotionKind::StickSlip;

@@ -21,17 +21,17 @@ pub(crate) struct Graze {
 /// For an orbit that was stopped below zero, the derivatives refer to its end at that time.
 pub(crate) fn graze(oscillator: &Oscillator, tau: f64) -> Result<Option<Graze>, VibrationError> {
     let linear = Linear(oscillator);
-    let scaled_forcing = ScaledForcing::new(oscillator);
-    let angular = scaled_forcing.amplitude * scaled_forcing.frequency * scaled_forcing.frequency;
+    let scaled = ScaledForcing::new(oscillator);
+    let angular = scaled.amplitude * scaled.frequency * scaled.frequency;
     let mut tangents = [[0.0; 2]; 2];
     let minimum = first_minimum_from(oscillator, tau, 0.0, |step, time| {
         linear.carry(step, &mut tangents, |t, w| {
-            [[-2.0 * w, 0.0], [0.0, angular * (scaled_forcing.frequency * (tau + time + t)).cos()]]
+            [[-2.0 * w, 0.0], [0.0, angular * (scaled.frequency * (tau + time + t)).cos()]]
         });
     })?;
     Ok(minimum.map(|minimum| {
         // W′ = 0 there, so W″ = e′, and the time moves by −δ(W′)/W″.
-        let curvature = 1.0 - minimum.w + scaled_forcing.rate(tau + minimum.time);
+        let curvature = 1.0 - minimum.w + scaled.rate(tau + minimum.time);
         let gain = linear.gain(minimum.w);
         let time = |[w, e]: [f64; 2], source: f64| -(e + gain * w + source) / curvature;
         let time_by = [time(tangents[0], -2.0 * minimum.w), time(tangents[1], 0.0)];

@@ -92,12 +92,12 @@ impl Lock {
     fn residual(&self, point: Point) -> Result<[(f64, [f64; 2]); 2], VibrationError> {
         let what = "grazing orbit";
         let oscillator = self.at(point)?;
-        let (scaled_forcing, jump) = (ScaledForcing::new(&oscillator), Weakening::new(&oscillator).jump);
-        if scaled_forcing.amplitude == 0.0 {
+        let (scaled, jump) = (ScaledForcing::new(&oscillator), Weakening::new(&oscillator).jump);
+        if scaled.amplitude == 0.0 {
             return Err(VibrationError::NotFound { what, reason: "the forcing has vanished" });
         }
-        let tau = point[2] / scaled_forcing.frequency;
-        if 1.0 + scaled_forcing.rate(tau) <= 0.0 {
+        let tau = point[2] / scaled.frequency;
+        if 1.0 + scaled.rate(tau) <= 0.0 {
             return Err(VibrationError::NotFound { what, reason: "the force holds the mass at that phase" });
         }
         let Some(found) = graze(&oscillator, tau)? else {
@@ -107,18 +107,18 @@ impl Lock {
             });
         };
         let touch = found.minimum.time;
-        let Some(stick) = scaled_forcing.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {
+        let Some(stick) = scaled.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {
             return Err(VibrationError::NotFound { what, reason: "the mass stays in stick" });
         };
         // A later start of the stick shortens it in proportion to the growth of the excess.
-        let (before, after) = (1.0 + scaled_forcing.rate(tau + touch), 1.0 + scaled_forcing.rate(tau + touch + stick));
+        let (before, after) = (1.0 + scaled.rate(tau + touch), 1.0 + scaled.rate(tau + touch + stick));
         let shift = if jump == 0.0 { 0.0 } else { (before - after) / after };
         let [by_damping, by_tau] = found.time_by;
         let (by_damping, by_tau) = (by_damping * (1.0 + shift), by_tau * (1.0 + shift) + shift);
-        let units = [self.unit, 1.0 / scaled_forcing.frequency];
+        let units = [self.unit, 1.0 / scaled.frequency];
         Ok([
             (found.minimum.w, [found.w_by[0] * units[0], found.w_by[1] * units[1]]),
-            (touch + stick - TAU / scaled_forcing.frequency, [by_damping * units[0], by_tau * units[1]]),
+            (touch + stick - TAU / scaled.frequency, [by_damping * units[0], by_tau * units[1]]),
         ])
     }
 

@@ -35,15 +35,14 @@ pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passag
     let Some(forcing) = oscillator.forcing() else {
         return Err(VibrationError::NotFound { what: "passage", reason: "the oscillator has no forcing" });
     };
-    let (weakening, scaled_forcing, linear) =
-        (Weakening::new(oscillator), ScaledForcing::new(oscillator), Linear(oscillator));
+    let (weakening, scaled, linear) = (Weakening::new(oscillator), ScaledForcing::new(oscillator), Linear(oscillator));
     // Growth rate of the forward excess at W = 0.
-    let rate = |tau: f64| 1.0 + scaled_forcing.rate(tau);
+    let rate = |tau: f64| 1.0 + scaled.rate(tau);
     if rate(tau) <= 0.0 {
         return Ok(None);
     }
     let end = tau + MAX_PERIODS * TAU / forcing.frequency;
-    let mut motion = Motion::from_slip_state(oscillator, Steady, SlipState::detached(tau))?;
+    let mut motion = Motion::from_slip(oscillator, Steady, SlipState::detached(tau))?;
     // A later detachment means an earlier state at each time.
     let mut tangent: Tangent = [-weakening.jump, -rate(tau)];
     let (mut turn, mut turns, mut begun, mut slides_since) = (Turn::EMPTY, Vec::new(), tau, tau);
