@@ -1,6 +1,6 @@
 //! Pages and figures of finished runs.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot pose its problem has failed")]
 
 mod documents;
 mod records;
