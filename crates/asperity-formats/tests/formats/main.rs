@@ -27,6 +27,7 @@ mod plux;
 mod reference;
 mod round_trip;
 mod sdf;
+mod series;
 mod sur;
 mod table;
 mod text;

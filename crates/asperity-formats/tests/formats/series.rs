@@ -1,7 +1,5 @@
 //! One-dimensional records in NPY files.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot write its input has failed")]
-
 use std::fs;
 use std::path::PathBuf;
 
