@@ -174,6 +174,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn a_step_multiplies_the_eigenfunctions_by_their_decay() {
         // E[P_n(X_{s+h}) | X_s] = e^{−λ_n h}P_n(X_s) covers all moments of the transition distribution. The trapezoidal
         // rule over ξ is exact except for the error of the table, 1e-6 in a score in which P_n changes by less than its

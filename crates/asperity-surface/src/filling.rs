@@ -239,6 +239,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn a_filled_map_keeps_its_heights_and_their_statistics() {
         let marginal = Marginal::lognormal(0.0, 0.5, 0.0).unwrap();
         let (_, map) = scan(&marginal);
@@ -309,6 +310,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn a_fitted_covariance_and_a_normal_distribution_can_be_chosen() {
         let (_, map) = scan(&Marginal::STANDARD_NORMAL);
         let options = FillOptions {

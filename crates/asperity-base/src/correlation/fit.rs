@@ -307,6 +307,7 @@ mod tests {
     use crate::random;
 
     #[test]
+    #[ignore = "slow"]
     fn white_noise_is_fitted_by_a_length_below_the_pitch() {
         let grid = Grid::new(96, 96, 1e-6, 1e-6).unwrap();
         let noise = random::standard_normal(&mut random::stream(1, "noise", 0), grid.points());

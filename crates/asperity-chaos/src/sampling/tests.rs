@@ -162,6 +162,7 @@ fn maximin_points_keep_more_distance_than_those_of_a_hundred_latin_hypercubes() 
 }
 
 #[test]
+#[ignore = "slow"]
 fn replicates_are_independent_and_their_spread_is_the_standard_error() {
     // f has mean 0 and an interaction, which no design of 64 points integrates exactly.
     let f = |u: &[f64]| (u[0] - 0.5) + 12.0 * (u[1] - 0.5) * (u[2] - 0.5);

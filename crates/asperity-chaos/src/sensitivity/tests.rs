@@ -76,6 +76,7 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
     let a = [0.0, 1.0, 4.5, 9.0];
     let (exact, projected) = (sobol_g_parts(&a, false), sobol_g_parts(&a, true));

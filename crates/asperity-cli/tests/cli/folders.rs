@@ -214,6 +214,7 @@ fn of_two_runs_into_one_new_folder_both_results_stay() {
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow"]
 fn sigterm_ends_like_ctrl_c_and_leaves_nothing() {
     let folder = bench();
     let at = folder.path();

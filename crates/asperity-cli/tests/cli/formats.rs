@@ -105,6 +105,7 @@ fn a_map_of_several_is_chosen_by_name_or_number() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_study_names_the_map_of_a_file() {
     let folder = TempDir::new().unwrap();
     let rough = |seed: usize| {

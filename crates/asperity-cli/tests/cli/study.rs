@@ -315,6 +315,7 @@ fn the_study_of_a_run_runs_from_where_it_lies_and_its_results_name_no_path() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn several_scans_run_from_anywhere_are_inputs_and_each_is_named_when_wrong() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();

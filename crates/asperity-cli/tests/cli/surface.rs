@@ -313,6 +313,7 @@ fn rough_with_a_void() -> Array2<f64> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
     let folder = TempDir::new().unwrap();
     let measured = rough_with_a_void();
@@ -350,6 +351,7 @@ fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_smooth_map_is_filled_as_any_other() {
     // Waves of many points, smooth to the last bit: their heights hardly tell neighbours apart.
     let folder = TempDir::new().unwrap();

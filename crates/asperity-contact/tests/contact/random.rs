@@ -211,6 +211,7 @@ fn random_problems_are_solved_and_their_residuals_are_correct() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn no_iteration_raises_the_energy() {
     for sample in 0..33 {
         let mut last = f64::INFINITY;

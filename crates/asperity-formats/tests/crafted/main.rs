@@ -24,6 +24,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(5);
 const FREE_BYTES: usize = 24 << 20;
 
 #[test]
+#[ignore = "slow"]
 fn crafted_files_take_no_more_than_their_size_and_their_heights_justify() {
     let mib = std::env::var("ASPERITY_CRAFTED_MIB").map_or(4, |mib| mib.parse().unwrap());
     let size = mib << 20;

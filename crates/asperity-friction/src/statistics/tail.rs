@@ -310,6 +310,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn intervals_cover_the_shape_and_the_return_level() {
         for shape in [-0.2, 0.0, 0.3] {
             let runs = 100;

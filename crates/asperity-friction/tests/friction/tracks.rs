@@ -195,6 +195,7 @@ fn of_values(friction: Vec<f64>) -> Record {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_tail_and_the_distributions_of_copies_equal_those_of_one_of_them() {
     let (single, copies) = copied(20, 1000, 300);
     let statistics = |records: Vec<Vec<f64>>, tracks: usize| {
@@ -227,6 +228,7 @@ fn from_uniform(mut p: Vec<f64>) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn p_values_of_a_correct_distribution_are_uniform_on_periodic_strips_and_on_copied_tracks() {
     let runs = 150_u64;
     let p = |seed: u64, strips: usize, n: usize, periodic: bool, tracks: usize, known: Layout| -> Vec<[f64; 2]> {

@@ -266,6 +266,7 @@ fn the_stiffness_of_a_shifted_wave_is_that_of_its_mean_mode_or_none() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_stiffness_is_one_more_scalar_and_changes_nothing_else() {
     let (surface, half_space) = gaussian_surface(16, 30);
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.3 }, Some(2.0)).unwrap();

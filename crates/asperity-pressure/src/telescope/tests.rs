@@ -65,6 +65,7 @@ fn models_at_their_word_give_the_telescoping_sum() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
     let (fine, coarse, repeats) = (250, 750, 1000);
     let truth = |t: f64| standard_normal_cdf((t - MEAN) / std());

@@ -173,6 +173,7 @@ fn an_empirical_distribution_reproduces_its_own_heights() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_map_is_extended_beyond_its_edges_and_its_voids_are_filled() {
     let rough = covariance(CorrelationModel::SelfAffine { hurst: 0.7 }, 5.0);
     let map = measured(&rough, grid(40, 30), |row, column| row < 6 && column > 30);

@@ -72,6 +72,7 @@ fn recovers(known: Covariance, missing: f64) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn known_covariances_are_recovered() {
     recovers(Covariance::new(CorrelationModel::SquaredExponential, 2.0, 5.0, 5.0).unwrap(), 0.0);
     recovers(Covariance::new(CorrelationModel::Exponential, 2.0, 5.0, 5.0).unwrap(), 0.0);
@@ -80,18 +81,21 @@ fn known_covariances_are_recovered() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn known_covariances_are_recovered_with_a_tenth_of_the_points_missing() {
     recovers(Covariance::new(CorrelationModel::SquaredExponential, 2.0, 5.0, 5.0).unwrap(), 0.1);
     recovers(Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 2.0, 5.0, 5.0).unwrap(), 0.1);
 }
 
 #[test]
+#[ignore = "slow"]
 fn anisotropy_is_recovered() {
     recovers(Covariance::new(CorrelationModel::SquaredExponential, 1.0, 8.0, 3.0).unwrap(), 0.0);
     recovers(Covariance::new(CorrelationModel::Exponential, 1.0, 3.0, 8.0).unwrap(), 0.05);
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_known_family_is_ranked_first_or_not_distinguishable_from_the_first() {
     // Differences of Schwarz's criterion above 10 are very strong evidence: Kass & Raftery, J. Am. Stat. Assoc. 90
     // (1995) 773.
@@ -116,6 +120,7 @@ fn the_known_family_is_ranked_first_or_not_distinguishable_from_the_first() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_correlation_that_does_not_decay_along_an_axis_is_a_warning() {
     let grid = Grid::new(64, 64, 1.0, 1.0).unwrap();
     let ridge = |long: f64| {
@@ -209,6 +214,7 @@ fn profile_spectra_distinguish_the_directions() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn an_oblique_lay_is_a_warning_and_a_straight_one_is_not() {
     let oblique = |angle: f64| {
         // Random noise elongated along ridges at an angle: a sum of plane waves normal to them.

@@ -89,6 +89,7 @@ fn assert_covered(name: &str, found: [f64; 3]) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn intervals_of_normal_surfaces_have_95_percent_coverage() {
     for model in [CorrelationModel::SquaredExponential, CorrelationModel::Exponential] {
         assert_covered(model.name(), covered(maps(model, &normal(), 30, 200), 0.0, POINTS as f64));
@@ -96,6 +97,7 @@ fn intervals_of_normal_surfaces_have_95_percent_coverage() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn intervals_of_skewed_surfaces_with_missing_heights_have_95_percent_coverage() {
     let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
     let translation = asperity_base::law::translation::Translation::new(&marginal).unwrap();
@@ -107,6 +109,7 @@ fn intervals_of_skewed_surfaces_with_missing_heights_have_95_percent_coverage() 
 }
 
 #[test]
+#[ignore = "slow"]
 fn intervals_have_95_percent_coverage_after_removing_a_plane() {
     let uncertainty =
         Uncertainty { resamples: 2, removed_terms: removed_terms(Level::Plane), ..Uncertainty::default() };
@@ -127,6 +130,7 @@ fn intervals_have_95_percent_coverage_after_removing_a_plane() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn limits_of_the_correlation_cover_it_at_short_and_long_lags() {
     let lags = [0, 1, 4, 12, 40];
     let uncertainty = Uncertainty::default();
@@ -194,6 +198,7 @@ fn standard_errors_of_normal_surfaces_equal_bartletts() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn standard_errors_equal_the_spread_over_maps() {
     let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
     let uncertainty = Uncertainty { resamples: 100, ..Uncertainty::default() };

@@ -127,6 +127,7 @@ fn slopes(rho: impl Fn(f64, f64) -> f64) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_smooth_map_stays_smooth() {
     // The slopes of the covariance are compared with differences of neighbours in the map. In a map
     // of twelve lengths the correlation may not visibly decay, and is then tapered.
@@ -315,6 +316,7 @@ fn a_map_without_roughness_or_neighbours_has_no_covariance() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_radial_spectrum_is_the_mean_of_the_transform_over_the_directions() {
     let (_, measured) = measure(&sample(&ridge(), unit_grid(96, 80), 3));
     let (end_x, end_y) = measured.support_m();

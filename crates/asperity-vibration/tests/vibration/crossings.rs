@@ -21,6 +21,7 @@ fn crossings(paths: usize, seed: u64) -> Vec<Crossing> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn intervals_of_crossings_cover_the_crossings_of_many_more_trajectories() {
     let replicates: usize = std::env::var("ASPERITY_REPLICATES").map_or(8, |count| count.parse().unwrap());
     // With 1,000 replicates, the error of these crossings is a fourteenth of the error of one replicate.

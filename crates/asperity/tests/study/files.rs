@@ -23,6 +23,7 @@ fn choose(n: usize, k: usize) -> usize {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_stored_scan_is_what_brake_disc_makes() {
     let stored = asperity_formats::read(&studies().join("brake_disc.x3p")).unwrap();
     let made = scan::brake_disc().unwrap();

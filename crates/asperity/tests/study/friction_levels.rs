@@ -100,6 +100,7 @@ fn run(more: &str) -> Outcome {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_ways() {
     let outcome = run("mean_pressures = [\"50 MPa\", \"500 MPa\"]\npenetrations = [\"1.2 um\"]\n\
                                   nominal_area = \"833 mm^2\"\n");
@@ -138,6 +139,7 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
 }
 
 #[test]
+#[ignore = "slow"]
 fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient() {
     // 3 MPa as on a brake pad: windows of one or two contacts; 1 GPa: hundreds of contact cells in every window.
     let more = "mean_pressures = [\"3 MPa\", \"1 GPa\"]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
@@ -175,6 +177,7 @@ fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_study_chooses_law_and_window() {
     let level = |more: &str| {
         let results = run(more).results;

@@ -46,6 +46,7 @@ fn named<'a>(responses: &'a [UncertainResponse], name: &str) -> &'a UncertainRes
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_light_load_shares_the_variance_as_the_slope_does() {
     // Elastic contact of little area: A/A₀ ∝ p̄/(E* h'rms), so that μ = τA/N ∝ 1/h'rms ∝ ℓ/Sq. The variance of ln μ is that of
     // ln ℓ and that of ln Sq.
@@ -95,6 +96,7 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn full_contact_scatters_as_the_heights_do() {
     // Where all touches, μ̄ = τ/p̄ whatever the surface, and the load of a window is linear in the heights: the standard deviation
     // at the mean load is proportional to Sq.
@@ -134,6 +136,7 @@ fn friction_that_the_surface_does_not_change_has_no_indices() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_levels_are_those_of_the_study_without_uncertainty() {
     let (with, without) = (run(STUDY), run(STUDY.split("[friction.uncertainty]").next().unwrap()));
     let (with, without) = (with.results.friction.unwrap(), without.results.friction.unwrap());
@@ -142,6 +145,7 @@ fn the_levels_are_those_of_the_study_without_uncertainty() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn skewness_and_percentiles_go_together() {
     let text = STUDY
         .replace("percentiles = []", "percentiles = [20.0]")

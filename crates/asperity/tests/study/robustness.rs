@@ -205,6 +205,7 @@ const USUAL: &[&str] = &[
 ];
 
 #[test]
+#[ignore = "slow"]
 fn every_generator_boundary_control_and_law_runs_to_numbers() {
     let fractal = [
         ("covariance = \"squared_exponential\"\n", "generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.3\n"),
@@ -274,6 +275,7 @@ fn every_generator_boundary_control_and_law_runs_to_numbers() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn random_surfaces_give_the_same_bytes_on_one_and_two_threads() {
     let fractal = changed(
         MODEL,
@@ -293,6 +295,7 @@ fn random_surfaces_give_the_same_bytes_on_one_and_two_threads() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn weierstrass_mandelbrot_needs_a_dimension_and_says_so() {
     // White noise shows no scaling range.
     let noise = random::standard_normal(&mut random::stream(8, "noise", 0), 64 * 64);
@@ -315,6 +318,7 @@ fn weierstrass_mandelbrot_needs_a_dimension_and_says_so() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_scan_may_come_with_stated_covariance_rms_height_law_and_form() {
     let folder = folder_with(rough(96, 80, 16e-6));
     for level in ["none", "mean", "plane", "quadratic"] {
@@ -339,6 +343,7 @@ fn a_scan_may_come_with_stated_covariance_rms_height_law_and_form() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_scan_s_own_covariance_serves_every_stage_and_says_what_was_changed() {
     let folder = folder_with(rough(96, 80, 16e-6));
     for (generator, boundary) in [("karhunen_loeve", "free"), ("spectral", "periodic")] {
@@ -420,6 +425,7 @@ fn a_scan_without_any_complete_profile_has_everything() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn tiny_noisy_or_still_correlated_scans_are_unusable_input_or_warned_about() {
     let noise = random::standard_normal(&mut random::stream(8, "noise", 0), 64 * 64);
     let noise = Array2::from_shape_vec((64, 64), noise).unwrap().mapv(|z| 1e-6 * z);
@@ -538,6 +544,7 @@ fn the_deepest_percentile_leads_without_a_vibration_stage_whatever_its_place() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn every_reading_is_told() {
     let text = changed(MODEL, &[("[60.0, 20.0]", "[60.0, 1.0]"), ("30 kN", "2 kN")]);
     let outcome = run(&text, Some(Stage::Vibration));
@@ -627,6 +634,7 @@ fn a_missing_scan_is_input_and_names_the_file() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_oscillator_takes_the_leading_level_in_its_own_units() {
     let text = changed(MODEL, &[("dimensionless_belt_velocity = 0.003", "belt_velocity = \"20 mm/s\"")]);
     for (level, percentile) in [("", None), ("level = 20.0\n", Some(20.0))] {
@@ -701,6 +709,7 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_study_that_reads_the_process_of_another_finds_the_same_vibration() {
     let whole = run(MODEL, Some(Stage::Vibration));
     let process = whole.friction_process.clone().unwrap();

@@ -68,6 +68,7 @@ fn run(text: &str, folder: &Path, threads: usize) -> Outcome {
 }
 
 #[test]
+#[ignore = "slow"]
 fn one_and_two_threads_give_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
@@ -87,6 +88,7 @@ fn one_and_two_threads_give_the_same_bytes() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn another_scan_changes_friction_and_cycles() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
@@ -116,6 +118,7 @@ fn another_scan_changes_friction_and_cycles() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn both_upscalings_are_computed_and_the_area_scatters_less() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
@@ -130,6 +133,7 @@ fn both_upscalings_are_computed_and_the_area_scatters_less() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
@@ -143,6 +147,7 @@ fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() 
 }
 
 #[test]
+#[ignore = "slow"]
 fn one_stage_runs_with_what_it_needs_alone() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
@@ -170,6 +175,7 @@ fn two_scans() -> tempfile::TempDir {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_list_of_one_scan_is_that_scan_to_the_byte() {
     let folder = two_scans();
     let one = run(&STUDY.replace("scan.x3p", "a.x3p"), folder.path(), 2);
@@ -181,6 +187,7 @@ fn a_list_of_one_scan_is_that_scan_to_the_byte() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn two_scans_are_pooled_into_one_surface() {
     let folder = two_scans();
     let [a, b, both] =
@@ -212,6 +219,7 @@ fn two_scans_are_pooled_into_one_surface() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_same_scan_twice_has_the_same_point_statistics() {
     let folder = two_scans();
     let [once, twice] = ["\"a.x3p\"", "[\"a.x3p\", \"a.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
@@ -252,6 +260,7 @@ fn a_wrong_scan_of_several_is_named() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn limits_of_the_correlation_are_drawn_around_it() {
     let folder = two_scans();
     let outcome = surface_of(folder.path(), "\"a.x3p\"").unwrap();

@@ -79,6 +79,7 @@ fn synthetic(
 }
 
 #[test]
+#[ignore = "slow"]
 fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_scans() {
     let folder = tempfile::tempdir().unwrap();
     let std_m = 1e-7;
@@ -114,6 +115,7 @@ fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_
 }
 
 #[test]
+#[ignore = "slow"]
 fn heights_whose_extremes_hold_the_slopes_are_warned_about_with_the_slopes_of_drawn_maps() {
     let folder = tempfile::tempdir().unwrap();
     let rolling = Covariance::isotropic(CorrelationModel::SelfAffine { hurst: 0.8 }, 1e-7, 6e-6).unwrap();

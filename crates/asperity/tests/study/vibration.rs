@@ -67,6 +67,7 @@ fn a_jump_to_kinetic_friction_has_its_closed_form() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_force_acts_on_cycle_and_ensembles() {
     // Below the end of the locked cycle at ζ = .2703: one cycle a period of the force.
     let text = |force: &str| {
@@ -121,6 +122,7 @@ fn machine(damping_ratio: f64, belt_velocity: f64) -> Oscillator {
 }
 
 #[test]
+#[ignore = "slow"]
 fn generators_drives_and_integrators_are_those_of_the_library() {
     let oscillator = machine(0.16, 0.003);
     let ensemble = |generator, drive, method| {
@@ -277,6 +279,7 @@ fn a_physical_stribeck_coefficient_is_one_law_under_every_load_mass_and_frequenc
 }
 
 #[test]
+#[ignore = "slow"]
 fn neither_the_sweep_nor_the_number_of_paths_changes_what_is_clipped_or_where_a_crossing_is() {
     let run = |sweep: &str, trajectories: usize| {
         let text = MACHINE

@@ -189,6 +189,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn averages_and_noise_are_found_beside_the_length() {
         // Of fifteen 95 % intervals, four or more miss with a probability of .005.
         let mut missed = 0;

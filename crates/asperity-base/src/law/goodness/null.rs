@@ -461,6 +461,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn right_laws_are_refused_as_often_as_stated_and_wrong_ones_more_often() {
         let runs = 120;
         let law: Marginal = "beta:2.1,5".parse().unwrap();

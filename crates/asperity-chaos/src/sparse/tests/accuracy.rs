@@ -98,6 +98,7 @@ fn assert_errors(problem: &Problem, regression: SparseRegression, samples: usize
 }
 
 #[test]
+#[ignore = "slow"]
 fn ishigami_at_100_samples_of_680_terms() {
     let problem = Problem::ishigami();
     assert_eq!(problem.basis.len(), 680);
@@ -112,6 +113,7 @@ fn ishigami_at_100_samples_of_680_terms() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn borehole_at_150_samples_of_a_hyperbolic_set() {
     let problem = Problem::borehole();
     for method in [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::SubspacePursuit] {

@@ -100,6 +100,7 @@ fn salt(row: usize, column: usize) -> bool {
 }
 
 #[test]
+#[ignore = "slow"]
 fn neighbourhoods_lose_less_than_one_percent_of_accuracy() {
     let rough: [(&str, Box<dyn StationaryCovariance>); 4] = [
         ("exponential", Box::new(isotropic(CorrelationModel::Exponential, 12.0))),
@@ -122,6 +123,7 @@ fn neighbourhoods_lose_less_than_one_percent_of_accuracy() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn smooth_voids_have_small_errors_and_keep_their_variance() {
     // The least noise limits the extrapolation of a smooth field, so errors are compared with the variance.
     for length in [2.0, 4.0, 8.0] {
@@ -215,6 +217,7 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn voids_of_a_smooth_map_are_as_steep_as_the_map_inside_and_across_their_edges() {
     let smooth = isotropic(CorrelationModel::SquaredExponential, 8.0);
     let void = |row: usize, column: usize| row % 60 > 22 && column % 60 > 22;
@@ -245,6 +248,7 @@ fn voids_of_a_smooth_map_are_as_steep_as_the_map_inside_and_across_their_edges()
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_parts_of_a_large_void_show_no_seam() {
     // Second differences would reveal a seam first, because on a smooth map they are small.
     let smooth = isotropic(CorrelationModel::SquaredExponential, 8.0);

@@ -83,6 +83,7 @@ fn coverage(count: usize, maps: u64) -> (Vec<f64>, Vec<f64>) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn maps_of_the_twins_own_law_lie_in_the_bands_with_the_stated_probability() {
     // Scan and twins are exchangeable, so that order statistics of 39 twins hold the scan's with probability 38/40 exactly,
     // whatever the law of a statistic.
@@ -168,6 +169,7 @@ fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlatio
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_twin_is_a_function_of_seed_and_number() {
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 40), 0);
@@ -201,6 +203,7 @@ fn a_twin_is_a_function_of_seed_and_number() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_skewed_marginal_is_met_and_a_normal_one_is_told_to_miss() {
     let covariance = smooth(3e-6, 3e-6);
     let law = Marginal::lognormal(0.0, 0.5, 0.0).unwrap();
@@ -226,6 +229,7 @@ fn a_skewed_marginal_is_met_and_a_normal_one_is_told_to_miss() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn missing_points_are_masked_out_of_twins_for_the_comparison_alone() {
     let covariance = smooth(4e-6, 3e-6);
     let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (48, 56), 5);
@@ -245,6 +249,7 @@ fn missing_points_are_masked_out_of_twins_for_the_comparison_alone() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn twins_are_not_filtered_a_second_time() {
     // A Gaussian filter turns a squared exponential covariance into another one: ℓ² grows by 2 ln 2 (λc/π)², and σ² falls
     // as ℓ⁻², so that slopes σ/ℓ fall as ℓ⁻². Here 9 µm² become 23 µm², and by a second pass 37 µm².
@@ -269,6 +274,7 @@ fn twins_are_not_filtered_a_second_time() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn twins_of_another_size_are_drawn_and_told_apart() {
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (40, 40), 10);
