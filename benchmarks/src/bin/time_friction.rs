@@ -114,10 +114,10 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
     let mut workspace = strips.half_space.workspace();
     for index in 0..count {
         let start = Instant::now();
-        let germ = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
+        let xi = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
         germs_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let map = strips.surface.generate(&germ);
+        let map = strips.surface.generate(&xi);
         maps_s += start.elapsed().as_secs_f64();
         let mut last: Option<Array2<f64>> = None;
         for (level, control) in by_level.iter_mut().zip(controls) {

@@ -59,8 +59,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn measured(points: usize, covariance: &Covariance) -> Result<MeasuredCovariance, Box<dyn Error>> {
     let wide = Grid::covering(points, points, 2.0, 2.0)?;
     let field = SpectralField::periodic(covariance, wide);
-    let germ = random::standard_normal(&mut random::stream(2, "time modes", 0), field.xi_len());
-    let measured = MeasuredCovariance::new(&Autocorrelation::estimate(&field.generate(&germ))?)?;
+    let xi = random::standard_normal(&mut random::stream(2, "time modes", 0), field.xi_len());
+    let measured = MeasuredCovariance::new(&Autocorrelation::estimate(&field.generate(&xi))?)?;
     println!("measured: {:?}", measured.report());
     Ok(measured)
 }

@@ -1,4 +1,4 @@
-//! The list of all formats, and how they are told apart.
+//! The list of all formats, and how they are recognised.
 
 use crate::archive::GZIP_MAGIC;
 use crate::codec::{Codec, Description};
@@ -49,7 +49,7 @@ impl Format {
 
     /// The format of a file's content; `None` for content of no known format.
     ///
-    /// Zip archives are told apart by the names of their files. Text that is no other format counts as a matrix:
+    /// Zip archives are recognised by the names of their files. Text that is no other format counts as a matrix:
     /// whether it holds one is found out by reading it.
     pub fn detect(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&GZIP_MAGIC) {

@@ -27,11 +27,11 @@ pub(crate) fn brake_disc() -> Result<Scan, Box<dyn std::error::Error>> {
     let grid = Grid::new(POINTS, POINTS, PITCH_M, PITCH_M)?;
     let covariance = Covariance::new(CorrelationModel::Matern { nu: SMOOTHNESS }, 1.0, SCALES_M[0], SCALES_M[1])?;
     let field = SpectralField::free(&covariance, grid)?;
-    let germ = random::standard_normal(&mut random::stream(SEED, STREAM, 0), field.xi_len());
+    let xi = random::standard_normal(&mut random::stream(SEED, STREAM, 0), field.xi_len());
     // Wear leaves plateaus and valleys: a Beta distribution with its long tail below.
     let marginal = Marginal::beta(5.0, 2.1, 0.0, 1.0)?;
     let (mean, std) = (marginal.mean(), marginal.std());
-    let mut heights = field.generate(&germ).heights_m().mapv(|g| (marginal.translate(g) - mean) / std * RMS_M);
+    let mut heights = field.generate(&xi).heights_m().mapv(|g| (marginal.translate(g) - mean) / std * RMS_M);
     for index in 0..GROOVES {
         groove(&mut heights, &mut random::stream(SEED, "brake disc/groove", index));
     }

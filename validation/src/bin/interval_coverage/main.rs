@@ -121,8 +121,8 @@ impl Case {
         let grid = Grid::new(side, side, 1.0, 1.0)?;
         let uncertainty = Uncertainty { removed_terms: removed_terms(self.level), ..Uncertainty::default() };
         let of_map = |index: u64| -> Result<Found, Failure> {
-            let germ = random::standard_normal(&mut random::stream(SEED, "coverage", index), field.xi_len());
-            let mut heights: Array2<f64> = field.generate(&germ).heights_m().slice(s![..side, ..side]).to_owned();
+            let xi = random::standard_normal(&mut random::stream(SEED, "coverage", index), field.xi_len());
+            let mut heights: Array2<f64> = field.generate(&xi).heights_m().slice(s![..side, ..side]).to_owned();
             let mut holes = random::stream(SEED, "holes", index);
             heights.iter_mut().filter(|_| holes.random::<f64>() < self.missing).for_each(|z| *z = f64::NAN);
             let map = remove_form(&HeightMap::new(grid, heights)?, self.level)?.map;
