@@ -5,6 +5,7 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
+pub mod choice;
 pub mod correlation;
 pub mod fourier;
 pub mod law;
@@ -15,6 +16,7 @@ pub mod numeric;
 pub mod quantity;
 pub mod random;
 pub mod stats;
+pub mod translation;
 #[doc(hidden)]
 pub mod wide;
 

@@ -64,6 +64,16 @@ pub enum MapError {
     },
 }
 
+crate::choice! {
+    /// Continuation of a map beyond its edge.
+    pub enum BoundaryKind: "boundary" {
+        /// A finite patch; in contact it is unloaded outside.
+        Free = "free",
+        /// The map repeats periodically.
+        Periodic = "periodic",
+    }
+}
+
 /// A regular grid of `nx` × `ny` points; each point stands for one cell of `dx_m` × `dy_m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {

@@ -1,10 +1,15 @@
 //! Values of flags: numbers with their range, quantities with their unit, pairs for x and y.
 
 use std::error::Error;
+use std::ffi::OsStr;
 use std::fmt::Display;
+use std::marker::PhantomData;
 use std::str::FromStr;
 
+use asperity::choice::Choice;
 use asperity::quantity::{Compliance, Force, Frequency, Length, Pressure, Velocity};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, Command};
 
 /// Why a value was refused; clap prints it behind the name of the flag.
 pub(crate) type Refusal = Box<dyn Error + Send + Sync>;
@@ -48,6 +53,42 @@ impl Si for Frequency {
 impl Si for Compliance {
     fn si(&self) -> f64 {
         self.0
+    }
+}
+
+/// A value by its name in study files. Hyphens may stand for its underscores.
+#[derive(Debug, Clone)]
+pub(crate) struct Named<T>(PhantomData<T>);
+
+/// Reads a value by its name.
+pub(crate) fn named<T: Choice>() -> Named<T> {
+    Named(PhantomData)
+}
+
+impl<T: Choice> Named<T> {
+    fn values() -> impl Iterator<Item = PossibleValue> {
+        T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.description()))
+    }
+}
+
+impl<T: Choice + Send + Sync> TypedValueParser for Named<T> {
+    type Value = T;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
+        let name = value.to_string_lossy().replace('-', "_");
+        // The curves call the amplitude of the force by a shorter name.
+        let name = if name == "forcing" { "forcing_amplitude" } else { &name };
+        match T::from_name(name) {
+            Ok(found) => Ok(found),
+            // The error of clap lists the names.
+            Err(_) => Err(PossibleValuesParser::new(Self::values())
+                .parse_ref(command, arg, value)
+                .map_or_else(|error| error, |_| clap::Error::new(clap::error::ErrorKind::InvalidValue))),
+        }
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(Self::values()))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Fitted friction process in SI: random realisations, conversion to a machine, and storage in a file.
 
-use super::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, positive};
+use super::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, TranslationKind, positive};
 use asperity_base::law::Marginal;
 
 /// Largest number of values of a simulated record.
@@ -63,28 +63,15 @@ pub struct Origin {
     pub description: String,
 }
 
-/// Kinds of sources.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OriginKind {
-    /// Windows on solved strips.
-    Study,
-    /// A measured record.
-    Record,
-    /// Stated by the user.
-    Stated,
-}
-
-impl OriginKind {
-    /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Study, Self::Record, Self::Stated];
-
-    /// Returns the name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Study => "study",
-            Self::Record => "record",
-            Self::Stated => "stated",
-        }
+asperity_base::choice! {
+    /// Kind of source.
+    pub enum OriginKind: "source" {
+        /// Windows on solved strips.
+        Study = "study",
+        /// A measured record.
+        Record = "record",
+        /// Stated by the user.
+        Stated = "stated",
     }
 }
 
@@ -147,7 +134,7 @@ impl FittedProcess {
         Ok(ProcessModel {
             shape: correlation.shape.in_unit(unit_m),
             generator: self.generator.unwrap_or_else(|| Generator::for_shape(correlation.shape)),
-            correlation: Correlation::Corrected,
+            correlation: TranslationKind::Corrected,
             ..ProcessModel::new(marginal, self.std, correlation.length_m / unit_m)
         })
     }

@@ -1,9 +1,13 @@
 //! Generators of realisations of a friction process.
 
+use asperity_base::choice::Choice;
 use serde::{Deserialize, Serialize};
 
 use super::{CorrelationShape, ProcessError, positive};
 use asperity_base::law::Marginal;
+
+/// Usual number of harmonics.
+const USUAL_HARMONICS: usize = 256;
 
 /// Method that generates realisations of the process.
 ///
@@ -36,21 +40,35 @@ pub enum Generator {
     Renewal,
 }
 
-impl Generator {
-    /// Returns the exact recursion for the shapes that it supports, otherwise 256 harmonics. With 256 harmonics the
-    /// excess kurtosis of the normal process is −0.006.
-    pub fn for_shape(shape: CorrelationShape) -> Self {
-        if shape.has_recursion() { Self::Autoregressive } else { Self::Spectral { harmonics: 256 } }
-    }
+impl Choice for Generator {
+    const NOUN: &'static str = "generator";
+    const ALL: &'static [Self] =
+        &[Self::Autoregressive, Self::Spectral { harmonics: USUAL_HARMONICS }, Self::Jacobi, Self::Renewal];
 
-    /// Returns the name used in files: `autoregressive`, `spectral`, `jacobi`, `renewal`.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Autoregressive => "autoregressive",
             Self::Spectral { .. } => "spectral",
             Self::Jacobi => "jacobi",
             Self::Renewal => "renewal",
         }
+    }
+
+    fn description(self) -> &'static str {
+        match self {
+            Self::Autoregressive => "Exact recursion of an Ornstein–Uhlenbeck process, translated",
+            Self::Spectral { .. } => "Sum of 256 random harmonics, translated, after the paper",
+            Self::Jacobi => "Diffusion with a Beta distribution and exactly exponential correlation",
+            Self::Renewal => "Independent values over exponential lengths, with exactly exponential correlation",
+        }
+    }
+}
+
+impl Generator {
+    /// Returns the exact recursion for the shapes that it supports, otherwise 256 harmonics. With 256 harmonics the
+    /// excess kurtosis of the normal process is −0.006.
+    pub fn for_shape(shape: CorrelationShape) -> Self {
+        if shape.has_recursion() { Self::Autoregressive } else { Self::Spectral { harmonics: USUAL_HARMONICS } }
     }
 
     /// Returns whether m is a translated normal process; its correlation then differs from the correlation of the

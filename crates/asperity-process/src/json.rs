@@ -240,7 +240,7 @@ fn origin(fields: &Fields<'_>) -> Result<Origin, ProcessFileError> {
     fields.only(&["kind", "description"])?;
     let wanted = "study, record or stated";
     let name = fields.text("kind", wanted)?;
-    let kind = OriginKind::ALL.into_iter().find(|kind| kind.name() == name);
+    let kind = name.parse::<OriginKind>().ok();
     Ok(Origin {
         kind: kind.ok_or_else(|| fields.wrong("kind", format!("\"{name}\""), wanted))?,
         description: fields.text("description", "a text")?.to_owned(),
@@ -326,6 +326,7 @@ fn shown(value: Option<&Value>) -> String {
 mod tests {
     use super::super::fitted::tests::fitted;
     use super::*;
+    use asperity_base::choice::Choice;
 
     const SHAPES: [CorrelationShape; 4] = [
         CorrelationShape::Exponential,

@@ -28,10 +28,12 @@ pub use cancellable::Cancellable;
 pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
 pub use generator::Generator;
 pub use json::ProcessFileError;
-pub use model::{Correlation, FrictionProcess, ProcessModel, window_variance_factor};
+pub use model::{FrictionProcess, ProcessModel, window_variance_factor};
 pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;
+
+pub use asperity_base::translation::TranslationKind;
 
 use asperity_base::law::LawError;
 

@@ -6,26 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::jacobi::JacobiStep;
 use super::table::TranslationTable;
-use super::{CorrelationShape, Generator, Path, ProcessError, positive};
+use super::{CorrelationShape, Generator, Path, ProcessError, TranslationKind, positive};
 use asperity_base::law::Marginal;
 use asperity_base::law::translation::Translation;
 use asperity_base::random;
 
 /// Name of the random stream of friction processes.
 const STAGE: &str = "friction process";
-
-/// Process that has the given correlation length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Correlation {
-    /// The normal process; the translation then shortens the correlation of m slightly (as in the paper). A Jacobi
-    /// diffusion and a renewal process have no normal process; their m always has the given length.
-    #[default]
-    Plain,
-    /// The process m: the normal process gets the longer length at which the correlation of m is e⁻¹ at the given
-    /// length.
-    Corrected,
-}
 
 /// Parameters of a random friction process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,7 +33,7 @@ pub struct ProcessModel {
     /// Generator of realisations.
     pub generator: Generator,
     /// Process that has the correlation length.
-    pub correlation: Correlation,
+    pub correlation: TranslationKind,
     /// Least value of m: lower values are raised to it and counted. `None` means no clipping.
     pub least: Option<f64>,
 }
@@ -62,7 +49,7 @@ impl ProcessModel {
             shape: CorrelationShape::default(),
             steps_per_length: 20,
             generator: Generator::default(),
-            correlation: Correlation::default(),
+            correlation: TranslationKind::default(),
             least: None,
         }
     }
@@ -153,7 +140,7 @@ impl FrictionProcess {
         }
         let translation = Translation::new(&model.marginal)?;
         let normal_length = match model.correlation {
-            Correlation::Corrected if model.generator.translates() => {
+            TranslationKind::Corrected if model.generator.translates() => {
                 let wanted = translation.normal_correlation((-1.0_f64).exp())?;
                 let decay = model.shape.decay_length(model.correlation_length);
                 model.shape.longer(model.correlation_length, decay, wanted)
@@ -275,14 +262,14 @@ mod tests {
         let (recursion, harmonics) = (Generator::Autoregressive, Generator::Spectral { harmonics: 64 });
         let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
         for (generator, correlation, shape, length) in [
-            (recursion, Correlation::Plain, CorrelationShape::Exponential, 3.0),
-            (recursion, Correlation::Corrected, CorrelationShape::Exponential, 3.0),
-            (recursion, Correlation::Plain, windowed, 3.0),
-            (recursion, Correlation::Corrected, windowed, 0.3),
-            (recursion, Correlation::Plain, windowed, 0.0),
-            (harmonics, Correlation::Plain, CorrelationShape::Exponential, 3.0),
-            (harmonics, Correlation::Corrected, CorrelationShape::SquaredExponential, 3.0),
-            (harmonics, Correlation::Plain, CorrelationShape::Matern { nu: 1.5 }, 3.0),
+            (recursion, TranslationKind::Plain, CorrelationShape::Exponential, 3.0),
+            (recursion, TranslationKind::Corrected, CorrelationShape::Exponential, 3.0),
+            (recursion, TranslationKind::Plain, windowed, 3.0),
+            (recursion, TranslationKind::Corrected, windowed, 0.3),
+            (recursion, TranslationKind::Plain, windowed, 0.0),
+            (harmonics, TranslationKind::Plain, CorrelationShape::Exponential, 3.0),
+            (harmonics, TranslationKind::Corrected, CorrelationShape::SquaredExponential, 3.0),
+            (harmonics, TranslationKind::Plain, CorrelationShape::Matern { nu: 1.5 }, 3.0),
         ] {
             let model = ProcessModel { generator, correlation, shape, ..beta(0.002, length) };
             let process = FrictionProcess::new(model).unwrap();
@@ -307,7 +294,7 @@ mod tests {
     #[test]
     fn the_correction_gives_the_length_and_the_plain_translation_shortens_it() {
         let plain = FrictionProcess::new(beta(1.0, 2.0)).unwrap();
-        let model = ProcessModel { correlation: Correlation::Corrected, ..beta(1.0, 2.0) };
+        let model = ProcessModel { correlation: TranslationKind::Corrected, ..beta(1.0, 2.0) };
         let corrected = FrictionProcess::new(model).unwrap();
         assert!((corrected.normal_step_correlation().powi(20) - 0.375_013_83).abs() < 5e-9);
         assert!((corrected.correlation_at(2.0) - (-1.0_f64).exp()).abs() < 1e-12);
@@ -322,7 +309,7 @@ mod tests {
             (Generator::Spectral { harmonics: 8 }, CorrelationShape::SquaredExponential),
             (Generator::Spectral { harmonics: 8 }, CorrelationShape::Matern { nu: 2.2 }),
         ] {
-            let model = ProcessModel { correlation: Correlation::Corrected, generator, shape, ..beta(1.0, 2.0) };
+            let model = ProcessModel { correlation: TranslationKind::Corrected, generator, shape, ..beta(1.0, 2.0) };
             let found = FrictionProcess::new(model).unwrap().correlation_at(shape.decay_length(2.0));
             assert!((found - (-1.0_f64).exp()).abs() < 1e-11, "{shape:?}: {found}");
         }

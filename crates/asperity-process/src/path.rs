@@ -136,7 +136,8 @@ impl Fluctuation for Path<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Correlation, ProcessError, ProcessModel};
+    use crate::{ProcessError, ProcessModel, TranslationKind};
+    use asperity_base::choice::Choice;
     use asperity_base::law::goodness::kolmogorov_smirnov;
     use asperity_base::stats::Moments;
 
@@ -153,7 +154,7 @@ mod tests {
             ("gamma:4,1", Generator::Renewal, 1.0),
         ] {
             // The correction has no effect.
-            let model = ProcessModel { correlation: Correlation::Corrected, ..model(law, generator) };
+            let model = ProcessModel { correlation: TranslationKind::Corrected, ..model(law, generator) };
             let process = FrictionProcess::new(model.clone()).unwrap();
             let paths: Vec<Vec<f64>> = (0..20_000)
                 .map(|i| {

@@ -15,24 +15,28 @@ use asperity_base::law::{LawError, Marginal};
 use asperity_base::map::{Grid, HeightMap, MapError};
 use asperity_base::monitor::{Cancelled, Monitor};
 
-/// Covariance of the missing heights.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum FillCovariance {
-    /// Measured covariance of the map, [`MeasuredCovariance`].
-    #[default]
-    Measured,
-    /// Best-fitting model, [`fit_covariance`].
-    Fitted,
+asperity_base::choice! {
+    /// Covariance of the missing heights.
+    #[derive(Default)]
+    pub enum FillCovariance: "covariance" {
+        /// Measured covariance of the map.
+        #[default]
+        Measured = "measured",
+        /// Best-fitting model.
+        Fitted = "fitted",
+    }
 }
 
-/// Marginal distribution of the missing heights.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum FillMarginal {
-    /// Normal distribution.
-    Normal,
-    /// Distribution of the present heights, by translation.
-    #[default]
-    Measured,
+asperity_base::choice! {
+    /// Marginal distribution of the missing heights.
+    #[derive(Default)]
+    pub enum FillMarginal: "distribution" {
+        /// Distribution of the present heights, by translation.
+        #[default]
+        Measured = "measured",
+        /// Normal distribution.
+        Normal = "normal",
+    }
 }
 
 /// Options for filling a map.
@@ -200,7 +204,7 @@ fn covariance_of(
         FillCovariance::Measured => (Box::new(MeasuredCovariance::of(map)?), mean_m),
         FillCovariance::Fitted => {
             let fits =
-                fit_covariance(&[&BlockSpectrum::of(map)?], estimate.variance_m2().sqrt(), &CorrelationFamily::ALL)?;
+                fit_covariance(&[&BlockSpectrum::of(map)?], estimate.variance_m2().sqrt(), CorrelationFamily::ALL)?;
             (Box::new(fits.best()), mean_m)
         }
     })

@@ -7,7 +7,6 @@ mod profile;
 
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use self::general::ClassModes;
 use super::gaussian::{check_xi, map_of, row_order};
@@ -19,18 +18,21 @@ use asperity_base::map::{Grid, HeightMap};
 
 pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
 
-/// Method for the two-dimensional eigenproblem; it also determines which covariance is expanded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ModesRoute {
-    /// Products of the modes of two profiles. Exact for the squared exponential. Any other model is replaced by the
-    /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}. An oblique lay is lost.
-    Separable,
-    /// The unchanged covariance, oblique or not: densely by parity up to about 64 × 64 points, beyond by block Lanczos
-    /// on products with the circulant embedding.
-    General,
-    /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
-    Periodic,
+asperity_base::choice! {
+    /// Method for the two-dimensional eigenproblem; it also determines which covariance is expanded.
+    pub enum ModesRoute: "method for the eigenproblem" {
+        /// Products of the modes of two profiles.
+        ///
+        /// Exact for the squared exponential. Any other model is replaced by the product ρ(x, 0)ρ(0, y) of its profiles,
+        /// the exponential by e^{−|x|/ℓx−|y|/ℓy}. An oblique lay is lost.
+        Separable = "separable",
+        /// The unchanged covariance, oblique or not.
+        ///
+        /// Densely by parity up to about 64 × 64 points, beyond by block Lanczos on products with the circulant embedding.
+        General = "general",
+        /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
+        Periodic = "periodic",
+    }
 }
 
 /// Truncated Karhunen–Loève surface z = σ Σ_{j≤M} √λ_j φ_j(x) ξ_j with ∫ρ(x − y)φ_j(y)dy = λ_j φ_j(x).

@@ -10,6 +10,7 @@ pub mod fractal;
 mod gaussian;
 mod karhunen_loeve;
 pub mod level;
+mod model;
 pub mod pooling;
 pub mod preparation;
 mod spectral;
@@ -28,6 +29,7 @@ pub use karhunen_loeve::{
     KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_for_slopes,
     modes_memory_bytes, profile_modes,
 };
+pub use model::{CovarianceSource, SurfaceGenerator};
 pub use spectral::SpectralField;
 pub use translation::{
     CorrectedField, CorrectionReport, Feasibility, Predistorted, Translated, TranslationCorrection, TranslationError,

@@ -67,13 +67,14 @@ impl Event {
     }
 }
 
-/// Independent variable of the friction process.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Drive {
-    /// The sliding distance s = ∫|v_rel|dτ: friction is frozen while the mass sticks.
-    #[default]
-    Distance,
-    /// The travel of the belt v_b·t, in stick and in slip, as in the paper.
-    Time,
+asperity_base::choice! {
+    /// Independent variable of the friction process.
+    #[derive(Default)]
+    pub enum Drive: "independent variable of friction" {
+        /// Sliding distance s = ∫|v_rel|dτ: friction is frozen while the mass sticks.
+        #[default]
+        Distance = "distance",
+        /// Travel of the belt v_b·t, in stick and in slip, as in the paper.
+        Time = "time",
+    }
 }

@@ -4,6 +4,7 @@
 //! They are the Hermite polynomials through values and derivatives at both ends. The derivatives come from the Taylor
 //! recurrence at the two ends; their number keeps the error of the polynomial below the error of the step.
 
+use asperity_base::choice::Choice;
 use serde::{Deserialize, Serialize};
 
 use super::VibrationError;
@@ -29,6 +30,30 @@ pub enum Method {
         /// Error of one step, as above.
         tolerance: f64,
     },
+}
+
+impl Choice for Method {
+    const NOUN: &'static str = "integrator";
+    const ALL: &'static [Self] =
+        &[Self::Taylor, Self::RungeKuttaFehlberg { tolerance: 1e-10 }, Self::DormandPrince { tolerance: 1e-12 }];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Taylor => "taylor",
+            Self::RungeKuttaFehlberg { .. } => "runge_kutta_fehlberg",
+            Self::DormandPrince { .. } => "dormand_prince",
+        }
+    }
+
+    fn description(self) -> &'static str {
+        match self {
+            Self::Taylor => "Taylor series: exact to rounding, and the fastest",
+            Self::RungeKuttaFehlberg { .. } => {
+                "Fehlberg's method of orders 4 and 5, the paper's, with an error of 1e-10 a step"
+            }
+            Self::DormandPrince { .. } => "Dormand and Prince's method of order 8, with an error of 1e-12 a step",
+        }
+    }
 }
 
 /// Largest number of attempts at a step.

@@ -9,13 +9,15 @@ use std::error::Error;
 use asperity::friction::measured::{
     Abscissa, ColumnTable, DistributionChoice, FittedRecord, MeasuredRecord, Preparation, RecordColumns,
 };
-use asperity::friction::process::{Correlation, FrictionProcess, ProcessModel};
+use asperity::friction::process::{FrictionProcess, ProcessModel, TranslationKind};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // μ = 0.21 ± 0.008, Beta(2.1, 5), correlation e^{−s/ℓ} with ℓ = 250 µm (Gaus et al. 2016); 10,000 values every 10 µm.
     let (mean, std, length_m) = (0.21, 0.008, 250e-6);
-    let model =
-        ProcessModel { correlation: Correlation::Corrected, ..ProcessModel::new("beta:2.1,5".parse()?, std, length_m) };
+    let model = ProcessModel {
+        correlation: TranslationKind::Corrected,
+        ..ProcessModel::new("beta:2.1,5".parse()?, std, length_m)
+    };
     let process = FrictionProcess::with_step(model, 10e-6)?;
     let mut path = process.path(11, 0);
     let mut text = String::from("s [mm], mu [-]\n");

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::estimate::Axis;
@@ -125,24 +124,21 @@ impl CovarianceFits {
     }
 }
 
-/// A family of correlation models, whose shape parameter is to be found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CorrelationFamily {
-    /// [`CorrelationModel::SquaredExponential`].
-    SquaredExponential,
-    /// [`CorrelationModel::Exponential`].
-    Exponential,
-    /// [`CorrelationModel::SelfAffine`] with H in [0.05, 0.995].
-    SelfAffine,
-    /// [`CorrelationModel::Matern`] with ν in [0.05, 50].
-    Matern,
+crate::choice! {
+    /// Family of correlation models, whose shape parameter is fitted.
+    pub enum CorrelationFamily: "family of correlation models" {
+        /// ρ = e^{−r²}.
+        SquaredExponential = "squared_exponential",
+        /// ρ = e^{−r}.
+        Exponential = "exponential",
+        /// Self-affine with roll-off, Hurst exponent H in [0.05, 0.995].
+        SelfAffine = "self_affine",
+        /// Matérn with ν in [0.05, 50].
+        Matern = "matern",
+    }
 }
 
 impl CorrelationFamily {
-    /// All families.
-    pub const ALL: [Self; 4] = [Self::SquaredExponential, Self::Exponential, Self::SelfAffine, Self::Matern];
-
     /// Range and start of the shape parameter, if there is one.
     fn shape(self) -> Option<(Range, f64)> {
         match self {
@@ -312,7 +308,7 @@ mod tests {
         let grid = Grid::new(96, 96, 1e-6, 1e-6).unwrap();
         let noise = random::standard_normal(&mut random::stream(1, "noise", 0), grid.points());
         let map = HeightMap::new(grid, ndarray::Array2::from_shape_vec(grid.shape(), noise).unwrap()).unwrap();
-        let fits = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, &CorrelationFamily::ALL).unwrap();
+        let fits = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, CorrelationFamily::ALL).unwrap();
         assert!(fits.best().correlation(1e-6, 0.0) < 0.1, "{fits:?}");
         assert!(fits.fits[0].misfit < 0.1, "{fits:?}");
     }
@@ -321,7 +317,7 @@ mod tests {
     fn a_map_without_a_reliable_band_is_refused_with_the_band() {
         let grid = Grid::new(5, 5, 1.0, 1.0).unwrap();
         let map = HeightMap::from_function(grid, |x, y| (7.0 * x).sin() + (3.0 * y).cos()).unwrap();
-        let error = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, &CorrelationFamily::ALL).unwrap_err();
+        let error = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, CorrelationFamily::ALL).unwrap_err();
         assert!(matches!(error, FitError::NoBand { wanted: 8, .. }), "{error}");
     }
 }

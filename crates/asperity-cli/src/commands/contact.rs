@@ -5,6 +5,7 @@ mod counterface;
 mod layering;
 mod unloading;
 
+use asperity::map::BoundaryKind;
 use std::path::{Path, PathBuf};
 
 use asperity::contact::{
@@ -13,7 +14,7 @@ use asperity::contact::{
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
 use asperity::study::implausible_material;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use analysis::Analysis;
 use counterface::Counterface;
@@ -54,8 +55,8 @@ pub(crate) struct Contact {
     #[command(flatten)]
     layering: Layering,
     /// What lies beyond the edge of the map.
-    #[arg(long, value_enum)]
-    boundary: Edge,
+    #[arg(long, value_parser = args::named::<BoundaryKind>())]
+    boundary: BoundaryKind,
     /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*), or what the
     /// longest wave has on a layer, where the position of the flat is prescribed; 0, so that displacements have mean
     /// zero, elsewhere. A layer on a rigid base has its own.
@@ -86,15 +87,6 @@ pub(crate) struct Contact {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
-}
-
-/// How the surface continues beyond its edge.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Edge {
-    /// A finite patch, unloaded outside.
-    Free,
-    /// The map repeats without end.
-    Periodic,
 }
 
 /// What is prescribed: exactly one of these.
@@ -220,14 +212,14 @@ impl Contact {
 
     fn boundary(&self, grid: Grid, substrate: &Substrate, control: Control) -> Result<Boundary, Failure> {
         match (self.boundary, self.mean_compliance) {
-            (Edge::Free, None) => Ok(Boundary::Free),
-            (Edge::Free, Some(_)) => {
+            (BoundaryKind::Free, None) => Ok(Boundary::Free),
+            (BoundaryKind::Free, Some(_)) => {
                 Err(Failure::usage("--mean-compliance belongs to --boundary periodic; a free surface has its own"))
             }
-            (Edge::Periodic, Some(_)) if substrate.mean_compliance_m_per_pa().is_some() => {
+            (BoundaryKind::Periodic, Some(_)) if substrate.mean_compliance_m_per_pa().is_some() => {
                 Err(Failure::usage("--mean-compliance belongs to a surface without rigid base, which has its own"))
             }
-            (Edge::Periodic, None)
+            (BoundaryKind::Periodic, None)
                 if control.prescribes_plane() && substrate.mean_compliance_m_per_pa() == Some(0.0) =>
             {
                 Err(Failure::usage(
@@ -235,11 +227,11 @@ impl Contact {
                      overlapped; control the mean pressure, the load or the mean gap",
                 ))
             }
-            (Edge::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
-            (Edge::Periodic, None) if control.prescribes_plane() => {
+            (BoundaryKind::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
+            (BoundaryKind::Periodic, None) if control.prescribes_plane() => {
                 Ok(Boundary::Periodic { mean_compliance_m_per_pa: substrate.usual_mean_compliance_m_per_pa(grid) })
             }
-            (Edge::Periodic, None) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }),
+            (BoundaryKind::Periodic, None) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }),
         }
     }
 

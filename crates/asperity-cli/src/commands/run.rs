@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{Stage, write_run};
 use asperity_report::vibration_answer;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::Value;
 
 use super::study_file;
@@ -29,8 +29,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
     /// Only this stage and what it needs.
-    #[arg(long, value_enum, value_name = "STAGE")]
-    only: Option<Only>,
+    #[arg(long, value_parser = args::named::<Stage>(), value_name = "STAGE")]
+    only: Option<Stage>,
     /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
     #[arg(long)]
     force: bool,
@@ -39,34 +39,11 @@ pub(crate) struct Run {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Only {
-    /// Statistics and random surfaces.
-    Surface,
-    /// The law of the random pressure.
-    Pressure,
-    /// Friction as a process.
-    Friction,
-    /// Stick-slip.
-    Vibration,
-}
-
-impl From<Only> for Stage {
-    fn from(only: Only) -> Self {
-        match only {
-            Only::Surface => Self::Surface,
-            Only::Pressure => Self::Pressure,
-            Only::Friction => Self::Friction,
-            Only::Vibration => Self::Vibration,
-        }
-    }
-}
-
 impl Run {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let study = study_file::study(&self.study, self.seed)?;
         let folder = study_file::folder_of(&self.study);
-        let only = self.only.map(Stage::from);
+        let only = self.only;
         for stage in study.estimate(rayon::current_num_threads()) {
             require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name()))?;
         }

@@ -19,10 +19,8 @@ mod wav;
 use std::path::{Path, PathBuf};
 
 use asperity::study::{implausible_damping, implausible_friction};
-use asperity::vibration::{
-    Forcing, FrictionLaw, FrictionTable, Method, MotionKind, Oscillator, Parameters, VibrationError,
-};
-use clap::{Args, Subcommand, ValueEnum};
+use asperity::vibration::{Forcing, FrictionLaw, FrictionTable, MotionKind, Oscillator, Parameters, VibrationError};
+use clap::{Args, Subcommand};
 
 use crate::args;
 use crate::failure::{Failure, Kind};
@@ -181,27 +179,6 @@ fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
         }
     }
     Ok(points)
-}
-
-/// How slip is integrated.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Integrator {
-    /// Taylor series: exact to rounding, and the fastest.
-    Taylor,
-    /// Fehlberg's method of orders 4 and 5, the paper's, with an error of 1e-10 a step.
-    RungeKuttaFehlberg,
-    /// Dormand and Prince's method of order 8, with an error of 1e-12 a step.
-    DormandPrince,
-}
-
-impl Integrator {
-    fn method(self) -> Method {
-        match self {
-            Self::Taylor => Method::Taylor,
-            Self::RungeKuttaFehlberg => Method::RungeKuttaFehlberg { tolerance: 1e-10 },
-            Self::DormandPrince => Method::DormandPrince { tolerance: 1e-12 },
-        }
-    }
 }
 
 /// The damper.

@@ -7,7 +7,7 @@ use asperity_process::measured::{
     Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
     Preparation, Prepared, RecordColumns,
 };
-use asperity_process::{Correlation, CorrelationShape, FittedProcess, FrictionProcess, ProcessModel};
+use asperity_process::{CorrelationShape, FittedProcess, FrictionProcess, ProcessModel, TranslationKind};
 
 const LENGTH_M: f64 = 250e-6;
 const STEP_M: f64 = 10e-6;
@@ -18,7 +18,7 @@ const STD: f64 = 0.008;
 /// drift of zero mean.
 fn planted() -> Vec<f64> {
     let law: Marginal = "beta:2.1,5".parse().unwrap();
-    let model = ProcessModel { correlation: Correlation::Corrected, ..ProcessModel::new(law, STD, LENGTH_M) };
+    let model = ProcessModel { correlation: TranslationKind::Corrected, ..ProcessModel::new(law, STD, LENGTH_M) };
     let process = FrictionProcess::with_step(model, STEP_M).unwrap();
     let mut path = process.path(11, 0);
     let n = 60_000;

@@ -105,7 +105,7 @@ fn the_known_family_is_ranked_first_or_not_distinguishable_from_the_first() {
         let known = Covariance::new(model, 1.0, 5.0, 5.0).unwrap();
         let mut first = 0;
         for index in 0..5 {
-            let fits = fitted(&sample(&known, grid, 0.0, 100 + index), 1.0, &CorrelationFamily::ALL);
+            let fits = fitted(&sample(&known, grid, 0.0, 100 + index), 1.0, CorrelationFamily::ALL);
             let other = if model.name() == "exponential" { "squared_exponential" } else { "exponential" };
             // Both models have two parameters; any other model has three and a larger penalty.
             let [own, other] = [model.name(), other].map(|name| fits.named(name).unwrap().deviance);
@@ -127,7 +127,7 @@ fn a_correlation_that_does_not_decay_along_an_axis_is_a_warning() {
         let known = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 4.0, long).unwrap();
         sample(&known, grid, 0.0, 7)
     };
-    let fits = fitted(&ridge(400.0), 1.0, &CorrelationFamily::ALL);
+    let fits = fitted(&ridge(400.0), 1.0, CorrelationFamily::ALL);
     let extrapolated =
         |w: &FitWarning| matches!(w, FitWarning::FewLengths { axis: Axis::Y, lengths } if *lengths < 2.0);
     assert!(fits.warnings.iter().any(extrapolated), "{fits:?}");
@@ -239,6 +239,6 @@ fn an_oblique_lay_is_a_warning_and_a_straight_one_is_not() {
     assert!(oblique(PI / 4.0));
     let straight = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 8.0).unwrap();
     let map = sample(&straight, Grid::new(128, 128, 1.0, 1.0).unwrap(), 0.0, 50);
-    let fits = fitted(&map, 1.0, &CorrelationFamily::ALL);
+    let fits = fitted(&map, 1.0, CorrelationFamily::ALL);
     assert!(!fits.warnings.iter().any(|w| matches!(w, FitWarning::ObliqueLay { .. })), "{:?}", fits.warnings);
 }

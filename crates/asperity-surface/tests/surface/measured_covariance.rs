@@ -180,7 +180,7 @@ fn a_mixture_that_no_model_fits_is_reproduced_where_the_fitted_model_is_not() {
     let map = sample(&Mixture, unit_grid(320, 256), 3);
     let (_, measured) = measure(&map);
     let spectrum = BlockSpectrum::of(&map).unwrap();
-    let fitted = fit_covariance(&[&spectrum], measured.std_m(), &CorrelationFamily::ALL).unwrap().best();
+    let fitted = fit_covariance(&[&spectrum], measured.std_m(), CorrelationFamily::ALL).unwrap().best();
     // The standard error of one lag of one map where the correlation is small; it is less where the correlation is
     // large.
     let error = measured.report().standard_error;

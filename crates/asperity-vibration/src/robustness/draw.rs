@@ -4,7 +4,7 @@ use rand::RngExt;
 
 use super::super::{Drive, Forcing, FrictionLaw, FrictionTable, Method, Oscillator, Parameters, TrajectorySettings};
 use asperity_base::random;
-use asperity_process::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessModel};
+use asperity_process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, TranslationKind};
 
 /// Approximate largest number of grid points per motion, and the duration below which more are allowed.
 const MOST_GRID_POINTS: f64 = 5_000.0;
@@ -131,7 +131,7 @@ impl Draw {
             shape,
             generator,
             steps_per_length,
-            correlation: if self.chance(0.3) { Correlation::Corrected } else { Correlation::Plain },
+            correlation: if self.chance(0.3) { TranslationKind::Corrected } else { TranslationKind::Plain },
             least: self.chance(0.4).then(|| -0.5 * kinetic * self.between(0.01, 1.0)),
             ..ProcessModel::new(law.parse().unwrap(), std, length)
         }

@@ -1,25 +1,23 @@
 //! Parameters of an oscillator that can be varied.
 
-use serde::{Deserialize, Serialize};
-
 use super::super::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
 
-/// Parameter of a curve or a diagram.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Parameter {
-    /// ζ.
-    DampingRatio,
-    /// V.
-    BeltVelocity,
-    /// μ_st; the ratio of the kinetic coefficient to it is constant.
-    StaticFriction,
-    /// Weakening rate: a of the Stribeck law, b of the linear law.
-    Weakening,
-    /// q.
-    ForcingAmplitude,
-    /// η.
-    ForcingFrequency,
+asperity_base::choice! {
+    /// Parameter of a curve or a diagram.
+    pub enum Parameter: "parameter of the oscillator" {
+        /// Damping ratio ζ.
+        DampingRatio = "damping_ratio",
+        /// Dimensionless belt velocity V.
+        BeltVelocity = "belt_velocity",
+        /// Static friction coefficient μ_st; the ratio of the kinetic coefficient to it is constant.
+        StaticFriction = "static_friction",
+        /// Weakening rate: a of the Stribeck law, b of the linear law.
+        Weakening = "weakening",
+        /// Amplitude q of the harmonic force.
+        ForcingAmplitude = "forcing_amplitude",
+        /// Frequency η of the harmonic force.
+        ForcingFrequency = "forcing_frequency",
+    }
 }
 
 impl Parameter {

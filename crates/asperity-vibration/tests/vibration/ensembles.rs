@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use asperity_base::monitor::Silent;
 use asperity_base::random;
-use asperity_process::{Correlation, FrictionProcess, Generator, ProcessModel, Steady};
+use asperity_process::{FrictionProcess, Generator, ProcessModel, Steady, TranslationKind};
 use asperity_vibration::{
     Drive, Ensemble, EnsembleSettings, EventKind, Forcing, FrictionLaw, FrictionTable, Method, Oscillator, Parameters,
     Trajectory, TrajectorySettings, limit_cycle,
@@ -128,7 +128,7 @@ fn single_simulations_have_the_same_bytes_on_any_number_of_threads() {
         same_on_any_threads(&oscillator, &model(0.001), &settings);
     }
     let in_time = EnsembleSettings { drive: Drive::Time, ..settings };
-    let corrected = ProcessModel { correlation: Correlation::Corrected, ..model(0.001) };
+    let corrected = ProcessModel { correlation: TranslationKind::Corrected, ..model(0.001) };
     same_on_any_threads(&of(stribeck.clone(), None), &corrected, &in_time);
     // A trajectory leaves the batch when friction jumps while the mass is at relative rest.
     let jumps = ProcessModel { generator: Generator::Renewal, ..model(0.004) };

@@ -9,11 +9,11 @@ use thiserror::Error;
 
 use crate::chaos::{MAX_TERMS, Propagation, number_of_terms};
 use crate::law::Marginal;
+use crate::map::BoundaryKind;
 use crate::map::PITCH_RANGE_M;
-use crate::study::config::{
-    BoundaryChoice, CovarianceChoice, DistributionChoice, FrictionSection, GeneratorChoice, Study, SurfaceSection,
-};
+use crate::study::config::{FrictionLawKind, FrictionSection, Study, SurfaceSection};
 use crate::study::scatter::{LengthScatter, NumberScatter};
+use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 /// A value that is well-formed but cannot be right.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -132,14 +132,14 @@ impl Study {
         if s.marginal != "measured" {
             Marginal::from_str(&s.marginal).map_err(|error| problem(SECTION, "marginal", error.to_string()))?;
         }
-        let gaussian = s.generator != GeneratorChoice::WeierstrassMandelbrot;
-        let expanded = s.generator == GeneratorChoice::KarhunenLoeve;
+        let gaussian = s.generator != SurfaceGenerator::WeierstrassMandelbrot;
+        let expanded = s.generator == SurfaceGenerator::KarhunenLoeve;
         for (key, stated) in [("mean_mode", !s.mean_mode), ("rescale", s.rescale.is_some())] {
             if stated && !expanded {
                 return Err(problem(SECTION, key, "this belongs to the generator karhunen_loeve"));
             }
         }
-        if !s.mean_mode && self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryChoice::Free) {
+        if !s.mean_mode && self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free) {
             let message = "only periodic patches have a constant Fourier mode to leave out; set boundary = \"periodic\" in \
                            [pressure]";
             return Err(problem(SECTION, "mean_mode", message));
@@ -167,10 +167,10 @@ impl Study {
         if !s.covariance.is_of_the_scan() && s.correlation_length.is_none() {
             return Err(problem(SECTION, "correlation_length", "a stated covariance needs its lengths along x and y"));
         }
-        if s.covariance == CovarianceChoice::SelfAffine && s.hurst.is_none() {
+        if s.covariance == CovarianceSource::SelfAffine && s.hurst.is_none() {
             return Err(problem(SECTION, "hurst", "a self-affine covariance needs its Hurst exponent"));
         }
-        if s.covariance == CovarianceChoice::Matern && s.smoothness.is_none() {
+        if s.covariance == CovarianceSource::Matern && s.smoothness.is_none() {
             return Err(problem(SECTION, "smoothness", "a Matérn covariance needs its smoothness ν"));
         }
         if !gaussian && s.fractal_dimension.is_none() && s.file.is_none() {
@@ -281,7 +281,7 @@ impl Study {
             }
         }
         let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
-        if f.boundary == BoundaryChoice::Free && inner < least {
+        if f.boundary == BoundaryKind::Free && inner < least {
             let message = "the ends of a free strip, as long as it is wide, are left out; no window fits between them";
             return Err(problem(SECTION, "strip", message));
         }
@@ -321,7 +321,7 @@ impl Study {
         if let Some(NumberScatter::Absolute(std)) = u.skewness {
             within(SECTION, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
         }
-        let fractal = surface.generator == GeneratorChoice::WeierstrassMandelbrot;
+        let fractal = surface.generator == SurfaceGenerator::WeierstrassMandelbrot;
         for (key, stated) in
             [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())]
         {
@@ -354,25 +354,23 @@ impl Study {
     fn check_friction_law(&self, f: &FrictionSection) -> Result<(), Problem> {
         const SECTION: &str = "friction";
         let material = self.material.as_ref();
-        if f.law != DistributionChoice::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
+        if f.law != FrictionLawKind::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
             return Err(problem("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
         }
-        if f.law == DistributionChoice::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
+        if f.law == FrictionLawKind::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
             let message = "nothing ploughs that does not yield; law = \"adhesion_ploughing\" needs the hardness";
             return Err(problem("material", "hardness", message));
         }
         let missing = |key, message: &str| Err(problem(SECTION, key, message));
         match (f.law, f.pressure_coefficient, f.coefficient) {
-            (DistributionChoice::PressureDependent, None, _) => {
+            (FrictionLawKind::PressureDependent, None, _) => {
                 missing("pressure_coefficient", "law = \"pressure_dependent\" needs its α, such as 0.05")
             }
-            (DistributionChoice::PressureDependent, Some(alpha), _) => {
+            (FrictionLawKind::PressureDependent, Some(alpha), _) => {
                 within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")
             }
-            (DistributionChoice::Coulomb, _, None) => {
-                missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2")
-            }
-            (DistributionChoice::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
+            (FrictionLawKind::Coulomb, _, None) => missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2"),
+            (FrictionLawKind::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
             _ => Ok(()),
         }
     }
@@ -412,14 +410,14 @@ impl Study {
             idle.extend(surface.rescale.map(|_| patches_only("rescale")));
         }
         let periodic_only = |section: &str| format!("[{section}] mean_compliance has no effect on the free boundary");
-        if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryChoice::Free && p.mean_compliance.is_some()) {
+        if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free && p.mean_compliance.is_some()) {
             idle.push(periodic_only("pressure"));
         }
-        if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryChoice::Free && f.mean_compliance.is_some()) {
+        if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryKind::Free && f.mean_compliance.is_some()) {
             idle.push(periodic_only("friction"));
         }
         idle.extend(self.friction.iter().flat_map(FrictionSection::idle_keys));
-        if self.friction.as_ref().is_some_and(|f| f.law == DistributionChoice::Coulomb)
+        if self.friction.as_ref().is_some_and(|f| f.law == FrictionLawKind::Coulomb)
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {
             idle.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
@@ -431,8 +429,8 @@ impl Study {
 impl FrictionSection {
     /// Its keys that are stated and change nothing, each in a sentence.
     fn idle_keys(&self) -> Vec<String> {
-        let pressure = self.pressure_coefficient.is_some() && self.law != DistributionChoice::PressureDependent;
-        let coulomb = self.coefficient.is_some() && self.law != DistributionChoice::Coulomb;
+        let pressure = self.pressure_coefficient.is_some() && self.law != FrictionLawKind::PressureDependent;
+        let coulomb = self.coefficient.is_some() && self.law != FrictionLawKind::Coulomb;
         [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
             .into_iter()
             .filter(|(_, idle, _)| *idle)
@@ -444,12 +442,12 @@ impl FrictionSection {
 impl SurfaceSection {
     /// Its keys that are stated and change nothing, each in a sentence.
     pub(super) fn idle_keys(&self) -> Vec<String> {
-        let fractal = self.generator == GeneratorChoice::WeierstrassMandelbrot;
+        let fractal = self.generator == SurfaceGenerator::WeierstrassMandelbrot;
         let measured = self.covariance.is_of_the_scan();
         [
             ("correlation_length", self.correlation_length.is_some() && measured, "with a measured covariance"),
-            ("hurst", self.hurst.is_some() && self.covariance != CovarianceChoice::SelfAffine, "without self_affine"),
-            ("smoothness", self.smoothness.is_some() && self.covariance != CovarianceChoice::Matern, "without matern"),
+            ("hurst", self.hurst.is_some() && self.covariance != CovarianceSource::SelfAffine, "without self_affine"),
+            ("smoothness", self.smoothness.is_some() && self.covariance != CovarianceSource::Matern, "without matern"),
             (
                 "fractal_dimension",
                 self.fractal_dimension.is_some() && !fractal,

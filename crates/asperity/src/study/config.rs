@@ -5,18 +5,19 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use asperity_base::choice;
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
-pub use crate::study::vibration_section::{
-    DriveChoice, FluctuationChoice, IntegratorChoice, MapOver, MapSection, Stribeck, Upscaling, VelocityLaw,
-    VibrationSection,
-};
+pub use crate::study::vibration_section::{MapOver, MapSection, Stribeck, Upscaling, VelocityLaw, VibrationSection};
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;
+use crate::surface::{CovarianceSource, SurfaceGenerator};
+use crate::translation::TranslationKind;
 
 /// A study: which scan or model, which stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,55 +40,6 @@ pub struct Study {
     /// Stick-slip of a mass on a belt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationSection>,
-}
-
-/// How random surfaces are made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum GeneratorChoice {
-    /// Truncated Karhunen–Loève expansion (paper, eq. 2).
-    #[default]
-    KarhunenLoeve,
-    /// Weierstrass–Mandelbrot function (paper, eq. 1) in its two-dimensional form.
-    WeierstrassMandelbrot,
-    /// All Fourier modes of the grid.
-    Spectral,
-}
-
-/// Which covariance the random surfaces have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CovarianceChoice {
-    /// The best of the models below, fitted to the scan's spectrum by likelihood. Where no model has the spectrum and the slopes of
-    /// the scan within its reliable band, or maps drawn with it have other slopes, the scan's own, changed where the marginal law
-    /// would distort its slopes.
-    ///
-    /// Spectrum and heights do not determine the contact. Copies of a scan with random phases and the scan's own heights need
-    /// 0.75 to 1.44 times its mean pressure for 5 % contact on reference scans (st_al3d-1 and st_x3p-2 of SurfaceTopography):
-    /// a study presses drawn maps and a part of the scan, and warns where they touch on different areas.
-    #[default]
-    Measured,
-    /// The scan's own autocorrelation, made positive definite: no model, lays at any angle.
-    Empirical,
-    /// e^{−r²}.
-    SquaredExponential,
-    /// e^{−r}.
-    Exponential,
-    /// Matérn.
-    Matern,
-    /// Self-affine with roll-off.
-    SelfAffine,
-}
-
-/// How Gaussian fields become non-Gaussian.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TranslationChoice {
-    /// z = F⁻¹(Φ(g)), which distorts the correlation a little (the paper's).
-    #[default]
-    Plain,
-    /// The correlation of g is distorted beforehand so that that of z is met.
-    Corrected,
 }
 
 /// One scan, or several of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
@@ -162,10 +114,10 @@ pub struct SurfaceSection {
     pub robust_filter: bool,
     /// How random surfaces are made.
     #[serde(default)]
-    pub generator: GeneratorChoice,
+    pub generator: SurfaceGenerator,
     /// Their covariance; the Weierstrass–Mandelbrot generator takes none.
     #[serde(default)]
-    pub covariance: CovarianceChoice,
+    pub covariance: CovarianceSource,
     /// Their standard deviation of height, when not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<Length>,
@@ -189,7 +141,7 @@ pub struct SurfaceSection {
     pub marginal: String,
     /// How the marginal is imposed.
     #[serde(default)]
-    pub translation: TranslationChoice,
+    pub translation: TranslationKind,
     /// Terms of the Karhunen–Loève expansion. When left out, as many as hold 90 % of the slope variance of a patch, or all Fourier
     /// modes where those are more than 400.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -245,26 +197,19 @@ impl Default for SurfaceSection {
             s_filter: None,
             l_filter: None,
             robust_filter: false,
-            generator: GeneratorChoice::default(),
-            covariance: CovarianceChoice::default(),
+            generator: SurfaceGenerator::default(),
+            covariance: CovarianceSource::default(),
             rms_height: None,
             correlation_length: None,
             hurst: None,
             smoothness: None,
             fractal_dimension: None,
             marginal: measured(),
-            translation: TranslationChoice::default(),
+            translation: TranslationKind::default(),
             modes: None,
             mean_mode: yes(),
             rescale: None,
         }
-    }
-}
-
-impl CovarianceChoice {
-    /// Whether the scan says all of it.
-    pub fn is_of_the_scan(self) -> bool {
-        matches!(self, Self::Measured | Self::Empirical)
     }
 }
 
@@ -315,16 +260,6 @@ pub struct MaterialSection {
     pub shear_strength: Option<Pressure>,
 }
 
-/// What lies beyond the edge of a patch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BoundaryChoice {
-    /// Unloaded half-space.
-    Free,
-    /// The patch again.
-    Periodic,
-}
-
 /// `[pressure]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -335,7 +270,7 @@ pub struct PressureSection {
     pub points: [usize; 2],
     /// Boundary of a patch.
     #[serde(default = "free")]
-    pub boundary: BoundaryChoice,
+    pub boundary: BoundaryKind,
     /// Cell [row, column] whose pressure is studied, counted from 0 at the top left; when left out, the centre [ny/2, nx/2].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<[usize; 2]>,
@@ -371,30 +306,32 @@ pub struct PressureSection {
     pub tolerance: f64,
 }
 
-/// From what a window sees to the friction force on it; see [`crate::friction::law`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DistributionChoice {
-    /// F = τ_max A_c (the paper's).
-    #[default]
-    BowdenTabor,
-    /// F = τ_max A_c + αN.
-    PressureDependent,
-    /// F = τ_max A_c and the ploughing of yielded contacts.
-    AdhesionPloughing,
-    /// F = μN.
-    Coulomb,
+choice! {
+    /// Friction law of a window; see [`crate::friction::law`].
+    #[derive(Default)]
+    pub enum FrictionLawKind: "friction law" {
+        /// F = τ_max A_c (the paper's).
+        #[default]
+        BowdenTabor = "bowden_tabor",
+        /// F = τ_max A_c + αN.
+        PressureDependent = "pressure_dependent",
+        /// F = τ_max A_c and the ploughing of yielded contacts.
+        AdhesionPloughing = "adhesion_ploughing",
+        /// F = μN.
+        Coulomb = "coulomb",
+    }
 }
 
-/// Shape of the window.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WindowShape {
-    /// All of its length and width.
-    #[default]
-    Rectangle,
-    /// The ellipse in it.
-    Ellipse,
+choice! {
+    /// Shape of the window.
+    #[derive(Default)]
+    pub enum WindowShape: "shape of the window" {
+        /// All of its length and width.
+        #[default]
+        Rectangle = "rectangle",
+        /// The ellipse in it.
+        Ellipse = "ellipse",
+    }
 }
 
 /// `[friction]`.
@@ -419,7 +356,7 @@ pub struct FrictionSection {
     pub window_shape: WindowShape,
     /// Law of friction. `shear_strength` of `[material]` is its τ_max.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub law: DistributionChoice,
+    pub law: FrictionLawKind,
     /// α of the pressure-dependent law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_coefficient: Option<f64>,
@@ -428,7 +365,7 @@ pub struct FrictionSection {
     pub coefficient: Option<f64>,
     /// Boundary of a strip.
     #[serde(default = "periodic")]
-    pub boundary: BoundaryChoice,
+    pub boundary: BoundaryKind,
     /// Mean compliance of a periodic strip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_compliance: Option<Compliance>,
@@ -521,7 +458,7 @@ impl Default for FrictionSection {
             window: window(),
             window_width: None,
             window_shape: WindowShape::default(),
-            law: DistributionChoice::default(),
+            law: FrictionLawKind::default(),
             pressure_coefficient: None,
             coefficient: None,
             boundary: periodic(),
@@ -553,11 +490,11 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 fn poisson_ratio() -> f64 {
     0.3
 }
-fn free() -> BoundaryChoice {
-    BoundaryChoice::Free
+fn free() -> BoundaryKind {
+    BoundaryKind::Free
 }
-fn periodic() -> BoundaryChoice {
-    BoundaryChoice::Periodic
+fn periodic() -> BoundaryKind {
+    BoundaryKind::Periodic
 }
 fn fine_solves() -> usize {
     500

@@ -7,11 +7,13 @@ use crate::correlation::{
 use crate::law::Marginal;
 use crate::law::translation::Translation;
 use crate::study::band_slopes::Roughness;
-use crate::study::config::{CovarianceChoice, SurfaceSection, TranslationChoice};
+use crate::study::config::SurfaceSection;
 use crate::study::measured::Measured;
 use crate::study::surface_model::{CLIPPED_VARIANCE, SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::trial::Trial;
 use crate::study::{StudyError, sentence};
+use crate::surface::CovarianceSource;
+use crate::translation::TranslationKind;
 
 /// A model is taken where ln(measured/model spectral density) is below this, in the root mean square over the band.
 const LARGEST_MISFIT: f64 = 0.3;
@@ -77,7 +79,7 @@ pub(super) fn choose(
 ) -> Result<Chosen, StudyError> {
     let std_m = marginal.std();
     let roughness = measured.roughness()?;
-    let is_plain = section.translation == TranslationChoice::Plain && !matches!(marginal, Marginal::Normal { .. });
+    let is_plain = section.translation == TranslationKind::Plain && !matches!(marginal, Marginal::Normal { .. });
     let translation = if is_plain { Some(Translation::new(marginal)?) } else { None };
     let judge = Judge { roughness: &roughness, translation, scale: measured.sq_m() / std_m };
     let spectra: Vec<_> = roughness.spectra.iter().collect();
@@ -109,8 +111,8 @@ pub(super) fn choose(
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
     let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
     let mut chosen = match section.covariance {
-        CovarianceChoice::Measured => measured_choice(measured, &judge, models, fits, families, std_m)?,
-        CovarianceChoice::Empirical => Chosen::new(own_covariance(measured, std_m)?),
+        CovarianceSource::Measured => measured_choice(measured, &judge, models, fits, families, std_m)?,
+        CovarianceSource::Empirical => Chosen::new(own_covariance(measured, std_m)?),
         _ => {
             let covariance = stated(section, std_m)?;
             // A stated surface need not be like the scan.
@@ -128,13 +130,13 @@ pub(super) fn choose(
             Trial::draw(&model, judge.scale, measured.map.grid(), measured.level, slopes)
         };
         chosen.try_out(draw(&chosen.covariance)?);
-        if section.covariance == CovarianceChoice::Measured && families.len() == CorrelationFamily::ALL.len() {
+        if section.covariance == CovarianceSource::Measured && families.len() == CorrelationFamily::ALL.len() {
             chosen = nearest(chosen, model, measured, &judge, draw)?;
         }
         chosen.slope_cutoff_m = Some(slopes.cutoff_m);
         chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
     }
-    if section.covariance == CovarianceChoice::Measured {
+    if section.covariance == CovarianceSource::Measured {
         let missing: Vec<String> = of_any.into_iter().filter(|warning| !chosen.warnings.contains(warning)).collect();
         chosen.warnings.extend(missing);
     }
@@ -147,11 +149,11 @@ pub(super) fn stated(section: &SurfaceSection, std_m: f64) -> Result<SurfaceCova
     use crate::correlation::CorrelationModel as Model;
 
     let model = match section.covariance {
-        CovarianceChoice::Measured | CovarianceChoice::Empirical => return Err(StudyError::NoStage("surface")),
-        CovarianceChoice::SquaredExponential => Model::SquaredExponential,
-        CovarianceChoice::Exponential => Model::Exponential,
-        CovarianceChoice::Matern => Model::Matern { nu: section.smoothness.unwrap_or(f64::NAN) },
-        CovarianceChoice::SelfAffine => Model::SelfAffine { hurst: section.hurst.unwrap_or(f64::NAN) },
+        CovarianceSource::Measured | CovarianceSource::Empirical => return Err(StudyError::NoStage("surface")),
+        CovarianceSource::SquaredExponential => Model::SquaredExponential,
+        CovarianceSource::Exponential => Model::Exponential,
+        CovarianceSource::Matern => Model::Matern { nu: section.smoothness.unwrap_or(f64::NAN) },
+        CovarianceSource::SelfAffine => Model::SelfAffine { hurst: section.hurst.unwrap_or(f64::NAN) },
     };
     let [x, y] = section.correlation_length.map_or([f64::NAN; 2], |lengths| lengths.map(|length| length.0));
     Ok(SurfaceCovariance::Model(Covariance::new(model, std_m, x, y)?))

@@ -1,7 +1,8 @@
 //! What a study will cost, roughly, before it is run.
 
 use crate::contact::memory_bytes;
-use crate::study::config::{BoundaryChoice, FrictionSection};
+use crate::map::BoundaryKind;
+use crate::study::config::FrictionSection;
 use crate::study::friction_stage::cutoff;
 use crate::study::surface_model::MOST_MODES;
 use crate::study::{Stage, Study};
@@ -58,7 +59,7 @@ impl Study {
     pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
         let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, germ: usize| {
             let cells = points[0] as f64 * points[1] as f64;
-            let per_cell = if boundary == BoundaryChoice::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
+            let per_cell = if boundary == BoundaryKind::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
             StageEstimate {
                 stage,
                 contact_solutions: solutions,

@@ -2,7 +2,7 @@
 
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, FrictionLaw, PressureDependent};
 use crate::study::StudyError;
-use crate::study::config::{DistributionChoice, FrictionSection, MaterialSection};
+use crate::study::config::{FrictionLawKind, FrictionSection, MaterialSection};
 use crate::study::sentence;
 
 /// The law that a section chooses, and the same in words.
@@ -15,12 +15,12 @@ pub(super) fn friction_law(
         format!("τ_max = {} and the contact area A_c corrected for its perimeter", sentence::si(strength_pa, "Pa"))
     };
     Ok(match section.law {
-        DistributionChoice::BowdenTabor => {
+        FrictionLawKind::BowdenTabor => {
             let shear_strength_pa = shear()?;
             let words = format!("Friction is shear-dominated, μ = τ_max A_c/N with {}", area(shear_strength_pa));
             (Box::new(BowdenTabor { shear_strength_pa }), words)
         }
-        DistributionChoice::PressureDependent => {
+        FrictionLawKind::PressureDependent => {
             let (shear_strength_pa, pressure_coefficient) = (shear()?, section.pressure_coefficient.unwrap_or(0.0));
             let words = format!(
                 "The shear strength of contacts grows with the pressure, τ = τ_max + αp, so that μ = τ_max A_c/N + α with α = \
@@ -29,7 +29,7 @@ pub(super) fn friction_law(
             );
             (Box::new(PressureDependent { shear_strength_pa, pressure_coefficient }), words)
         }
-        DistributionChoice::AdhesionPloughing => {
+        FrictionLawKind::AdhesionPloughing => {
             let shear_strength_pa = shear()?;
             let words = format!(
                 "Contacts are sheared and, where they yield, plough: μ = (τ_max A_c + ∫p|∂z/∂x| dA)/N, the integral over \
@@ -38,7 +38,7 @@ pub(super) fn friction_law(
             );
             (Box::new(AdhesionPloughing { shear_strength_pa }), words)
         }
-        DistributionChoice::Coulomb => {
+        FrictionLawKind::Coulomb => {
             let coefficient = section.coefficient.ok_or(StudyError::NoStage("friction"))?;
             let words = format!("Friction is Coulomb's, μ = {coefficient} whatever the contact");
             (Box::new(Coulomb { coefficient }), words)

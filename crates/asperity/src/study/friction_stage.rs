@@ -16,10 +16,11 @@ use crate::friction::strip::{Level, Record, Strips};
 use crate::friction::upscaling::variance_reduction;
 use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
+use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::stats::{Interval, Layout, ProcessMoments};
-use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
+use crate::study::config::{FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::level_control::{Lead, LevelControl};
@@ -179,7 +180,7 @@ impl Setup {
         let (law, law_in_words) = friction_law(section, material)?;
         Ok(Self {
             grid,
-            periodic: section.boundary == BoundaryChoice::Periodic,
+            periodic: section.boundary == BoundaryKind::Periodic,
             window,
             half_space,
             mean_compliance_m_per_pa,

@@ -1,7 +1,7 @@
 //! Values that are possible but hardly meant, each with its reason.
 
 use crate::study::sentence::{digits, si};
-use crate::study::{Study, config::DistributionChoice};
+use crate::study::{Study, config::FrictionLawKind};
 
 /// Young's modulus over hardness below which a material is implausible: metals have 50 to 300, ceramics and polymers 10 to 30.
 const LEAST_MODULUS_OVER_HARDNESS: f64 = 10.0;
@@ -76,12 +76,11 @@ impl Study {
         let mut warnings = self.idle_keys();
         if let Some(material) = &self.material {
             let [hardness, shear] = [material.hardness, material.shear_strength].map(|stated| stated.map(|q| q.0));
-            let shear = shear.filter(|_| self.friction.as_ref().is_some_and(|f| f.law != DistributionChoice::Coulomb));
+            let shear = shear.filter(|_| self.friction.as_ref().is_some_and(|f| f.law != FrictionLawKind::Coulomb));
             let found = implausible_material(material.youngs_modulus.0, material.poisson_ratio, hardness, shear);
             warnings.extend(found.into_iter().map(|warning| format!("[material] {warning}")));
         }
-        let coulomb =
-            self.friction.as_ref().filter(|f| f.law == DistributionChoice::Coulomb).and_then(|f| f.coefficient);
+        let coulomb = self.friction.as_ref().filter(|f| f.law == FrictionLawKind::Coulomb).and_then(|f| f.coefficient);
         warnings.extend(coulomb.and_then(implausible_friction).map(|warning| format!("[friction] {warning}")));
         if let Some(v) = &self.vibration {
             let found = [v.static_friction.and_then(implausible_friction), implausible_damping(v.damping_ratio)];

@@ -7,11 +7,12 @@ mod tables;
 
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
 use crate::law::Marginal;
+use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::pressure::{Problem, Study as Sizes};
 use crate::random;
-use crate::study::config::{BoundaryChoice, MaterialSection, PressureSection};
+use crate::study::config::{MaterialSection, PressureSection};
 use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
 use crate::study::surface_model::Generated;
@@ -27,13 +28,13 @@ pub(super) fn half_space(
     section: &'static str,
     grid: Grid,
     material: &MaterialSection,
-    boundary: BoundaryChoice,
+    boundary: BoundaryKind,
     mean_compliance_m_per_pa: Option<f64>,
 ) -> Result<(HalfSpace, Option<f64>), StudyError> {
     let modulus_pa = contact::contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
     let (boundary, compliance) = match boundary {
-        BoundaryChoice::Free => (Boundary::Free, None),
-        BoundaryChoice::Periodic => {
+        BoundaryKind::Free => (Boundary::Free, None),
+        BoundaryKind::Periodic => {
             let usual = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa);
             let mean_compliance_m_per_pa = mean_compliance_m_per_pa.unwrap_or(usual);
             (Boundary::Periodic { mean_compliance_m_per_pa }, Some(mean_compliance_m_per_pa))

@@ -2,13 +2,15 @@
 
 use std::mem;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
+
+use asperity_base::choice;
 
 use crate::friction::process::FittedProcess;
+use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
-use crate::study::config::{BoundaryChoice, SurfaceSection};
+use crate::study::config::SurfaceSection;
 use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
@@ -20,42 +22,17 @@ use crate::study::{
 /// Nominal area of a study that states none: a pad at 3 MPa under 2.5 kN.
 const NOMINAL_AREA: Area = Area(833e-6);
 
-/// A stage of a study.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// Statistics and random surfaces.
-    Surface,
-    /// The law of the random pressure.
-    Pressure,
-    /// Friction as a process.
-    Friction,
-    /// Stick-slip.
-    Vibration,
-}
-
-impl Stage {
-    /// The name of its section.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Pressure => "pressure",
-            Self::Friction => "friction",
-            Self::Vibration => "vibration",
-        }
-    }
-}
-
-impl FromStr for Stage {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "surface" => Ok(Self::Surface),
-            "pressure" => Ok(Self::Pressure),
-            "friction" => Ok(Self::Friction),
-            "vibration" => Ok(Self::Vibration),
-            _ => Err(format!("`{text}` is not a stage; write surface, pressure, friction or vibration")),
-        }
+choice! {
+    /// Stage of a study.
+    pub enum Stage: "stage" {
+        /// Statistics and random surfaces.
+        Surface = "surface",
+        /// Distribution of the random pressure.
+        Pressure = "pressure",
+        /// Friction as a process.
+        Friction = "friction",
+        /// Stick-slip.
+        Vibration = "vibration",
     }
 }
 
@@ -146,7 +123,7 @@ impl Study {
         {
             let grid = Grid::covering(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
                 .map_err(|error| StudyError::Grid { section: "pressure", error })?;
-            let generated = surface.model.patch(grid, section.boundary == BoundaryChoice::Periodic)?;
+            let generated = surface.model.patch(grid, section.boundary == BoundaryKind::Periodic)?;
             karhunen_loeve = generated.karhunen_loeve.clone();
             let stage =
                 pressure_stage::run(section, material, &surface.model.marginal, &generated, self.seed, monitor)?;

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::quantity::Length;
 use crate::random;
-use crate::study::config::{BoundaryChoice, SurfaceSection};
+use crate::study::config::SurfaceSection;
 use crate::study::{Study, StudyError, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
 
@@ -27,13 +28,13 @@ pub struct Specimen {
     pub points: [usize; 2],
     /// Whether a map continues periodically beyond its edge.
     #[serde(default = "free")]
-    pub boundary: BoundaryChoice,
+    pub boundary: BoundaryKind,
     /// The surface.
     pub surface: SurfaceSection,
 }
 
-fn free() -> BoundaryChoice {
-    BoundaryChoice::Free
+fn free() -> BoundaryKind {
+    BoundaryKind::Free
 }
 
 impl Specimen {
@@ -73,7 +74,7 @@ impl Specimen {
         let names = self.surface.files().iter().map(|file| file.to_string_lossy().into_owned());
         let scans = names.zip(self.surface.read_scans(folder)?).collect();
         let stage = surface_stage::run(&self.surface, scans)?;
-        let generated = stage.model.patch(grid, self.boundary == BoundaryChoice::Periodic)?;
+        let generated = stage.model.patch(grid, self.boundary == BoundaryKind::Periodic)?;
         let idle = self.surface.idle_keys().into_iter();
         let warnings = idle.chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })

@@ -6,13 +6,13 @@ use crate::correlation::{CorrelationModel, Covariance, MeasuredCovariance, Stati
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::study::StudyError;
-use crate::study::config::TranslationChoice;
 use crate::study::result::KarhunenLoeveResult;
 use crate::study::sentence;
 use crate::surface::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
     TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes,
 };
+use crate::translation::TranslationKind;
 
 /// Ratio of neighbouring wavenumbers and number of ridges of Weierstrass–Mandelbrot surfaces.
 pub(super) const GAMMA: f64 = 1.5;
@@ -131,7 +131,7 @@ pub(super) enum Texture {
     /// A Gaussian field of this covariance under a translation.
     Translated {
         covariance: SurfaceCovariance,
-        translation: TranslationChoice,
+        translation: TranslationKind,
         /// The Karhunen–Loève expansion of patches; none: all Fourier modes.
         expansion: Option<Expansion>,
     },
@@ -203,17 +203,17 @@ impl SurfaceModel {
     fn expanded(
         &self,
         covariance: &SurfaceCovariance,
-        translation: TranslationChoice,
+        translation: TranslationKind,
         expansion: Expansion,
         modes: usize,
         grid: Grid,
         periodic: bool,
     ) -> Result<Generated, StudyError> {
         match translation {
-            TranslationChoice::Plain => {
+            TranslationKind::Plain => {
                 self.karhunen_loeve(covariance, expansion, modes, covariance.is_product(), grid, periodic)
             }
-            TranslationChoice::Corrected => {
+            TranslationKind::Corrected => {
                 let corrected = Predistorted::new(covariance, &self.marginal)?;
                 let correction = Some(format!(
                     "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
@@ -231,7 +231,7 @@ impl SurfaceModel {
     fn all_fourier_modes(
         &self,
         covariance: &SurfaceCovariance,
-        translation: TranslationChoice,
+        translation: TranslationKind,
         expansion: Expansion,
         needed: usize,
         grid: Grid,
@@ -336,7 +336,7 @@ impl SurfaceModel {
     fn spectral(
         &self,
         covariance: &SurfaceCovariance,
-        translation: TranslationChoice,
+        translation: TranslationKind,
         order: GermOrder,
         grid: Grid,
         periodic: bool,
@@ -347,8 +347,8 @@ impl SurfaceModel {
         let mut warnings = Vec::new();
         let mut told = None;
         let field = match translation {
-            TranslationChoice::Plain => make(covariance)?,
-            TranslationChoice::Corrected => {
+            TranslationKind::Plain => make(covariance)?,
+            TranslationKind::Corrected => {
                 let correction = TranslationCorrection::default();
                 let CorrectedField { field, report } = if periodic {
                     correction.periodic(covariance, &self.marginal, grid)?
@@ -443,7 +443,7 @@ mod tests {
     fn model(kind: CorrelationModel, length_m: f64, modes: Option<usize>) -> SurfaceModel {
         let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());
         let expansion = Some(Expansion { modes, mean_mode: true, rescale: None });
-        let texture = Texture::Translated { covariance, translation: TranslationChoice::Plain, expansion };
+        let texture = Texture::Translated { covariance, translation: TranslationKind::Plain, expansion };
         SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture }
     }
 

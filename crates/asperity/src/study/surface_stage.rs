@@ -5,7 +5,7 @@ use asperity_formats::Scan;
 use crate::correlation::{CorrelationFamily, CorrelationModel, MeasuredReport, StationaryCovariance};
 use crate::law::Marginal;
 use crate::map::HeightMap;
-use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use crate::study::config::SurfaceSection;
 use crate::study::contact_check::contact_warning;
 use crate::study::covariance_choice::{Chosen, choose, stated};
 use crate::study::measured::Measured;
@@ -21,6 +21,8 @@ use crate::study::surface_model::{
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
+use crate::surface::{CovarianceSource, SurfaceGenerator};
+use crate::translation::TranslationKind;
 
 /// Random surfaces, and the measurement that they rest on.
 pub(super) struct SurfaceStage {
@@ -47,7 +49,7 @@ impl SurfaceStage {
 pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
     let measured = measure_all(section, scans, &mut output)?;
-    let (model, chosen) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
+    let (model, chosen) = model_of(section, measured.as_ref(), CorrelationFamily::ALL, &mut output)?;
     let covariance = chosen.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
         output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
@@ -68,7 +70,7 @@ pub(super) fn model_of(
     families: &[CorrelationFamily],
     output: &mut StageOutput,
 ) -> Result<(SurfaceModel, Option<Chosen>), StudyError> {
-    let (model, chosen) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
+    let (model, chosen) = if section.generator == SurfaceGenerator::WeierstrassMandelbrot {
         (fractal_model(section, measured)?, None)
     } else {
         let (model, chosen) = translated_model(section, measured, families)?;
@@ -197,11 +199,11 @@ fn translated_model(
         None => Chosen::new(stated(section, std_m)?),
     };
     let expansion = match section.generator {
-        GeneratorChoice::KarhunenLoeve => {
+        SurfaceGenerator::KarhunenLoeve => {
             let &SurfaceSection { modes, mean_mode, rescale, .. } = section;
             Some(Expansion { modes, mean_mode, rescale })
         }
-        GeneratorChoice::Spectral | GeneratorChoice::WeierstrassMandelbrot => None,
+        SurfaceGenerator::Spectral | SurfaceGenerator::WeierstrassMandelbrot => None,
     };
     let covariance = chosen.covariance.clone();
     let texture = Texture::Translated { covariance, translation: section.translation, expansion };
@@ -237,8 +239,8 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -
                 format!("The marginal law {} is", section.marginal)
             },
             match translation {
-                TranslationChoice::Plain => "plain",
-                TranslationChoice::Corrected => "corrected",
+                TranslationKind::Plain => "plain",
+                TranslationKind::Corrected => "corrected",
             }
         ),
     }
@@ -251,7 +253,7 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, sc
         SurfaceCovariance::Model(model) => format!(
             "a {} covariance ({}, {} {})",
             model.model().name(),
-            if section.covariance == CovarianceChoice::Measured {
+            if section.covariance == CovarianceSource::Measured {
                 format!("fitted to {scans}")
             } else {
                 "stated".into()

@@ -73,14 +73,14 @@ mod tests {
     use super::*;
     use crate::correlation::{CorrelationModel, Covariance};
     use crate::law::Marginal;
-    use crate::study::config::TranslationChoice;
     use crate::study::surface_model::{SurfaceCovariance, Texture};
+    use crate::translation::TranslationKind;
 
     #[test]
     fn drawn_maps_have_the_expected_slopes() {
         let covariance = Covariance::new(CorrelationModel::Exponential, 1e-6, 8e-6, 5e-6).unwrap();
         let surface_covariance = SurfaceCovariance::Model(covariance);
-        let translation = TranslationChoice::Plain;
+        let translation = TranslationKind::Plain;
         let texture = Texture::Translated { covariance: surface_covariance, translation, expansion: None };
         let model = SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture };
         // A wave of slope 0.2 along x, sampled at 1 µm: what the maps are compared with.

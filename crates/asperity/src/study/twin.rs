@@ -16,10 +16,11 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::law::Marginal;
+use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
-use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection};
+use crate::study::config::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::law_result;
 use crate::study::surface_stage::{covariance_result, measure, model_of};
@@ -27,6 +28,7 @@ use crate::study::{StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
+use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 use band::{LEVEL, band_method};
 use comparison::{Target, TwinTraits, masked, outside_sentence, statistics_table};
@@ -90,14 +92,14 @@ impl Twins {
         let (model, chosen) = match model {
             Err(StudyError::Empirical(error)) if options.model_in_need => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
-                section.covariance = CovarianceChoice::Measured;
+                section.covariance = CovarianceSource::Measured;
                 model_of(&section, Some(&measured), &options.families, &mut output)?
             }
             model => model?,
         };
         let section = &section;
         let (own, grid) = (measured.map.grid(), options.grid(measured.map.grid())?);
-        let periodic = options.boundary == BoundaryChoice::Periodic;
+        let periodic = options.boundary == BoundaryKind::Periodic;
         let mut generated = model.patch(grid, periodic)?;
         output.warnings.append(&mut generated.warnings);
         output.assumptions.extend(generated.correction.take());
@@ -224,7 +226,7 @@ impl Twins {
                 sentence::size(self.scan.grid().width_m(), self.scan.grid().height_m()),
             ));
         }
-        if section.marginal == "measured" && section.generator != GeneratorChoice::WeierstrassMandelbrot {
+        if section.marginal == "measured" && section.generator != SurfaceGenerator::WeierstrassMandelbrot {
             self.assumptions.push(
                 "The measured marginal law ends at the scan's own extremes and knows of a sharp peak or pit as a few heights \
                  alone: Sp, Sv and Sz of the twins tend to be smaller."
@@ -338,7 +340,7 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
         "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."
             .into(),
     ];
-    if section.generator == GeneratorChoice::WeierstrassMandelbrot {
+    if section.generator == SurfaceGenerator::WeierstrassMandelbrot {
         limits.push(
             "Twins sum cosines of random phase: their heights are nearly normal, whatever those of the scan.".into(),
         );
@@ -348,7 +350,7 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
              come back as heights that are as frequent, not as connected features."
                 .into(),
         );
-        if section.covariance == CovarianceChoice::Empirical {
+        if section.covariance == CovarianceSource::Empirical {
             limits.push(
                 "The scan's own correlation is kept at short lags and tapered where it falls into its noise: longer waves \
                  come back weaker."

@@ -125,7 +125,7 @@ fn stretched(covariance: &SurfaceCovariance, std_m: f64, factor: f64) -> Result<
 mod tests {
     use super::*;
     use crate::correlation::{CorrelationModel, StationaryCovariance};
-    use crate::study::config::TranslationChoice;
+    use crate::translation::TranslationKind;
 
     #[test]
     fn a_point_has_the_parameters_that_it_states() {
@@ -133,7 +133,7 @@ mod tests {
         let beta = Marginal::beta(4.0, 2.5, 0.0, 1.0).unwrap().standardised(0.0, 1e-6).unwrap();
         let texture = Texture::Translated {
             covariance: SurfaceCovariance::Model(covariance),
-            translation: TranslationChoice::Plain,
+            translation: TranslationKind::Plain,
             expansion: None,
         };
         let model = SurfaceModel { marginal: beta.clone(), texture };

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use asperity_base::choice;
+use asperity_base::choice::ByName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::friction::process::Generator;
@@ -95,118 +97,42 @@ impl<'de> Deserialize<'de> for Stribeck {
     }
 }
 
-/// How friction falls with the sliding velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum VelocityLaw {
-    /// μ_k/(1 + a|v|) with `stribeck` a, the paper's.
-    #[default]
-    Stribeck,
-    /// μ_k − b|v| with `linear_weakening` b.
-    Linear,
-    /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
-    Exponential,
-}
-
-/// How the fluctuation of friction is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FluctuationChoice {
-    /// The exact recursion of an Ornstein–Uhlenbeck process under the law.
-    Autoregressive,
-    /// A sum of 256 random harmonics under the law, after the paper.
-    Spectral,
-    /// A diffusion of Beta law.
-    Jacobi,
-    /// Fresh values over exponential lengths.
-    Renewal,
-}
-
-impl From<FluctuationChoice> for Generator {
-    fn from(choice: FluctuationChoice) -> Self {
-        match choice {
-            FluctuationChoice::Autoregressive => Self::Autoregressive,
-            FluctuationChoice::Spectral => Self::Spectral { harmonics: 256 },
-            FluctuationChoice::Jacobi => Self::Jacobi,
-            FluctuationChoice::Renewal => Self::Renewal,
-        }
+choice! {
+    /// Dependence of friction on the sliding velocity.
+    #[derive(Default)]
+    pub enum VelocityLaw: "velocity law" {
+        /// μ_k/(1 + a|v|) with `stribeck` a, the paper's.
+        #[default]
+        Stribeck = "stribeck",
+        /// μ_k − b|v| with `linear_weakening` b.
+        Linear = "linear",
+        /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
+        Exponential = "exponential",
     }
 }
 
-/// What the fluctuation of friction is a function of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DriveChoice {
-    /// The sliding distance: friction is frozen in stick.
-    #[default]
-    Distance,
-    /// The travel of the belt.
-    Time,
-}
-
-impl From<DriveChoice> for Drive {
-    fn from(choice: DriveChoice) -> Self {
-        match choice {
-            DriveChoice::Distance => Self::Distance,
-            DriveChoice::Time => Self::Time,
-        }
+choice! {
+    /// Relation of the scatter over the nominal area to that of one window.
+    #[derive(Default)]
+    pub enum Upscaling: "upscaling" {
+        /// Windows average over the nominal area.
+        #[default]
+        Area = "area",
+        /// One window carries the whole normal force (the paper's reading).
+        Paper = "paper",
     }
 }
 
-/// How slip is integrated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum IntegratorChoice {
-    /// Taylor series: exact to rounding, and the fastest.
-    #[default]
-    Taylor,
-    /// Fehlberg's method of orders 4 and 5, the paper's, with an error of 10⁻¹⁰ a step.
-    RungeKuttaFehlberg,
-    /// Dormand and Prince's method of order 8, with an error of 10⁻¹² a step.
-    DormandPrince,
-}
-
-impl From<IntegratorChoice> for Method {
-    fn from(choice: IntegratorChoice) -> Self {
-        match choice {
-            IntegratorChoice::Taylor => Self::Taylor,
-            IntegratorChoice::RungeKuttaFehlberg => Self::RungeKuttaFehlberg { tolerance: 1e-10 },
-            IntegratorChoice::DormandPrince => Self::DormandPrince { tolerance: 1e-12 },
-        }
+choice! {
+    /// Parameters of a stability map.
+    pub enum MapOver: "pair of parameters" {
+        /// Damping ratio and dimensionless belt velocity.
+        DampingVelocity = "damping_velocity",
+        /// Damping ratio and standard deviation of friction.
+        DampingScatter = "damping_scatter",
+        /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
+        VelocityLoad = "velocity_load",
     }
-}
-
-/// How the scatter of one window becomes that of the nominal area.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Upscaling {
-    /// Windows average over the nominal area.
-    #[default]
-    Area,
-    /// One window carries the whole normal force (the paper's reading).
-    Paper,
-}
-
-impl Upscaling {
-    /// Name in study files and results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Area => "area",
-            Self::Paper => "paper",
-        }
-    }
-}
-
-/// What a stability map is drawn over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MapOver {
-    /// Damping ratio and dimensionless belt velocity.
-    DampingVelocity,
-    /// Damping ratio and standard deviation of friction.
-    DampingScatter,
-    /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
-    VelocityLoad,
 }
 
 impl MapOver {
@@ -284,13 +210,13 @@ pub struct VibrationSection {
     pub high_speed_share: Option<f64>,
     /// How the fluctuation is made; left out, that of a fitted process, or else the recursion where it makes the correlation.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub generator: Option<FluctuationChoice>,
+    pub generator: Option<ByName<Generator>>,
     /// What the fluctuation is a function of.
     #[serde(default)]
-    pub drive: DriveChoice,
+    pub drive: Drive,
     /// How slip is integrated.
     #[serde(default)]
-    pub integrator: IntegratorChoice,
+    pub integrator: ByName<Method>,
     /// Which upscaling the report leads with; both are computed.
     #[serde(default)]
     pub upscaling: Upscaling,

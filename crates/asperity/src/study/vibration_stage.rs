@@ -14,10 +14,12 @@ pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
+use asperity_base::choice::Choice;
+
 use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
 use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
-use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
+use crate::study::config::{Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
@@ -25,7 +27,7 @@ use crate::study::result::{
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    DampingSweep, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
+    DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
     clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
     limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
@@ -200,7 +202,7 @@ impl Ensembles<'_> {
     /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
     /// own, and the mean over many windows is normal.
     fn generator(&self, marginal: &Marginal) -> Generator {
-        let stated = self.section.generator.map(Generator::from).or(self.window.generator);
+        let stated = self.section.generator.map(|generator| generator.0).or(self.window.generator);
         let able = stated.filter(|generator| {
             *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.window.holds_many()
         });
@@ -209,8 +211,8 @@ impl Ensembles<'_> {
 
     fn settings(&self) -> EnsembleSettings {
         EnsembleSettings {
-            drive: self.section.drive.into(),
-            method: self.section.integrator.into(),
+            drive: self.section.drive,
+            method: self.section.integrator.0,
             ..EnsembleSettings::new(self.section.trajectories, self.section.duration, self.seed)
         }
     }
@@ -219,8 +221,8 @@ impl Ensembles<'_> {
         TrajectorySettings {
             duration: self.section.duration,
             start: None,
-            drive: self.section.drive.into(),
-            method: self.section.integrator.into(),
+            drive: self.section.drive,
+            method: self.section.integrator.0,
         }
     }
 
@@ -394,7 +396,7 @@ impl Ensembles<'_> {
             sentence::si(window.length_m, "m"),
             sentence::digits(self.correlation_length)
         ));
-        if let Some(generator) = section.generator.map(Generator::from).or(window.generator) {
+        if let Some(generator) = section.generator.map(|generator| generator.0).or(window.generator) {
             let other = self.generator(&window.area_marginal());
             let but = if other == generator {
                 String::new()
@@ -403,7 +405,7 @@ impl Ensembles<'_> {
             };
             sentences.push(format!("The fluctuation is made by the {} generator{but}.", generator.name()));
         }
-        if section.drive == DriveChoice::Time {
+        if section.drive == Drive::Time {
             sentences.push("The fluctuation goes on with the travel of the belt, also in stick.".into());
         }
         sentences.extend(window.area_m2.map(|area_m2| {

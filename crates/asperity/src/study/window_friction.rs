@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::friction::process::{Correlation, CorrelationShape, FittedProcess, Generator};
+use crate::friction::process::{CorrelationShape, FittedProcess, Generator, TranslationKind};
 use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::law::Marginal;
 use crate::study::StudyError;
@@ -23,7 +23,7 @@ pub(super) struct WindowFriction {
     /// Correlation length, which contains the window unless the shape has it.
     pub(super) length_m: f64,
     /// Whose correlation it is.
-    pub(super) correlation: Correlation,
+    pub(super) correlation: TranslationKind,
     pub(super) marginal: Marginal,
     /// How a fitted process is made, where it says so.
     pub(super) generator: Option<Generator>,
@@ -81,7 +81,7 @@ impl WindowFriction {
             std: process.moments.std,
             shape: CorrelationShape::Exponential,
             length_m,
-            correlation: Correlation::Corrected,
+            correlation: TranslationKind::Corrected,
             marginal,
             generator: None,
             area_m2: Some(strips.window.area_m2()),
@@ -107,7 +107,7 @@ impl WindowFriction {
             std: section.friction_std.ok_or_else(absent)?,
             shape: CorrelationShape::Exponential,
             length_m,
-            correlation: Correlation::Plain,
+            correlation: TranslationKind::Plain,
             marginal: section.friction_marginal.as_deref().ok_or_else(absent)?.parse()?,
             generator: None,
             area_m2: Some(window_m * width_m),
@@ -171,7 +171,7 @@ impl WindowFriction {
             std: process.std,
             shape,
             length_m,
-            correlation: Correlation::Corrected,
+            correlation: TranslationKind::Corrected,
             marginal: process.marginal.clone().unwrap_or(Marginal::STANDARD_NORMAL),
             generator: process.generator,
             area_m2,

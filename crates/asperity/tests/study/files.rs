@@ -6,8 +6,10 @@ mod scan;
 use std::fs;
 use std::path::PathBuf;
 
+use asperity::map::BoundaryKind;
 use asperity::study::Study;
-use asperity::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Stribeck, Upscaling};
+use asperity::study::config::{Stribeck, Upscaling};
+use asperity::surface::{CovarianceSource, SurfaceGenerator};
 
 fn studies() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies")
@@ -45,11 +47,11 @@ fn the_stored_scan_is_what_brake_disc_makes() {
 fn the_paper_s_study_holds_the_paper_s_numbers() {
     let study = study("paper.toml");
     let surface = study.surface.unwrap();
-    assert_eq!((surface.file, surface.generator, surface.modes), (None, GeneratorChoice::KarhunenLoeve, Some(101)));
-    assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceChoice::SquaredExponential, "normal"));
+    assert_eq!((surface.file, surface.generator, surface.modes), (None, SurfaceGenerator::KarhunenLoeve, Some(101)));
+    assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceSource::SquaredExponential, "normal"));
     let pressure = study.pressure.unwrap();
     assert_eq!(choose(pressure.variables + pressure.degree, pressure.degree), 165);
-    assert_eq!((pressure.percentile, pressure.boundary), (Some(50.0), BoundaryChoice::Free));
+    assert_eq!((pressure.percentile, pressure.boundary), (Some(50.0), BoundaryKind::Free));
     // ℓ = L/10.
     let [x, y] = surface.correlation_length.unwrap();
     assert!((pressure.size[0].0 / x.0 - 10.0).abs() < 1e-12 && (pressure.size[1].0 / y.0 - 10.0).abs() < 1e-12);
@@ -73,7 +75,7 @@ fn the_quickstart_takes_everything_from_its_scan_and_leads_with_the_area() {
     assert!(study.idle_keys().is_empty(), "{:?}", study.idle_keys());
     let surface = study.surface.as_ref().unwrap();
     assert!(study.scan_paths(&studies())[0].is_file());
-    assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceChoice::Measured, "measured"));
+    assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceSource::Measured, "measured"));
     assert_eq!((surface.rms_height, surface.correlation_length), (None, None));
     let vibration = study.vibration.unwrap();
     assert_eq!((vibration.upscaling, vibration.level), (Upscaling::Area, None));

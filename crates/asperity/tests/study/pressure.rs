@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use asperity::map::BoundaryKind;
 use asperity::monitor::Silent;
-use asperity::study::config::BoundaryChoice;
 use asperity::study::result::MethodEntry;
 use asperity::study::{Outcome, Study};
 
@@ -91,7 +91,7 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
     let (surface, pressure) = (study.surface.unwrap(), study.pressure.unwrap());
     let (n, k) = (pressure.variables + pressure.degree, pressure.degree);
     assert_eq!((1..=k).fold(1, |product, i| product * (n - k + i) / i), 165);
-    assert_eq!((surface.modes, pressure.boundary, pressure.percentile), (Some(101), BoundaryChoice::Free, Some(50.0)));
+    assert_eq!((surface.modes, pressure.boundary, pressure.percentile), (Some(101), BoundaryKind::Free, Some(50.0)));
     let ratio = pressure.size[0].0 / surface.correlation_length.unwrap()[0].0;
     assert!((ratio - 10.0).abs() < 1e-12, "{ratio}");
     let small = reduced("paper_fig2.toml", 100, 200).replace("points = [64, 64]", "points = [32, 32]");

@@ -11,7 +11,7 @@ use asperity::surface::{
     ConditionalError, FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
     filling_memory_bytes,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::maps::MapsOut;
 use crate::args::{self, OneOrTwo};
@@ -48,27 +48,15 @@ pub(crate) struct Fill {
     #[arg(long, value_name = "FORM", default_value = "plane")]
     level: Level,
     /// Covariance of what is filled in: the map's own, or the model that fits it best.
-    #[arg(long, value_enum, default_value = "measured")]
-    covariance: Covariance,
+    #[arg(long, value_parser = args::named::<FillCovariance>(), default_value = "measured")]
+    covariance: FillCovariance,
     /// Law of what is filled in: that of the heights present, or the normal one.
-    #[arg(long, value_enum, default_value = "measured")]
-    marginal: Marginal,
+    #[arg(long, value_parser = args::named::<FillMarginal>(), default_value = "measured")]
+    marginal: FillMarginal,
     /// Variance of the measurement noise over that of the heights; at least what the heights show. What is filled in is the
     /// surface beneath the noise.
     #[arg(long, value_name = "X", default_value = "0", value_parser = args::non_negative, allow_hyphen_values = true)]
     nugget: f64,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Covariance {
-    Measured,
-    Fitted,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Marginal {
-    Measured,
-    Normal,
 }
 
 impl Fill {
@@ -118,14 +106,8 @@ impl Fill {
             level: self.level,
             extend_x: (x / map.grid().dx_m()).ceil() as usize,
             extend_y: (y / map.grid().dy_m()).ceil() as usize,
-            covariance: match self.covariance {
-                Covariance::Measured => FillCovariance::Measured,
-                Covariance::Fitted => FillCovariance::Fitted,
-            },
-            marginal: match self.marginal {
-                Marginal::Measured => FillMarginal::Measured,
-                Marginal::Normal => FillMarginal::Normal,
-            },
+            covariance: self.covariance,
+            marginal: self.marginal,
             nugget: self.nugget,
         }
     }

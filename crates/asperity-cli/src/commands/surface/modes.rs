@@ -37,8 +37,8 @@ pub(crate) struct Modes {
     #[arg(long, value_name = "M", value_parser = args::count, allow_hyphen_values = true)]
     modes: usize,
     /// Of which covariance the modes of a rectangle are.
-    #[arg(long, value_enum, default_value = "separable")]
-    route: Route,
+    #[arg(long, value_parser = args::named::<ModesRoute>(), default_value = "separable")]
+    route: ModesRoute,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -55,16 +55,6 @@ enum Model {
     Matern,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Route {
-    /// The product of the profiles along x and y.
-    Separable,
-    /// The covariance as it stands.
-    General,
-    /// The covariance wrapped onto a periodic map.
-    Periodic,
-}
-
 impl Modes {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let model = match self.covariance {
@@ -72,18 +62,13 @@ impl Modes {
             Model::SquaredExponential => CorrelationModel::SquaredExponential,
             Model::Matern => CorrelationModel::Matern { nu: self.smoothness },
         };
-        let route = match self.route {
-            Route::Separable => ModesRoute::Separable,
-            Route::General => ModesRoute::General,
-            Route::Periodic => ModesRoute::Periodic,
-        };
         let (length_x, length_y) = self.correlation_length.both();
         let covariance = Covariance::new(model, 1.0, length_x.0, length_y.0).map_err(Failure::usage)?;
         let sizes_m: Vec<f64> = self.size.given().into_iter().map(|size| size.0).collect();
         let points = self.points.given();
-        require_memory(modes_memory_bytes(&points, self.modes, route), "the eigenproblem")?;
+        require_memory(modes_memory_bytes(&points, self.modes, self.route), "the eigenproblem")?;
         let found = monitor
-            .at_once(|| modes(&covariance, &sizes_m, &points, self.modes, route))?
+            .at_once(|| modes(&covariance, &sizes_m, &points, self.modes, self.route))?
             .or_else(|e| Err(refused(&e).told(answer(None, sizes_m.len()), self.json)?))?;
         answer(Some(&found), sizes_m.len()).print(self.json)
     }

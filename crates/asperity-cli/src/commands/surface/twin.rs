@@ -5,17 +5,20 @@ use std::path::{Path, PathBuf};
 
 use asperity::correlation::CorrelationFamily;
 use asperity::law::Marginal;
+use asperity::map::BoundaryKind;
 use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;
 use asperity::quantity::Length;
 use asperity::study::Provenance;
-use asperity::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use asperity::study::config::SurfaceSection;
 use asperity::study::{
     Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, Twins, json_bytes,
 };
+use asperity::surface::{CovarianceSource, SurfaceGenerator};
+use asperity::translation::TranslationKind;
 use asperity_formats::{Format, Scan};
 use asperity_report::{Field, Report, Table, TwinRun, render_twins};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::convert::refused;
 use super::preparation::PreparationOptions;
@@ -67,12 +70,12 @@ pub(crate) struct Twin {
 #[command(next_help_heading = "Model of the twins")]
 struct ModelOptions {
     /// How twins are made.
-    #[arg(long, value_enum, default_value = "spectral")]
-    generator: Generator,
+    #[arg(long, value_parser = args::named::<SurfaceGenerator>(), default_value = "spectral")]
+    generator: SurfaceGenerator,
     /// Covariance: the scan's own, the model that fits it best, or one that is fitted or, with --correlation-length, stated.
     /// Left out: empirical, or measured where the scan is too short for it.
-    #[arg(long, value_enum)]
-    covariance: Option<CovarianceOption>,
+    #[arg(long, value_parser = args::named::<CovarianceSource>())]
+    covariance: Option<CovarianceSource>,
     /// Lengths ℓ along x and y of a stated covariance. Of the exponential models the correlation falls to 1/e there; of the
     /// Matérn model ℓ is the scale, of the self-affine one the roll-off length, and the 1/e length is another.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
@@ -91,67 +94,21 @@ struct ModelOptions {
     #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
     marginal: String,
     /// How the marginal law is imposed: corrected keeps the correlation, plain distorts it a little.
-    #[arg(long, value_enum, default_value = "corrected")]
-    translation: Translation,
+    #[arg(long, value_parser = args::named::<TranslationKind>(), default_value = "corrected")]
+    translation: TranslationKind,
     /// Terms of the Karhunen–Loève generator. Left out: as many as hold 90 % of the slope variance, or all Fourier modes where
     /// those are more than 400.
     #[arg(long, value_name = "M", value_parser = args::count, allow_hyphen_values = true)]
     modes: Option<usize>,
     /// Whether a twin continues periodically beyond its edge.
-    #[arg(long, value_enum, default_value = "free")]
-    boundary: Boundary,
+    #[arg(long, value_parser = args::named::<BoundaryKind>(), default_value = "free")]
+    boundary: BoundaryKind,
     /// Size of a twin along x and y; the scan's when left out.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     size: Option<OneOrTwo<Length>>,
     /// Points of a twin along x and y; the scan's, or what fills --size at the scan's pixel size, when left out.
     #[arg(long, value_name = "N[,N]", value_parser = args::count_pair, allow_hyphen_values = true)]
     points: Option<OneOrTwo<usize>>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Generator {
-    /// All Fourier modes.
-    Spectral,
-    /// Truncated Karhunen–Loève expansion.
-    KarhunenLoeve,
-    /// Weierstrass–Mandelbrot function of the scan's fractal dimension.
-    WeierstrassMandelbrot,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum CovarianceOption {
-    /// The best of the models, fitted to the scan by likelihood; the scan's own where none keeps its spectrum and slopes.
-    Measured,
-    /// The scan's own, made positive definite: no model, lays at any angle.
-    Empirical,
-    /// e^{−r²}.
-    SquaredExponential,
-    /// e^{−r}.
-    Exponential,
-    /// Matérn.
-    Matern,
-    /// Self-affine with roll-off.
-    SelfAffine,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Translation {
-    /// The Gaussian correlation is distorted beforehand.
-    Corrected,
-    /// Pointwise, as it comes.
-    Plain,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Boundary {
-    /// Opposite edges have nothing to do with each other.
-    Free,
-    /// Opposite edges meet.
-    Periodic,
 }
 
 fn written_extension(text: &str) -> Result<String, args::Refusal> {
@@ -171,31 +128,22 @@ fn marginal(text: &str) -> Result<String, args::Refusal> {
 
 impl ModelOptions {
     /// Which covariance a study would name, and the families that one to be fitted is chosen from.
-    fn covariance(&self) -> Result<(CovarianceChoice, Vec<CorrelationFamily>), Failure> {
-        let (choice, family) = match self.covariance.unwrap_or(CovarianceOption::Empirical) {
-            CovarianceOption::Measured => (CovarianceChoice::Measured, None),
-            CovarianceOption::Empirical => (CovarianceChoice::Empirical, None),
-            CovarianceOption::SquaredExponential => {
-                (CovarianceChoice::SquaredExponential, Some(CorrelationFamily::SquaredExponential))
-            }
-            CovarianceOption::Exponential => (CovarianceChoice::Exponential, Some(CorrelationFamily::Exponential)),
-            CovarianceOption::Matern => (CovarianceChoice::Matern, Some(CorrelationFamily::Matern)),
-            CovarianceOption::SelfAffine => (CovarianceChoice::SelfAffine, Some(CorrelationFamily::SelfAffine)),
-        };
-        let families = family.map_or(CorrelationFamily::ALL.to_vec(), |family| vec![family]);
+    fn covariance(&self) -> Result<(CovarianceSource, Vec<CorrelationFamily>), Failure> {
+        let choice = self.covariance.unwrap_or(CovarianceSource::Empirical);
+        let families = choice.name().parse().map_or(CorrelationFamily::ALL.to_vec(), |family| vec![family]);
         if self.correlation_length.is_none() {
             // A model that is not stated is fitted.
-            let is_empirical = choice == CovarianceChoice::Empirical;
-            return Ok((if is_empirical { choice } else { CovarianceChoice::Measured }, families));
+            let is_empirical = choice == CovarianceSource::Empirical;
+            return Ok((if is_empirical { choice } else { CovarianceSource::Measured }, families));
         }
         match choice {
-            CovarianceChoice::Measured | CovarianceChoice::Empirical => Err(Failure::usage(
+            CovarianceSource::Measured | CovarianceSource::Empirical => Err(Failure::usage(
                 "--correlation-length: a measured covariance has its own; name one with --covariance",
             )),
-            CovarianceChoice::Matern if self.smoothness.is_none() => {
+            CovarianceSource::Matern if self.smoothness.is_none() => {
                 Err(Failure::usage("--smoothness: a stated Matérn covariance needs it"))
             }
-            CovarianceChoice::SelfAffine if self.hurst.is_none() => {
+            CovarianceSource::SelfAffine if self.hurst.is_none() => {
                 Err(Failure::usage("--hurst: a stated self-affine covariance needs it"))
             }
             choice => Ok((choice, families)),
@@ -214,21 +162,14 @@ impl Twin {
             s_filter: preparation.s_filter,
             l_filter: preparation.l_filter,
             robust_filter: preparation.robust,
-            generator: match model.generator {
-                Generator::Spectral => GeneratorChoice::Spectral,
-                Generator::KarhunenLoeve => GeneratorChoice::KarhunenLoeve,
-                Generator::WeierstrassMandelbrot => GeneratorChoice::WeierstrassMandelbrot,
-            },
+            generator: model.generator,
             covariance,
             rms_height: model.rms_height,
             correlation_length: model.correlation_length.map(|lengths| <[Length; 2]>::from(lengths.both())),
             hurst: model.hurst,
             smoothness: model.smoothness,
             marginal: model.marginal.clone(),
-            translation: match model.translation {
-                Translation::Corrected => TranslationChoice::Corrected,
-                Translation::Plain => TranslationChoice::Plain,
-            },
+            translation: model.translation,
             modes: model.modes,
             ..SurfaceSection::default()
         };
@@ -238,10 +179,7 @@ impl Twin {
             model_in_need: model.covariance.is_none(),
             size_m: model.size.map(OneOrTwo::both).map(|(x, y)| [x.0, y.0]),
             points: model.points.map(|points| <[usize; 2]>::from(points.both())),
-            boundary: match model.boundary {
-                Boundary::Free => BoundaryChoice::Free,
-                Boundary::Periodic => BoundaryChoice::Periodic,
-            },
+            boundary: model.boundary,
             seed: self.seed,
         })
     }

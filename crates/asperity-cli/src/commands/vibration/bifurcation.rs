@@ -1,10 +1,11 @@
 //! The attractors of the machine without fluctuation along a parameter.
 
 use asperity::study::Table;
+use asperity::vibration::Parameter;
 use asperity::vibration::{BifurcationDiagram, BifurcationPoint, BifurcationSettings, MarkKind, bifurcation_diagram};
 use clap::Args;
 
-use super::critical_curve::Over;
+use super::critical_curve::check_over;
 use super::folder::Folder;
 use super::{Damping, Machine, code, refused};
 use crate::args;
@@ -24,8 +25,8 @@ pub(crate) struct Bifurcation {
     #[command(flatten)]
     damping: Damping,
     /// The parameter.
-    #[arg(long, value_enum)]
-    over: Over,
+    #[arg(long, value_parser = args::named::<Parameter>())]
+    over: Parameter,
     /// Least value.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,
@@ -45,8 +46,7 @@ pub(crate) struct Bifurcation {
 impl Bifurcation {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
-        self.over.check(&oscillator)?;
-        self.over.check_range(&oscillator, self.from, self.to)?;
+        check_over(self.over, &oscillator, self.from, self.to)?;
         if self.points < 2 {
             return Err(Failure::usage(format!("--points is {}, but must be at least 2", self.points)));
         }
@@ -54,10 +54,9 @@ impl Bifurcation {
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
-        let diagram =
-            bifurcation_diagram(&oscillator, self.over.parameter(), &settings, monitor).map_err(|e| refused(&e))?;
+        let diagram = bifurcation_diagram(&oscillator, self.over, &settings, monitor).map_err(|e| refused(&e))?;
         if wanted {
-            self.folder.write(&inputs, &Answer::of(&diagram)?, tables(&diagram, self.over.key()), monitor)?;
+            self.folder.write(&inputs, &Answer::of(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
         }
         if self.json {
             return Answer::of(&diagram)?.print(true);

@@ -2,7 +2,7 @@
 
 use asperity::study::Table;
 use asperity::vibration::{Branch, BranchPoint, CurveSettings, Oscillator, Parameter, critical_curve, locked_curve};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::folder::Folder;
 use super::{Machine, refused};
@@ -18,8 +18,8 @@ pub(crate) struct CriticalCurve {
     #[command(flatten)]
     machine: Machine,
     /// The parameter.
-    #[arg(long, value_enum)]
-    over: Over,
+    #[arg(long, value_parser = args::named::<Parameter>())]
+    over: Parameter,
     /// Where the curve begins.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,
@@ -33,92 +33,40 @@ pub(crate) struct CriticalCurve {
     json: bool,
 }
 
-/// A parameter of the machine.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum Over {
-    DampingRatio,
-    BeltVelocity,
-    /// Static friction coefficient; kinetic friction keeps its ratio to it.
-    StaticFriction,
-    /// Weakening rate of the friction law.
-    Weakening,
-    /// Amplitude of the harmonic force.
-    Forcing,
-    /// Frequency of the harmonic force.
-    ForcingFrequency,
-}
-
-impl Over {
-    pub(super) fn parameter(self) -> Parameter {
-        match self {
-            Self::DampingRatio => Parameter::DampingRatio,
-            Self::BeltVelocity => Parameter::BeltVelocity,
-            Self::StaticFriction => Parameter::StaticFriction,
-            Self::Weakening => Parameter::Weakening,
-            Self::Forcing => Parameter::ForcingAmplitude,
-            Self::ForcingFrequency => Parameter::ForcingFrequency,
-        }
-    }
-}
-
-impl Over {
-    /// Refuses a parameter that the machine does not have.
-    pub(super) fn check(self, oscillator: &Oscillator) -> Result<(), Failure> {
-        let wanted = match self {
-            Self::Forcing | Self::ForcingFrequency => {
+/// Refuses a parameter that the oscillator does not have, and a range that does not rise or with an impossible end.
+pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
+    if over.value(oscillator).is_none() {
+        let wanted = match over {
+            Parameter::ForcingAmplitude | Parameter::ForcingFrequency => {
                 "the machine has no force; state --forcing and --forcing-frequency"
             }
             _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
         };
-        match self.parameter().value(oscillator) {
-            Some(_) => Ok(()),
-            None => Err(Failure::usage(format!("--over {}: {wanted}", self.flag()))),
-        }
+        return Err(Failure::usage(format!("--over {over}: {wanted}")));
     }
-
-    /// Refuses a range that does not rise or of which an end is none of the machine's.
-    pub(super) fn check_range(self, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
-        if from >= to {
-            return Err(Failure::usage(format!("--to is {to}, but must be above --from, {from}")));
-        }
-        for (flag, value) in [("--from", from), ("--to", to)] {
-            self.parameter().set(oscillator, value).map_err(|e| Failure::usage(format_args!("{flag}: {e}")))?;
-        }
-        Ok(())
+    if from >= to {
+        return Err(Failure::usage(format!("--to is {to}, but must be above --from, {from}")));
     }
-
-    fn flag(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    for (flag, value) in [("--from", from), ("--to", to)] {
+        over.set(oscillator, value).map_err(|e| Failure::usage(format_args!("{flag}: {e}")))?;
     }
-
-    /// Its name in JSON and tables.
-    pub(super) fn key(self) -> &'static str {
-        match self {
-            Self::DampingRatio => "damping_ratio",
-            Self::BeltVelocity => "belt_velocity",
-            Self::StaticFriction => "static_friction",
-            Self::Weakening => "weakening",
-            Self::Forcing => "forcing_amplitude",
-            Self::ForcingFrequency => "forcing_frequency",
-        }
-    }
+    Ok(())
 }
 
 impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0, monitor)?;
-        if matches!(self.over, Over::DampingRatio) {
-            return Err(Failure::usage("--over damping-ratio: the critical damping ratio is what the curve tells"));
+        if self.over == Parameter::DampingRatio {
+            return Err(Failure::usage("--over damping_ratio: the critical damping ratio is what the curve tells"));
         }
-        self.over.check(&oscillator)?;
-        self.over.check_range(&oscillator, self.from, self.to)?;
+        check_over(self.over, &oscillator, self.from, self.to)?;
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);
         let curve = if oscillator.forcing().is_some() { locked_curve } else { critical_curve };
-        let branch = curve(&oscillator, self.over.parameter(), &settings, monitor).map_err(|e| refused(&e))?;
+        let branch = curve(&oscillator, self.over, &settings, monitor).map_err(|e| refused(&e))?;
         if wanted {
-            let tables = vec![("critical_curve", columns_of(&branch, self.over.key()))];
+            let tables = vec![("critical_curve", columns_of(&branch, self.over.name()))];
             self.folder.write(&inputs, &Answer::of(&branch)?, tables, monitor)?;
         }
         if self.json { Answer::of(&branch)?.print(true) } else { table(&branch) }

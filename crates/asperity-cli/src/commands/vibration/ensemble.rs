@@ -1,13 +1,15 @@
 //! Many paths over a random friction fluctuation.
 
 use asperity::study::{cloud_table, points_table, survival_table};
+use asperity::vibration::Drive;
+use asperity::vibration::Method;
 use asperity::vibration::{self, EnsembleSettings};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::{Value, json};
 
 use super::folder::Folder;
 use super::random::{Paths, Source};
-use super::{Damping, Integrator, Machine, refused, series};
+use super::{Damping, Machine, refused, series};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -26,11 +28,11 @@ pub(crate) struct Ensemble {
     #[command(flatten)]
     source: Source,
     /// What the fluctuation is a function of.
-    #[arg(long, value_enum, default_value = "distance")]
+    #[arg(long, value_parser = args::named::<Drive>(), default_value = "distance")]
     drive: Drive,
     /// How slip is integrated.
-    #[arg(long, value_enum, default_value = "taylor")]
-    integrator: Integrator,
+    #[arg(long, value_parser = args::named::<Method>(), default_value = "taylor")]
+    integrator: Method,
     /// Number of paths.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
@@ -47,24 +49,13 @@ pub(crate) struct Ensemble {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Drive {
-    /// The sliding distance: friction is frozen in stick.
-    Distance,
-    /// The travel of the belt.
-    Time,
-}
-
 impl Ensemble {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let process = self.source.process(&oscillator, monitor)?;
         let settings = EnsembleSettings {
-            drive: match self.drive {
-                Drive::Distance => vibration::Drive::Distance,
-                Drive::Time => vibration::Drive::Time,
-            },
-            method: self.integrator.method(),
+            drive: self.drive,
+            method: self.integrator,
             ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();

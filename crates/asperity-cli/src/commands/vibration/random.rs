@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::friction::process::{Correlation, FrictionProcess, Generator, ProcessModel};
+use asperity::friction::process::{FrictionProcess, Generator, ProcessModel, TranslationKind};
 use asperity::law::Marginal;
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
 use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
+use clap::Args;
 use clap::builder::ArgPredicate;
-use clap::{Args, ValueEnum};
 
 use crate::args;
 use crate::commands::friction::read_process;
@@ -133,29 +133,11 @@ pub(super) struct Fluctuation {
     #[arg(long, value_name = "N", default_value = "20", value_parser = args::count, allow_hyphen_values = true)]
     steps_per_length: usize,
     /// How it is generated.
-    #[arg(long, value_enum, default_value = "autoregressive")]
-    generator: Way,
+    #[arg(long, value_parser = args::named::<Generator>(), default_value = "autoregressive")]
+    generator: Generator,
     /// Whose correlation length is meant: of the normal process under the law, or of the fluctuation itself.
-    #[arg(long, value_enum, default_value = "plain")]
-    translation: Translation,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Way {
-    /// The exact recursion of an Ornstein–Uhlenbeck process under the law.
-    Autoregressive,
-    /// A sum of 256 random harmonics under the law, after the paper.
-    Spectral,
-    /// A diffusion with Beta law, of exactly exponential correlation.
-    Jacobi,
-    /// Fresh values over exponential lengths, of exactly exponential correlation.
-    Renewal,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Translation {
-    Plain,
-    Corrected,
+    #[arg(long, value_parser = args::named::<TranslationKind>(), default_value = "plain")]
+    translation: TranslationKind,
 }
 
 impl Fluctuation {
@@ -163,16 +145,8 @@ impl Fluctuation {
     pub(super) fn model(&self, std: f64, unit: f64) -> ProcessModel {
         ProcessModel {
             steps_per_length: self.steps_per_length,
-            generator: match self.generator {
-                Way::Autoregressive => Generator::Autoregressive,
-                Way::Spectral => Generator::Spectral { harmonics: 256 },
-                Way::Jacobi => Generator::Jacobi,
-                Way::Renewal => Generator::Renewal,
-            },
-            correlation: match self.translation {
-                Translation::Plain => Correlation::Plain,
-                Translation::Corrected => Correlation::Corrected,
-            },
+            generator: self.generator,
+            correlation: self.translation,
             ..ProcessModel::new(self.marginal.clone(), std, self.correlation_length / unit)
         }
     }

@@ -1,5 +1,6 @@
 //! One path over a recorded friction fluctuation.
 
+use asperity::vibration::Method;
 use std::path::PathBuf;
 
 use asperity::friction::process::RecordedProcess;
@@ -7,7 +8,7 @@ use asperity::vibration::{self, Drive, TrajectorySettings, VibrationError};
 use clap::Args;
 use serde_json::json;
 
-use super::{Damping, Integrator, Machine, refused};
+use super::{Damping, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
 use crate::input::unreadable;
@@ -34,8 +35,8 @@ pub(crate) struct Trajectory {
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     start: Option<f64>,
     /// How slip is integrated.
-    #[arg(long, value_enum, default_value = "taylor")]
-    integrator: Integrator,
+    #[arg(long, value_parser = args::named::<Method>(), default_value = "taylor")]
+    integrator: Method,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -48,7 +49,7 @@ impl Trajectory {
         let record = RecordedProcess::new(self.friction_step, values)
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;
         let (duration, start) = (self.duration, self.start);
-        let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: self.integrator.method() };
+        let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: self.integrator };
         let simulated = monitor.at_once(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
         let path = simulated.map_err(|e| match e {
             VibrationError::ProcessTooShort { .. } | VibrationError::FrictionNotPositive { .. } => {

@@ -2,10 +2,12 @@
 
 use std::str::FromStr;
 
+use asperity_base::choice::ByName;
+
 use super::{POSITIVE, Problem, at_least, positive, problem, within};
-use crate::friction::process::Steady;
+use crate::friction::process::{Generator, Steady};
 use crate::law::Marginal;
-use crate::study::config::{FluctuationChoice, MapSection, Study, VelocityLaw, VibrationSection};
+use crate::study::config::{MapSection, Study, VelocityLaw, VibrationSection};
 use crate::vibration::{Method, Trajectory, TrajectorySettings, VibrationError};
 
 const SECTION: &str = "vibration";
@@ -144,7 +146,7 @@ fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Proble
     let settings = TrajectorySettings {
         duration: v.duration.min(FIRST_TIME),
         start: None,
-        drive: v.drive.into(),
+        drive: v.drive,
         method: Method::Taylor,
     };
     Trajectory::simulate(&machine, Steady, &settings).map_or_else(told, |_| Ok(()))
@@ -199,7 +201,7 @@ fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
         (None, None) => {}
     }
     let stated = v.friction_marginal.as_deref().and_then(|text| text.parse().ok());
-    if let (Some(FluctuationChoice::Jacobi), Some(law)) = (v.generator, &stated)
+    if let (Some(ByName(Generator::Jacobi)), Some(law)) = (v.generator, &stated)
         && !matches!(law, Marginal::Beta { .. })
     {
         let message = format!("the diffusion has a Beta law, and friction_marginal is {law}");

@@ -10,7 +10,7 @@ use crate::friction::strip::Record;
 use crate::monitor::Monitor;
 use crate::quantity::Length;
 use crate::stats::{Interval, student_quantile};
-use crate::study::config::{DistributionChoice, FrictionSection, MaterialSection, WindowShape};
+use crate::study::config::{FrictionLawKind, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_stage::{Setup, SolvedLevel};
 use crate::study::friction_uncertainty::PartOf;
 use crate::study::measured::Measured;
@@ -57,7 +57,7 @@ pub(in crate::study) struct Plan {
 impl Plan {
     /// The strips for a section with so many levels; none for Coulomb's law, which does not depend on the contact.
     pub(in crate::study) fn new(section: &FrictionSection, levels: usize) -> Option<Self> {
-        if section.law == DistributionChoice::Coulomb {
+        if section.law == FrictionLawKind::Coulomb {
             return None;
         }
         let ([mut nx, ny], [length, width]) = (section.points, section.strip);
@@ -277,10 +277,7 @@ fn plastic_floor(section: &FrictionSection, material: &MaterialSection) -> Optio
     let (hardness, shear) = (material.hardness?.0, material.shear_strength?.0);
     Some(
         shear / hardness
-            + section
-                .pressure_coefficient
-                .filter(|_| section.law == DistributionChoice::PressureDependent)
-                .unwrap_or(0.0),
+            + section.pressure_coefficient.filter(|_| section.law == FrictionLawKind::PressureDependent).unwrap_or(0.0),
     )
 }
 
@@ -481,6 +478,6 @@ mod tests {
         // One level of few strips: the shortest strips, at least four widths and 64 points.
         let few = FrictionSection { realisations: 2, ..fine };
         assert_eq!(Plan::new(&few, 1).unwrap().points, [256, 64]);
-        assert_eq!(Plan::new(&FrictionSection { law: DistributionChoice::Coulomb, ..usual }, 5), None);
+        assert_eq!(Plan::new(&FrictionSection { law: FrictionLawKind::Coulomb, ..usual }, 5), None);
     }
 }

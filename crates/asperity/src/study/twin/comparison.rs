@@ -2,12 +2,14 @@
 
 use serde::{Serialize, Serializer};
 
+use crate::map::BoundaryKind;
 use crate::map::HeightMap;
-use crate::study::config::{BoundaryChoice, GeneratorChoice, TranslationChoice};
 use crate::study::measured::{MapStatistics, Measured};
 use crate::study::result::{CovarianceResult, LawResult, Pair, SurfaceStatistics, finite, pair};
 use crate::study::{StudyError, Table, sentence};
+use crate::surface::SurfaceGenerator;
 use crate::surface::preparation::Prepared;
+use crate::translation::TranslationKind;
 
 use super::band::Scale::{Above, Linear, Share};
 use super::band::{BandMethod, CHANCE_OUTSIDE, Scale, Spread};
@@ -50,11 +52,11 @@ const STATISTICS: [(&str, Scale, Reading); 24] = [
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TwinModel {
     /// The generator.
-    pub generator: GeneratorChoice,
+    pub generator: SurfaceGenerator,
     /// What lies beyond the edge of a twin.
-    pub boundary: BoundaryChoice,
+    pub boundary: BoundaryKind,
     /// How the marginal law is imposed; a Weierstrass–Mandelbrot surface has its own.
-    pub translation: Option<TranslationChoice>,
+    pub translation: Option<TranslationKind>,
     /// Standard deviation of the heights before a form is removed.
     pub rms_height_m: f64,
     /// Share of the twins' variance that goes with the form removed, where it was made up for.

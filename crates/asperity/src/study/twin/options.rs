@@ -1,9 +1,12 @@
 //! How twins are made.
 
 use crate::correlation::CorrelationFamily;
+use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::study::StudyError;
-use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use crate::study::config::SurfaceSection;
+use crate::surface::{CovarianceSource, SurfaceGenerator};
+use crate::translation::TranslationKind;
 
 /// How twins are made.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +23,7 @@ pub struct TwinOptions {
     /// Points (x, y) of a twin; the scan's, or what fills the size at the scan's pitch.
     pub points: Option<[usize; 2]>,
     /// Whether a twin continues periodically beyond its edge.
-    pub boundary: BoundaryChoice,
+    pub boundary: BoundaryKind,
     /// Seed of every draw.
     pub seed: u64,
 }
@@ -30,21 +33,13 @@ impl TwinOptions {
     /// corrected translation, free boundary, the scan's own grid.
     pub fn new(seed: u64) -> Self {
         let surface = SurfaceSection {
-            generator: GeneratorChoice::Spectral,
-            covariance: CovarianceChoice::Empirical,
-            translation: TranslationChoice::Corrected,
+            generator: SurfaceGenerator::Spectral,
+            covariance: CovarianceSource::Empirical,
+            translation: TranslationKind::Corrected,
             ..SurfaceSection::default()
         };
         let families = CorrelationFamily::ALL.to_vec();
-        Self {
-            surface,
-            families,
-            model_in_need: true,
-            size_m: None,
-            points: None,
-            boundary: BoundaryChoice::Free,
-            seed,
-        }
+        Self { surface, families, model_in_need: true, size_m: None, points: None, boundary: BoundaryKind::Free, seed }
     }
 
     /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.

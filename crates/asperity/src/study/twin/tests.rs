@@ -9,9 +9,9 @@ use crate::correlation::{Autocorrelation, CorrelationModel, Covariance, Rotated}
 use crate::law::Marginal;
 use crate::monitor::Silent;
 use crate::quantity::Length;
-use crate::study::config::CovarianceChoice;
-use crate::study::config::TranslationChoice;
+use crate::surface::CovarianceSource;
 use crate::surface::{Predistorted, SpectralField, Translated};
+use crate::translation::TranslationKind;
 
 const PITCH_M: f64 = 1e-6;
 
@@ -35,7 +35,7 @@ fn smooth(length_x_m: f64, length_y_m: f64) -> Covariance {
 /// Options under which twins have the law of `map_of` and nothing is measured.
 fn stated(covariance: &Covariance, seed: u64) -> TwinOptions {
     let mut options = TwinOptions::new(seed);
-    options.surface.covariance = CovarianceChoice::SquaredExponential;
+    options.surface.covariance = CovarianceSource::SquaredExponential;
     options.surface.rms_height = Some(Length(covariance.std_m()));
     options.surface.correlation_length = Some([Length(covariance.length_x_m()), Length(covariance.length_y_m())]);
     options.surface.marginal = "normal".into();
@@ -45,8 +45,8 @@ fn stated(covariance: &Covariance, seed: u64) -> TwinOptions {
 /// Options under which everything is measured and the correlation a little distorted, where that is not the point.
 fn plain(seed: u64) -> TwinOptions {
     let mut options = TwinOptions::new(seed);
-    options.surface.translation = TranslationChoice::Plain;
-    options.surface.covariance = CovarianceChoice::Measured;
+    options.surface.translation = TranslationKind::Plain;
+    options.surface.covariance = CovarianceSource::Measured;
     options
 }
 
@@ -122,7 +122,7 @@ fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
     };
     let (model_along, model_across) = mean_of_twins(&options);
     assert!((model_along - model_across).abs() < 0.1, "{model_along} {model_across}");
-    options.surface.covariance = CovarianceChoice::Empirical;
+    options.surface.covariance = CovarianceSource::Empirical;
     let (own_along, own_across) = mean_of_twins(&options);
     assert!((own_along - along).abs() < 0.1 && (own_across - across).abs() < 0.1, "{own_along} {own_across}");
 }

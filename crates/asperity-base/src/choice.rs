@@ -1,0 +1,146 @@
+//! Choices by name: one enum from which study files, flags and bindings follow.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use thiserror::Error;
+
+/// Values that are chosen by name.
+pub trait Choice: Copy + 'static {
+    /// Noun for one of them in messages, such as "boundary".
+    const NOUN: &'static str;
+    /// All values, the usual one first.
+    const ALL: &'static [Self];
+
+    /// Returns the name in files and on the command line.
+    fn name(self) -> &'static str;
+
+    /// Returns a description for help texts; empty where the name is enough.
+    fn description(self) -> &'static str;
+
+    /// Returns the value of this name.
+    ///
+    /// # Errors
+    /// No value has this name.
+    fn from_name(name: &str) -> Result<Self, UnknownChoice> {
+        let known = || Self::ALL.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
+        let found = Self::ALL.iter().copied().find(|value| value.name() == name.trim());
+        found.ok_or_else(|| UnknownChoice { noun: Self::NOUN, found: name.into(), known: known() })
+    }
+}
+
+/// A name that no value of a choice has.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("`{found}` is no {noun}; write one of {known}")]
+pub struct UnknownChoice {
+    noun: &'static str,
+    found: String,
+    known: String,
+}
+
+/// A value that files hold by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ByName<T>(pub T);
+
+impl<T: Choice> Serialize for ByName<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de, T: Choice> Deserialize<'de> for ByName<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor<T>(PhantomData<T>);
+        impl<T: Choice> de::Visitor<'_> for Visitor<T> {
+            type Value = ByName<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "the name of a {}", T::NOUN)
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<ByName<T>, E> {
+                T::from_name(text).map(ByName).map_err(|_| {
+                    let known: Vec<String> = T::ALL.iter().map(|value| format!("`{}`", value.name())).collect();
+                    E::custom(format!("unknown variant `{text}`, expected one of {}", known.join(", ")))
+                })
+            }
+        }
+        deserializer.deserialize_str(Visitor(PhantomData))
+    }
+}
+
+/// Declares an enum of choices, each with its name: `ALL`, `name`, `Display`, `FromStr`, serde and [`Choice`]. The first line of
+/// documentation of a variant is its description. The crate that uses it depends on `serde`.
+///
+/// ```
+/// asperity_base::choice! {
+///     /// Edge of a patch.
+///     #[derive(Default)]
+///     pub enum Edge: "boundary" {
+///         /// Unloaded half-space.
+///         #[default]
+///         Free = "free",
+///         /// The patch again.
+///         Periodic = "periodic",
+///     }
+/// }
+/// assert_eq!("periodic".parse(), Ok(Edge::Periodic));
+/// assert_eq!("round".parse::<Edge>().unwrap_err().to_string(), "`round` is no boundary; write one of free, periodic");
+/// ```
+#[macro_export]
+macro_rules! choice {
+    (
+        $(#[$attribute:meta])*
+        $visibility:vis enum $name:ident: $noun:literal {
+            $(#[doc = $first:literal] $(#[$($attribute_of_variant:tt)+])* $variant:ident = $text:literal,)+
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, ::serde::Serialize, ::serde::Deserialize)]
+        $visibility enum $name {
+            $(#[doc = $first] $(#[$($attribute_of_variant)+])* #[serde(rename = $text)] $variant,)+
+        }
+
+        impl $name {
+            /// All values.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// Returns the name in files and on the command line.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $text,)+
+                }
+            }
+        }
+
+        impl $crate::choice::Choice for $name {
+            const NOUN: &'static str = $noun;
+            const ALL: &'static [Self] = Self::ALL;
+
+            fn name(self) -> &'static str {
+                self.name()
+            }
+
+            fn description(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $first.trim_start(),)+
+                }
+            }
+        }
+
+        impl ::std::fmt::Display for $name {
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+
+        impl ::std::str::FromStr for $name {
+            type Err = $crate::choice::UnknownChoice;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                $crate::choice::Choice::from_name(text)
+            }
+        }
+    };
+}
