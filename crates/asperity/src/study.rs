@@ -5,11 +5,11 @@
 
 mod band_slopes;
 mod check;
-pub mod config;
 mod contact_check;
 mod covariance_choice;
 mod error;
 mod estimate;
+pub mod file;
 mod friction_law;
 mod friction_process;
 mod friction_stage;
@@ -37,14 +37,14 @@ mod surface_stage;
 mod trial;
 mod twin;
 mod uncertain_surface;
-mod vibration_section;
 mod vibration_stage;
 mod window_friction;
 mod write_run;
 
-pub use config::Study;
+pub use check::{InvalidValue, Study};
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
+pub use file::StudyFile;
 pub use friction_process::simulated_record;
 pub use measured::{MapStatistics, statistics};
 pub use parse::StudyFileError;

@@ -64,7 +64,8 @@ impl Check {
         problems: &[Failure],
     ) -> Result<(), Failure> {
         if self.json {
-            let resolved = serde_json::to_value(study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let resolved =
+                serde_json::to_value(study.file()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             let estimate: Vec<Value> = stages.iter().map(|stage| as_json(stage, threads)).collect();
             let problems: Vec<&str> = problems.iter().map(Failure::message).collect();
             return Answer::default()
@@ -74,7 +75,7 @@ impl Check {
                 .with("problems", problems)
                 .print(true);
         }
-        let resolved = toml::to_string(study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+        let resolved = toml::to_string(study.file()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let mut text = format!("# {} with all its values; a valid study file itself.\n", self.study.display());
         for stage in stages {
             text += &format!("# {}\n", in_words(stage, threads));
@@ -90,7 +91,7 @@ impl Check {
 
     /// Warnings about the scans. A scan that cannot be used at all is an error.
     fn doubts_of_scans(&self, study: &Study) -> Result<Vec<String>, Failure> {
-        let Some(section) = &study.surface else { return Ok(Vec::new()) };
+        let Some(section) = &study.file().surface else { return Ok(Vec::new()) };
         let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
         let mut warnings = Vec::new();
         let several = scans.len() > 1;

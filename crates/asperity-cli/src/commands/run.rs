@@ -51,7 +51,7 @@ impl Run {
         let read: Vec<PathBuf> =
             study.scan_paths(folder).into_iter().chain(study.friction_process_path(folder)).collect();
         let inputs: Vec<PathBuf> = std::iter::once(self.study.clone()).chain(read.iter().cloned()).collect();
-        let mut provenance = provenance::begin(&name.to_string_lossy(), study.seed, &inputs)?;
+        let mut provenance = provenance::begin(&name.to_string_lossy(), study.seed(), &inputs)?;
         provenance.only = only.map(|stage| stage.name().to_owned());
         let destination = self.out.clone().unwrap_or_else(|| default_destination(&self.study));
         // Before hours are spent: may the folder be written?

@@ -20,9 +20,11 @@ pub(super) fn read<T>(path: &Path, parse: impl FnOnce(&str, &str) -> Result<T, S
 
 /// Reads a study, with another seed if one is given.
 pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<Study, Failure> {
-    let mut study = read(path, Study::parse)?;
-    study.seed = seed.unwrap_or(study.seed);
-    Ok(study)
+    let study = read(path, Study::parse)?;
+    Ok(match seed {
+        Some(seed) => study.with_seed(seed),
+        None => study,
+    })
 }
 
 /// The folder of a file, to which its paths are relative.

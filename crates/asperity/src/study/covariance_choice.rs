@@ -7,7 +7,7 @@ use crate::correlation::{
 use crate::law::Marginal;
 use crate::law::translation::Translation;
 use crate::study::band_slopes::Roughness;
-use crate::study::config::SurfaceSection;
+use crate::study::file::SurfaceSection;
 use crate::study::measured::Measured;
 use crate::study::surface_model::{CLIPPED_VARIANCE, SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::trial::Trial;

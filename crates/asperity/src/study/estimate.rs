@@ -2,7 +2,8 @@
 
 use crate::contact::memory_bytes;
 use crate::map::BoundaryKind;
-use crate::study::config::FrictionSection;
+use crate::study::check::FrictionSource;
+use crate::study::file::FrictionSection;
 use crate::study::friction_stage::cutoff;
 use crate::study::surface_model::MOST_MODES;
 use crate::study::{Stage, Study};
@@ -73,12 +74,13 @@ impl Study {
         let mut stages = Vec::new();
         if let Some(p) = &self.pressure {
             // Where the study states none, at most so many terms are expanded.
-            let stated = self.surface.as_ref().map_or(Some(0), |surface| surface.modes);
-            let modes = stated.unwrap_or(MOST_MODES).min(p.points[0].saturating_mul(p.points[1]));
+            let stated = self.file().surface.as_ref().map_or(Some(0), |surface| surface.modes);
+            let modes = stated.unwrap_or(MOST_MODES).min(p.grid.points());
             // The reference, and three samplers that the other methods share.
             let solutions = p.reference_samples + 3 * p.fine_solves;
             let coarse = COARSE_WORK * p.fine_solves as f64;
-            let mut stage = contact(Stage::Pressure, (solutions, coarse), p.points, p.boundary, modes);
+            let mut stage =
+                contact(Stage::Pressure, (solutions, coarse), [p.grid.nx(), p.grid.ny()], p.boundary, modes);
             if p.stiffness {
                 // Of the Monte Carlo samples and of those on coarser grids.
                 let more = STIFFNESS_WORK * (p.fine_solves as f64 + coarse);
@@ -86,8 +88,8 @@ impl Study {
             }
             stages.push(stage);
         }
-        if let Some(f) = &self.friction {
-            let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
+        if let Some(f) = &self.file().friction {
+            let nominal = self.vibration.as_ref().is_some_and(|v| v.friction == FrictionSource::Computed(None));
             let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * f.uncertainty_realisations());
             let levels = f.levels() + usize::from(nominal);
             let solutions = levels * (f.realisations + uncertain);
@@ -120,8 +122,13 @@ impl Study {
             let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
             let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
             // Friction that a study computes is correlated over a window or more.
-            let length_m = v.friction_correlation_length.or(self.friction.as_ref().map(|f| f.window));
-            let values = length_m.map_or(0.0, |length| FLUCTUATION_VALUES * v.sliding_distance_m() / length.0);
+            let length = match &v.friction {
+                FrictionSource::Stated(friction) => Some(friction.correlation_length),
+                FrictionSource::Computed(_) | FrictionSource::File(_) => {
+                    self.file().friction.as_ref().map(|f| f.window)
+                }
+            };
+            let values = length.map_or(0.0, |length| FLUCTUATION_VALUES * v.sliding_distance_m() / length.0);
             let seconds = TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values;
             stages.push(StageEstimate {
                 stage: Stage::Vibration,
@@ -129,7 +136,7 @@ impl Study {
                 coarse_solutions: 0.0,
                 trajectories,
                 core_seconds: trajectories as f64 * seconds,
-                memory_bytes: EnsembleSettings::new(v.trajectories, v.duration, self.seed).memory_bytes(threads)
+                memory_bytes: EnsembleSettings::new(v.trajectories, v.duration, self.seed()).memory_bytes(threads)
                     + points as f64 * MAP_POINT_BYTES,
             });
         }
@@ -139,9 +146,10 @@ impl Study {
     /// The rough disk space of the run folder in byte, without the heights of scans. Nothing is read or computed.
     pub fn disk_bytes(&self) -> f64 {
         let bytes = |points: [usize; 2], fields: f64| fields * DOUBLE_BYTES * points[0] as f64 * points[1] as f64;
-        let surface = self.surface.as_ref().map_or(0.0, |_| STAGE_BYTES);
-        let pressure = self.pressure.as_ref().map_or(0.0, |p| STAGE_BYTES + bytes(p.points, PATCH_FIELDS));
-        let friction = self.friction.as_ref().map_or(0.0, |f| STAGE_BYTES + bytes(f.points, 1.0));
+        let surface = self.file().surface.as_ref().map_or(0.0, |_| STAGE_BYTES);
+        let pressure =
+            self.pressure.as_ref().map_or(0.0, |p| STAGE_BYTES + bytes([p.grid.nx(), p.grid.ny()], PATCH_FIELDS));
+        let friction = self.file().friction.as_ref().map_or(0.0, |f| STAGE_BYTES + bytes(f.points, 1.0));
         let vibration = self.vibration.as_ref().map_or(0.0, |v| {
             let map = v.map.as_ref().map_or(0.0, |map| (map.x.2 + 1) as f64 * (map.y.2 + 1) as f64);
             STAGE_BYTES + map * MAP_POINT_BYTES

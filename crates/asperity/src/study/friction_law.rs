@@ -2,7 +2,7 @@
 
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, FrictionLaw, PressureDependent};
 use crate::study::StudyError;
-use crate::study::config::{FrictionLawKind, FrictionSection, MaterialSection};
+use crate::study::file::{FrictionLawKind, FrictionSection, MaterialSection};
 use crate::study::sentence;
 
 /// The law that a section chooses, and the same in words.

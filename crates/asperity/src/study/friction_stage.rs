@@ -7,7 +7,7 @@ mod words;
 
 pub(super) use self::words::no_variance;
 
-use crate::contact::{Control, HalfSpace, Solver};
+use crate::contact::{Control, HalfSpace, Solver, contact_modulus_pa};
 use crate::correlation::{LengthSettings, RecordEnds};
 use crate::friction::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::friction::law::FrictionLaw;
@@ -20,7 +20,7 @@ use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::stats::{Interval, Layout, ProcessMoments};
-use crate::study::config::{FrictionSection, MaterialSection, WindowShape};
+use crate::study::file::{FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::level_control::{Lead, LevelControl};
@@ -171,8 +171,9 @@ impl Setup {
         let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
             .map_err(|error| StudyError::Grid { section: "friction", error })?;
         let compliance = section.mean_compliance.map(|c| c.0);
+        let modulus_pa = contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
         let (half_space, mean_compliance_m_per_pa) =
-            half_space("friction", grid, material, section.boundary, compliance)?;
+            half_space("friction", grid, modulus_pa, section.boundary, compliance)?;
         let window = match section.window_shape {
             WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
             WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,

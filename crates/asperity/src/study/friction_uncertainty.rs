@@ -5,7 +5,7 @@ use crate::contact::Control;
 use crate::friction::FrictionError;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::monitor::Monitor;
-use crate::study::config::FrictionSection;
+use crate::study::file::FrictionSection;
 use crate::study::friction_stage::{Setup, SolvedLevel, no_variance};
 use crate::study::level_control::LevelControl;
 use crate::study::output::StageOutput;

@@ -2,7 +2,7 @@
 
 use crate::contact::Control;
 use crate::law::Marginal;
-use crate::study::config::FrictionSection;
+use crate::study::file::FrictionSection;
 use crate::study::pressure_stage::plane;
 use crate::study::result::Prescribed;
 use crate::study::sentence;

@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::de::{DeTable, DeValue};
 
-use crate::study::Study;
+use crate::study::{InvalidValue, Study, StudyFile};
 
 /// What is wrong with a study file.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -24,29 +24,26 @@ impl Study {
     /// # Errors
     /// The first thing that is wrong with it, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        let mut study: Self = StudyFileError::read(text, file)?;
-        study.validated(text, file)?;
-        // What is resolved is written out.
-        if let Some(friction) = study.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
-            friction.percentiles = Some(friction.percentiles().to_vec());
-        }
-        if let Some(vibration) = &mut study.vibration {
-            vibration.stribeck = vibration.stribeck();
-        }
-        Ok(study)
+        StudyFile::parse(text, file)?.check().map_err(|value| StudyFileError::invalid(&value, text, file))
     }
+}
 
-    /// Checks the values of a study that was read from `text`.
-    pub(super) fn validated(&self, text: &str, file: &str) -> Result<(), StudyFileError> {
-        self.check().map_err(|problem| StudyFileError {
-            file: file.into(),
-            line: line_of_key(text, problem.section, problem.key),
-            message: problem.to_string(),
-        })
+impl StudyFile {
+    /// Reads the text of a study file without a check of its values; `file` names it in errors.
+    ///
+    /// # Errors
+    /// A key, type or unit is wrong.
+    pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
+        StudyFileError::read(text, file)
     }
 }
 
 impl StudyFileError {
+    /// Returns the error of an invalid value, with the line of its key in `text`.
+    pub(super) fn invalid(value: &InvalidValue, text: &str, file: &str) -> Self {
+        Self { file: file.into(), line: line_of_key(text, value.section, value.key), message: value.to_string() }
+    }
+
     /// Reads TOML into a section or a whole file; unknown keys and wrong units point at their line.
     pub(super) fn read<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Self> {
         toml::from_str(text).map_err(|error| {
@@ -154,9 +151,9 @@ percentile = 50.0
     #[test]
     fn a_study_fills_in_its_defaults_and_survives_being_written() {
         let study = Study::parse(STUDY, "study.toml").unwrap();
-        let pressure = study.pressure.as_ref().unwrap();
+        let pressure = study.file().pressure.as_ref().unwrap();
         assert_eq!((pressure.variables, pressure.degree, pressure.fine_solves), (8, 3, 500));
-        let written = toml::to_string(&study).unwrap();
+        let written = toml::to_string(study.file()).unwrap();
         assert_eq!(Study::parse(&written, "written").unwrap(), study);
     }
 
@@ -174,7 +171,8 @@ percentile = 50.0
     fn one_length_stands_for_both_axes() {
         let lengths = |value: &str| {
             let text = STUDY.replace("[\"20 um\", \"20 um\"]", value);
-            Study::parse(&text, "study.toml").map(|study| study.surface.unwrap().correlation_length.unwrap())
+            Study::parse(&text, "study.toml")
+                .map(|study| study.file().surface.as_ref().unwrap().correlation_length.unwrap())
         };
         assert_eq!(lengths("\"20 um\"").unwrap(), lengths("[\"20 um\", \"20 um\"]").unwrap());
         assert_ne!(lengths("[\"20 um\", \"10 um\"]").unwrap(), lengths("\"20 um\"").unwrap());

@@ -1,7 +1,9 @@
 //! Values that are possible but hardly meant, each with its reason.
 
+use crate::study::Study;
+use crate::study::check::FrictionSource;
+use crate::study::file::FrictionLawKind;
 use crate::study::sentence::{digits, si};
-use crate::study::{Study, config::FrictionLawKind};
 
 /// Young's modulus over hardness below which a material is implausible: metals have 50 to 300, ceramics and polymers 10 to 30.
 const LEAST_MODULUS_OVER_HARDNESS: f64 = 10.0;
@@ -73,22 +75,27 @@ pub fn implausible_damping(damping_ratio: f64) -> Option<String> {
 impl Study {
     /// Warnings that follow from the study file alone: keys without effect and implausible values.
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.idle_keys();
-        if let Some(material) = &self.material {
+        let file = self.file();
+        let mut warnings = file.idle_keys();
+        if let Some(material) = &file.material {
             let [hardness, shear] = [material.hardness, material.shear_strength].map(|stated| stated.map(|q| q.0));
-            let shear = shear.filter(|_| self.friction.as_ref().is_some_and(|f| f.law != FrictionLawKind::Coulomb));
+            let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law != FrictionLawKind::Coulomb));
             let found = implausible_material(material.youngs_modulus.0, material.poisson_ratio, hardness, shear);
             warnings.extend(found.into_iter().map(|warning| format!("[material] {warning}")));
         }
-        let coulomb = self.friction.as_ref().filter(|f| f.law == FrictionLawKind::Coulomb).and_then(|f| f.coefficient);
+        let coulomb = file.friction.as_ref().filter(|f| f.law == FrictionLawKind::Coulomb).and_then(|f| f.coefficient);
         warnings.extend(coulomb.and_then(implausible_friction).map(|warning| format!("[friction] {warning}")));
         if let Some(v) = &self.vibration {
-            let found = [v.static_friction.and_then(implausible_friction), implausible_damping(v.damping_ratio)];
+            let stated = match &v.friction {
+                FrictionSource::Stated(friction) => implausible_friction(friction.mean),
+                FrictionSource::Computed(_) | FrictionSource::File(_) => None,
+            };
+            let found = [stated, implausible_damping(v.damping_ratio)];
             warnings.extend(found.into_iter().flatten().map(|warning| format!("[vibration] {warning}")));
             // A measured process may bring another law.
-            warnings.extend(v.load_warning().filter(|_| v.friction_process.is_none()));
-            let nominal_pa = v.normal_force.0 / v.nominal_area.0;
-            let hardness = self.material.as_ref().and_then(|material| material.hardness);
+            warnings.extend(v.load_warning().filter(|_| !matches!(v.friction, FrictionSource::File(_))));
+            let nominal_pa = v.nominal_pressure_pa();
+            let hardness = file.material.as_ref().and_then(|material| material.hardness);
             if let Some(hardness) = hardness.filter(|hardness| nominal_pa >= hardness.0) {
                 warnings.push(format!(
                     "[vibration] the normal force {} presses the nominal area {} with {}, which is not below the hardness {hardness}",

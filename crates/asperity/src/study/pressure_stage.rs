@@ -12,7 +12,8 @@ use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::pressure::{Problem, Study as Sizes};
 use crate::random;
-use crate::study::config::{MaterialSection, PressureSection};
+use crate::study::check::PressureStudy;
+use crate::study::level_control::LevelControl;
 use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
 use crate::study::surface_model::Generated;
@@ -27,11 +28,10 @@ const LARGE_BIAS: f64 = 0.25;
 pub(super) fn half_space(
     section: &'static str,
     grid: Grid,
-    material: &MaterialSection,
+    modulus_pa: f64,
     boundary: BoundaryKind,
     mean_compliance_m_per_pa: Option<f64>,
 ) -> Result<(HalfSpace, Option<f64>), StudyError> {
-    let modulus_pa = contact::contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
     let (boundary, compliance) = match boundary {
         BoundaryKind::Free => (Boundary::Free, None),
         BoundaryKind::Periodic => {
@@ -57,37 +57,32 @@ pub(super) struct PressureStage {
 }
 
 pub(super) fn run(
-    section: &PressureSection,
-    material: &MaterialSection,
+    study: &PressureStudy,
     marginal: &Marginal,
     generated: &Generated,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<PressureStage, StudyError> {
     let surface = generated.surface.as_ref();
-    let grid = surface.grid();
-    let compliance = section.mean_compliance.map(|c| c.0);
-    let (half_space, mean_compliance_m_per_pa) = half_space("pressure", grid, material, section.boundary, compliance)?;
-    let control = match (section.percentile, section.penetration, section.mean_pressure) {
+    let (grid, material) = (surface.grid(), &study.material);
+    let compliance = study.mean_compliance.map(|c| c.0);
+    let (half_space, mean_compliance_m_per_pa) =
+        half_space("pressure", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
+    let control = match study.control.contact(marginal) {
         // Heights that truncation leaves lower have a lower plane.
-        (Some(percent), _, _) => match plane(marginal, percent) {
-            Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
-            control => control,
-        },
-        (_, Some(depth), _) => Control::Penetration { metre: depth.0 },
-        (_, _, Some(pressure)) => Control::MeanPressure { pascal: pressure.0 },
-        _ => return Err(StudyError::NoStage("pressure")),
+        Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
+        control => control,
     };
     let hardness_pa = material.hardness.map(|h| h.0);
-    let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
-    let [row, column] = section.cell.unwrap_or([grid.ny() / 2, grid.nx() / 2]);
+    let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
+    let (row, column) = study.cell;
     let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);
     let sizes = Sizes {
-        fine_solves: section.fine_solves,
-        reference_samples: section.reference_samples,
-        variables: section.variables.min(surface.xi_len()),
-        degree: section.degree,
-        stiffness: section.stiffness,
+        fine_solves: study.fine_solves,
+        reference_samples: study.reference_samples,
+        variables: study.variables.min(surface.xi_len()),
+        degree: study.degree,
+        stiffness: study.stiffness,
         ..Sizes::new(seed)
     };
     let results = sizes.run(&problem, monitor)?;
@@ -96,8 +91,7 @@ pub(super) fn run(
         _ => None,
     };
     let mut warnings = generated.warnings.clone();
-    let patch =
-        [patch_sentence(section, (row, column), &half_space, hardness_pa), expansion_sentence(section, surface)];
+    let patch = [patch_sentence(study, (row, column), &half_space, hardness_pa), expansion_sentence(study, surface)];
     for method in &results.methods {
         if let Err(reason) = &method.outcome {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
@@ -130,7 +124,7 @@ pub(super) fn run(
 }
 
 fn patch_sentence(
-    section: &PressureSection,
+    study: &PressureStudy,
     (row, column): (usize, usize),
     half_space: &HalfSpace,
     hardness_pa: Option<f64>,
@@ -141,16 +135,15 @@ fn patch_sentence(
             format!("a periodic patch of mean compliance {}", sentence::compliance(mean_compliance_m_per_pa))
         }
     };
-    let control = match (section.percentile, section.penetration, section.mean_pressure) {
-        (Some(percent), _, _) => {
+    let control = match study.control {
+        LevelControl::Percentile(percent) => {
             format!("a rigid plane fixed in space that {percent} % of the ensemble's heights exceed before deformation")
         }
-        (_, Some(depth), _) => {
-            format!("a rigid plane {} below the highest point of each patch", sentence::si(depth.0, "m"))
+        LevelControl::Penetration(depth_m) => {
+            format!("a rigid plane {} below the highest point of each patch", sentence::si(depth_m, "m"))
         }
-        (_, _, pressure) => {
-            let shown = pressure.map_or_else(String::new, |p| sentence::si(p.0, "Pa"));
-            format!("a rigid plane under the mean pressure {shown}")
+        LevelControl::MeanPressure(pascal) | LevelControl::Nominal(pascal) => {
+            format!("a rigid plane under the mean pressure {}", sentence::si(pascal, "Pa"))
         }
     };
     let grid = half_space.grid();
@@ -166,12 +159,12 @@ fn patch_sentence(
     )
 }
 
-fn expansion_sentence(section: &PressureSection, surface: &dyn RandomSurface) -> String {
+fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> String {
     let germ = surface.xi_len();
-    let variables = section.variables.min(germ);
+    let variables = study.variables.min(germ);
     format!(
         "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {germ} variables at total degree {}.",
-        section.degree
+        study.degree
     )
 }
 

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use asperity_base::choice;
 
-use crate::friction::process::FittedProcess;
 use crate::map::BoundaryKind;
-use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
-use crate::study::config::SurfaceSection;
+use crate::study::check::{FrictionSource, VibrationStudy};
+use crate::study::file::SurfaceSection;
 use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
@@ -37,42 +36,40 @@ choice! {
 }
 
 impl Study {
-    /// The scan files, `folder` being that of the study file.
+    /// Returns the scan files, `folder` being the folder of the study file.
     pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
-        self.surface.iter().flat_map(SurfaceSection::files).map(|file| folder.join(file)).collect()
+        self.file().surface.iter().flat_map(SurfaceSection::files).map(|file| folder.join(file)).collect()
     }
 
-    /// The file of the friction process that the study reads, `folder` being that of the study file.
+    /// Returns the file of the friction process that the study reads, `folder` being the folder of the study file.
     pub fn friction_process_path(&self, folder: &Path) -> Option<PathBuf> {
-        self.vibration.as_ref()?.friction_process.as_ref().map(|file| folder.join(file))
-    }
-
-    /// The friction process that the study reads, if it does.
-    ///
-    /// # Errors
-    /// The file cannot be read, or holds no process.
-    pub fn read_friction_process(&self, folder: &Path) -> Result<Option<FittedProcess>, StudyError> {
-        let file = self.vibration.as_ref().and_then(|vibration| vibration.friction_process.as_ref());
-        file.map(|file| friction_process::read(&folder.join(file), file)).transpose()
+        match &self.vibration.as_ref()?.friction {
+            FrictionSource::File(file) => Some(folder.join(file)),
+            FrictionSource::Computed(_) | FrictionSource::Stated(_) => None,
+        }
     }
 
     /// Whether the study has a section for the stage.
     pub fn has(&self, stage: Stage) -> bool {
         match stage {
-            Stage::Surface => self.surface.is_some(),
+            Stage::Surface => self.file().surface.is_some(),
             Stage::Pressure => self.pressure.is_some(),
-            Stage::Friction => self.friction.is_some(),
+            Stage::Friction => self.file().friction.is_some(),
             Stage::Vibration => self.vibration.is_some(),
         }
     }
 
-    /// The friction that the study states or reads; none where its friction stage computes it.
+    /// Returns the friction that the study states or reads; none where its friction stage computes it.
     fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
-        let Some(section) = self.vibration.as_ref().filter(|_| self.friction.is_none()) else { return Ok(None) };
-        Ok(Some(match self.read_friction_process(folder)? {
-            Some(process) => WindowFriction::fitted(section, &process, section.scales()?.velocity_m_per_s()),
-            None => WindowFriction::stated(section)?,
-        }))
+        let Some(vibration) = &self.vibration else { return Ok(None) };
+        Ok(match &vibration.friction {
+            FrictionSource::Computed(_) => None,
+            FrictionSource::File(file) => {
+                let process = friction_process::read(&folder.join(file), file)?;
+                Some(WindowFriction::fitted(vibration, file, &process))
+            }
+            FrictionSource::Stated(friction) => Some(WindowFriction::stated(vibration, friction)),
+        })
     }
 
     /// The warnings that are known before anything is computed, those of the known friction included.
@@ -105,11 +102,11 @@ impl Study {
             return Err(StudyError::NoStage(stage.name()));
         }
         let mut gathered = Gathered::default();
-        gathered.results.seed = self.seed;
+        gathered.results.seed = self.seed();
         let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
         gathered.results.warnings = self.foreseen(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
-        if let Some(section) = &self.surface {
+        if let Some(section) = &self.file().surface {
             monitor.progress("surface", 0, 1);
             let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let scans = section.files().iter().map(name).zip(section.read_scans(folder)?).collect();
@@ -118,26 +115,23 @@ impl Study {
             gathered.add(mem::take(&mut stage.output));
             surface = Some(stage);
         }
-        if let (Some(section), Some(material), Some(surface), true) =
-            (&self.pressure, &self.material, &surface, wants(Stage::Pressure))
-        {
-            let grid = Grid::covering(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
-                .map_err(|error| StudyError::Grid { section: "pressure", error })?;
-            let generated = surface.model.patch(grid, section.boundary == BoundaryKind::Periodic)?;
+        if let (Some(study), Some(surface), true) = (&self.pressure, &surface, wants(Stage::Pressure)) {
+            let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
             karhunen_loeve = generated.karhunen_loeve.clone();
-            let stage =
-                pressure_stage::run(section, material, &surface.model.marginal, &generated, self.seed, monitor)?;
+            let stage = pressure_stage::run(study, &surface.model.marginal, &generated, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.pressure = Some(stage.result);
         }
         let mut friction = None;
         if let (Some(section), Some(material), Some(surface), true) =
-            (&self.friction, &self.material, &surface, wants_friction)
+            (&self.file().friction, &self.file().material, &surface, wants_friction)
         {
-            let lead = match self.vibration.as_ref().map(|v| (v.level, v.normal_force.0 / v.nominal_area.0)) {
+            let lead = match &self.vibration {
                 None => Lead::Deepest,
-                Some((Some(percentile), _)) => Lead::Percentile(percentile),
-                Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
+                Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
+                    Lead::Percentile(*percentile)
+                }
+                Some(vibration) => Lead::NominalPressure(vibration.nominal_pressure_pa()),
             };
             let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
             let stated = section.nominal_area.or_else(of_vibration);
@@ -147,13 +141,13 @@ impl Study {
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
+            let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
-            let stribeck_s_per_m = match self.vibration.as_ref().and_then(|v| v.stribeck().zip(Some(v))) {
-                Some((stribeck, section)) => Some(stribeck.s_per_m(section.scales()?.velocity_m_per_s())),
-                None => None,
-            };
+            let stribeck_s_per_m = self
+                .vibration
+                .as_ref()
+                .and_then(|vibration| Some(vibration.stribeck()?.s_per_m(vibration.scales.velocity_m_per_s())));
             match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
                 Ok(process) => gathered.friction_process = Some(process),
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
@@ -166,7 +160,7 @@ impl Study {
                 (None, Some(known)) => known,
                 (None, None) => return Err(StudyError::NoStage("friction")),
             };
-            let stage = vibration_stage::run(section, &friction, self.seed, monitor)?;
+            let stage = vibration_stage::run(section, &friction, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.vibration = Some(stage.result);
         }

@@ -8,8 +8,8 @@ use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::quantity::Length;
 use crate::random;
-use crate::study::config::SurfaceSection;
-use crate::study::{Study, StudyError, StudyFileError, surface_stage};
+use crate::study::file::SurfaceSection;
+use crate::study::{StudyError, StudyFile, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
 
 /// Name of the random stage of drawn maps.
@@ -44,7 +44,7 @@ impl Specimen {
     /// The first thing that is wrong with it, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
         let specimen: Self = StudyFileError::read(text, file)?;
-        let study = Study {
+        let study = StudyFile {
             seed: specimen.seed,
             surface: Some(specimen.surface.clone()),
             material: None,
@@ -52,7 +52,7 @@ impl Specimen {
             friction: None,
             vibration: None,
         };
-        study.validated(text, file)?;
+        study.check().map_err(|value| StudyFileError::invalid(&value, text, file))?;
         Ok(specimen)
     }
 

@@ -20,7 +20,7 @@ use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
-use crate::study::config::SurfaceSection;
+use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::law_result;
 use crate::study::surface_stage::{covariance_result, measure, model_of};

@@ -5,7 +5,7 @@ use crate::correlation::Covariance;
 use crate::law::Marginal;
 use crate::stats::Interval;
 use crate::study::StudyError;
-use crate::study::config::UncertaintySection;
+use crate::study::file::UncertaintySection;
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::study::surface_model::{SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::surface_stage::SurfaceStage;

@@ -19,7 +19,8 @@ use asperity_base::choice::Choice;
 use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
 use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
-use crate::study::config::{Upscaling, VibrationSection};
+use crate::study::check::{FrictionSource, VibrationStudy};
+use crate::study::file::Upscaling;
 use crate::study::output::StageOutput;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
@@ -68,12 +69,12 @@ pub(super) struct VibrationStage {
 }
 
 pub(super) fn run(
-    section: &VibrationSection,
+    study: &VibrationStudy,
     window: &WindowFriction,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
-    let ensembles = ensembles(section, window, seed)?;
+    let ensembles = ensembles(study, window, seed)?;
     let (oscillator, correlation_length) = (ensembles.oscillator.clone(), ensembles.correlation_length);
     let mut warnings = window.warnings.clone();
     let [paper_scatter, area_scatter] = scatters(window);
@@ -81,14 +82,14 @@ pub(super) fn run(
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
     // Of a study without a measured process the file alone tells.
-    let is_stated = || window.stribeck == section.dimensionless_stribeck().ok().flatten();
-    warnings.extend(section.load_warning().filter(|_| section.friction_process.is_some() && is_stated()));
+    let is_stated = || window.stribeck == study.dimensionless_stribeck();
+    warnings.extend(study.load_warning().filter(|_| matches!(study.friction, FrictionSource::File(_)) && is_stated()));
     let critical = if_found(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;
-    let velocity_scale = section.scales()?.velocity_m_per_s();
+    let velocity_scale = study.scales.velocity_m_per_s();
     let kick = if free { if_found(smallest_kick(&oscillator))?.flatten() } else { None };
-    let lead = match section.upscaling {
+    let lead = match study.upscaling {
         Upscaling::Area => &area_scatter,
         Upscaling::Paper => &paper_scatter,
     };
@@ -100,13 +101,13 @@ pub(super) fn run(
         }
     }
     for (name, lead) in [("survival_paper", &paper_lead), ("survival_area", &area_lead)] {
-        tables.extend(lead.as_ref().map(|lead| (name, survival_table(&lead.passages, section.duration))));
+        tables.extend(lead.as_ref().map(|lead| (name, survival_table(&lead.passages, study.duration))));
     }
     let mut map = None;
-    if let Some(section) = &section.map {
-        warnings.extend(ensembles.clipping_of_map(section, lead)?);
-        let found = ensembles.map(section, lead, monitor)?;
-        let [x, y] = section.over.axes();
+    if let Some(plan) = &study.map {
+        warnings.extend(ensembles.clipping_of_map(plan, lead)?);
+        let found = ensembles.map(plan, lead, monitor)?;
+        let [x, y] = plan.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
         let MapResolution { x: width, y: height, unresolved_share } = found.resolution;
         let resolution = MapResolutionResult { x: width, y: height, unresolved_share };
@@ -114,7 +115,7 @@ pub(super) fn run(
     }
     let assumptions = ensembles.sentences(area_std);
     let result = VibrationResult {
-        damping_ratio: section.damping_ratio,
+        damping_ratio: study.damping_ratio,
         belt_velocity: oscillator.belt_velocity(),
         static_friction: window.mean,
         level_percentile: window.level_percentile,
@@ -149,14 +150,14 @@ fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, Vibration
 
 /// The ensembles of a study that slides on this friction.
 fn ensembles<'a>(
-    section: &'a VibrationSection,
+    study: &'a VibrationStudy,
     window: &'a WindowFriction,
     seed: u64,
 ) -> Result<Ensembles<'a>, StudyError> {
-    let scales = section.scales()?;
+    let scales = study.scales;
     Ok(Ensembles {
-        section,
-        oscillator: section.oscillator(window.mean, window.stribeck)?,
+        study,
+        oscillator: study.oscillator(window.mean, window.stribeck)?,
         window,
         shape: window.shape.in_unit(scales.length_m()),
         correlation_length: window.length_m / scales.length_m(),
@@ -166,7 +167,7 @@ fn ensembles<'a>(
 
 /// The ensembles of one study.
 struct Ensembles<'a> {
-    section: &'a VibrationSection,
+    study: &'a VibrationStudy,
     oscillator: Oscillator,
     window: &'a WindowFriction,
     shape: CorrelationShape,
@@ -202,7 +203,7 @@ impl Ensembles<'_> {
     /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
     /// own, and the mean over many windows is normal.
     fn generator(&self, marginal: &Marginal) -> Generator {
-        let stated = self.section.generator.map(|generator| generator.0).or(self.window.generator);
+        let stated = self.study.generator.or(self.window.generator);
         let able = stated.filter(|generator| {
             *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.window.holds_many()
         });
@@ -211,18 +212,18 @@ impl Ensembles<'_> {
 
     fn settings(&self) -> EnsembleSettings {
         EnsembleSettings {
-            drive: self.section.drive,
-            method: self.section.integrator.0,
-            ..EnsembleSettings::new(self.section.trajectories, self.section.duration, self.seed)
+            drive: self.study.drive,
+            method: self.study.method,
+            ..EnsembleSettings::new(self.study.trajectories, self.study.duration, self.seed)
         }
     }
 
     fn followed(&self) -> TrajectorySettings {
         TrajectorySettings {
-            duration: self.section.duration,
+            duration: self.study.duration,
             start: None,
-            drive: self.section.drive,
-            method: self.section.integrator.0,
+            drive: self.study.drive,
+            method: self.study.method,
         }
     }
 
@@ -250,7 +251,7 @@ impl Ensembles<'_> {
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let (from, to, count) = self.section.damping_sweep;
+        let (from, to, count) = self.study.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
         let name = scatter.name;
         let Some(process) = self.process(scatter, margin)? else {
@@ -318,8 +319,7 @@ impl Ensembles<'_> {
                 failed_samples: 0,
             });
         }
-        let crossings =
-            crossings_without_fluctuation(&self.oscillator, &SHARES, self.section.damping_sweep.1, monitor)?;
+        let crossings = crossings_without_fluctuation(&self.oscillator, &SHARES, self.study.damping_sweep.1, monitor)?;
         let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
@@ -365,7 +365,7 @@ impl Ensembles<'_> {
     }
 
     fn sentences(&self, area_std: f64) -> Vec<String> {
-        let (section, window) = (self.section, self.window);
+        let (study, window) = (self.study, self.window);
         let mut sentences = vec![format!(
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
              starting in stick. The damping ratios at which vibration falls through 95, 50 and 5 % belong to the second half of this \
@@ -377,7 +377,7 @@ impl Ensembles<'_> {
                 sentence::digits(forcing.amplitude),
                 sentence::digits(forcing.frequency)
             )),
-            section.duration
+            study.duration
         )];
         if window.std < NO_SCATTER {
             sentences.push(format!(
@@ -396,7 +396,7 @@ impl Ensembles<'_> {
             sentence::si(window.length_m, "m"),
             sentence::digits(self.correlation_length)
         ));
-        if let Some(generator) = section.generator.map(|generator| generator.0).or(window.generator) {
+        if let Some(generator) = study.generator.or(window.generator) {
             let other = self.generator(&window.area_marginal());
             let but = if other == generator {
                 String::new()
@@ -405,7 +405,7 @@ impl Ensembles<'_> {
             };
             sentences.push(format!("The fluctuation is made by the {} generator{but}.", generator.name()));
         }
-        if section.drive == Drive::Time {
+        if study.drive == Drive::Time {
             sentences.push("The fluctuation goes on with the travel of the belt, also in stick.".into());
         }
         sentences.extend(window.area_m2.map(|area_m2| {
@@ -413,9 +413,9 @@ impl Ensembles<'_> {
                 "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the \
                  windows of a square nominal area of {} average, so that the scatter falls to {}{}. Both keep the correlation \
                  length of one window.",
-                section.normal_force,
-                sentence::si(section.normal_force.0 / area_m2, "Pa"),
-                section.nominal_area,
+                study.normal_force,
+                sentence::si(study.normal_force.0 / area_m2, "Pa"),
+                study.nominal_area,
                 sentence::digits(area_std),
                 if window.holds_many() { " and its law becomes normal" } else { "" }
             )

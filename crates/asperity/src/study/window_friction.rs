@@ -6,7 +6,8 @@ use crate::friction::process::{CorrelationShape, FittedProcess, Generator, Trans
 use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::law::Marginal;
 use crate::study::StudyError;
-use crate::study::config::{FrictionSection, VibrationSection};
+use crate::study::check::{StatedFriction, VibrationStudy};
+use crate::study::file::FrictionSection;
 use crate::study::friction_stage::SolvedStrips;
 use crate::study::plausibility::implausible_friction;
 use crate::study::sentence;
@@ -44,7 +45,7 @@ pub(super) struct WindowFriction {
 
 impl WindowFriction {
     /// That of the level that the study names, or of the one at the nominal pressure, at the mean load.
-    pub(super) fn computed(section: &VibrationSection, strips: &SolvedStrips) -> Result<Self, StudyError> {
+    pub(super) fn computed(study: &VibrationStudy, strips: &SolvedStrips) -> Result<Self, StudyError> {
         let level = strips.levels.get(strips.lead).ok_or(StudyError::NoStage("friction"))?;
         let process = &level.process;
         let mut warnings = Vec::new();
@@ -71,7 +72,7 @@ impl WindowFriction {
         let origin = match level.control.percentile() {
             None => format!("of the level at the nominal pressure, {pressure}, at the mean load"),
             Some(percentile) => {
-                let nominal_pa = section.normal_force.0 / section.nominal_area.0;
+                let nominal_pa = study.nominal_pressure_pa();
                 warnings.extend(unlike(&format!("at percentile {percentile}"), pressure_pa, nominal_pa));
                 format!("of the level at percentile {percentile}, {pressure}, at the mean load")
             }
@@ -85,10 +86,10 @@ impl WindowFriction {
             marginal,
             generator: None,
             area_m2: Some(strips.window.area_m2()),
-            stribeck: section.dimensionless_stribeck()?,
+            stribeck: study.dimensionless_stribeck(),
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
-            variance_reduction: level.variance_reduction(&strips.window, section.nominal_area.0),
+            variance_reduction: level.variance_reduction(&strips.window, study.nominal_area.0),
             computed: true,
             origin,
             warnings,
@@ -97,38 +98,38 @@ impl WindowFriction {
 
     /// That which the study states, of a window of the customary size. Its correlation length counts in full when windows
     /// are averaged, since nothing tells how much of it is the window's.
-    pub(super) fn stated(section: &VibrationSection) -> Result<Self, StudyError> {
+    pub(super) fn stated(study: &VibrationStudy, friction: &StatedFriction) -> Self {
         let usual = FrictionSection::default();
         let (window_m, width_m) = (usual.window.0, usual.strip[1].0);
-        let absent = || StudyError::NoStage("friction");
-        let length_m = section.friction_correlation_length.ok_or_else(absent)?.0;
-        Ok(Self {
-            mean: section.static_friction.ok_or_else(absent)?,
-            std: section.friction_std.ok_or_else(absent)?,
+        let length_m = friction.correlation_length.0;
+        Self {
+            mean: friction.mean,
+            std: friction.std,
             shape: CorrelationShape::Exponential,
             length_m,
             correlation: TranslationKind::Plain,
-            marginal: section.friction_marginal.as_deref().ok_or_else(absent)?.parse()?,
+            marginal: friction.marginal.clone(),
             generator: None,
             area_m2: Some(window_m * width_m),
-            stribeck: section.dimensionless_stribeck()?,
+            stribeck: study.dimensionless_stribeck(),
             level_percentile: None,
             level_mean_pressure_pa: None,
-            variance_reduction: variance_reduction(window_m, width_m, section.nominal_area.0, &exponential(length_m)),
+            variance_reduction: variance_reduction(window_m, width_m, study.nominal_area.0, &exponential(length_m)),
             computed: false,
             origin: format!(
                 "stated, taken for that of a window of {} whose correlation is not the window's",
                 sentence::size(window_m, width_m)
             ),
             warnings: Vec::new(),
-        })
+        }
     }
 
-    /// That of a fitted process, which the study reads; `velocity_m_per_s` is the unit of dimensionless velocity. A process
+    /// That of a fitted process, which the study reads. A process
     /// that has a Stribeck coefficient brings it along. Friction of an unknown area is taken for that of the nominal area.
-    pub(super) fn fitted(section: &VibrationSection, process: &FittedProcess, velocity_m_per_s: f64) -> Self {
+    pub(super) fn fitted(study: &VibrationStudy, file: &Path, process: &FittedProcess) -> Self {
+        let velocity_m_per_s = study.scales.velocity_m_per_s();
         let mut warnings = Vec::new();
-        let file = section.friction_process.as_deref().unwrap_or(Path::new("")).display();
+        let file = file.display();
         let area_m2 = process.averaged_over_m.map(|[length_m, width_m]| length_m * width_m);
         // Constant friction has no correlation and no law; any will do, since nothing is drawn.
         let (shape, length_m) =
@@ -138,7 +139,7 @@ impl WindowFriction {
             correlation.length_without_window_m.unwrap_or(if free { length_m } else { 0.0 })
         });
         let variance_reduction = process.averaged_over_m.map_or(1.0, |[along_m, across_m]| {
-            variance_reduction(along_m, across_m, section.nominal_area.0, &exponential(own_length_m))
+            variance_reduction(along_m, across_m, study.nominal_area.0, &exponential(own_length_m))
         });
         if area_m2.is_none() && !process.is_constant() {
             warnings.push(format!(
@@ -147,7 +148,7 @@ impl WindowFriction {
             ));
         }
         // The same but for the rounding of units is the same.
-        let mut stribeck = section.stribeck().map(|stribeck| stribeck.per_unit(velocity_m_per_s));
+        let mut stribeck = study.dimensionless_stribeck();
         if let Some((own, stated)) = process.stribeck(velocity_m_per_s).zip(stribeck)
             && (own - stated).abs() > 1e-9 * stated
         {
@@ -160,7 +161,7 @@ impl WindowFriction {
                 sentence::digits(stated)
             ));
         }
-        let nominal_pa = section.normal_force.0 / section.nominal_area.0;
+        let nominal_pa = study.nominal_pressure_pa();
         if let Some(pressure_pa) = process.mean_pressure_pa {
             warnings.extend(unlike(&format!("from {file}"), pressure_pa, nominal_pa));
         }

@@ -6,7 +6,7 @@ use std::path::{self, Path, PathBuf};
 use asperity_results::Provenance;
 
 use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, file_hash};
-use crate::study::{Outcome, Staging, StoreError, Study, json_bytes};
+use crate::study::{Outcome, Staging, StoreError, Study, StudyFile, json_bytes};
 
 /// Returns the origin of a computation from the files `inputs`: version, name, seed and the hash of every file.
 ///
@@ -43,7 +43,7 @@ pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenanc
 /// # let runs = temporary.path();
 /// let staging = Staging::open(&runs.join("first"), false, &[])?;
 /// let outcome = study.run(Path::new("."), None, &Silent)?;
-/// let mut origin = provenance("first", study.seed, &[])?;
+/// let mut origin = provenance("first", study.seed(), &[])?;
 /// origin.machine.threads = 1;
 /// write_run(&staging, &study, Path::new("."), &outcome, &origin)?;
 /// let folder = staging.commit()?;
@@ -60,7 +60,7 @@ pub fn write_run(
     outcome: &Outcome,
     provenance: &Provenance,
 ) -> Result<(), StoreError> {
-    let study = toml::to_string(&study.with_absolute_paths(folder))?;
+    let study = toml::to_string(&with_absolute_paths(study.file(), folder))?;
     staging.write("study.toml", study.as_bytes())?;
     staging.write("provenance.json", &json_bytes(provenance)?)?;
     staging.write("results.json", &json_bytes(&outcome.results)?)?;
@@ -85,20 +85,18 @@ pub fn write_run(
     Ok(())
 }
 
-impl Study {
-    /// The study with the files it reads named so that they are found from every folder, that of the run included.
-    fn with_absolute_paths(&self, folder: &Path) -> Self {
-        let mut study = self.clone();
-        // TOML holds no path that is not Unicode; such a one stays as it was given.
-        let absolute = |file: &Path| path::absolute(folder.join(file)).ok().filter(|path| path.to_str().is_some());
-        if let Some(files) = study.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
-            *files = files.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
-        }
-        if let Some(file) = study.vibration.as_mut().and_then(|vibration| vibration.friction_process.as_mut()) {
-            *file = absolute(file).unwrap_or_else(|| file.clone());
-        }
-        study
+/// Returns the study file with absolute paths, which are found from every folder, that of the run included.
+fn with_absolute_paths(file: &StudyFile, folder: &Path) -> StudyFile {
+    let mut file = file.clone();
+    // TOML holds only Unicode; another path stays as it was given.
+    let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
+    if let Some(scans) = file.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
+        *scans = scans.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
     }
+    if let Some(process) = file.vibration.as_mut().and_then(|vibration| vibration.friction_process.as_mut()) {
+        *process = absolute(process).unwrap_or_else(|| process.clone());
+    }
+    file
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use asperity::map::BoundaryKind;
 use asperity::study::Study;
-use asperity::study::config::{Stribeck, Upscaling};
+use asperity::study::file::{Stribeck, Upscaling};
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 
 fn studies() -> PathBuf {
@@ -46,21 +46,21 @@ fn the_stored_scan_is_what_brake_disc_makes() {
 #[test]
 fn the_paper_s_study_holds_the_paper_s_numbers() {
     let study = study("paper.toml");
-    let surface = study.surface.unwrap();
-    assert_eq!((surface.file, surface.generator, surface.modes), (None, SurfaceGenerator::KarhunenLoeve, Some(101)));
+    let surface = study.file().surface.as_ref().unwrap();
+    assert_eq!((&surface.file, surface.generator, surface.modes), (&None, SurfaceGenerator::KarhunenLoeve, Some(101)));
     assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceSource::SquaredExponential, "normal"));
-    let pressure = study.pressure.unwrap();
+    let pressure = study.file().pressure.as_ref().unwrap();
     assert_eq!(choose(pressure.variables + pressure.degree, pressure.degree), 165);
     assert_eq!((pressure.percentile, pressure.boundary), (Some(50.0), BoundaryKind::Free));
     // ℓ = L/10.
     let [x, y] = surface.correlation_length.unwrap();
     assert!((pressure.size[0].0 / x.0 - 10.0).abs() < 1e-12 && (pressure.size[1].0 / y.0 - 10.0).abs() < 1e-12);
-    let friction = study.friction.unwrap();
+    let friction = study.file().friction.as_ref().unwrap();
     assert_eq!((friction.window.0, friction.strip[1].0), (600e-6, 75e-6));
-    let material = study.material.unwrap();
+    let material = study.file().material.as_ref().unwrap();
     let shear = material.hardness.unwrap().0 / (3.0 * 3_f64.sqrt());
     assert!((material.shear_strength.unwrap().0 / shear - 1.0).abs() < 1e-3);
-    let vibration = study.vibration.unwrap();
+    let vibration = study.file().vibration.as_ref().unwrap();
     assert_eq!(
         (vibration.damping_ratio, vibration.stribeck, vibration.normal_force.0),
         (0.17, Some(Stribeck::Dimensionless(4.2)), 2500.0)
@@ -72,16 +72,16 @@ fn the_paper_s_study_holds_the_paper_s_numbers() {
 #[test]
 fn the_quickstart_takes_everything_from_its_scan_and_leads_with_the_area() {
     let study = study("quickstart.toml");
-    assert!(study.idle_keys().is_empty(), "{:?}", study.idle_keys());
-    let surface = study.surface.as_ref().unwrap();
+    assert!(study.file().idle_keys().is_empty(), "{:?}", study.file().idle_keys());
+    let surface = study.file().surface.as_ref().unwrap();
     assert!(study.scan_paths(&studies())[0].is_file());
     assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceSource::Measured, "measured"));
     assert_eq!((surface.rms_height, surface.correlation_length), (None, None));
-    let vibration = study.vibration.unwrap();
+    let vibration = study.file().vibration.as_ref().unwrap();
     assert_eq!((vibration.upscaling, vibration.level), (Upscaling::Area, None));
     // A pad under 2 MPa: more than a hundredth of it and less than a tenth is in contact.
     assert!((vibration.normal_force.0 / vibration.nominal_area.0 / 2e6 - 1.0).abs() < 1e-12);
-    let material = study.material.unwrap();
+    let material = study.file().material.as_ref().unwrap();
     assert!(material.shear_strength.unwrap().0 < material.hardness.unwrap().0);
     assert!(material.youngs_modulus.0 > 10.0 * material.hardness.unwrap().0);
     // The law of friction is that of the machine: it does not change with the load.

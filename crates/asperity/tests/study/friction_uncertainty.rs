@@ -186,7 +186,7 @@ fn what_cannot_be_is_an_error_that_names_its_line() {
     }
     // It survives being written.
     let study = Study::parse(STUDY, "study.toml").unwrap();
-    let written = toml::to_string(&study).unwrap();
+    let written = toml::to_string(study.file()).unwrap();
     assert_eq!(Study::parse(&written, "written").unwrap(), study);
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use asperity::monitor::Silent;
-use asperity::study::Study;
+use asperity::study::StudyFile;
 
 /// A moment with its standard error, from half the width of its 95 % interval.
 type Known = (f64, f64);
@@ -32,10 +32,10 @@ fn falls(name: &str, levels: &[Known]) {
 #[ignore = "slow"]
 fn mean_scatter_and_variation_of_friction_fall_with_penetration_and_the_law_leans_right() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig3.toml");
-    let mut study = Study::parse(&fs::read_to_string(&path).unwrap(), "paper_fig3.toml").unwrap();
+    let mut study = StudyFile::parse(&fs::read_to_string(&path).unwrap(), "paper_fig3.toml").unwrap();
     // Fewer strips, the same physics.
     study.friction.as_mut().unwrap().realisations = 16;
-    let outcome = study.run(path.parent().unwrap(), None, &Silent).unwrap();
+    let outcome = study.check().unwrap().run(path.parent().unwrap(), None, &Silent).unwrap();
     let friction = outcome.results.friction.unwrap();
     let percentiles: Vec<f64> = friction.levels.iter().map(|level| level.percentile.unwrap()).collect();
     assert_eq!(percentiles, [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 75.0]);

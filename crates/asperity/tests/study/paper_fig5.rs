@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use asperity::monitor::Silent;
-use asperity::study::Study;
+use asperity::study::StudyFile;
 
 /// ζ, mean number of cycles of 4,000 paths and its standard error by two independent codes, and the number without noise.
 const KNOWN: [(f64, f64, f64, u64); 3] = [(0.17, 68.99, 0.10, 99), (0.22, 34.31, 0.11, 0), (0.25, 17.18, 0.08, 0)];
@@ -13,12 +13,12 @@ const KNOWN: [(f64, f64, f64, u64); 3] = [(0.17, 68.99, 0.10, 99), (0.22, 34.31,
 #[ignore = "slow"]
 fn noise_costs_cycles_below_the_end_of_the_cycle_and_makes_some_beyond_it() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig5.toml");
-    let mut study = Study::parse(&fs::read_to_string(&path).unwrap(), "paper_fig5.toml").unwrap();
+    let mut study = StudyFile::parse(&fs::read_to_string(&path).unwrap(), "paper_fig5.toml").unwrap();
     let section = study.vibration.as_mut().unwrap();
     section.trajectories = 400;
     let map = section.map.as_mut().unwrap();
     (map.depth, map.trajectories) = (0, 20);
-    let outcome = study.run(path.parent().unwrap(), None, &Silent).unwrap();
+    let outcome = study.check().unwrap().run(path.parent().unwrap(), None, &Silent).unwrap();
     let (_, points) = outcome.tables.iter().find(|(name, _)| name.as_str() == "map_points").unwrap();
     let [damping, share] = ["damping_ratio", "sustained_share"].map(|name| points.column(name).unwrap());
     for (damping, share) in damping.iter().zip(share) {

@@ -88,7 +88,7 @@ fn heights_that_are_left_lower_press_less_than_those_scaled_to_the_whole_varianc
 #[test]
 fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_half_the_time() {
     let study = Study::parse(&text("paper_fig2.toml"), "paper_fig2.toml").unwrap();
-    let (surface, pressure) = (study.surface.unwrap(), study.pressure.unwrap());
+    let (surface, pressure) = (study.file().surface.as_ref().unwrap(), study.file().pressure.as_ref().unwrap());
     let (n, k) = (pressure.variables + pressure.degree, pressure.degree);
     assert_eq!((1..=k).fold(1, |product, i| product * (n - k + i) / i), 165);
     assert_eq!((surface.modes, pressure.boundary, pressure.percentile), (Some(101), BoundaryKind::Free, Some(50.0)));

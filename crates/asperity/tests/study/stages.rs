@@ -363,7 +363,7 @@ fn a_run_folder_appears_whole_and_reads_back() {
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let study = Study::parse(STUDY, "study.toml").unwrap();
     let outcome = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap();
-    let origin = provenance("small", study.seed, &study.scan_paths(folder.path())).unwrap();
+    let origin = provenance("small", study.seed(), &study.scan_paths(folder.path())).unwrap();
     let out = folder.path().join("runs").join("small");
     {
         let abandoned = Staging::open(&out, false, &[]).unwrap();

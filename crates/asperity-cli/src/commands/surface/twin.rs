@@ -10,7 +10,7 @@ use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;
 use asperity::quantity::Length;
 use asperity::study::Provenance;
-use asperity::study::config::SurfaceSection;
+use asperity::study::file::SurfaceSection;
 use asperity::study::{
     Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, Twins, json_bytes,
 };

@@ -1,14 +1,18 @@
-//! Whether the values of `[vibration]` can be right.
+//! Checks of `[vibration]`.
 
-use std::str::FromStr;
+use std::path::PathBuf;
 
 use asperity_base::choice::ByName;
 
-use super::{POSITIVE, Problem, at_least, positive, problem, within};
+use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::friction::process::{Generator, Steady};
-use crate::law::Marginal;
-use crate::study::config::{MapSection, Study, VelocityLaw, VibrationSection};
-use crate::vibration::{Method, Trajectory, TrajectorySettings, VibrationError};
+use crate::law::{LawError, Marginal};
+use crate::quantity::{Area, Force, Length};
+use crate::study::file::{MapOver, MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
+use crate::study::sentence;
+use crate::vibration::{
+    Drive, Forcing, FrictionLaw, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VibrationError,
+};
 
 const SECTION: &str = "vibration";
 /// Time that is followed to see whether friction stays positive: the first slips are the fastest.
@@ -21,23 +25,182 @@ fn share(value: f64) -> bool {
     value > 0.0 && value <= 1.0
 }
 
-impl Study {
-    pub(super) fn check_vibration(&self) -> Result<(), Problem> {
-        let Some(v) = &self.vibration else { return Ok(()) };
+/// Stick-slip of a mass on a belt.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct VibrationStudy {
+    pub(in crate::study) scales: Scales,
+    pub(in crate::study) normal_force: Force,
+    pub(in crate::study) nominal_area: Area,
+    pub(in crate::study) damping_ratio: f64,
+    /// Dimensionless velocity V of the belt.
+    pub(in crate::study) belt_velocity: f64,
+    /// Dimensionless harmonic force on the mass.
+    pub(in crate::study) forcing: Option<Forcing>,
+    /// Kinetic friction coefficient at vanishing velocity over the static one.
+    pub(in crate::study) kinetic_share: f64,
+    pub(in crate::study) weakening: Weakening,
+    pub(in crate::study) friction: FrictionSource,
+    /// Generator of the fluctuation, if the study states it.
+    pub(in crate::study) generator: Option<Generator>,
+    pub(in crate::study) drive: Drive,
+    pub(in crate::study) method: Method,
+    /// Upscaling of the headline.
+    pub(in crate::study) upscaling: Upscaling,
+    /// Whether more than 5 % of the friction values may be clipped to stay positive.
+    pub(in crate::study) allow_clipping: bool,
+    /// Damping ratios: from, to, count.
+    pub(in crate::study) damping_sweep: (f64, f64, usize),
+    /// Trajectories per damping ratio.
+    pub(in crate::study) trajectories: usize,
+    /// Dimensionless duration of a trajectory.
+    pub(in crate::study) duration: f64,
+    pub(in crate::study) map: Option<MapSection>,
+}
+
+/// Dependence of friction on the sliding velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::study) enum Weakening {
+    /// μ_k/(1 + a|v|).
+    Stribeck(Stribeck),
+    /// μ_k − b|v|, b per unit of dimensionless velocity.
+    Linear(f64),
+    /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}.
+    Exponential {
+        /// Dimensionless velocity v₀.
+        velocity: f64,
+        /// μ_∞/μ_k.
+        high_speed_share: f64,
+    },
+}
+
+/// Source of the friction process.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) enum FrictionSource {
+    /// The friction stage, at this percentile, or at the nominal pressure.
+    Computed(Option<f64>),
+    /// The file of a fitted process, relative to the study file.
+    File(PathBuf),
+    /// The study file.
+    Stated(StatedFriction),
+}
+
+/// Friction of one window as the study file states it.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct StatedFriction {
+    pub(in crate::study) mean: f64,
+    pub(in crate::study) std: f64,
+    pub(in crate::study) correlation_length: Length,
+    pub(in crate::study) marginal: Marginal,
+}
+
+impl VibrationStudy {
+    /// Returns the pressure of the normal force on the nominal area in pascal.
+    pub(in crate::study) fn nominal_pressure_pa(&self) -> f64 {
+        self.normal_force.0 / self.nominal_area.0
+    }
+
+    /// Returns the Stribeck coefficient, if the law has one.
+    pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
+        if let Weakening::Stribeck(coefficient) = self.weakening { Some(coefficient) } else { None }
+    }
+
+    /// Returns the same per unit of dimensionless velocity.
+    pub(in crate::study) fn dimensionless_stribeck(&self) -> Option<f64> {
+        self.stribeck().map(|stribeck| stribeck.per_unit(self.scales.velocity_m_per_s()))
+    }
+
+    /// Returns the oscillator with this static friction coefficient; `stribeck` replaces the coefficient of the law where a fitted
+    /// process has one.
+    pub(in crate::study) fn oscillator(
+        &self,
+        static_friction: f64,
+        stribeck: Option<f64>,
+    ) -> Result<Oscillator, VibrationError> {
+        let kinetic = self.kinetic_share * static_friction;
+        let law = match self.weakening {
+            Weakening::Stribeck(own) => {
+                let decay = stribeck.unwrap_or_else(|| own.per_unit(self.scales.velocity_m_per_s()));
+                FrictionLaw::Stribeck { kinetic, decay }
+            }
+            Weakening::Linear(slope) => FrictionLaw::Linear { kinetic, slope },
+            Weakening::Exponential { velocity, high_speed_share } => FrictionLaw::Exponential {
+                kinetic,
+                high_speed: high_speed_share * kinetic,
+                stribeck_velocity: velocity,
+            },
+        };
+        Oscillator::new(Parameters {
+            static_friction,
+            law,
+            damping_ratio: self.damping_ratio,
+            belt_velocity: self.belt_velocity,
+            forcing: self.forcing,
+        })
+    }
+
+    /// Returns a warning about a dimensionless law in a study that varies the load.
+    pub(in crate::study) fn load_warning(&self) -> Option<String> {
+        if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
+            return None;
+        }
+        let (key, value) = match self.weakening {
+            Weakening::Stribeck(Stribeck::Dimensionless(value)) => ("stribeck", value),
+            Weakening::Linear(value) => ("linear_weakening", value),
+            _ => return None,
+        };
+        let si = sentence::digits(value / self.scales.velocity_m_per_s());
+        let instead = match key {
+            "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
+            _ => String::new(),
+        };
+        Some(format!(
+            "`{key}` = {} is per unit of dimensionless velocity and belongs to the stated normal force of {}: it means {si} s/m, \
+             which the map keeps over the load{instead}",
+            sentence::digits(value),
+            self.normal_force
+        ))
+    }
+
+    /// Returns the distance in metre that the belt travels in the time of a trajectory.
+    pub(in crate::study) fn sliding_distance_m(&self) -> f64 {
+        self.duration * self.belt_velocity * self.scales.length_m()
+    }
+}
+
+impl StudyFile {
+    pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
+        let Some(v) = &self.vibration else { return Ok(None) };
         within(SECTION, "mass", v.mass.0, positive, POSITIVE)?;
         within(SECTION, "natural_frequency", v.natural_frequency.0, positive, POSITIVE)?;
         within(SECTION, "damping_ratio", v.damping_ratio, |z| z >= 0.0, "zero or a positive value")?;
         within(SECTION, "normal_force", v.normal_force.0, positive, POSITIVE)?;
         within(SECTION, "nominal_area", v.nominal_area.0, positive, POSITIVE)?;
-        match (v.belt_velocity, v.dimensionless_belt_velocity) {
-            (Some(velocity), None) => within(SECTION, "belt_velocity", velocity.0, positive, POSITIVE)?,
-            (None, Some(value)) => within(SECTION, "dimensionless_belt_velocity", value, positive, POSITIVE)?,
+        let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
+            .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
+        let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
+            (Some(velocity), None) => {
+                within(SECTION, "belt_velocity", velocity.0, positive, POSITIVE)?;
+                velocity.0 / scales.velocity_m_per_s()
+            }
+            (None, Some(value)) => {
+                within(SECTION, "dimensionless_belt_velocity", value, positive, POSITIVE)?;
+                value
+            }
             _ => {
                 let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
-                return Err(problem(SECTION, "belt_velocity", message));
+                return Err(invalid(SECTION, "belt_velocity", message));
             }
+        };
+        within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
+        let weakening = weakening(v, &scales)?;
+        let forcing = forcing(v)?;
+        let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
+        if let (Some(ByName(Generator::Jacobi)), Some(marginal)) = (v.generator, &stated)
+            && !matches!(marginal, Marginal::Beta { .. })
+        {
+            let message = format!("the diffusion has a Beta law, and friction_marginal is {marginal}");
+            return Err(invalid(SECTION, "generator", message));
         }
-        check_machine(v)?;
         v.map.as_ref().map_or(Ok(()), check_map)?;
         let (from, to, count) = v.damping_sweep;
         let fits = |z: f64| (0.0..1.0).contains(&z);
@@ -46,10 +209,38 @@ impl Study {
         at_least(SECTION, "damping_sweep", count, 2)?;
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
+        let study = VibrationStudy {
+            scales,
+            normal_force: v.normal_force,
+            nominal_area: v.nominal_area,
+            damping_ratio: v.damping_ratio,
+            belt_velocity,
+            forcing,
+            kinetic_share: v.kinetic_share,
+            weakening,
+            friction: self.check_source(v)?,
+            generator: v.generator.map(|generator| generator.0),
+            drive: v.drive,
+            method: v.integrator.0,
+            upscaling: v.upscaling,
+            allow_clipping: v.allow_clipping,
+            damping_sweep: v.damping_sweep,
+            trajectories: v.trajectories,
+            duration: v.duration,
+            map: v.map.clone(),
+        };
+        if let FrictionSource::Stated(friction) = &study.friction {
+            check_motion(v, &study, friction)?;
+        }
+        Ok(Some(study))
+    }
+
+    /// Checks where the friction comes from: exactly one of the friction stage, a file and the keys of the section.
+    fn check_source(&self, v: &VibrationSection) -> Result<FrictionSource, InvalidValue> {
         if let Some(level) = v.level
             && !self.friction.as_ref().is_some_and(|f| f.percentiles().contains(&level))
         {
-            return Err(problem(SECTION, "level", format!("found {level}, wanted one of [friction] percentiles")));
+            return Err(invalid(SECTION, "level", format!("found {level}, wanted one of [friction] percentiles")));
         }
         if let (None, Some(_), Some(hardness)) =
             (v.level, &self.friction, self.material.as_ref().and_then(|material| material.hardness))
@@ -60,64 +251,66 @@ impl Study {
                  name a `level`",
                 v.normal_force, v.nominal_area
             );
-            return Err(problem(SECTION, "nominal_area", message));
+            return Err(invalid(SECTION, "nominal_area", message));
         }
-        self.check_stated_friction()
-    }
-
-    fn check_stated_friction(&self) -> Result<(), Problem> {
-        let Some(v) = &self.vibration else { return Ok(()) };
-        let stated = [
+        let keys = [
             ("static_friction", v.static_friction.is_some()),
             ("friction_std", v.friction_std.is_some()),
             ("friction_correlation_length", v.friction_correlation_length.is_some()),
             ("friction_marginal", v.friction_marginal.is_some()),
         ];
-        if let Some((first, _)) = stated.iter().find(|(_, present)| *present)
-            && let Some((absent, _)) = stated.iter().find(|(_, present)| !present)
+        let stated = v
+            .static_friction
+            .zip(v.friction_std)
+            .zip(v.friction_correlation_length)
+            .zip(v.friction_marginal.as_deref());
+        if let (Some((first, _)), Some((absent, _))) =
+            (keys.iter().find(|(_, present)| *present), keys.iter().find(|(_, present)| !present))
         {
-            return Err(problem(SECTION, absent, format!("`{first}` is stated, so this must be too")));
+            return Err(invalid(SECTION, absent, format!("`{first}` is stated, so this must be too")));
         }
-        let (states, computes, reads) = (v.states_friction(), self.friction.is_some(), v.friction_process.is_some());
-        if !(states || computes || reads) {
-            let message =
-                "without a [friction] section the friction process must be stated here, or read by `friction_process`";
-            return Err(problem(SECTION, "static_friction", message));
+        match (stated, &v.friction_process, self.friction.is_some()) {
+            (None, None, false) => {
+                let message = "without a [friction] section the friction process must be stated here, or read by \
+                               `friction_process`";
+                Err(invalid(SECTION, "static_friction", message))
+            }
+            (Some(_), _, true) => {
+                let message = "the friction process is stated here and computed by [friction]; leave one out";
+                Err(invalid(SECTION, "static_friction", message))
+            }
+            (Some(_), Some(_), _) => {
+                let message = "the friction process is read here and stated beside it; leave one out";
+                Err(invalid(SECTION, "friction_process", message))
+            }
+            (None, Some(_), true) => {
+                let message = "the friction process is read here and computed by [friction]; leave one out";
+                Err(invalid(SECTION, "friction_process", message))
+            }
+            (None, None, true) => Ok(FrictionSource::Computed(v.level)),
+            (None, Some(file), false) => Ok(FrictionSource::File(file.clone())),
+            (Some((((mean, std), correlation_length), marginal)), None, false) => {
+                within(SECTION, "static_friction", mean, positive, POSITIVE)?;
+                within(SECTION, "friction_std", std, |s| s >= 0.0, "zero or a positive value")?;
+                within(SECTION, "friction_correlation_length", correlation_length.0, positive, POSITIVE)?;
+                let marginal = marginal
+                    .parse()
+                    .map_err(|error: LawError| invalid(SECTION, "friction_marginal", error.to_string()))?;
+                Ok(FrictionSource::Stated(StatedFriction { mean, std, correlation_length, marginal }))
+            }
         }
-        if states && computes {
-            let message = "the friction process is stated here and computed by [friction]; leave one out";
-            return Err(problem(SECTION, "static_friction", message));
-        }
-        if reads && (states || computes) {
-            let other = if states { "stated beside it" } else { "computed by [friction]" };
-            let message = format!("the friction process is read here and {other}; leave one out");
-            return Err(problem(SECTION, "friction_process", message));
-        }
-        if let Some(value) = v.static_friction {
-            within(SECTION, "static_friction", value, positive, POSITIVE)?;
-        }
-        if let Some(value) = v.friction_std {
-            within(SECTION, "friction_std", value, |s| s >= 0.0, "zero or a positive value")?;
-        }
-        if let Some(length) = v.friction_correlation_length {
-            within(SECTION, "friction_correlation_length", length.0, positive, POSITIVE)?;
-        }
-        if let Some(text) = &v.friction_marginal {
-            Marginal::from_str(text).map_err(|error| problem(SECTION, "friction_marginal", error.to_string()))?;
-        }
-        v.static_friction.map_or(Ok(()), |friction| check_motion(v, friction))
     }
 }
 
-/// Whether the machine can move: its numbers lie in range, and friction stays positive at the speeds of its motion.
-fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Problem> {
+/// Checks that the oscillator can move: its numbers lie in range, and friction stays positive at the speeds of its motion.
+fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedFriction) -> Result<(), InvalidValue> {
     let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
     let law = match v.velocity_law {
         VelocityLaw::Stribeck => "stribeck",
         VelocityLaw::Linear => "linear_weakening",
         VelocityLaw::Exponential => "stribeck_velocity",
     };
-    let told = |error: VibrationError| match error {
+    let of_key = |error: VibrationError| match error {
         VibrationError::Parameter { parameter, .. } => {
             let key = match parameter {
                 "static_friction" => "static_friction",
@@ -128,89 +321,81 @@ fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Proble
                 "forcing_frequency" => "forcing_frequency",
                 _ => law,
             };
-            Err(problem(SECTION, key, format!("in the units of the machine, {error}")))
+            Err(invalid(SECTION, key, format!("in the units of the machine, {error}")))
         }
-        VibrationError::FrictionNotPositive { .. } => Err(problem(SECTION, law, error.to_string())),
-        // What has no answer yet is told by the run.
+        VibrationError::FrictionNotPositive { .. } => Err(invalid(SECTION, law, error.to_string())),
+        // The run reports what has no answer yet.
         _ => Ok(()),
     };
-    let machine = match v.dimensionless_stribeck().and_then(|stribeck| v.oscillator(static_friction, stribeck)) {
-        Ok(machine) => machine,
-        Err(error) => return told(error),
+    let oscillator = match study.oscillator(friction.mean, None) {
+        Ok(oscillator) => oscillator,
+        Err(error) => return of_key(error),
     };
-    let unit_m = v.scales().map_or(f64::NAN, |scales| scales.length_m());
-    if let Some(length) = v.friction_correlation_length.filter(|length| !LENGTHS.contains(&(length.0 / unit_m))) {
+    let unit_m = study.scales.length_m();
+    let length = friction.correlation_length;
+    if !LENGTHS.contains(&(length.0 / unit_m)) {
         let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
-        return Err(problem(SECTION, "friction_correlation_length", message));
+        return Err(invalid(SECTION, "friction_correlation_length", message));
     }
     let settings = TrajectorySettings {
-        duration: v.duration.min(FIRST_TIME),
+        duration: study.duration.min(FIRST_TIME),
         start: None,
-        drive: v.drive,
+        drive: study.drive,
         method: Method::Taylor,
     };
-    Trajectory::simulate(&machine, Steady, &settings).map_or_else(told, |_| Ok(()))
+    Trajectory::simulate(&oscillator, Steady, &settings).map_or_else(of_key, |_| Ok(()))
 }
 
-/// The friction law, and the force on the mass.
-fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
-    within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
-    if let Some(coefficient) = v.stribeck {
-        within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
-    }
-    let needs = |key, law: &str| Err(problem(SECTION, key, format!("velocity_law = \"{law}\" needs this key")));
-    match v.velocity_law {
-        VelocityLaw::Stribeck => {}
-        VelocityLaw::Linear if v.linear_weakening.is_none() => return needs("linear_weakening", "linear"),
-        VelocityLaw::Exponential if v.stribeck_velocity.is_none() => return needs("stribeck_velocity", "exponential"),
-        VelocityLaw::Exponential if v.high_speed_share.is_none() => return needs("high_speed_share", "exponential"),
-        VelocityLaw::Linear | VelocityLaw::Exponential => {}
-    }
-    // A key of another law would be left aside without a word.
+/// Checks the law of friction over the velocity. A key of another law is an error.
+fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, InvalidValue> {
     let exponential = v.velocity_law == VelocityLaw::Exponential;
-    for (key, stray, law) in [
-        ("stribeck", v.stribeck.is_some() && v.velocity_law != VelocityLaw::Stribeck, "stribeck"),
-        ("linear_weakening", v.linear_weakening.is_some() && v.velocity_law != VelocityLaw::Linear, "linear"),
-        ("stribeck_velocity", v.stribeck_velocity.is_some() && !exponential, "exponential"),
-        ("high_speed_share", v.high_speed_share.is_some() && !exponential, "exponential"),
+    for (key, stated, belongs, law) in [
+        ("stribeck", v.stribeck.is_some(), v.velocity_law == VelocityLaw::Stribeck, "stribeck"),
+        ("linear_weakening", v.linear_weakening.is_some(), v.velocity_law == VelocityLaw::Linear, "linear"),
+        ("stribeck_velocity", v.stribeck_velocity.is_some(), exponential, "exponential"),
+        ("high_speed_share", v.high_speed_share.is_some(), exponential, "exponential"),
     ] {
-        if stray {
-            return Err(problem(SECTION, key, format!("this key belongs to velocity_law = \"{law}\"")));
+        if stated && !belongs {
+            return Err(invalid(SECTION, key, format!("this key belongs to velocity_law = \"{law}\"")));
+        }
+        if belongs && !stated && key != "stribeck" {
+            return Err(invalid(SECTION, key, format!("velocity_law = \"{law}\" needs this key")));
         }
     }
-    if let Some(slope) = v.linear_weakening {
-        within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
+    match (v.stribeck(), v.linear_weakening, v.stribeck_velocity.zip(v.high_speed_share)) {
+        (_, Some(slope), _) => {
+            within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
+            Ok(Weakening::Linear(slope))
+        }
+        (_, _, Some((velocity, high_speed_share))) => {
+            within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
+            within(SECTION, "high_speed_share", high_speed_share, share, SHARE)?;
+            Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
+        }
+        (stribeck, None, None) => {
+            let coefficient = stribeck.unwrap_or(Stribeck::Dimensionless(0.0));
+            within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
+            Ok(Weakening::Stribeck(coefficient))
+        }
     }
-    if let Some(velocity) = v.stribeck_velocity {
-        within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
-    }
-    if let Some(high_speed) = v.high_speed_share {
-        within(SECTION, "high_speed_share", high_speed, share, SHARE)?;
-    }
+}
+
+/// Checks the harmonic force and returns it in the units of the machine.
+fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
     match (v.forcing, v.forcing_frequency) {
         (Some(force), Some(frequency)) => {
             within(SECTION, "forcing", force.0, |q| q >= 0.0, "zero or a positive value")?;
             within(SECTION, "forcing_frequency", frequency.0, positive, POSITIVE)?;
+            let (amplitude, frequency) = (force.0 / v.normal_force.0, frequency.0 / v.natural_frequency.0);
+            Ok(Some(Forcing { amplitude, frequency }))
         }
-        (Some(_), None) => {
-            return Err(problem(SECTION, "forcing_frequency", "`forcing` is stated, so this must be too"));
-        }
-        (None, Some(_)) => {
-            return Err(problem(SECTION, "forcing", "`forcing_frequency` is stated, so this must be too"));
-        }
-        (None, None) => {}
+        (Some(_), None) => Err(invalid(SECTION, "forcing_frequency", "`forcing` is stated, so this must be too")),
+        (None, Some(_)) => Err(invalid(SECTION, "forcing", "`forcing_frequency` is stated, so this must be too")),
+        (None, None) => Ok(None),
     }
-    let stated = v.friction_marginal.as_deref().and_then(|text| text.parse().ok());
-    if let (Some(ByName(Generator::Jacobi)), Some(law)) = (v.generator, &stated)
-        && !matches!(law, Marginal::Beta { .. })
-    {
-        let message = format!("the diffusion has a Beta law, and friction_marginal is {law}");
-        return Err(problem(SECTION, "generator", message));
-    }
-    Ok(())
 }
 
-fn check_map(map: &MapSection) -> Result<(), Problem> {
+fn check_map(map: &MapSection) -> Result<(), InvalidValue> {
     const SECTION: &str = "vibration.map";
     for (key, name, (from, to, cells)) in [("x", map.over.axes()[0], map.x), ("y", map.over.axes()[1], map.y)] {
         // Damping and scatter may begin with none.
@@ -224,7 +409,7 @@ fn check_map(map: &MapSection) -> Result<(), Problem> {
         within(SECTION, key, to, |value| value > from && value < most, &wanted)?;
         at_least(SECTION, key, cells, 1)?;
         if cells > 1000 {
-            return Err(problem(SECTION, key, format!("found {cells} cells, wanted at most 1000")));
+            return Err(invalid(SECTION, key, format!("found {cells} cells, wanted at most 1000")));
         }
     }
     within(SECTION, "depth", f64::from(map.depth), |depth| depth <= 8.0, "at most 8")?;

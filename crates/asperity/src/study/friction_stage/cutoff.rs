@@ -10,7 +10,7 @@ use crate::friction::strip::Record;
 use crate::monitor::Monitor;
 use crate::quantity::Length;
 use crate::stats::{Interval, student_quantile};
-use crate::study::config::{FrictionLawKind, FrictionSection, MaterialSection, WindowShape};
+use crate::study::file::{FrictionLawKind, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_stage::{Setup, SolvedLevel};
 use crate::study::friction_uncertainty::PartOf;
 use crate::study::measured::Measured;

@@ -2,7 +2,7 @@
 
 use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
-use crate::study::config::{FrictionSection, WindowShape};
+use crate::study::file::{FrictionSection, WindowShape};
 use crate::study::friction_stage::SolvedLevel;
 use crate::study::sentence;
 

@@ -4,7 +4,7 @@ use crate::correlation::CorrelationFamily;
 use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::study::StudyError;
-use crate::study::config::SurfaceSection;
+use crate::study::file::SurfaceSection;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
 

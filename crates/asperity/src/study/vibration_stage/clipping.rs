@@ -2,7 +2,8 @@
 
 use super::{Ensembles, MARGINS, Scatter, ensembles, scatters};
 use crate::friction::process::ProcessModel;
-use crate::study::config::{MapSection, VibrationSection};
+use crate::study::check::VibrationStudy;
+use crate::study::file::MapSection;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, sentence};
 use crate::vibration::LARGEST_CLIPPED_FRACTION;
@@ -21,8 +22,8 @@ pub fn clipping_warning(fraction: f64) -> Option<String> {
 }
 
 /// Fails where friction that is known before the run is clipped more than the study allows.
-pub(in crate::study) fn refuse_clipping(section: &VibrationSection, window: &WindowFriction) -> Result<(), StudyError> {
-    let ensembles = ensembles(section, window, 0)?;
+pub(in crate::study) fn refuse_clipping(study: &VibrationStudy, window: &WindowFriction) -> Result<(), StudyError> {
+    let ensembles = ensembles(study, window, 0)?;
     scatters(window).iter().try_for_each(|scatter| ensembles.process(scatter, MARGINS[0]).map(|_| ()))
 }
 
@@ -33,8 +34,8 @@ impl Ensembles<'_> {
     /// It is more than the study allows, under the upscaling that leads. The other one is for comparison and only warns.
     pub(super) fn clipped(&self, model: &ProcessModel, upscaling: &'static str) -> Result<f64, StudyError> {
         let fraction = model.clipped_fraction();
-        let leads = upscaling == self.section.upscaling.name();
-        if leads && fraction > LARGEST_CLIPPED_FRACTION && !self.section.allow_clipping {
+        let leads = upscaling == self.study.upscaling.name();
+        if leads && fraction > LARGEST_CLIPPED_FRACTION && !self.study.allow_clipping {
             return Err(StudyError::Clipped { upscaling, fraction, computed: self.window.computed });
         }
         Ok(fraction)

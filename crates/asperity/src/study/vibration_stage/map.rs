@@ -3,7 +3,7 @@
 use super::{Ensembles, NO_SCATTER, Scatter};
 use crate::friction::process::{FrictionProcess, ProcessModel};
 use crate::monitor::Monitor;
-use crate::study::config::{MapOver, MapSection};
+use crate::study::file::{MapOver, MapSection};
 use crate::study::{StudyError, Table};
 use crate::vibration::{
     EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap, VibrationError,

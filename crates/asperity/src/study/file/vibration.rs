@@ -1,4 +1,4 @@
-//! `[vibration]` of a study.
+//! `[vibration]`.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
-use crate::vibration::{Drive, Forcing, FrictionLaw, Method, Oscillator, Parameters, Scales, VibrationError};
+use crate::vibration::{Drive, Method};
 
 /// The paper's coefficient a, where none is stated.
 const USUAL_STRIBECK: f64 = 4.2;
@@ -42,7 +42,7 @@ impl Stribeck {
     }
 
     /// The number as it is stated.
-    pub(super) fn value(self) -> f64 {
+    pub(in crate::study) fn value(self) -> f64 {
         match self {
             Self::Dimensionless(value) | Self::Physical(InverseVelocity(value)) => value,
         }
@@ -258,92 +258,10 @@ pub struct VibrationSection {
 }
 
 impl VibrationSection {
-    /// Whether the friction process is stated, rather than computed or read.
-    pub fn states_friction(&self) -> bool {
-        self.static_friction.is_some()
-    }
-
-    /// The Stribeck coefficient, stated or usual, if the law has one.
-    pub fn stribeck(&self) -> Option<Stribeck> {
+    /// Returns the Stribeck coefficient, stated or usual, if the law has one.
+    pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
         let usual = Stribeck::Dimensionless(USUAL_STRIBECK);
         (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(usual))
-    }
-
-    /// The same per unit of dimensionless velocity.
-    pub(super) fn dimensionless_stribeck(&self) -> Result<Option<f64>, VibrationError> {
-        let velocity_m_per_s = self.scales()?.velocity_m_per_s();
-        Ok(self.stribeck().map(|stribeck| stribeck.per_unit(velocity_m_per_s)))
-    }
-
-    /// What a dimensionless law stands for in a study that varies the load; none if the law is physical or the load fixed.
-    pub(super) fn load_warning(&self) -> Option<String> {
-        if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
-            return None;
-        }
-        let (key, value) = match (self.stribeck(), self.linear_weakening) {
-            (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
-            (None, Some(value)) => ("linear_weakening", value),
-            _ => return None,
-        };
-        let si = sentence::digits(value / self.scales().ok()?.velocity_m_per_s());
-        let instead = match key {
-            "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
-            _ => String::new(),
-        };
-        Some(format!(
-            "`{key}` = {} is per unit of dimensionless velocity and belongs to the stated normal force of {}: it means {si} s/m, \
-             which the map keeps over the load{instead}",
-            sentence::digits(value),
-            self.normal_force
-        ))
-    }
-
-    /// Distance that the belt travels in the time of a trajectory; zero without a velocity.
-    pub(super) fn sliding_distance_m(&self) -> f64 {
-        let time_s = self.duration / self.natural_frequency.0;
-        let unit = self.normal_force.0 / (self.mass.0 * self.natural_frequency.0);
-        let stated = self.belt_velocity.map(|velocity| velocity.0);
-        stated.or(self.dimensionless_belt_velocity.map(|value| value * unit)).unwrap_or(0.0) * time_s
-    }
-
-    /// The machine with this static friction; `stribeck` may come from a fitted process.
-    pub(super) fn oscillator(&self, static_friction: f64, stribeck: Option<f64>) -> Result<Oscillator, VibrationError> {
-        let scales = self.scales()?;
-        let belt_velocity = self.belt_velocity.map(|velocity| velocity.0 / scales.velocity_m_per_s());
-        Oscillator::new(Parameters {
-            static_friction,
-            law: self.law(static_friction, stribeck, &scales),
-            damping_ratio: self.damping_ratio,
-            // Exactly one is stated.
-            belt_velocity: belt_velocity.or(self.dimensionless_belt_velocity).unwrap_or(f64::NAN),
-            forcing: self.harmonic(),
-        })
-    }
-
-    /// The units of the machine.
-    pub(super) fn scales(&self) -> Result<Scales, VibrationError> {
-        Scales::new(self.mass.0, self.natural_frequency.0, self.normal_force.0)
-    }
-
-    fn law(&self, static_friction: f64, stribeck: Option<f64>, scales: &Scales) -> FrictionLaw {
-        let kinetic = self.kinetic_share * static_friction;
-        match (self.velocity_law, self.linear_weakening, self.stribeck_velocity, self.high_speed_share) {
-            (VelocityLaw::Linear, Some(slope), _, _) => FrictionLaw::Linear { kinetic, slope },
-            (VelocityLaw::Exponential, _, Some(velocity), Some(share)) => FrictionLaw::Exponential {
-                kinetic,
-                high_speed: share * kinetic,
-                stribeck_velocity: velocity.0 / scales.velocity_m_per_s(),
-            },
-            _ => FrictionLaw::Stribeck { kinetic, decay: stribeck.unwrap_or(USUAL_STRIBECK) },
-        }
-    }
-
-    /// The harmonic force in the units of the machine.
-    fn harmonic(&self) -> Option<Forcing> {
-        self.forcing.zip(self.forcing_frequency).map(|(force, frequency)| Forcing {
-            amplitude: force.0 / self.normal_force.0,
-            frequency: frequency.0 / self.natural_frequency.0,
-        })
     }
 }
 

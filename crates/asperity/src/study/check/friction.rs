@@ -1,0 +1,158 @@
+//! Checks of `[friction]`.
+
+use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
+use crate::chaos::Propagation;
+use crate::map::BoundaryKind;
+use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile};
+use crate::study::scatter::{LengthScatter, NumberScatter};
+use crate::surface::SurfaceGenerator;
+
+impl StudyFile {
+    pub(super) fn check_friction(&self) -> Result<(), InvalidValue> {
+        const SECTION: &str = "friction";
+        let Some(f) = &self.friction else { return Ok(()) };
+        self.check_friction_law(f)?;
+        for side in f.strip {
+            within(SECTION, "strip", side.0, positive, POSITIVE)?;
+        }
+        for n in f.points {
+            at_least(SECTION, "points", n, 2)?;
+        }
+        within(SECTION, "window", f.window.0, positive, POSITIVE)?;
+        if f.window.0 < 1.5 * f.strip[0].0 / f.points[0] as f64 {
+            let message = format!("found {}, but a window holds at least two cells of the strip", f.window);
+            return Err(invalid(SECTION, "window", message));
+        }
+        if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
+            let message = format!("found {}, but the strip of {} must hold at least ten windows", f.window, f.strip[0]);
+            return Err(invalid(SECTION, "window", message));
+        }
+        if let Some(width) = f.window_width {
+            within(SECTION, "window_width", width.0, positive, POSITIVE)?;
+            if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
+                let message = format!(
+                    "found {width}, wanted at least two cells of the strip and at most its width of {}",
+                    f.strip[1]
+                );
+                return Err(invalid(SECTION, "window_width", message));
+            }
+        }
+        let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
+        if f.boundary == BoundaryKind::Free && inner < least {
+            let message = "the ends of a free strip, as long as it is wide, are left out; no window fits between them";
+            return Err(invalid(SECTION, "strip", message));
+        }
+        if let Some(compliance) = f.mean_compliance {
+            within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
+        }
+        self.check_levels(f)?;
+        if let Some(area) = f.nominal_area {
+            within(SECTION, "nominal_area", area.0, positive, POSITIVE)?;
+            if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
+                let message = format!("found {area}, but [vibration] states {other}; leave one of them out");
+                return Err(invalid(SECTION, "nominal_area", message));
+            }
+        }
+        at_least(SECTION, "realisations", f.realisations, 2)?;
+        within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
+    }
+
+    pub(super) fn check_uncertainty(&self) -> Result<(), InvalidValue> {
+        const SECTION: &str = "friction.uncertainty";
+        let (Some(surface), Some(friction)) = (&self.surface, &self.friction) else { return Ok(()) };
+        let Some(u) = &friction.uncertainty else { return Ok(()) };
+        if u.parameters() == 0 {
+            let message = "nothing is uncertain; state rms_height, correlation_length or skewness";
+            return Err(invalid(SECTION, "rms_height", message));
+        }
+        for (key, scatter) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
+            match scatter {
+                Some(LengthScatter::Relative(share)) => {
+                    let wanted = "a standard deviation above 0 % and of at most 100 %";
+                    within(SECTION, key, 100.0 * share, |percent| percent > 0.0 && percent <= 100.0, wanted)?;
+                }
+                Some(LengthScatter::Absolute(length)) => within(SECTION, key, length.0, positive, POSITIVE)?,
+                Some(LengthScatter::Measured) | None => {}
+            }
+        }
+        if let Some(NumberScatter::Absolute(std)) = u.skewness {
+            within(SECTION, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
+        }
+        let fractal = surface.generator == SurfaceGenerator::WeierstrassMandelbrot;
+        for (key, stated) in
+            [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())]
+        {
+            if stated && fractal {
+                return Err(invalid(SECTION, key, "Weierstrass–Mandelbrot surfaces have none; leave it out"));
+            }
+        }
+        // An interval of the scan is about what the scan says, so the study must take that from it too.
+        let measured = [
+            ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
+            (
+                "correlation_length",
+                u.correlation_length == Some(LengthScatter::Measured),
+                surface.covariance.is_of_the_scan(),
+            ),
+            ("skewness", u.skewness == Some(NumberScatter::Measured), surface.marginal == "measured"),
+        ];
+        for (key, asked, of_the_scan) in measured {
+            if asked && !(of_the_scan && surface.file.is_some()) {
+                let message =
+                    "found \"measured\", but [surface] does not take it from a scan; state a standard deviation";
+                return Err(invalid(SECTION, key, message));
+            }
+        }
+        at_least(SECTION, "points", u.points, Propagation::least_points(u.parameters()))?;
+        within(SECTION, "points", u.points as f64, |points| points <= 2000.0, "at most 2000")?;
+        at_least(SECTION, "realisations", friction.uncertainty_realisations(), 4)
+    }
+
+    fn check_friction_law(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
+        const SECTION: &str = "friction";
+        let material = self.material.as_ref();
+        if f.law != FrictionLawKind::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
+            return Err(invalid("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
+        }
+        if f.law == FrictionLawKind::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
+            let message = "nothing ploughs that does not yield; law = \"adhesion_ploughing\" needs the hardness";
+            return Err(invalid("material", "hardness", message));
+        }
+        let missing = |key, message: &str| Err(invalid(SECTION, key, message));
+        match (f.law, f.pressure_coefficient, f.coefficient) {
+            (FrictionLawKind::PressureDependent, None, _) => {
+                missing("pressure_coefficient", "law = \"pressure_dependent\" needs its α, such as 0.05")
+            }
+            (FrictionLawKind::PressureDependent, Some(alpha), _) => {
+                within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")
+            }
+            (FrictionLawKind::Coulomb, _, None) => missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2"),
+            (FrictionLawKind::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_levels(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
+        const SECTION: &str = "friction";
+        if f.levels() == 0 {
+            return Err(invalid(SECTION, "percentiles", "found none, wanted at least one level"));
+        }
+        for percentile in f.percentiles() {
+            within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
+        }
+        let hardness = self.material.as_ref().and_then(|m| m.hardness);
+        for pressure in &f.mean_pressures {
+            within(SECTION, "mean_pressures", pressure.0, positive, POSITIVE)?;
+            if let Some(hardness) = hardness.filter(|h| pressure.0 >= h.0) {
+                let message = format!("found {pressure}, which is not below the hardness {hardness}");
+                return Err(invalid(SECTION, "mean_pressures", message));
+            }
+        }
+        for penetration in &f.penetrations {
+            within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
+        }
+        once(SECTION, "percentiles", f.percentiles())?;
+        once(SECTION, "mean_pressures", &f.mean_pressures)?;
+        once(SECTION, "penetrations", &f.penetrations)
+    }
+}

@@ -1,0 +1,73 @@
+//! Keys that are stated and have no effect.
+
+use crate::map::BoundaryKind;
+use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile, SurfaceSection};
+use crate::surface::{CovarianceSource, SurfaceGenerator};
+
+impl StudyFile {
+    /// Keys that are stated and change nothing, each in a sentence.
+    pub fn idle_keys(&self) -> Vec<String> {
+        let mut idle: Vec<String> = self.surface.iter().flat_map(SurfaceSection::idle_keys).collect();
+        if let Some(surface) = self.surface.as_ref().filter(|_| self.pressure.is_none() && self.friction.is_some()) {
+            let patches_only = |key: &str| format!("[surface] {key} has no effect without [pressure]");
+            idle.extend((!surface.mean_mode).then(|| patches_only("mean_mode")));
+            idle.extend(surface.rescale.map(|_| patches_only("rescale")));
+        }
+        let periodic_only = |section: &str| format!("[{section}] mean_compliance has no effect on the free boundary");
+        if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free && p.mean_compliance.is_some()) {
+            idle.push(periodic_only("pressure"));
+        }
+        if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryKind::Free && f.mean_compliance.is_some()) {
+            idle.push(periodic_only("friction"));
+        }
+        idle.extend(self.friction.iter().flat_map(FrictionSection::idle_keys));
+        if self.friction.as_ref().is_some_and(|f| f.law == FrictionLawKind::Coulomb)
+            && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
+        {
+            idle.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
+        }
+        idle
+    }
+}
+
+impl FrictionSection {
+    /// Its keys that are stated and change nothing, each in a sentence.
+    fn idle_keys(&self) -> Vec<String> {
+        let pressure = self.pressure_coefficient.is_some() && self.law != FrictionLawKind::PressureDependent;
+        let coulomb = self.coefficient.is_some() && self.law != FrictionLawKind::Coulomb;
+        [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
+            .into_iter()
+            .filter(|(_, idle, _)| *idle)
+            .map(|(key, _, law)| format!("[friction] {key} has no effect without law = \"{law}\""))
+            .collect()
+    }
+}
+
+impl SurfaceSection {
+    /// Its keys that are stated and change nothing, each in a sentence.
+    pub(in crate::study) fn idle_keys(&self) -> Vec<String> {
+        let fractal = self.generator == SurfaceGenerator::WeierstrassMandelbrot;
+        let measured = self.covariance.is_of_the_scan();
+        [
+            ("correlation_length", self.correlation_length.is_some() && measured, "with a measured covariance"),
+            ("hurst", self.hurst.is_some() && self.covariance != CovarianceSource::SelfAffine, "without self_affine"),
+            ("smoothness", self.smoothness.is_some() && self.covariance != CovarianceSource::Matern, "without matern"),
+            (
+                "fractal_dimension",
+                self.fractal_dimension.is_some() && !fractal,
+                "without the generator weierstrass_mandelbrot",
+            ),
+            ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
+            ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
+            ("height_unit", self.height_unit.is_some() && self.file.is_none(), "without `file`"),
+            ("outliers", self.outliers.is_some() && self.file.is_none(), "without `file`"),
+            ("s_filter", self.s_filter.is_some() && self.file.is_none(), "without `file`"),
+            ("l_filter", self.l_filter.is_some() && self.file.is_none(), "without `file`"),
+            ("robust_filter", self.robust_filter && self.l_filter.is_none(), "without `l_filter`"),
+        ]
+        .into_iter()
+        .filter(|(_, idle, _)| *idle)
+        .map(|(key, _, why)| format!("[surface] {key} has no effect {why}"))
+        .collect()
+    }
+}

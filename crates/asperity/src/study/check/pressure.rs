@@ -1,0 +1,141 @@
+//! Checks of `[material]` and `[pressure]`.
+
+use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
+use crate::chaos::{MAX_TERMS, number_of_terms};
+use crate::contact::contact_modulus_pa;
+use crate::map::{BoundaryKind, Grid};
+use crate::quantity::{Compliance, Pressure};
+use crate::study::file::StudyFile;
+use crate::study::level_control::LevelControl;
+
+const PRESSURE: &str = "pressure";
+
+/// Elastic and plastic properties.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::study) struct Material {
+    pub(in crate::study) youngs_modulus: Pressure,
+    pub(in crate::study) poisson_ratio: f64,
+    /// Largest pressure; none in elastic contact.
+    pub(in crate::study) hardness: Option<Pressure>,
+}
+
+impl Material {
+    /// Returns the contact modulus E/(1 − ν²) in pascal.
+    pub(in crate::study) fn contact_modulus_pa(&self) -> f64 {
+        contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio)
+    }
+}
+
+/// Pressure at one cell of random patches.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct PressureStudy {
+    pub(in crate::study) material: Material,
+    pub(in crate::study) grid: Grid,
+    pub(in crate::study) boundary: BoundaryKind,
+    /// Mean compliance of a periodic patch, if it is not the usual one.
+    pub(in crate::study) mean_compliance: Option<Compliance>,
+    /// Row and column.
+    pub(in crate::study) cell: (usize, usize),
+    pub(in crate::study) control: LevelControl,
+    pub(in crate::study) fine_solves: usize,
+    pub(in crate::study) reference_samples: usize,
+    /// Leading variables and total degree of the chaos expansion.
+    pub(in crate::study) variables: usize,
+    pub(in crate::study) degree: usize,
+    /// Whether the normal stiffness is estimated.
+    pub(in crate::study) stiffness: bool,
+    /// Relative tolerance of a contact solution.
+    pub(in crate::study) tolerance: f64,
+}
+
+impl StudyFile {
+    pub(super) fn check_material(&self) -> Result<Option<Material>, InvalidValue> {
+        const SECTION: &str = "material";
+        let Some(material) = &self.material else {
+            for (section, present) in [(PRESSURE, self.pressure.is_some()), ("friction", self.friction.is_some())] {
+                if present {
+                    return Err(invalid(SECTION, "youngs_modulus", format!("[{section}] needs a [material] section")));
+                }
+            }
+            return Ok(None);
+        };
+        within(SECTION, "youngs_modulus", material.youngs_modulus.0, positive, POSITIVE)?;
+        let ratio = "a Poisson ratio above -1 and at most 0.5";
+        within(SECTION, "poisson_ratio", material.poisson_ratio, |nu| nu > -1.0 && nu <= 0.5, ratio)?;
+        if let Some(hardness) = material.hardness {
+            within(SECTION, "hardness", hardness.0, positive, POSITIVE)?;
+        }
+        if let Some(shear) = material.shear_strength {
+            within(SECTION, "shear_strength", shear.0, positive, POSITIVE)?;
+        }
+        let (youngs_modulus, poisson_ratio) = (material.youngs_modulus, material.poisson_ratio);
+        Ok(Some(Material { youngs_modulus, poisson_ratio, hardness: material.hardness }))
+    }
+
+    pub(super) fn check_pressure(&self, material: Option<&Material>) -> Result<Option<PressureStudy>, InvalidValue> {
+        let (Some(p), Some(&material)) = (&self.pressure, material) else { return Ok(None) };
+        for side in p.size {
+            within(PRESSURE, "size", side.0, positive, POSITIVE)?;
+        }
+        for n in p.points {
+            at_least(PRESSURE, "points", n, 2)?;
+        }
+        let [nx, ny] = p.points;
+        let grid = Grid::covering(nx, ny, p.size[0].0, p.size[1].0)
+            .map_err(|error| invalid(PRESSURE, "points", error.to_string()))?;
+        let [row, column] = p.cell.unwrap_or([ny / 2, nx / 2]);
+        if row >= ny || column >= nx {
+            let message = format!("found [{row}, {column}], wanted [row, column] below [{ny}, {nx}]");
+            return Err(invalid(PRESSURE, "cell", message));
+        }
+        if let Some(compliance) = p.mean_compliance {
+            within(PRESSURE, "mean_compliance", compliance.0, positive, POSITIVE)?;
+        }
+        let control = match (p.percentile, p.penetration, p.mean_pressure) {
+            (Some(percentile), None, None) => {
+                within(PRESSURE, "percentile", percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
+                LevelControl::Percentile(percentile)
+            }
+            (None, Some(penetration), None) => {
+                within(PRESSURE, "penetration", penetration.0, positive, POSITIVE)?;
+                LevelControl::Penetration(penetration.0)
+            }
+            (None, None, Some(pressure)) => {
+                within(PRESSURE, "mean_pressure", pressure.0, positive, POSITIVE)?;
+                if let Some(hardness) = material.hardness.filter(|h| pressure.0 >= h.0) {
+                    let message = format!("found {pressure}, which is not below the hardness {hardness}");
+                    return Err(invalid(PRESSURE, "mean_pressure", message));
+                }
+                LevelControl::MeanPressure(pressure.0)
+            }
+            _ => {
+                let message = "state exactly one of percentile, penetration and mean_pressure";
+                return Err(invalid(PRESSURE, "percentile", message));
+            }
+        };
+        at_least(PRESSURE, "fine_solves", p.fine_solves, 10)?;
+        at_least(PRESSURE, "reference_samples", p.reference_samples, 10)?;
+        at_least(PRESSURE, "variables", p.variables, 1)?;
+        if number_of_terms(p.variables, p.degree).is_none_or(|terms| terms > MAX_TERMS) {
+            let message =
+                format!("found {}, but in {} variables that is more than {MAX_TERMS} terms", p.degree, p.variables);
+            return Err(invalid(PRESSURE, "degree", message));
+        }
+        let wanted = "a relative tolerance between 0 and 0.1";
+        within(PRESSURE, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, wanted)?;
+        Ok(Some(PressureStudy {
+            material,
+            grid,
+            boundary: p.boundary,
+            mean_compliance: p.mean_compliance,
+            cell: (row, column),
+            control,
+            fine_solves: p.fine_solves,
+            reference_samples: p.reference_samples,
+            variables: p.variables,
+            degree: p.degree,
+            stiffness: p.stiffness,
+            tolerance: p.tolerance,
+        }))
+    }
+}

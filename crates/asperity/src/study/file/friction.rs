@@ -1,0 +1,201 @@
+//! `[friction]`.
+
+use asperity_base::choice;
+use serde::{Deserialize, Serialize};
+
+use super::solve_tolerance;
+use crate::map::BoundaryKind;
+use crate::quantity::{Area, Compliance, Length, Pressure};
+use crate::study::scatter::{LengthScatter, NumberScatter};
+
+choice! {
+    /// Friction law of a window; see [`crate::friction::law`].
+    #[derive(Default)]
+    pub enum FrictionLawKind: "friction law" {
+        /// F = τ_max A_c (the paper's).
+        #[default]
+        BowdenTabor = "bowden_tabor",
+        /// F = τ_max A_c + αN.
+        PressureDependent = "pressure_dependent",
+        /// F = τ_max A_c and the ploughing of yielded contacts.
+        AdhesionPloughing = "adhesion_ploughing",
+        /// F = μN.
+        Coulomb = "coulomb",
+    }
+}
+
+choice! {
+    /// Shape of the window.
+    #[derive(Default)]
+    pub enum WindowShape: "shape of the window" {
+        /// All of its length and width.
+        #[default]
+        Rectangle = "rectangle",
+        /// The ellipse in it.
+        Ellipse = "ellipse",
+    }
+}
+
+/// `[friction]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionSection {
+    /// Size (x, y) of a strip; it slides along x.
+    #[serde(default = "strip")]
+    pub strip: [Length; 2],
+    /// Points (x, y) of a strip.
+    #[serde(default = "strip_points")]
+    pub points: [usize; 2],
+    /// Length of the window along x.
+    #[serde(default = "window")]
+    pub window: Length,
+    /// Width of the window along y; when left out, that of the strip. Windows narrower than a periodic strip are laid side by
+    /// side, and what each sees is a record of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_width: Option<Length>,
+    /// Shape of the window.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub window_shape: WindowShape,
+    /// Law of friction. `shear_strength` of `[material]` is its τ_max.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub law: FrictionLawKind,
+    /// α of the pressure-dependent law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_coefficient: Option<f64>,
+    /// μ of Coulomb's law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
+    /// Boundary of a strip.
+    #[serde(default = "periodic")]
+    pub boundary: BoundaryKind,
+    /// Mean compliance of a periodic strip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_compliance: Option<Compliance>,
+    /// Levels: percentages of the heights (of the ensemble) above the plane, which is one plane in space for all strips. When left
+    /// out, five of them, unless other levels are stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub percentiles: Option<Vec<f64>>,
+    /// Further levels: mean pressures on every strip.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mean_pressures: Vec<Pressure>,
+    /// Further levels: depths of the plane below the highest point of every strip.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub penetrations: Vec<Length>,
+    /// Area over which windows average, for the `area` upscaling; when left out, that of `[vibration]`, or else 833 mm².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nominal_area: Option<Area>,
+    /// Strips per level.
+    #[serde(default = "realisations")]
+    pub realisations: usize,
+    /// Relative tolerance of each contact solve.
+    #[serde(default = "solve_tolerance")]
+    pub tolerance: f64,
+    /// What of the surface is uncertain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintySection>,
+}
+
+/// `[friction.uncertainty]`: standard deviations of the surface's parameters about their values in the study, independent of
+/// each other. At least one is stated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UncertaintySection {
+    /// Of the root mean square height, which is lognormal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_height: Option<LengthScatter>,
+    /// Of the correlation length along x, which is lognormal; that along y and all lags keep their ratio to it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correlation_length: Option<LengthScatter>,
+    /// Of the skewness of the heights, which is normal. Heights then have Johnson's law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skewness: Option<NumberScatter>,
+    /// Surfaces, each of other parameters.
+    #[serde(default = "uncertainty_points")]
+    pub points: usize,
+    /// Strips of each surface, the same for all; when left out, half as many as for the levels, at least 4.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub realisations: Option<usize>,
+}
+
+impl UncertaintySection {
+    /// Number of uncertain parameters.
+    pub fn parameters(&self) -> usize {
+        let stated = [self.rms_height.is_some(), self.correlation_length.is_some(), self.skewness.is_some()];
+        stated.into_iter().filter(|stated| *stated).count()
+    }
+}
+
+impl FrictionSection {
+    /// Strips of each surface of the uncertainty.
+    pub fn uncertainty_realisations(&self) -> usize {
+        let stated = self.uncertainty.as_ref().and_then(|uncertainty| uncertainty.realisations);
+        stated.unwrap_or((self.realisations / 2).max(4))
+    }
+
+    /// Width of the window.
+    pub fn window_width(&self) -> Length {
+        self.window_width.unwrap_or(self.strip[1])
+    }
+
+    /// Percentages of the heights above the plane: those stated or, where no level is stated, the usual ones.
+    pub fn percentiles(&self) -> &[f64] {
+        match &self.percentiles {
+            Some(stated) => stated,
+            None if self.mean_pressures.is_empty() && self.penetrations.is_empty() => &PERCENTILES,
+            None => &[],
+        }
+    }
+
+    /// Number of its levels.
+    pub fn levels(&self) -> usize {
+        self.percentiles().len() + self.mean_pressures.len() + self.penetrations.len()
+    }
+}
+
+impl Default for FrictionSection {
+    fn default() -> Self {
+        Self {
+            strip: strip(),
+            points: strip_points(),
+            window: window(),
+            window_width: None,
+            window_shape: WindowShape::default(),
+            law: FrictionLawKind::default(),
+            pressure_coefficient: None,
+            coefficient: None,
+            boundary: periodic(),
+            mean_compliance: None,
+            percentiles: None,
+            mean_pressures: Vec::new(),
+            penetrations: Vec::new(),
+            nominal_area: None,
+            realisations: realisations(),
+            tolerance: solve_tolerance(),
+            uncertainty: None,
+        }
+    }
+}
+
+/// Levels of a friction stage that states none.
+const PERCENTILES: [f64; 5] = [5.0, 10.0, 25.0, 50.0, 75.0];
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+fn strip() -> [Length; 2] {
+    [Length(6e-3), Length(75e-6)]
+}
+fn strip_points() -> [usize; 2] {
+    [2048, 32]
+}
+fn window() -> Length {
+    Length(600e-6)
+}
+fn periodic() -> BoundaryKind {
+    BoundaryKind::Periodic
+}
+fn realisations() -> usize {
+    20
+}
+fn uncertainty_points() -> usize {
+    32
+}

@@ -1,0 +1,89 @@
+//! `[material]` and `[pressure]`.
+
+use serde::{Deserialize, Serialize};
+
+use super::solve_tolerance;
+use crate::map::BoundaryKind;
+use crate::quantity::{Compliance, Length, Pressure};
+
+/// `[material]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialSection {
+    /// Young's modulus.
+    pub youngs_modulus: Pressure,
+    /// Poisson's ratio.
+    #[serde(default = "poisson_ratio")]
+    pub poisson_ratio: f64,
+    /// Hardness, the highest pressure; without it contact is elastic.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<Pressure>,
+    /// Shear strength τ_max of the contacts; needed by friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear_strength: Option<Pressure>,
+}
+
+/// `[pressure]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureSection {
+    /// Size (x, y) of a patch.
+    pub size: [Length; 2],
+    /// Points (x, y) of a patch.
+    pub points: [usize; 2],
+    /// Boundary of a patch.
+    #[serde(default = "free")]
+    pub boundary: BoundaryKind,
+    /// Cell [row, column] whose pressure is studied, counted from 0 at the top left; when left out, the centre [ny/2, nx/2].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell: Option<[usize; 2]>,
+    /// Mean compliance of a periodic patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_compliance: Option<Compliance>,
+    /// Percentage of the heights (of the ensemble) above the plane before deformation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub percentile: Option<f64>,
+    /// Depth of the plane below the highest point of each patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penetration: Option<Length>,
+    /// Mean pressure on each patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_pressure: Option<Pressure>,
+    /// Contact solves given to each method.
+    #[serde(default = "fine_solves")]
+    pub fine_solves: usize,
+    /// Contact solves of the reference run.
+    #[serde(default = "reference_samples")]
+    pub reference_samples: usize,
+    /// Leading variables of the chaos expansion.
+    #[serde(default = "variables")]
+    pub variables: usize,
+    /// Total degree of the chaos expansion.
+    #[serde(default = "degree")]
+    pub degree: usize,
+    /// Whether the normal stiffness of the contact is estimated too.
+    #[serde(default)]
+    pub stiffness: bool,
+    /// Relative tolerance of each contact solve.
+    #[serde(default = "solve_tolerance")]
+    pub tolerance: f64,
+}
+
+fn poisson_ratio() -> f64 {
+    0.3
+}
+fn free() -> BoundaryKind {
+    BoundaryKind::Free
+}
+fn fine_solves() -> usize {
+    500
+}
+fn reference_samples() -> usize {
+    5000
+}
+fn variables() -> usize {
+    8
+}
+fn degree() -> usize {
+    3
+}

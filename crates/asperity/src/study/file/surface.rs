@@ -1,0 +1,226 @@
+//! `[surface]`.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
+use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::quantity::Length;
+use crate::surface::level::Level;
+use crate::surface::preparation::Preparation;
+use crate::surface::{CovarianceSource, SurfaceGenerator};
+use crate::translation::TranslationKind;
+
+/// One scan, or several of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected the name of a scan, or a list of names")]
+pub enum ScanFiles {
+    /// One scan.
+    One(PathBuf),
+    /// Scans of one part.
+    Several(Vec<PathBuf>),
+}
+
+impl ScanFiles {
+    /// Their names.
+    pub fn paths(&self) -> &[PathBuf] {
+        match self {
+            Self::One(path) => std::slice::from_ref(path),
+            Self::Several(paths) => paths,
+        }
+    }
+
+    /// The same under other names.
+    #[must_use]
+    pub fn map(&self, name: impl Fn(&Path) -> PathBuf) -> Self {
+        match self {
+            Self::One(path) => Self::One(name(path)),
+            Self::Several(paths) => Self::Several(paths.iter().map(|path| name(path)).collect()),
+        }
+    }
+}
+
+impl From<&str> for ScanFiles {
+    fn from(path: &str) -> Self {
+        Self::One(path.into())
+    }
+}
+
+/// `[surface]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceSection {
+    /// Scan file, relative to the study file, or a list of scans of one part. Of several scans the statistics are pooled
+    /// ([`crate::study::PooledStatistics`]), and random surfaces have the correlation of all pairs of heights and the law of
+    /// all heights, each scan counted from its own form; their pixels must have the same size. Maps and figures show the
+    /// first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<ScanFiles>,
+    /// The height map to read of a file that holds several: its name, or its number counted from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+    /// Pixel size (x, y) of a scan that states none, or one for both; overrides the file's.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
+    pub pixel_size: Option<[Length; 2]>,
+    /// Unit of the heights of a scan that states none, such as `um`; overrides the file's, and a conversion factor in the header
+    /// of a text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_unit: Option<String>,
+    /// Form removed from the scan.
+    #[serde(default)]
+    pub level: Level,
+    /// Heights farther from the median than this many robust standard deviations count as missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outliers: Option<f64>,
+    /// Cutoff of the S-filter: shorter waves of the scan are taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub s_filter: Option<Length>,
+    /// Cutoff of the L-filter: longer waves of the scan are taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub l_filter: Option<Length>,
+    /// Whether the L-filter is robust against grooves and spikes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub robust_filter: bool,
+    /// How random surfaces are made.
+    #[serde(default)]
+    pub generator: SurfaceGenerator,
+    /// Their covariance; the Weierstrass–Mandelbrot generator takes none.
+    #[serde(default)]
+    pub covariance: CovarianceSource,
+    /// Their standard deviation of height, when not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_height: Option<Length>,
+    /// Their correlation lengths (x, y) or one for both, when not measured: the parameter ℓ of the model
+    /// ([`crate::correlation::CorrelationModel`]). Of the exponential and the squared exponential model it is the lag at which
+    /// the correlation is 1/e; of the Matérn model it is the scale, of the self-affine one the roll-off length, and the
+    /// correlation falls to 1/e elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
+    pub correlation_length: Option<[Length; 2]>,
+    /// Hurst exponent of a self-affine model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hurst: Option<f64>,
+    /// Smoothness ν of a Matérn model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothness: Option<f64>,
+    /// Fractal dimension, 2 to 3, of the Weierstrass–Mandelbrot generator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fractal_dimension: Option<f64>,
+    /// Marginal law of the heights: `measured`, `normal`, `beta:A,B`, …; the Weierstrass–Mandelbrot generator takes none.
+    #[serde(default = "measured")]
+    pub marginal: String,
+    /// How the marginal is imposed.
+    #[serde(default)]
+    pub translation: TranslationKind,
+    /// Terms of the Karhunen–Loève expansion. When left out, as many as hold 90 % of the slope variance of a patch, or all Fourier
+    /// modes where those are more than 400.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes: Option<usize>,
+    /// Whether patches have the constant Fourier mode, by which they differ in mean height. Without it the variance of the other
+    /// modes is scaled to the whole. Of a Karhunen–Loève expansion on periodic patches.
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    pub mean_mode: bool,
+    /// What is done about the variance that a Karhunen–Loève expansion of normal heights leaves out: `true` scales all heights of
+    /// a patch by one factor, so that the modes hold the whole variance on average over the patch, `false` lets the heights be
+    /// lower. When left out, the marginal law is imposed at every point, as with any other law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rescale: Option<bool>,
+}
+
+/// One length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.
+fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Length; 2]>, D::Error> {
+    struct OneOrTwo;
+    impl<'de> Visitor<'de> for OneOrTwo {
+        type Value = [Length; 2];
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a length with its unit, such as \"20 um\", or a list of two, along x and y")
+        }
+
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<[Length; 2], E> {
+            let both = text.parse().map_err(E::custom)?;
+            Ok([both, both])
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[Length; 2], A::Error> {
+            let x = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(0, &self))?;
+            let y = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(1, &self))?;
+            match seq.next_element::<IgnoredAny>()? {
+                None => Ok([x, y]),
+                Some(_) => Err(de::Error::invalid_length(3, &self)),
+            }
+        }
+    }
+    deserializer.deserialize_any(OneOrTwo).map(Some)
+}
+
+impl Default for SurfaceSection {
+    /// What an empty section says.
+    fn default() -> Self {
+        Self {
+            file: None,
+            channel: None,
+            pixel_size: None,
+            height_unit: None,
+            level: Level::default(),
+            outliers: None,
+            s_filter: None,
+            l_filter: None,
+            robust_filter: false,
+            generator: SurfaceGenerator::default(),
+            covariance: CovarianceSource::default(),
+            rms_height: None,
+            correlation_length: None,
+            hurst: None,
+            smoothness: None,
+            fractal_dimension: None,
+            marginal: measured(),
+            translation: TranslationKind::default(),
+            modes: None,
+            mean_mode: yes(),
+            rescale: None,
+        }
+    }
+}
+
+impl SurfaceSection {
+    /// Names of the scans; none for a surface without.
+    pub fn files(&self) -> &[PathBuf] {
+        self.file.as_ref().map_or(&[], ScanFiles::paths)
+    }
+
+    /// The scans, none for a surface without. `folder` is that of the study file.
+    ///
+    /// # Errors
+    /// A file cannot be read, or holds no such channel; the height unit is no unit of length.
+    pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
+        let channel = self.channel.as_deref().map(Channel::from);
+        let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
+        let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
+        let options = ReadOptions { channel, height_unit, pitch_m };
+        self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
+    }
+
+    /// What is done to the scan before anything is read off it.
+    pub fn preparation(&self) -> Preparation {
+        Preparation {
+            level: self.level,
+            outliers: self.outliers,
+            s_filter_m: self.s_filter.map(|cutoff| cutoff.0),
+            l_filter_m: self.l_filter.map(|cutoff| cutoff.0),
+            robust: self.robust_filter,
+        }
+    }
+}
+
+fn measured() -> String {
+    "measured".into()
+}
+fn yes() -> bool {
+    true
+}
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
+fn is_true(value: &bool) -> bool {
+    *value
+}
