@@ -77,7 +77,7 @@ pub use runge_kutta::Method;
 pub use sample_distribution::SampleDistribution;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{
-    Machine, MapAxis, MapCell, MapContour, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
+    Machine, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
 };
 pub use structure::{
     Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd, BranchPoint,

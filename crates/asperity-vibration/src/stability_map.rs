@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::contour::{boundary, contour};
-use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, VibrationError, limit_cycle, limit_damping};
+use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, limit_cycle, limit_damping};
+use asperity_base::choice;
 use asperity_base::monitor::{Cancelled, Monitor, Quiet};
 use asperity_process::FrictionProcess;
 
@@ -19,6 +20,48 @@ const FIRST_FRACTION: f64 = 0.25;
 const FIRST_COUNT: usize = 64;
 /// Largest number of halvings of a cell.
 const MAX_DEPTH: u32 = 8;
+
+choice! {
+    /// Parameters of a stability map.
+    pub enum MapOver: "pair of parameters" {
+        /// Damping ratio and dimensionless belt velocity.
+        DampingVelocity = "damping_velocity",
+        /// Damping ratio and standard deviation of friction.
+        DampingScatter = "damping_scatter",
+        /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
+        VelocityLoad = "velocity_load",
+    }
+}
+
+impl MapOver {
+    /// Returns the names of the axes.
+    pub fn axes(self) -> [&'static str; 2] {
+        match self {
+            Self::DampingVelocity => ["damping_ratio", "belt_velocity"],
+            Self::DampingScatter => ["damping_ratio", "friction_std"],
+            Self::VelocityLoad => ["belt_velocity", "load_ratio"],
+        }
+    }
+
+    /// Returns the oscillator at a point, the standard deviation of its friction and the load over the stated one.
+    ///
+    /// # Errors
+    /// A parameter is out of range.
+    pub fn at(
+        self,
+        stated: &Oscillator,
+        friction_std: f64,
+        [x, y]: [f64; 2],
+    ) -> Result<(Oscillator, f64, f64), VibrationError> {
+        let ([damping_ratio, belt_velocity], std, load) = match self {
+            Self::DampingVelocity => ([x, y], friction_std, 1.0),
+            Self::DampingScatter => ([x, stated.belt_velocity()], y, 1.0),
+            Self::VelocityLoad => ([stated.damping_ratio(), x], friction_std, y),
+        };
+        let at = Parameters { damping_ratio, belt_velocity, ..stated.parameters().clone() };
+        Ok((Oscillator::new(at)?.under_load(load)?, std, load))
+    }
+}
 
 /// Axis of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -65,6 +108,15 @@ pub struct MapSettings {
     pub depth: u32,
     /// Settings of the ensemble at every point; all points use the same realisations.
     pub ensemble: EnsembleSettings,
+}
+
+impl MapSettings {
+    /// Returns the points of the first grid.
+    pub fn first_grid(&self) -> impl Iterator<Item = [f64; 2]> {
+        let values = |axis: MapAxis| (0..=axis.cells).map(move |i| axis.at(i, axis.cells));
+        let y = self.y;
+        values(self.x).flat_map(move |x| values(y).map(move |y| [x, y]))
+    }
 }
 
 /// Machine: an oscillator and its friction fluctuation, if any.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use friction::{FrictionLawKind, FrictionSection, UncertaintySection, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
-pub use vibration::{MapOver, MapSection, Stribeck, Upscaling, VelocityLaw, VibrationSection};
+pub use vibration::{MapSection, Stribeck, Upscaling, VelocityLaw, VibrationSection};
 
 /// A study: which scan or model, which stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,9 @@
 //! The probability of sustained vibration over two parameters.
 
-use asperity::friction::process::{FrictionProcess, ProcessModel};
+use asperity::friction::process::FrictionProcess;
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, clipped_to_positive,
-    stability_map,
+    EnsembleSettings, MapAxis, MapOver, MapResolution, MapSettings, clipped_to_positive, stability_map,
 };
 use clap::Args;
 
@@ -88,30 +87,13 @@ fn depth(text: &str) -> Result<u32, String> {
     }
 }
 
-/// The largest clipped fraction at the points of the first grid.
-fn clipped(
-    model: &impl Fn(f64, f64) -> Result<(Oscillator, Option<ProcessModel>), VibrationError>,
-    [x, y]: [MapAxis; 2],
-) -> Result<f64, VibrationError> {
-    let nodes = |axis: MapAxis| {
-        (0..=axis.cells).map(move |node| axis.from + (axis.to - axis.from) * node as f64 / axis.cells as f64)
-    };
-    let mut largest = 0.0_f64;
-    for x in nodes(x) {
-        for y in nodes(y) {
-            largest = largest.max(model(x, y)?.1.map_or(0.0, |model| model.clipped_fraction()));
-        }
-    }
-    Ok(largest)
-}
-
 impl Map {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let stated = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
-        let (names, x, y) = match (self.damping_ratios, self.belt_velocities, self.friction_stds, self.loads) {
-            (Some(x), Some(y), None, None) => (["damping_ratio", "belt_velocity"], x, y),
-            (Some(x), None, Some(y), None) => (["damping_ratio", "friction_std"], x, y),
-            (None, Some(x), None, Some(y)) => (["belt_velocity", "load_ratio"], x, y),
+        let (over, x, y) = match (self.damping_ratios, self.belt_velocities, self.friction_stds, self.loads) {
+            (Some(x), Some(y), None, None) => (MapOver::DampingVelocity, x, y),
+            (Some(x), None, Some(y), None) => (MapOver::DampingScatter, x, y),
+            (None, Some(x), None, Some(y)) => (MapOver::VelocityLoad, x, y),
             _ => {
                 let wanted = "wanted two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
                               --belt-velocities with --loads";
@@ -119,37 +101,36 @@ impl Map {
             }
         };
         // Every point of the first grid; those in between and the front hardly change the order.
-        let belt_velocity = match names {
-            ["damping_ratio", "friction_std"] => stated.belt_velocity(),
-            ["damping_ratio", _] => 0.5 * (y.from + y.to),
-            _ => 0.5 * (x.from + x.to),
+        let belt_velocity = match over {
+            MapOver::DampingScatter => stated.belt_velocity(),
+            MapOver::DampingVelocity => 0.5 * (y.from + y.to),
+            MapOver::VelocityLoad => 0.5 * (x.from + x.to),
         };
         // The process is checked once, so that a wrong law is a word about the flag and not about a point.
         let process = FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
         Paths { belt_velocity, duration: self.duration, count }.announce(&process, monitor);
-        let model = |x: f64, y: f64| {
-            let (damping, velocity, std, load) = match names {
-                ["damping_ratio", "belt_velocity"] => (x, y, self.friction_std, 1.0),
-                ["damping_ratio", _] => (x, stated.belt_velocity(), y, 1.0),
-                _ => (stated.damping_ratio(), x, self.friction_std, y),
-            };
-            let at = Parameters { damping_ratio: damping, belt_velocity: velocity, ..stated.parameters().clone() };
-            let oscillator = Oscillator::new(at)?.under_load(load)?;
+        let model = |point: [f64; 2]| {
+            let (oscillator, std, load) = over.at(&stated, self.friction_std, point)?;
             let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
             Ok((oscillator, model))
         };
-        let clipped = clipped(&model, [x, y]).map_err(|e| refused(&e))?;
-        self.clipping.accept(clipped, monitor)?;
-        let machine = |x: f64, y: f64| {
-            let (oscillator, model) = model(x, y)?;
-            Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
-        };
         let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
+        let mut clipped = 0.0_f64;
+        for point in settings.first_grid() {
+            let (_, model) = model(point).map_err(|e| refused(&e))?;
+            clipped = clipped.max(model.map_or(0.0, |model| model.clipped_fraction()));
+        }
+        self.clipping.accept(clipped, monitor)?;
+        let machine = |x: f64, y: f64| {
+            let (oscillator, model) = model([x, y])?;
+            Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
+        };
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         let map = stability_map(&machine, &settings, monitor).map_err(|e| refused(&e))?;
+        let names = over.axes();
         let MapResolution { x, y, unresolved_share } = map.resolution;
         if unresolved_share > 0.0 {
             monitor.note(&format!(

@@ -8,10 +8,11 @@ use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::friction::process::{Generator, Steady};
 use crate::law::{LawError, Marginal};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{MapOver, MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
+use crate::study::file::{MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
 use crate::study::sentence;
 use crate::vibration::{
-    Drive, Forcing, FrictionLaw, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VibrationError,
+    Drive, Forcing, FrictionLaw, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
+    VibrationError,
 };
 
 const SECTION: &str = "vibration";

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
-use crate::vibration::{Drive, Method};
+use crate::vibration::{Drive, MapOver, Method};
 
 /// The paper's coefficient a, where none is stated.
 const USUAL_STRIBECK: f64 = 4.2;
@@ -120,29 +120,6 @@ choice! {
         Area = "area",
         /// One window carries the whole normal force (the paper's reading).
         Paper = "paper",
-    }
-}
-
-choice! {
-    /// Parameters of a stability map.
-    pub enum MapOver: "pair of parameters" {
-        /// Damping ratio and dimensionless belt velocity.
-        DampingVelocity = "damping_velocity",
-        /// Damping ratio and standard deviation of friction.
-        DampingScatter = "damping_scatter",
-        /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
-        VelocityLoad = "velocity_load",
-    }
-}
-
-impl MapOver {
-    /// Names of the axes.
-    pub fn axes(self) -> [&'static str; 2] {
-        match self {
-            Self::DampingVelocity => ["damping_ratio", "belt_velocity"],
-            Self::DampingScatter => ["damping_ratio", "friction_std"],
-            Self::VelocityLoad => ["belt_velocity", "load_ratio"],
-        }
     }
 }
 

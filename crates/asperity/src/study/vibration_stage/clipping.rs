@@ -46,15 +46,10 @@ impl Ensembles<'_> {
     /// # Errors
     /// At a point of the first grid more is clipped than the study allows.
     pub(super) fn clipping_of_map(&self, map: &MapSection, scatter: &Scatter) -> Result<Option<String>, StudyError> {
-        let nodes = |(from, to, cells): (f64, f64, usize)| {
-            (0..=cells).map(move |node| from + (to - from) * node as f64 / cells as f64)
-        };
         let mut largest = 0.0_f64;
-        for x in nodes(map.x) {
-            for y in nodes(map.y) {
-                if let (_, Some(model)) = self.machine_and_model(map.over, scatter, [x, y])? {
-                    largest = largest.max(self.clipped(&model, scatter.name)?);
-                }
+        for point in self.map_settings(map).first_grid() {
+            if let (_, Some(model)) = self.machine_and_model(map.over, scatter, point)? {
+                largest = largest.max(self.clipped(&model, scatter.name)?);
             }
         }
         Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))

@@ -3,29 +3,33 @@
 use super::{Ensembles, NO_SCATTER, Scatter};
 use crate::friction::process::{FrictionProcess, ProcessModel};
 use crate::monitor::Monitor;
-use crate::study::file::{MapOver, MapSection};
+use crate::study::file::MapSection;
 use crate::study::{StudyError, Table};
 use crate::vibration::{
-    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap, VibrationError,
+    EnsembleSettings, MapAxis, MapCell, MapOver, MapPoint, MapSettings, Oscillator, StabilityMap, VibrationError,
     stability_map,
 };
 
 impl Ensembles<'_> {
-    /// The map over the parameters that the study names, under one upscaling.
+    /// Returns the settings of a map.
+    pub(super) fn map_settings(&self, section: &MapSection) -> MapSettings {
+        let axis = |(from, to, cells)| MapAxis { from, to, cells };
+        let ensemble = EnsembleSettings { trajectories: section.trajectories, sample_capacity: 0, ..self.settings() };
+        MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble }
+    }
+
+    /// Computes the map over the parameters of the study, with one upscaling.
     pub(super) fn map(
         &self,
         section: &MapSection,
         scatter: &Scatter,
         monitor: &dyn Monitor,
     ) -> Result<StabilityMap, StudyError> {
-        let axis = |(from, to, cells)| MapAxis { from, to, cells };
-        let ensemble = EnsembleSettings { trajectories: section.trajectories, sample_capacity: 0, ..self.settings() };
-        let settings = MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble };
         let machine = |x: f64, y: f64| {
             let (oscillator, model) = self.machine_and_model(section.over, scatter, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
-        Ok(stability_map(&machine, &settings, monitor)?)
+        Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
     }
 
     /// The machine at a point of the map and its friction process, `None` where friction is constant. Velocities are in units of the
@@ -34,16 +38,9 @@ impl Ensembles<'_> {
         &self,
         over: MapOver,
         scatter: &Scatter,
-        [x, y]: [f64; 2],
+        point: [f64; 2],
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
-        let own = &self.oscillator;
-        let ([damping_ratio, belt_velocity], load, std) = match over {
-            MapOver::DampingVelocity => ([x, y], 1.0, scatter.std),
-            MapOver::DampingScatter => ([x, own.belt_velocity()], 1.0, y),
-            MapOver::VelocityLoad => ([own.damping_ratio(), x], y, scatter.std),
-        };
-        let at = Parameters { damping_ratio, belt_velocity, ..own.parameters().clone() };
-        let oscillator = Oscillator::new(at)?.under_load(load)?;
+        let (oscillator, std, load) = over.at(&self.oscillator, scatter.std, point)?;
         let varies = std >= NO_SCATTER;
         let model = varies.then(|| self.model(&oscillator, scatter.marginal.clone(), std, load, 1.0));
         Ok((oscillator, model))
