@@ -153,24 +153,26 @@ struct Outcome {
     passage: Passage,
 }
 
-impl Ensemble {
-    /// Simulates many trajectories in parallel.
-    ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks of up to 1,024 and
-    /// added up in order. The values of one block bound the memory; `sample_capacity` bounds the values of each
-    /// trajectory.
-    ///
-    /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are
-    /// valid, or when cancelled.
-    pub fn simulate(
-        oscillator: &Oscillator,
-        process: &FrictionProcess,
-        settings: &EnsembleSettings,
+/// What the trajectories of an ensemble share.
+struct Plan<'a> {
+    oscillator: &'a Oscillator,
+    process: &'a FrictionProcess,
+    settings: &'a EnsembleSettings,
+    followed: TrajectorySettings,
+    swing_level: f64,
+    cycles_deterministic: u64,
+}
+
+impl<'a> Plan<'a> {
+    /// Checks the settings and follows the motion without fluctuation.
+    fn new(
+        oscillator: &'a Oscillator,
+        process: &'a FrictionProcess,
+        settings: &'a EnsembleSettings,
         monitor: &dyn Monitor,
     ) -> Result<Self, VibrationError> {
-        let total = settings.trajectories;
-        if total < 2 {
-            let value = total as f64;
+        if settings.trajectories < 2 {
+            let value = settings.trajectories as f64;
             return Err(VibrationError::Parameter { parameter: "trajectories", value, wanted: "at least 2" });
         }
         if !(0.0..=1.0).contains(&settings.least_valid_share) {
@@ -182,84 +184,145 @@ impl Ensemble {
         let cycles_deterministic =
             follow(oscillator, Steady, &followed, f64::INFINITY, monitor, &mut NoObserver)?.cycles;
         let swing_level = swing_level(oscillator);
-        let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
-        let mut stick_share = RunningMoments::EMPTY;
-        let [mut reattachments, mut releases, mut periods] =
-            [(); 3].map(|()| SampleCollector::new(0, settings.sample_capacity));
-        let mut passages = Passages::EMPTY;
-        let mut failures = Vec::new();
-        let finished = AtomicUsize::new(0);
-        let size = settings.block(rayon::current_num_threads());
-        for first in (0..total).step_by(size) {
-            let block = first..total.min(first + size);
-            let chunks: Vec<Range<usize>> =
-                block.clone().step_by(CHUNK).map(|start| start..block.end.min(start + CHUNK)).collect();
-            let classifier: Vec<Result<Outcome, VibrationError>> = chunks
-                .into_par_iter()
-                .flat_map_iter(|chunk| {
-                    let mut classifier: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
-                    simulate_many(
-                        &followed,
-                        chunk.clone(),
-                        |index| {
-                            if monitor.cancelled() {
-                                return Err(Cancelled.into());
-                            }
-                            let fluctuation = Cancellable::new(process.path(settings.seed, index as u64), monitor);
-                            let passage = Passage::new(index, duration, settings.sample_capacity);
-                            Ok(Task::new(oscillator.clone(), fluctuation, passage).with_swing_level(swing_level))
-                        },
-                        |index, ended| {
-                            classifier[index - chunk.start] = ended.map(|mut followed| {
-                                followed.observer.finish();
-                                Outcome { slips: followed.slips, passage: followed.observer }
-                            });
-                            monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
-                        },
-                    );
-                    classifier
-                })
-                .collect();
-            for (trajectory, outcome) in (first..).zip(classifier) {
-                match outcome {
-                    Ok(outcome) => {
-                        cycles.add(outcome.slips.cycles as f64);
-                        micro_slips.add(outcome.slips.micro_slips as f64);
-                        stick_share.add(outcome.passage.stick / duration);
-                        passages.add(&outcome.passage, duration);
-                        reattachments.merge(outcome.passage.reattachments);
-                        releases.merge(outcome.passage.releases);
-                        periods.merge(outcome.passage.periods);
-                    }
-                    // A cancelled trajectory may end in any error, because it was not followed to its end.
-                    Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
-                    Err(error) => failures.push(Failure { trajectory, reason: error.to_string() }),
+        Ok(Self { oscillator, process, settings, followed, swing_level, cycles_deterministic })
+    }
+
+    /// Simulates the trajectories of a block; `finished` is called after each of them.
+    fn block(
+        &self,
+        block: Range<usize>,
+        monitor: &dyn Monitor,
+        finished: impl Fn(),
+    ) -> Vec<Result<Outcome, VibrationError>> {
+        let mut outcomes: Vec<_> = block.clone().map(|_| Err(Cancelled.into())).collect();
+        simulate_many(
+            &self.followed,
+            block.clone(),
+            |index| {
+                if monitor.cancelled() {
+                    return Err(Cancelled.into());
                 }
+                let fluctuation = Cancellable::new(self.process.path(self.settings.seed, index as u64), monitor);
+                let passage = Passage::new(index, self.settings.duration, self.settings.sample_capacity);
+                Ok(Task::new(self.oscillator.clone(), fluctuation, passage).with_swing_level(self.swing_level))
+            },
+            |index, ended| {
+                outcomes[index - block.start] = ended.map(|mut followed| {
+                    followed.observer.finish();
+                    Outcome { slips: followed.slips, passage: followed.observer }
+                });
+                finished();
+            },
+        );
+        outcomes
+    }
+}
+
+/// Sums over the trajectories, in their order.
+struct Reduction {
+    cycles: RunningMoments,
+    micro_slips: RunningMoments,
+    stick_share: RunningMoments,
+    reattachments: SampleCollector,
+    releases: SampleCollector,
+    periods: SampleCollector,
+    passages: Passages,
+    failures: Vec<Failure>,
+}
+
+impl Reduction {
+    fn new(settings: &EnsembleSettings) -> Self {
+        let collector = || SampleCollector::new(0, settings.sample_capacity);
+        Self {
+            cycles: RunningMoments::EMPTY,
+            micro_slips: RunningMoments::EMPTY,
+            stick_share: RunningMoments::EMPTY,
+            reattachments: collector(),
+            releases: collector(),
+            periods: collector(),
+            passages: Passages::EMPTY,
+            failures: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, trajectory: usize, outcome: Result<Outcome, VibrationError>, duration: f64) {
+        match outcome {
+            Ok(Outcome { slips, passage }) => {
+                self.cycles.add(slips.cycles as f64);
+                self.micro_slips.add(slips.micro_slips as f64);
+                self.stick_share.add(passage.stick / duration);
+                self.passages.add(&passage, duration);
+                self.reattachments.merge(passage.reattachments);
+                self.releases.merge(passage.releases);
+                self.periods.merge(passage.periods);
             }
+            Err(error) => self.failures.push(Failure { trajectory, reason: error.to_string() }),
         }
-        let valid = total - failures.len();
-        if let Some(first) = failures.first().filter(|_| (valid as f64) < settings.least_valid_share * total as f64) {
-            let (wanted, first) = (settings.least_valid_share, first.reason.clone());
-            return Err(VibrationError::TooFewValid { valid, total, wanted, first });
+    }
+
+    /// Fails if too few trajectories are valid.
+    fn finish(mut self, plan: &Plan<'_>) -> Result<Ensemble, VibrationError> {
+        let (total, wanted) = (plan.settings.trajectories, plan.settings.least_valid_share);
+        let valid = total - self.failures.len();
+        if let Some(first) = self.failures.first().filter(|_| (valid as f64) < wanted * total as f64) {
+            return Err(VibrationError::TooFewValid { valid, total, wanted, first: first.reason.clone() });
         }
-        passages.finish();
-        let cycles = Count::from_moments(&cycles);
+        self.passages.finish();
+        let (cycles, cycles_deterministic) = (Count::from_moments(&self.cycles), plan.cycles_deterministic);
         let difference_mean = cycles_deterministic as f64 - cycles.mean;
         let half_width = NORMAL_95 * cycles.se;
-        Ok(Self {
+        Ok(Ensemble {
             trajectories: total,
             cycles,
-            micro_slips: Count::from_moments(&micro_slips),
+            micro_slips: Count::from_moments(&self.micro_slips),
             cycles_deterministic,
             difference_mean,
             difference_interval: [difference_mean - half_width, difference_mean + half_width],
-            reattachments: reattachments.finish(),
-            releases: releases.finish(),
-            periods: periods.finish(),
-            stick_share: Count::from_moments(&stick_share),
-            passages,
-            failures,
+            reattachments: self.reattachments.finish(),
+            releases: self.releases.finish(),
+            periods: self.periods.finish(),
+            stick_share: Count::from_moments(&self.stick_share),
+            passages: self.passages,
+            failures: self.failures,
         })
+    }
+}
+
+impl Ensemble {
+    /// Simulates many trajectories in parallel.
+    ///
+    /// The result does not depend on the number of threads: trajectories are computed in blocks and added up in order. Up
+    /// to 1,024 trajectories are in memory at a time; `sample_capacity` bounds the values of each.
+    ///
+    /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are
+    /// valid, or when cancelled.
+    pub fn simulate(
+        oscillator: &Oscillator,
+        process: &FrictionProcess,
+        settings: &EnsembleSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, VibrationError> {
+        let plan = Plan::new(oscillator, process, settings, monitor)?;
+        let total = settings.trajectories;
+        let done = AtomicUsize::new(0);
+        let finished = || monitor.progress("trajectories", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        let mut reduction = Reduction::new(settings);
+        let at_once = settings.block(rayon::current_num_threads());
+        for first in (0..total).step_by(at_once) {
+            let last = total.min(first + at_once);
+            let blocks: Vec<Range<usize>> =
+                (first..last).step_by(CHUNK).map(|start| start..last.min(start + CHUNK)).collect();
+            let outcomes: Vec<_> =
+                blocks.into_par_iter().flat_map_iter(|block| plan.block(block, monitor, finished)).collect();
+            // A cancelled trajectory may end in any error, because it was not followed to its end.
+            if monitor.cancelled() && outcomes.iter().any(Result::is_err) {
+                return Err(Cancelled.into());
+            }
+            for (trajectory, outcome) in (first..).zip(outcomes) {
+                reduction.add(trajectory, outcome, settings.duration);
+            }
+        }
+        reduction.finish(&plan)
     }
 }
 
