@@ -197,7 +197,7 @@ fn independent_ensembles_at_the_crossings_vibrate_as_often_as_their_levels() {
 }
 
 /// A lightly loaded pad: at its nominal pressure most windows hold a contact or none.
-const PAD: &str = r#"seed = 11
+const PAD: &str = r#"seed = 12
 [surface]
 covariance = "squared_exponential"
 marginal = "normal"
@@ -219,7 +219,7 @@ mass = "1 kg"
 natural_frequency = "316 rad/s"
 damping_ratio = 0.17
 normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
+nominal_area = "200 mm^2"
 dimensionless_belt_velocity = 0.003
 stribeck = 4.2
 trajectories = 4
@@ -252,7 +252,7 @@ fn card_terminal_results_and_machine_have_one_friction_coefficient() {
     close(stated(card, "μ = "), driving, 5e-3);
     let point = &results["friction"]["operating_point"];
     close(number(point, "mean"), driving, 1e-12);
-    close(number(point, "mean_pressure_pa"), 2500.0 / 833e-6, 1e-3);
+    close(number(point, "mean_pressure_pa"), 2500.0 / 200e-6, 1e-3);
     let contact = report.split("How likely is contact at a point?").nth(1).unwrap();
     close(stated(contact, "P(contact) = "), number(point, "contact_fraction"), 0.05);
     // A window shears its contact area, or the area that its load needs at the hardness where that is larger.
