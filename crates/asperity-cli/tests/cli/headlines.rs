@@ -11,11 +11,12 @@ use tempfile::TempDir;
 
 use crate::support::{Ended, asperity, asperity_in, close, number};
 
+/// Runs the program in a folder with arguments separated by spaces.
 fn run_in(folder: &Path, line: &str) -> Ended {
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
-/// Runs a study and returns what the program printed and the results that it wrote to the folder `run`.
+/// Runs a study into the folder `run` and returns the output of the program and `results.json`.
 fn study(folder: &Path, text: &str) -> (Ended, Value) {
     fs::write(folder.join("study.toml"), text).unwrap();
     let ended = run_in(folder, "run study.toml --out run");
@@ -24,13 +25,13 @@ fn study(folder: &Path, text: &str) -> (Ended, Value) {
     (ended, serde_json::from_slice(&results).unwrap())
 }
 
-/// Generates `count` maps of a specification and returns their heights and what the program said.
-fn generated(folder: &Path, specification: &str, count: usize) -> (Vec<Array2<f64>>, String) {
+/// Generates `count` maps of a specification and returns their heights in metre.
+fn generated(folder: &Path, specification: &str, count: usize) -> Vec<Array2<f64>> {
     fs::write(folder.join("spec.toml"), specification).unwrap();
     let ended = run_in(folder, &format!("surface generate spec.toml --out maps --count {count}"));
     assert_eq!(ended.code, 0, "{ended:?}");
     let map = |index: usize| read(&folder.join(format!("maps/map_{index:04}.x3p"))).unwrap().heights_m;
-    ((0..count).map(map).collect(), ended.stderr)
+    (0..count).map(map).collect()
 }
 
 /// Mean squared slope by forward differences over a square pitch.
@@ -56,7 +57,7 @@ fn exponential_squared_slope(pitch_um: f64) -> f64 {
 fn random_surfaces_have_the_slopes_of_their_covariance_by_default() {
     let folder = TempDir::new().unwrap();
     let specification = format!("seed = 3\nsize = [\"64 um\", \"64 um\"]\npoints = [64, 64]\n[surface]\n{EXPONENTIAL}");
-    let (maps, _) = generated(folder.path(), &specification, 8);
+    let maps = generated(folder.path(), &specification, 8);
     let slope = maps.iter().map(|map| squared_slope(map, 1e-6)).sum::<f64>() / 8.0;
     close(slope.sqrt(), exponential_squared_slope(1.0).sqrt(), 0.05);
 }
@@ -77,7 +78,7 @@ fn the_slopes_that_a_stated_number_of_terms_loses_are_reported_and_warned_about(
     let expansion = &results["surface"]["karhunen_loeve"];
     assert_eq!(expansion["modes"], 101);
     // Independently: the slopes of maps from these terms over the closed form of all terms.
-    let (maps, _) = generated(folder.path(), &format!("seed = 7\n{patch}{surface}"), 40);
+    let maps = generated(folder.path(), &format!("seed = 7\n{patch}{surface}"), 40);
     let slope = maps.iter().map(|map| squared_slope(map, 2e-6)).sum::<f64>() / 40.0;
     let kept = slope / exponential_squared_slope(2.0);
     assert!(kept < 0.5, "{kept}");
@@ -85,7 +86,9 @@ fn the_slopes_that_a_stated_number_of_terms_loses_are_reported_and_warned_about(
     assert!(ended.stderr.contains("% of the slope variance"), "{ended:?}");
 }
 
-/// Values with the covariance e^{−(|x| + |y|)/ℓ} of points, drawn by recursion from a linear congruential generator.
+/// A map of unit variance: white noise of a linear congruential generator after recursions along both axes.
+///
+/// One pass gives the covariance e^{−(|x| + |y|)/ℓ} with x, y and ℓ in points; more passes make the map smoother.
 fn correlated(seed: u64, length: f64, passes: usize) -> Array2<f64> {
     let (side, start, memory) = (200, 100, (-1.0 / length).exp());
     let mut state = seed;
@@ -130,7 +133,7 @@ fn random_maps_like_a_scan_of_fine_roughness_on_long_waves_keep_its_slopes() {
     fs::write(folder.path().join("scan.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
     let specification = "seed = 5\nsize = [\"200 um\", \"200 um\"]\npoints = [200, 200]\n[surface]\n\
                          file = \"scan.x3p\"\nlevel = \"plane\"\ngenerator = \"spectral\"\n";
-    let (maps, _) = generated(folder.path(), specification, 2);
+    let maps = generated(folder.path(), specification, 2);
     for map in &maps {
         for view in [Array2::clone, s_filtered] {
             close(squared_slope(&view(map), 1e-6).sqrt(), squared_slope(&view(&heights_m), 1e-6).sqrt(), 0.15);
