@@ -7,6 +7,7 @@ mod contact_analysis;
 mod folders;
 mod formats;
 mod friction;
+mod headlines;
 mod outputs;
 mod study;
 mod support;
