@@ -11,6 +11,7 @@
 //! One plane of the texture may hold the repeatability of every depth: n · `DepthResShiftVal` + `DepthResMinVal`. Depths
 //! beyond `DepthResFilterVal` are those that the vendor's program hides; they are missing here as well, with a warning.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -75,7 +76,7 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    fn new(input: Input<'a>) -> Result<Self, FormatError> {
+    fn new(input: Input<'a>) -> Result<Self> {
         let mut header = Self { input, tags: Vec::new(), end: MAGIC.len() };
         for key in ["Version", "TagCount"] {
             let tag = header.next_tag()?;
@@ -97,7 +98,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    fn next_tag(&mut self) -> Result<Tag, FormatError> {
+    fn next_tag(&mut self) -> Result<Tag> {
         let at = self.end;
         self.input.take("the bytes of a tag", at, TAG_BYTES)?;
         let key = self.input.latin1("the key of a tag", at, KEY_BYTES)?;
@@ -121,21 +122,21 @@ impl<'a> Header<'a> {
     }
 
     /// A whole number and its place, `None` when there is no such tag.
-    fn integer(&self, key: &str) -> Result<Option<(i64, usize)>, FormatError> {
+    fn integer(&self, key: &str) -> Result<Option<(i64, usize)>> {
         let Some(tag) = self.tag(key) else { return Ok(None) };
         let number = tag.value.parse().map_err(|_| self.input.wrong(key, tag.at, &tag.value, "a whole number"))?;
         Ok(Some((number, tag.at)))
     }
 
     /// A finite number, `None` when there is no such tag.
-    fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+    fn number(&self, key: &str) -> Result<Option<f64>> {
         let Some(tag) = self.tag(key) else { return Ok(None) };
         let number = tag.value.parse().ok().filter(|number: &f64| number.is_finite());
         number.map(Some).ok_or_else(|| self.input.wrong(key, tag.at, &tag.value, "a finite number"))
     }
 
     /// Where an image starts, `None` when there is none (no tag, or 0).
-    fn offset(&self, key: &str) -> Result<Option<usize>, FormatError> {
+    fn offset(&self, key: &str) -> Result<Option<usize>> {
         match self.integer(key)? {
             None | Some((0, _)) => Ok(None),
             Some((offset, at)) => {
@@ -147,7 +148,7 @@ impl<'a> Header<'a> {
     }
 
     /// The rows of an image in one piece, with the padding between them but not that of the last row.
-    fn image(&self, part: &str, at: usize, (ny, nx): (usize, usize), sample: Sample) -> Result<&'a [u8], FormatError> {
+    fn image(&self, part: &str, at: usize, (ny, nx): (usize, usize), sample: Sample) -> Result<&'a [u8]> {
         let row = nx * sample.size();
         // At most 2²⁸ points, each with its padding.
         self.input.take(part, at, (ny - 1) * stride(nx, sample) + row)
@@ -163,7 +164,7 @@ fn stride(nx: usize, sample: Sample) -> usize {
 ///
 /// # Errors
 /// Damaged tags, files without a depth image, and images that the bytes do not hold.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Al3d, bytes);
     let header = Header::new(input)?;
     let mut warnings = Vec::new();
@@ -221,7 +222,7 @@ struct Repeatability<'a> {
 
 impl<'a> Repeatability<'a> {
     /// What the file says of it, `None` where it has no such plane or no filter; one of 0 would leave nothing.
-    fn of(header: &Header<'a>, texture: usize, (ny, nx): (usize, usize)) -> Result<Option<Self>, FormatError> {
+    fn of(header: &Header<'a>, texture: usize, (ny, nx): (usize, usize)) -> Result<Option<Self>> {
         let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
         let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
         let stride = stride(nx, Sample::U8);

@@ -1,5 +1,6 @@
 //! Archives and compressed streams: which file is meant, and how much of it may be unpacked.
 
+use crate::error::Result;
 use std::io::{self, Cursor, Read};
 
 use flate2::read::MultiGzDecoder;
@@ -97,7 +98,7 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// [`FormatError::Archive`] for bytes that are none.
-    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self, FormatError> {
+    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self> {
         let zip =
             ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(format, "archive", damage_of_zip(&error)))?;
         // Some writers separate folders with backslashes; names that cannot be decoded match nothing.
@@ -115,7 +116,7 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// [`FormatError::Archive`] when there is no such file.
-    pub(crate) fn enter_folder_of(&mut self, main: &str) -> Result<(), FormatError> {
+    pub(crate) fn enter_folder_of(&mut self, main: &str) -> Result<()> {
         let folder_of = |name: &String| {
             let folder = name.strip_suffix(main)?;
             ((folder.is_empty() || folder.ends_with('/')) && !folder.starts_with(DESKTOP_FOLDER))
@@ -138,7 +139,7 @@ impl<'a> Archive<'a> {
         exact.or_else(|| self.names.iter().position(|candidate| candidate.eq_ignore_ascii_case(&name)))
     }
 
-    fn stream(&mut self, link: &str) -> Result<ZipFile<'_, Cursor<&'a [u8]>>, FormatError> {
+    fn stream(&mut self, link: &str) -> Result<ZipFile<'_, Cursor<&'a [u8]>>> {
         let format = self.format;
         let index = self.index(link).ok_or_else(|| damaged(format, link, "no such file in the archive".to_owned()))?;
         self.zip.by_index(index).map_err(|error| damaged(format, link, damage_of_zip(&error)))
@@ -154,7 +155,7 @@ impl<'a> Archive<'a> {
     /// # Errors
     /// [`FormatError::TooLarge`] beyond `limit` or what its packed size allows; [`FormatError::Archive`] where the file
     /// is absent or damaged.
-    pub(crate) fn read_whole(&mut self, link: &str, limit: u64) -> Result<Vec<u8>, FormatError> {
+    pub(crate) fn read_whole(&mut self, link: &str, limit: u64) -> Result<Vec<u8>> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let entry = self.stream(link)?;
         let limit = limit.min(unpacked_limit(entry.compressed_size().min(packed_bytes)));
@@ -180,7 +181,7 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// [`FormatError::Archive`] where the file is absent or damaged.
-    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>, FormatError> {
+    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>> {
         let format = self.format;
         let mut bytes = vec![0; length];
         let filled = fill(&mut self.stream(link)?, &mut bytes);
@@ -199,7 +200,7 @@ impl<'a> Archive<'a> {
         (sample, order): (Sample, ByteOrder),
         count: usize,
         mut take: impl FnMut(&[f64]),
-    ) -> Result<(), FormatError> {
+    ) -> Result<()> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let mut entry = self.stream(link)?;
         let wanted = count as u64 * sample.size() as u64;
@@ -248,13 +249,7 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// As [`read_numbers_at`](Self::read_numbers_at).
-    pub(crate) fn read_numbers(
-        &mut self,
-        link: &str,
-        sample: Sample,
-        count: usize,
-        total: u64,
-    ) -> Result<Numbers, FormatError> {
+    pub(crate) fn read_numbers(&mut self, link: &str, sample: Sample, count: usize, total: u64) -> Result<Numbers> {
         self.read_numbers_at(link, sample, 0, count, total)
     }
 
@@ -272,7 +267,7 @@ impl<'a> Archive<'a> {
         skipped: u64,
         count: usize,
         total: u64,
-    ) -> Result<Numbers, FormatError> {
+    ) -> Result<Numbers> {
         let bytes = |numbers: u64| numbers.saturating_mul(sample.size() as u64);
         let numbers = skipped.saturating_add(count as u64);
         let part =
@@ -297,7 +292,7 @@ impl<'a> Archive<'a> {
         name: &str,
         (start, length): (u64, usize),
         total: u64,
-    ) -> Result<(Vec<u8>, Unpacked), FormatError> {
+    ) -> Result<(Vec<u8>, Unpacked)> {
         let mut bytes = Vec::new();
         let part = Part { name, start, length: length as u64, total };
         let unpacked = self.unpack(link, &part, |_| true, |chunk: &[u8]| bytes.extend(chunk))?;
@@ -313,7 +308,7 @@ impl<'a> Archive<'a> {
         part: &Part,
         is_reachable: impl Fn(u64) -> bool,
         mut take: impl FnMut(&[u8]),
-    ) -> Result<Unpacked, FormatError> {
+    ) -> Result<Unpacked> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let mut entry = self.stream(link)?;
         let end = part.start.saturating_add(part.length);
@@ -360,7 +355,7 @@ pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 ///
 /// # Errors
 /// [`FormatError::TooLarge`] beyond what its packed size allows, [`FormatError::Archive`] for a damaged stream.
-pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
+pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
     let limit = unpacked_limit(bytes.len() as u64);
     let mut content = Vec::new();
     MultiGzDecoder::new(bytes)

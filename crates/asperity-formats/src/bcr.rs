@@ -14,6 +14,7 @@
 //! # References
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
@@ -22,7 +23,7 @@ use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::text::header::Header as Notes;
 use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -111,13 +112,13 @@ impl<'a> Header<'a> {
     ///
     /// # Errors
     /// A value that is no number.
-    fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+    fn number(&self, key: &str) -> Result<Option<f64>> {
         let parse = |text: &str| text.parse().map_err(|_| self.input.wrong(key, 0, text, "a number"));
         self.get(key).map(parse).transpose()
     }
 
     /// A count of points.
-    fn count(&self, key: &str) -> Result<i64, FormatError> {
+    fn count(&self, key: &str) -> Result<i64> {
         let text = self.get(key).ok_or_else(|| self.input.missing(key, 0, "the number of points along the axis"))?;
         text.parse().map_err(|_| self.input.wrong(key, 0, text, "a whole number"))
     }
@@ -137,7 +138,7 @@ const MAX_PAIRS: usize = 1000;
 /// # Errors
 /// Force curves, other formats of the family, heights that are no lengths, a header without the number of points, and
 /// heights that end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Bcr, bytes);
     let encoding = Encoding::of(bytes).unwrap_or(Encoding::Ascii);
     let header_text = |characters: usize| {
@@ -196,7 +197,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// What turns a number into a height in the unit of heights.
-fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Result<f64, FormatError> {
+fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Result<f64> {
     let scale = header.number("bit2nm")?;
     if sample == Sample::F32 {
         if let Some(scale) = scale.filter(|&scale| scale != 1.0) {
@@ -216,7 +217,7 @@ fn pitch(
     header: &Header<'_>,
     (rows, columns): (usize, usize),
     warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>, FormatError> {
+) -> Result<Option<(f64, f64)>> {
     let mut along = |length_key, unit_key, points: usize| {
         let Some(length) = header.number(length_key)? else { return Ok(None) };
         Ok(match header.per_metre(unit_key) {

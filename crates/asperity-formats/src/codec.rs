@@ -1,6 +1,7 @@
 //! What is known of a format, and the functions that read and write it.
 
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::error::Result;
+use crate::{Format, ReadOptions, Scan};
 
 /// What the reader of a format was tried on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +51,7 @@ pub struct Description {
 }
 
 /// Bytes of a file from a scan.
-type Write = fn(&Scan) -> Result<Vec<u8>, FormatError>;
+type Write = fn(&Scan) -> Result<Vec<u8>>;
 
 /// A format with the functions behind it.
 pub(crate) struct Codec {
@@ -58,7 +59,7 @@ pub(crate) struct Codec {
     /// Whether bytes look like this format.
     pub(crate) detect: fn(&[u8]) -> bool,
     /// Reads a map.
-    pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan, FormatError>,
+    pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan>,
     /// Writes the form that [`write`](crate::write) uses, where the format is written.
     pub(crate) write: Option<Write>,
 }

@@ -16,6 +16,7 @@
 //! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
 //! Numbers beyond it, and as far below zero, are no heights either.
 
+use crate::error::Result;
 use std::collections::{BTreeMap, HashSet};
 
 use ndarray::Array2;
@@ -95,7 +96,7 @@ struct Converter {
     parameters: Vec<f64>,
 }
 
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Datx, bytes);
     let file = File::open(Format::Datx, bytes)?;
     let maps = maps(&file, &input)?;
@@ -133,7 +134,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 ///
 /// # Errors
 /// What is wrong with the first dataset when none can be read; other datasets than heights alone.
-fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
+fn maps(file: &File, input: &Input) -> Result<Vec<Map>> {
     let main = file.aside(|| main(file)).flatten();
     // What is linked twice counts once, under its first name.
     let (mut objects, mut known) = (Vec::new(), HashSet::new());
@@ -178,7 +179,7 @@ fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
 }
 
 /// The dataset that the table of links states for the surface of the measurement.
-fn main(file: &File) -> Result<Option<usize>, FormatError> {
+fn main(file: &File) -> Result<Option<usize>> {
     let Some(dataset) = file.find(TABLE)?.map(|table| file.dataset(&table)).transpose()?.flatten() else {
         return Ok(None);
     };
@@ -196,7 +197,7 @@ fn main(file: &File) -> Result<Option<usize>, FormatError> {
 }
 
 /// Whether an object is a map of heights.
-fn is_height(file: &File, object: &Object) -> Result<bool, FormatError> {
+fn is_height(file: &File, object: &Object) -> Result<bool> {
     let is_map = |dataset: Dataset| dataset.shape.len() == 2 && dataset.sample().is_some();
     if !file.dataset(object)?.is_some_and(is_map) {
         return Ok(false);
@@ -206,7 +207,7 @@ fn is_height(file: &File, object: &Object) -> Result<bool, FormatError> {
     Ok(is_named_height || meaning.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
 }
 
-fn meaning(file: &File, object: &Object) -> Result<Meaning, FormatError> {
+fn meaning(file: &File, object: &Object) -> Result<Meaning> {
     let mut meaning = Meaning::default();
     for attribute in file.attributes(object)? {
         let number = || file.value(&attribute, |value| value.number());
@@ -226,7 +227,7 @@ fn meaning(file: &File, object: &Object) -> Result<Meaning, FormatError> {
     Ok(meaning)
 }
 
-fn converter(value: Value) -> Result<Option<Converter>, FormatError> {
+fn converter(value: Value) -> Result<Option<Converter>> {
     let text = |name| value.member(name).map_or(Ok(None), |value| value.text());
     let parameters = value.member("Parameters").map_or(Ok(Vec::new()), |value| value.numbers(4))?;
     let (category, unit) = (text("Category")?.unwrap_or_default(), text("BaseUnit")?.unwrap_or_default());
@@ -246,12 +247,7 @@ impl Meaning {
     }
 
     /// How a stored number becomes a height in metre.
-    fn to_metre(
-        &self,
-        input: &Input,
-        at: usize,
-        warnings: &mut Vec<String>,
-    ) -> Result<Box<dyn Fn(f64) -> f64>, FormatError> {
+    fn to_metre(&self, input: &Input, at: usize, warnings: &mut Vec<String>) -> Result<Box<dyn Fn(f64) -> f64>> {
         let unit = self.unit().ok_or_else(|| input.missing("Unit", at, "Fringes or a unit of length"))?;
         if let Some(z) = self.z.as_ref().filter(|z| !z.unit.is_empty() && z.unit != unit) {
             warnings.push(format!(

@@ -8,6 +8,9 @@ use thiserror::Error;
 
 use crate::Format;
 
+/// Result of reading or writing a file.
+pub(crate) type Result<T, E = FormatError> = std::result::Result<T, E>;
+
 /// Characters that a message shows of a text from a file.
 const SHOWN_CHARS: usize = 60;
 /// Names that a message lists.

@@ -1,5 +1,6 @@
 //! Files on disk: what kind they are, and how they are read and written.
 
+use crate::error::Result;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -59,7 +60,7 @@ pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
     series.map_err(|error| error.in_file(path))
 }
 
-fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
+fn content(path: &Path) -> Result<Vec<u8>> {
     let failed = |error| FormatError::io(path, error);
     let mut file = File::open(path).map_err(failed)?;
     let mut start = Vec::new();
@@ -160,7 +161,7 @@ fn is_point_list(path: &Path, scan: &Scan, options: &ReadOptions) -> bool {
 }
 
 /// Reads content as a format, or as that which is detected.
-fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if !bytes.starts_with(&GZIP_MAGIC) {
         return read_plain(format, bytes, options);
     }
@@ -174,7 +175,7 @@ fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
 }
 
 /// Reads content that is not compressed as a whole.
-fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let size = bytes.len() as u64;
     let detected = format.or_else(|| Format::detect(bytes)).and_then(Format::codec);
     let codec = detected.ok_or_else(|| unrecognised(bytes, size))?;

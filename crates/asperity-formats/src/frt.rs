@@ -23,6 +23,7 @@ mod blocks;
 mod image;
 mod metadata;
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use self::blocks::{
@@ -36,7 +37,7 @@ use crate::large;
 use crate::sample::Sample;
 use crate::scan::FITTING_SHAPE;
 use crate::selection::unique;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -69,7 +70,7 @@ const VOID: f64 = 1.0;
 ///
 /// # Errors
 /// Other versions, profiles, files of other images than heights, and blocks that the bytes cannot bear out.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Frt, bytes);
     let size_bytes = match input.take("the version", SIGNATURE.len(), VERSION_BYTES)? {
         b"1.00" => 4,
@@ -106,11 +107,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// The image of block 0x000b.
-fn single_image<'a>(
-    input: Input<'a>,
-    blocks: &Blocks<'a>,
-    warnings: &mut Vec<String>,
-) -> Result<Image<'a>, FormatError> {
+fn single_image<'a>(input: Input<'a>, blocks: &Blocks<'a>, warnings: &mut Vec<String>) -> Result<Image<'a>> {
     let missing = |what: &str| input.missing(what, BLOCK_COUNT + 2, "an image");
     let numbers = *blocks.get(&CURRENT_IMAGE).ok_or_else(|| missing("block 0x000b or an image in block 0x007d"))?;
     let size = *blocks.get(&IMAGE_SIZE).ok_or_else(|| missing("block 0x0066 (image size)"))?;
@@ -127,7 +124,7 @@ fn choose<'a>(
     input: Input<'a>,
     images: &[Image<'a>],
     options: &ReadOptions,
-) -> Result<(Vec<String>, usize, Image<'a>), FormatError> {
+) -> Result<(Vec<String>, usize, Image<'a>)> {
     let (names, maps): (Vec<String>, Vec<Image>) =
         images.iter().filter_map(|image| Some((image.name()?, *image))).unzip();
     if names.is_empty() {
@@ -141,13 +138,7 @@ fn choose<'a>(
 }
 
 /// Turns stored numbers into metre, NaN where the point was not measured.
-fn scale(
-    input: Input,
-    blocks: &Blocks,
-    sample: Sample,
-    heights: &mut [f64],
-    warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
+fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let sensor = blocks
         .get(&SENSOR)
         .ok_or_else(|| input.missing("block 0x006c (sensor)", BLOCK_COUNT + 2, "the scale of heights"))?;
@@ -202,11 +193,7 @@ fn own_scale(buffers: &Block, scale_m: f64) -> Option<String> {
 }
 
 /// The distance of points in metre.
-fn pitch(
-    blocks: &Blocks,
-    (ny, nx): (usize, usize),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(blocks: &Blocks, (ny, nx): (usize, usize), warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some(size) = blocks.get(&SCAN_SIZE) else {
         warnings.push("block 0x0067 (scan size) is missing; no pixel size was read".into());
         return Ok(None);

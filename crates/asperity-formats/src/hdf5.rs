@@ -23,6 +23,7 @@ mod piece;
 mod tree;
 mod value;
 
+use crate::error::Result;
 use std::cell::Cell;
 
 pub(crate) use dataset::Dataset;
@@ -60,7 +61,7 @@ impl<'a> File<'a> {
     ///
     /// # Errors
     /// Other versions, addresses of other than 8 bytes, and a start of the address space elsewhere.
-    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self, FormatError> {
+    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self> {
         let input = Input::new(format, bytes);
         let budget = WORK_BYTES.saturating_add((bytes.len() as u64).saturating_mul(WORK_RATIO));
         let mut file = Self { input, format, root: 0, work: Cell::new(budget) };
@@ -102,13 +103,13 @@ impl<'a> File<'a> {
     }
 
     /// The names in the root.
-    pub(crate) fn names(&self) -> Result<Vec<&'a [u8]>, FormatError> {
+    pub(crate) fn names(&self) -> Result<Vec<&'a [u8]>> {
         let root = self.object(self.root)?;
         Ok(self.links(&root)?.iter().map(|link| link.name).collect())
     }
 
     /// The object under a path from the root, `None` where there is none.
-    pub(crate) fn find(&self, path: &str) -> Result<Option<Object>, FormatError> {
+    pub(crate) fn find(&self, path: &str) -> Result<Option<Object>> {
         let mut object = self.object(self.root)?;
         for name in path.split('/').filter(|name| !name.is_empty()) {
             match self.links(&object)?.iter().find(|link| link.name == name.as_bytes()) {
@@ -120,7 +121,7 @@ impl<'a> File<'a> {
     }
 
     /// Reads something that may be left out: it gets a quarter of the work that is left.
-    pub(crate) fn aside<T>(&self, read: impl FnOnce() -> Result<T, FormatError>) -> Option<T> {
+    pub(crate) fn aside<T>(&self, read: impl FnOnce() -> Result<T>) -> Option<T> {
         let share = self.work.get() / 4;
         let rest = self.work.replace(share) - share;
         let found = read().ok();
@@ -129,13 +130,13 @@ impl<'a> File<'a> {
     }
 
     /// `length` bytes of a structure; they count as work.
-    fn piece(&self, name: &'static str, at: usize, length: usize) -> Result<Piece<'a>, FormatError> {
+    fn piece(&self, name: &'static str, at: usize, length: usize) -> Result<Piece<'a>> {
         self.charge(name, at, length)?;
         Piece::new(self.input, self.format, name, at, length)
     }
 
     /// Counts the bytes of a structure that is looked at.
-    fn charge(&self, name: &str, at: usize, length: usize) -> Result<(), FormatError> {
+    fn charge(&self, name: &str, at: usize, length: usize) -> Result<()> {
         let work = length.max(LEAST_WORK) as u64;
         let left = self.work.get().checked_sub(work).ok_or_else(|| {
             self.input.wrong(

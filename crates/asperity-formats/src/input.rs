@@ -1,6 +1,7 @@
 //! The bytes of a file, taken field by field: nothing is read beyond them, and whatever is wrong with a field is told
 //! with its name and place.
 
+use crate::error::Result;
 use crate::error::shown;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, Location, MAX_POINTS};
@@ -18,7 +19,7 @@ pub(crate) struct Input<'a> {
 macro_rules! number {
     ($name:ident) => {
         #[doc = concat!("One `", stringify!($name), "` in the order of bytes that was chosen.")]
-        pub(crate) fn $name(&self, field: &str, offset: usize) -> Result<$name, FormatError> {
+        pub(crate) fn $name(&self, field: &str, offset: usize) -> Result<$name> {
             let raw = self.array(field, offset)?;
             Ok(match self.order {
                 ByteOrder::Little => <$name>::from_le_bytes(raw),
@@ -69,7 +70,7 @@ impl<'a> Input<'a> {
     number!(f32);
     number!(f64);
 
-    fn array<const N: usize>(&self, field: &str, offset: usize) -> Result<[u8; N], FormatError> {
+    fn array<const N: usize>(&self, field: &str, offset: usize) -> Result<[u8; N]> {
         let bytes = self.take(field, offset, N)?;
         bytes.try_into().map_err(|_| self.truncated(field, offset, N))
     }
@@ -78,24 +79,18 @@ impl<'a> Input<'a> {
     ///
     /// # Errors
     /// [`FormatError::Truncated`] where the file ends before.
-    pub(crate) fn take(&self, part: &str, offset: usize, length: usize) -> Result<&'a [u8], FormatError> {
+    pub(crate) fn take(&self, part: &str, offset: usize, length: usize) -> Result<&'a [u8]> {
         let end = offset.checked_add(length);
         end.and_then(|end| self.bytes.get(offset..end)).ok_or_else(|| self.truncated(part, offset, length))
     }
 
     /// Latin-1 text of at most `length` bytes up to the first zero, without white space around it.
-    pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String, FormatError> {
+    pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String> {
         Ok(latin1(self.take(field, offset, length)?))
     }
 
     /// `count` numbers from `offset` on; memory is taken only when all of them are there.
-    pub(crate) fn samples(
-        &self,
-        part: &str,
-        offset: usize,
-        count: usize,
-        sample: Sample,
-    ) -> Result<Vec<f64>, FormatError> {
+    pub(crate) fn samples(&self, part: &str, offset: usize, count: usize, sample: Sample) -> Result<Vec<f64>> {
         self.samples_as(part, offset, count, sample, |value| value)
     }
 
@@ -107,7 +102,7 @@ impl<'a> Input<'a> {
         count: usize,
         sample: Sample,
         change: impl Fn(f64) -> f64 + Sync,
-    ) -> Result<Vec<f64>, FormatError> {
+    ) -> Result<Vec<f64>> {
         let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
         Ok(sample.decode_and_map(self.order, bytes, change))
     }
@@ -116,11 +111,7 @@ impl<'a> Input<'a> {
     ///
     /// # Errors
     /// A dimension below one, or a product above [`MAX_POINTS`].
-    pub(crate) fn shape(
-        &self,
-        rows: (&str, usize, i64),
-        columns: (&str, usize, i64),
-    ) -> Result<(usize, usize), FormatError> {
+    pub(crate) fn shape(&self, rows: (&str, usize, i64), columns: (&str, usize, i64)) -> Result<(usize, usize)> {
         let positive = |(field, offset, found): (&str, usize, i64)| {
             usize::try_from(found)
                 .ok()

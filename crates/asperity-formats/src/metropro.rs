@@ -13,6 +13,7 @@
 //! - The intensities before the phase are skipped by their stated bytes or by their dimensions. The two agree in sound
 //!   files; else the size of the file decides.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -20,7 +21,7 @@ use ndarray::Array2;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -128,7 +129,7 @@ const LITTLE_ENDIAN_FIELDS: [(&str, usize, Kind); 10] = [
 ///
 /// # Errors
 /// Headers of other kinds, files without phase, factors that give no heights, and fewer phases than stated.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::MetroPro, bytes).with_order(ByteOrder::Big);
     let header_bytes = header_bytes(&input)?;
     let (width, height) = (input.u16("cn_width", 68)?, input.u16("cn_height", 70)?);
@@ -159,7 +160,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// Checked size of the header: the guide asks readers to check all three fields that tell its kind.
-fn header_bytes(input: &Input) -> Result<usize, FormatError> {
+fn header_bytes(input: &Input) -> Result<usize> {
     let magic = input.u32("magic_number", 0)?;
     let known = HEADERS.iter().find(|header| header.magic == magic);
     let header = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "that of a MetroPro file"))?;
@@ -176,11 +177,11 @@ fn header_bytes(input: &Input) -> Result<usize, FormatError> {
 }
 
 /// The height of one count in metre.
-fn scale_m(input: &Input) -> Result<f64, FormatError> {
+fn scale_m(input: &Input) -> Result<f64> {
     let code = input.u16("phase_res", 218)?;
     let counts = COUNTS_PER_FRINGE.get(usize::from(code));
     let counts = counts.ok_or_else(|| input.wrong("phase_res", 218, code, "0, 1 or 2"))?;
-    let factor = |field, offset| -> Result<f64, FormatError> {
+    let factor = |field, offset| -> Result<f64> {
         let found = input.f32(field, offset)?;
         if found.is_finite() && found != 0.0 {
             Ok(f64::from(found))
@@ -193,7 +194,7 @@ fn scale_m(input: &Input) -> Result<f64, FormatError> {
 }
 
 /// Bytes of the intensities before the phase; `others` are the bytes of everything else.
-fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> Result<usize, FormatError> {
+fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> Result<usize> {
     let stated = input.u32("ac_n_bytes", 60)? as usize;
     let mut counted = size_of::<u16>();
     for (field, offset) in [("ac_width", 52), ("ac_height", 54), ("ac_n_buckets", 56)] {
@@ -210,7 +211,7 @@ fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> 
 }
 
 /// The distance of points: what one pixel of the camera sees, by the guide the same along both axes.
-fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let lateral_res = input.f32("lateral_res", 184)?;
     if lateral_res == 0.0 {
         warnings.push("the lateral resolution is 0, which means unknown; no pixel size was read".into());
@@ -227,7 +228,7 @@ fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>
 }
 
 /// What else the header says; texts that are empty are left out.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = BTreeMap::new();
     let tables = [(ByteOrder::Big, &BIG_ENDIAN_FIELDS[..]), (ByteOrder::Little, &LITTLE_ENDIAN_FIELDS)];
     for (order, fields) in tables {

@@ -15,6 +15,7 @@
 mod classic;
 mod enhanced;
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -156,7 +157,7 @@ impl Source<'_> {
         Some(FormatError::NotRead { name, way_out: TO_MATRIX })
     }
 
-    fn numbers(&self, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+    fn numbers(&self, variable: &Variable) -> Result<Vec<f64>> {
         match self {
             Self::Classic(input) => classic::numbers(input, variable),
             Self::Enhanced(file) => enhanced::numbers(file, variable),
@@ -164,7 +165,7 @@ impl Source<'_> {
     }
 
     /// The numbers of a map of so many rows and columns, in the order of its columns where it is turned.
-    fn map(&self, variable: &Variable, shape: (usize, usize), is_turned: bool) -> Result<Vec<f64>, FormatError> {
+    fn map(&self, variable: &Variable, shape: (usize, usize), is_turned: bool) -> Result<Vec<f64>> {
         match self {
             Self::Classic(input) if is_turned => classic::columns(input, variable, shape),
             _ if is_turned => self.numbers(variable).map(|numbers| transposed(numbers, shape)),
@@ -178,7 +179,7 @@ fn transposed(numbers: Vec<f64>, shape: (usize, usize)) -> Vec<f64> {
     if numbers.len() == shape.0 * shape.1 { large::transposed(&numbers, shape) } else { numbers }
 }
 
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::NetCdf, bytes);
     let (source, mut contents) = if classic::version(bytes).is_some() {
         let (input, contents) = classic::read(bytes)?;
@@ -228,12 +229,12 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 
 /// The heights in metre, NaN where they are missing.
 fn heights(
-    numbers: impl Fn(&Variable) -> Result<Vec<f64>, FormatError>,
+    numbers: impl Fn(&Variable) -> Result<Vec<f64>>,
     contents: &Contents,
     map: &Variable,
     unit: &str,
     input: &Input,
-) -> Result<Vec<f64>, FormatError> {
+) -> Result<Vec<f64>> {
     let per_metre = per_metre(unit).ok_or_else(|| input.wrong("unit", map.at, unit, "a unit of length"))?;
     let mut heights = numbers(map)?;
     unpack(map, per_metre, &mut heights);
@@ -326,12 +327,7 @@ impl<'c> Axis<'c> {
     }
 
     /// The distance between positions, else the length of the side over the number of points.
-    fn pitch_m(
-        &self,
-        source: &Source,
-        default_unit: Option<&str>,
-        warnings: &mut Vec<String>,
-    ) -> Result<Option<f64>, FormatError> {
+    fn pitch_m(&self, source: &Source, default_unit: Option<&str>, warnings: &mut Vec<String>) -> Result<Option<f64>> {
         let Some(variable) = self.positions else { return Ok(None) };
         let name = &variable.name;
         let unit = variable.unit().or(default_unit).unwrap_or_default();

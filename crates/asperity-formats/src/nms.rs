@@ -7,6 +7,7 @@
 //! The vendor published no description. The layout agrees between readers of several authors and with files; fields
 //! that none of them knows are left out. Numbers are little-endian.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -16,7 +17,7 @@ use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
 use crate::scan::FITTING_SHAPE;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -77,7 +78,7 @@ const TEXTS: [(Field, usize); 4] = [(VERSION, 20), (TITLE, 1024), (DATE, 20), (N
 ///
 /// # Errors
 /// Other types of numbers, profiles, and data that do not fill the stated dimensions.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Nms, bytes);
     input.take("the bytes of the header", 0, HEADER_BYTES)?;
     let mut warnings = Vec::new();
@@ -104,7 +105,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// Refuses data that are no area of `u16`; doubts headers of another form.
-fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<(), FormatError> {
+fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
     let data_type = input.i32(DATA_TYPE.0, DATA_TYPE.1)?;
     if data_type != UNSIGNED_SHORT {
         return Err(input.unsupported(format!("the numbers have the data type {data_type}"), "uint16 (data type 2)"));
@@ -126,7 +127,7 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<(), FormatErr
 }
 
 /// Turns stored numbers into metre, NaN where they are outside of the stated range.
-fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<(), FormatError> {
+fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let (n_low, n_high) = (input.i32(N_LOW.0, N_LOW.1)?, input.i32(N_HIGH.0, N_HIGH.1)?);
     if n_low >= n_high {
         return Err(input.wrong(N_HIGH.0, N_HIGH.1, n_high, &format!("more than n_low, {n_low}")));
@@ -151,7 +152,7 @@ fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Resu
 }
 
 /// What else the header says.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = BTreeMap::new();
     for (field, width) in TEXTS {
         let text = input.latin1(field.0, field.1, width)?;

@@ -4,6 +4,7 @@
 //! One-dimensional arrays are records along a path.
 //! Layout: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
@@ -59,7 +60,7 @@ pub(crate) struct Header {
 /// # Errors
 /// Versions other than 1 to 3, headers that are no dictionary of the three known keys, other element types, other than
 /// two dimensions, and data that end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Npy, bytes);
     let header = Header::parse(&input)?;
     let (rows, columns) = header.matrix(&input)?;
@@ -81,7 +82,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 ///
 /// # Errors
 /// As [`read`], for other than one dimension, and for bytes after the array.
-pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>, FormatError> {
+pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>> {
     let input = Input::new(Format::Npy, bytes);
     let header = Header::parse(&input)?;
     let Some([length]) = header.dimensions().and_then(|all| <[i64; 1]>::try_from(all).ok()) else {
@@ -100,7 +101,7 @@ fn wrong(input: &Input, field: &str, found: &str, wanted: &str) -> FormatError {
 }
 
 /// The bytes of the `points` numbers of the array, and the number of bytes behind them.
-fn array<'a>(input: &Input<'a>, header: &Header, points: usize) -> Result<(&'a [u8], usize), FormatError> {
+fn array<'a>(input: &Input<'a>, header: &Header, points: usize) -> Result<(&'a [u8], usize)> {
     let length = points.saturating_mul(header.sample.size());
     let bytes = input.take("the array", header.start, length)?;
     Ok((bytes, input.len() - header.start - length))
@@ -111,7 +112,7 @@ impl Header {
     ///
     /// # Errors
     /// As [`read`] but for the array.
-    pub(crate) fn parse(input: &Input) -> Result<Self, FormatError> {
+    pub(crate) fn parse(input: &Input) -> Result<Self> {
         let (text, start) = header_text(input)?;
         let inner = text.trim().strip_prefix('{').and_then(|text| text.strip_suffix('}'));
         let entries =
@@ -142,7 +143,7 @@ impl Header {
     ///
     /// # Errors
     /// Other than two dimensions, and what [`Input::shape`] refuses.
-    pub(crate) fn matrix(&self, input: &Input) -> Result<(usize, usize), FormatError> {
+    pub(crate) fn matrix(&self, input: &Input) -> Result<(usize, usize)> {
         match self.dimensions().as_deref() {
             Some(&[rows, columns]) => input.shape(("rows", VERSION_END, rows), ("columns", VERSION_END, columns)),
             _ => Err(wrong(input, "shape", &self.shape, "two whole numbers")),
@@ -151,7 +152,7 @@ impl Header {
 }
 
 /// The dictionary and the byte where the array starts.
-fn header_text(input: &Input) -> Result<(String, usize), FormatError> {
+fn header_text(input: &Input) -> Result<(String, usize)> {
     const PART: &str = "the bytes of the header";
     let start = input.take(PART, 0, VERSION_END)?;
     if !start.starts_with(MAGIC) {
@@ -214,7 +215,7 @@ fn quoted(text: &str) -> Option<&str> {
     ['\'', '"'].into_iter().find_map(|quote| text.strip_prefix(quote)?.strip_suffix(quote))
 }
 
-fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder), FormatError> {
+fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder)> {
     let refused = || input.unsupported(format!("the element type is {}", shown(literal)), WANTED_TYPE);
     let descr = quoted(literal).ok_or_else(refused)?;
     let sample = match descr.get(1..).ok_or_else(refused)? {

@@ -8,6 +8,7 @@
 //! (x, y), or `dx` and `dy`; again in metre, or in the unit at the end (`pixel_size_um`). Other short arrays are
 //! metadata. The format itself knows nothing of all this.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -105,7 +106,7 @@ struct Map {
 ///
 /// # Errors
 /// Damaged archives, arrays that the bytes cannot bear out, archives without a two-dimensional array of lengths.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::Npz, bytes)?;
     let links: Vec<String> = archive.names().iter().filter(|name| name.ends_with(EXTENSION)).cloned().collect();
     if links.len() > MAX_ARRAYS {
@@ -174,7 +175,7 @@ fn main(names: &[String]) -> usize {
 }
 
 /// The numbers of a short array; none where its shape is none.
-fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>, FormatError> {
+fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>> {
     let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
     let mut values = Vec::new();
     archive.read_array(link, header.start, (header.sample, header.order), count, |piece| values.extend(piece))?;
@@ -210,7 +211,7 @@ fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Opti
 }
 
 /// The heights of an array in metre.
-fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>, FormatError> {
+fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
     let (ny, nx) = map.shape;
     let number = (map.header.sample, map.header.order);
     let mut heights = archive.room_for(map.header.sample, nx * ny);

@@ -15,6 +15,7 @@
 
 mod object;
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -23,7 +24,7 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::unique;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -97,7 +98,7 @@ struct Block {
 ///
 /// # Errors
 /// A damaged directory, no array of heights, no wavelength, and arrays that their blocks or the file cannot hold.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Opd, bytes);
     let blocks = directory(&input)?;
     let maps: Vec<&Block> =
@@ -126,7 +127,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// The blocks that hold something, in the order of the file.
-fn directory(input: &Input) -> Result<Vec<Block>, FormatError> {
+fn directory(input: &Input) -> Result<Vec<Block>> {
     let length_at = DIRECTORY_START + NAME_BYTES + 2;
     let stated = input.i32("the length of the directory", length_at)?;
     let length = usize::try_from(stated).unwrap_or(0);
@@ -158,7 +159,7 @@ fn find<'a>(blocks: &'a [Block], name: &str) -> Option<&'a Block> {
 }
 
 /// The number in the block of that name, `None` where there is no such block.
-fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>, FormatError> {
+fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>> {
     let Some(block) = find(blocks, name) else { return Ok(None) };
     let size = match block.kind {
         kind::SHORT => 2,
@@ -182,7 +183,7 @@ fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>, Fo
 }
 
 /// The height in metre of a stored 1.
-fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64, FormatError> {
+fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64> {
     let positive = |name: &str, found: Option<f64>| match found {
         Some(found) if found > 0.0 && found.is_finite() => Ok(found),
         Some(found) => {
@@ -196,7 +197,7 @@ fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64, FormatError> {
     Ok(wavelength_nm / mult / 1e9)
 }
 
-fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some(pixel_size_mm) = number(input, blocks, "Pixel_size")? else {
         warnings.push("the file has no block `Pixel_size`; no pixel size was read".into());
         return Ok(None);
@@ -206,7 +207,7 @@ fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<
 }
 
 /// The heights of an array in metre, row 0 at the top.
-fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>, FormatError> {
+fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>> {
     let name = block.name.as_str();
     let (columns, rows) = (input.u16(name, block.start)?, input.u16(name, block.start + 2)?);
     let (field_x, field_y) = (format!("columns of {name}"), format!("rows of {name}"));

@@ -9,6 +9,7 @@
 
 mod names;
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -17,7 +18,7 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::Sample;
 use crate::scan::FITTING_SHAPE;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -129,7 +130,7 @@ struct Layer {
 ///
 /// # Errors
 /// Measurements of other types, and heights that the bytes do not hold.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Plu, bytes);
     input.take("the bytes of the header", 0, HEADER_BYTES)?;
     let kind = input.u32(TYPE.0, TYPE.1)?;
@@ -163,7 +164,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// The layers that the bytes hold: the first one, and as many of the others as the header states.
-fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>, FormatError> {
+fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>> {
     // Early files leave the number at zero.
     let stated = input.u8(LAYERS.0, LAYERS.1)?.max(1);
     let images = usize::from(input.u8(IMAGES.0, IMAGES.1)?);
@@ -184,7 +185,7 @@ fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>, Forma
     Ok(layers)
 }
 
-fn layer(input: &Input, at: usize) -> Result<Layer, FormatError> {
+fn layer(input: &Input, at: usize) -> Result<Layer> {
     let columns_at = at.saturating_add(4);
     let rows = input.u32("the number of rows", at)?.into();
     let columns = input.u32("the number of columns", columns_at)?.into();
@@ -195,7 +196,7 @@ fn layer(input: &Input, at: usize) -> Result<Layer, FormatError> {
 }
 
 /// What else the header says.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = BTreeMap::new();
     let mut insert = |field: Field, value: String| {
         if !value.is_empty() {

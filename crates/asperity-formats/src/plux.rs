@@ -8,6 +8,7 @@
 //! the distance between points in µm: a file of an S neox with a 50× objective states 0.138 for both axes with
 //! 2448 × 2048 points, which are 338 µm × 283 µm. The field of view is n of them.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -81,7 +82,7 @@ fn detect(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// Damaged archives and descriptions, layers without heights, and data that do not fill the stated dimensions.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::Plux, bytes)?;
     archive.enter_folder_of(INDEX)?;
     let index = archive.read_whole(INDEX, MAX_INDEX_BYTES)?;
@@ -127,7 +128,7 @@ fn layers(document: &Document) -> Vec<(u64, &str)> {
 }
 
 /// Checked rows and columns.
-fn dimensions(document: &Document) -> Result<(usize, usize), FormatError> {
+fn dimensions(document: &Document) -> Result<(usize, usize)> {
     let dimension = |field: &'static str| {
         document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
     };
@@ -135,11 +136,7 @@ fn dimensions(document: &Document) -> Result<(usize, usize), FormatError> {
 }
 
 /// The distance between points in metre.
-fn pitch(
-    document: &Document,
-    (ny, nx): (usize, usize),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(document: &Document, (ny, nx): (usize, usize), warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some((x, y)) = document.number(path::PITCH_X)?.zip(document.number(path::PITCH_Y)?) else {
         warnings.push(format!("{INDEX} states no {} or no {}; no pixel size was read", path::PITCH_X, path::PITCH_Y));
         return Ok(None);

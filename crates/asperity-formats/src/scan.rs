@@ -1,5 +1,6 @@
 //! What a file of a measured surface says.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -188,7 +189,7 @@ pub(crate) struct Dimension {
 
 impl Dimension {
     /// The dimension as a positive number of points.
-    fn positive(&self, format: Format) -> Result<u64, FormatError> {
+    fn positive(&self, format: Format) -> Result<u64> {
         u64::try_from(self.found).ok().filter(|&points| points > 0).ok_or_else(|| FormatError::Field {
             format,
             field: self.field.into(),
@@ -203,7 +204,7 @@ impl Dimension {
 ///
 /// # Errors
 /// A dimension below one, or a product above [`MAX_POINTS`].
-pub(crate) fn shape(format: Format, rows: &Dimension, columns: &Dimension) -> Result<(usize, usize), FormatError> {
+pub(crate) fn shape(format: Format, rows: &Dimension, columns: &Dimension) -> Result<(usize, usize)> {
     let (ny, nx) = (rows.positive(format)?, columns.positive(format)?);
     let points = ny.saturating_mul(nx);
     match (usize::try_from(ny), usize::try_from(nx)) {

@@ -18,6 +18,7 @@
 
 mod write;
 
+use crate::error::Result;
 use std::str::FromStr;
 
 use ndarray::Array2;
@@ -139,7 +140,7 @@ struct Header {
 
 impl Header {
     /// Shape `(rows, columns)` and type of the numbers.
-    fn check(&self) -> Result<((usize, usize), Sample), FormatError> {
+    fn check(&self) -> Result<((usize, usize), Sample)> {
         let dimension = |field: &Field<i64>| Dimension { field: field.name, at: field.at.clone(), found: field.value };
         let (ny, nx) = shape(Format::Sdf, &dimension(&self.profiles), &dimension(&self.points))?;
         if ny == 1 && self.scales[1].value == 0.0 {
@@ -166,7 +167,7 @@ impl Header {
         Ok(((ny, nx), sample))
     }
 
-    fn scan(&self, numbers: Vec<f64>, shape: (usize, usize), sample: Sample) -> Result<Scan, FormatError> {
+    fn scan(&self, numbers: Vec<f64>, shape: (usize, usize), sample: Sample) -> Result<Scan> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.scales[axis].value);
         let is_void = voids(sample, self.is_bcr);
         let mut heights = numbers;
@@ -210,14 +211,14 @@ fn unsupported(found: &str, wanted: &'static str) -> FormatError {
 /// # Errors
 /// Single profiles, compression, checksums, headers without a field or with one that cannot be right, and heights that
 /// end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     match Version::of(bytes) {
         Some(Version::Binary { count_bytes }) => read_binary(&Input::new(Format::Sdf, bytes), count_bytes),
         _ => read_text(bytes),
     }
 }
 
-fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan, FormatError> {
+fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan> {
     let mut notes = Notes::default();
     notes.insert("version", &input.latin1("version", 0, VERSION_BYTES)?);
     let mut place = VERSION_BYTES;
@@ -262,7 +263,7 @@ fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan, FormatErro
 /// Two fields that follow the header of some files.
 const EXTRA: &[u8] = b"\x05\0\0\0\x01\0\0\0";
 
-fn read_text(bytes: &[u8]) -> Result<Scan, FormatError> {
+fn read_text(bytes: &[u8]) -> Result<Scan> {
     let (bytes, line_end) = lines(bytes);
     let mut fields: Vec<(String, String, usize)> = Vec::new();
     let (mut place, mut last_line) = (0, 0);
@@ -316,7 +317,7 @@ fn read_text(bytes: &[u8]) -> Result<Scan, FormatError> {
 const MAX_FIELDS: usize = 1000;
 
 /// The fields of a text, each with its line.
-fn text_header(fields: &[(String, String, usize)], last_line: usize) -> Result<Header, FormatError> {
+fn text_header(fields: &[(String, String, usize)], last_line: usize) -> Result<Header> {
     let whole = |name| number::<i64>(fields, name, last_line, "a whole number");
     let real = |name| number::<f64>(fields, name, last_line, "a number");
     Ok(Header {
@@ -335,7 +336,7 @@ fn number<T: FromStr>(
     name: &'static str,
     last_line: usize,
     wanted: &str,
-) -> Result<Field<T>, FormatError> {
+) -> Result<Field<T>> {
     let Some((_, text, line)) = fields.iter().find(|(key, ..)| key.eq_ignore_ascii_case(name)) else {
         return Err(FormatError::MissingField {
             format: Format::Sdf,

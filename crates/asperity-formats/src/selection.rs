@@ -1,5 +1,6 @@
 //! Which map of a file is read.
 
+use crate::error::Result;
 use std::collections::{HashMap, HashSet};
 
 use crate::error::shown;
@@ -40,7 +41,7 @@ impl ReadOptions {
     ///
     /// # Errors
     /// [`FormatError::NoSuchChannel`] with all names.
-    pub(crate) fn choose(&self, format: Format, names: &[String]) -> Result<usize, FormatError> {
+    pub(crate) fn choose(&self, format: Format, names: &[String]) -> Result<usize> {
         let place = match &self.channel {
             None => Some(0),
             Some(Channel::Number(number)) => number.checked_sub(1),

@@ -17,6 +17,7 @@ pub(crate) mod header;
 pub(crate) mod rows;
 mod write;
 
+use crate::error::Result;
 use std::borrow::Cow;
 
 use ndarray::Array2;
@@ -184,7 +185,7 @@ fn is_esri_key(key: &str) -> bool {
 ///
 /// # Errors
 /// A field that is no number, rows of different length (naming the line), or no row at all.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
     let blocks = blocks(bytes, line_end);
@@ -232,13 +233,7 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 }
 
 /// Reads one matrix.
-fn read_block(
-    bytes: &[u8],
-    line_end: u8,
-    lines: usize,
-    head: Head,
-    options: &ReadOptions,
-) -> Result<Scan, FormatError> {
+fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &ReadOptions) -> Result<Scan> {
     let Head { mut header, start, lines: header_lines, first_row } = head;
     let layout = Layout::new(Format::Text, Separator::of(&first_row), COMMENT, line_end);
     let columns = layout.count(&first_row);
@@ -277,12 +272,7 @@ fn read_block(
 }
 
 /// The shape of a table, without columns and rows that are not heights.
-fn shape(
-    header: &Header,
-    table: &mut Table,
-    columns: usize,
-    warnings: &mut Vec<String>,
-) -> Result<(usize, usize), FormatError> {
+fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<String>) -> Result<(usize, usize)> {
     if table.values.is_empty() {
         return Err(nothing());
     }

@@ -13,12 +13,13 @@
 //! An axis is as long as its number of points times their distance: the file states the field of view, not the distance
 //! between the outermost points.
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::Sample;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -77,7 +78,7 @@ impl Layout {
     }
 
     /// Bytes of the whole file by the stated numbers of columns and rows.
-    fn file_bytes(self, input: &Input) -> Result<u64, FormatError> {
+    fn file_bytes(self, input: &Input) -> Result<u64> {
         let columns = u64::from(input.u32("the number of columns", self.columns)?);
         let rows = u64::from(input.u32("the number of rows", self.rows())?);
         Ok((self.heights() as u64).saturating_add(columns.saturating_mul(rows).saturating_mul(4)))
@@ -88,7 +89,7 @@ impl Layout {
 ///
 /// # Errors
 /// Other versions than 1 and 2, no point along an axis, and fewer heights than stated.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Tmd, bytes);
     let title_end = text_end(&input, "the title", 0, MAX_TITLE_BYTES)?;
     let version = latin1(bytes.get(TITLE.len()..title_end).unwrap_or_default());
@@ -129,7 +130,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// Where the zero after a text stands.
-fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usize, FormatError> {
+fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usize> {
     let bytes = input.bytes().get(start..).unwrap_or_default();
     let end = bytes.iter().take(limit).position(|&byte| byte == 0);
     end.map(|length| start + length).ok_or_else(|| input.missing(part, start, "a text that a zero byte ends"))
@@ -138,7 +139,7 @@ fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usi
 /// The fields after the comment.
 ///
 /// They follow its zero byte, but some writers fill the comment up to 24 bytes. The size of the file tells which.
-fn layout(input: &Input, comment: usize, comment_end: usize, has_offsets: bool) -> Result<Layout, FormatError> {
+fn layout(input: &Input, comment: usize, comment_end: usize, has_offsets: bool) -> Result<Layout> {
     let plain = Layout { columns: comment_end + 1, has_offsets };
     let filled = Layout { columns: comment + FILLED_COMMENT_BYTES, has_offsets };
     let fits = |layout: Layout| layout.file_bytes(input).is_ok_and(|bytes| bytes == input.len() as u64);

@@ -1,5 +1,6 @@
 //! Units of length as instrument files spell them.
 
+use crate::error::Result;
 use std::str::FromStr;
 
 use crate::FormatError;
@@ -62,7 +63,7 @@ impl LengthUnit {
 impl FromStr for LengthUnit {
     type Err = FormatError;
 
-    fn from_str(text: &str) -> Result<Self, FormatError> {
+    fn from_str(text: &str) -> Result<Self> {
         let name = text.trim();
         let unknown = || FormatError::UnknownUnit { unit: name.into() };
         Ok(Self { name: name.into(), per_metre: per_metre(name).ok_or_else(unknown)? })

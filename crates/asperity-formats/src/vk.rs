@@ -11,12 +11,13 @@ mod conditions;
 mod metadata;
 mod vk4;
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -60,7 +61,7 @@ fn detect(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// Archives without a VK4 file, files without heights, and headers that the bytes cannot bear out.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Vk, bytes);
     if vk4::detect(bytes) {
         return vk4::read(input, options);
@@ -83,7 +84,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 }
 
 /// Makes heights NaN where the image of errors is not 0; how many.
-fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<usize, FormatError> {
+fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<usize> {
     let images = archive.read_whole(IMAGES, u64::MAX)?;
     let mut images = Archive::open(Format::Vk, &images)?;
     if !images.contains(ERRORS) {

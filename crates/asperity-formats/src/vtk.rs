@@ -4,6 +4,7 @@
 //! VTK's y points up, a scan's rows run down: the scan's last row is y = 0.
 //! Layout: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
+use crate::error::Result;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
@@ -92,7 +93,7 @@ fn array<const N: usize>(
     name: &str,
     count: usize,
     numbers: impl Iterator<Item = [u8; N]>,
-) -> Result<String, FormatError> {
+) -> Result<String> {
     let mut encoder = EncoderStringWriter::new(&STANDARD);
     let written = encoder
         .write_all(&((count * N) as u64).to_le_bytes())

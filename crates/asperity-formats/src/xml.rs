@@ -1,6 +1,7 @@
 //! An XML description as a flat table: the path of every element that holds text, by local names, so that namespace
 //! prefixes and their absence do not matter.
 
+use crate::error::Result;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -61,12 +62,7 @@ impl Document {
     ///
     /// # Errors
     /// XML that is not well-formed, nested too deep, or that uses entities of its own.
-    pub(crate) fn parse(
-        format: Format,
-        entry: &'static str,
-        bytes: &[u8],
-        list_path: &'static str,
-    ) -> Result<Self, FormatError> {
+    pub(crate) fn parse(format: Format, entry: &'static str, bytes: &[u8], list_path: &'static str) -> Result<Self> {
         let text = decode(bytes);
         let mut reader = Reader::from_str(&text);
         reader.config_mut().expand_empty_elements = true;
@@ -130,7 +126,7 @@ impl Document {
         }
     }
 
-    fn add(&mut self, path: &str, text: &str, offset: u64) -> Result<(), FormatError> {
+    fn add(&mut self, path: &str, text: &str, offset: u64) -> Result<()> {
         if path == self.list_path {
             let datum = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
             if datum.is_none() {
@@ -162,12 +158,12 @@ impl Document {
     }
 
     /// The text of an element that must be there.
-    pub(crate) fn required(&self, path: &str, wanted: &str) -> Result<&Value, FormatError> {
+    pub(crate) fn required(&self, path: &str, wanted: &str) -> Result<&Value> {
         self.values.get(path).ok_or_else(|| self.missing(path, wanted))
     }
 
     /// A finite number, `None` when its element is empty or absent.
-    pub(crate) fn number(&self, path: &str) -> Result<Option<f64>, FormatError> {
+    pub(crate) fn number(&self, path: &str) -> Result<Option<f64>> {
         let Some(Value { text, offset }) = self.values.get(path) else { return Ok(None) };
         match text.parse() {
             Ok(number) if f64::is_finite(number) => Ok(Some(number)),
@@ -176,7 +172,7 @@ impl Document {
     }
 
     /// A whole number that must be there.
-    pub(crate) fn integer(&self, path: &str) -> Result<(i64, u64), FormatError> {
+    pub(crate) fn integer(&self, path: &str) -> Result<(i64, u64)> {
         let wanted = "a whole number";
         let Value { text, offset } = self.required(path, wanted)?;
         let number = text.parse().map_err(|_| self.wrong(path, text, *offset, wanted))?;

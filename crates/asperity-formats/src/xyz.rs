@@ -15,6 +15,7 @@
 
 mod grid;
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
@@ -132,13 +133,13 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
         && if whole { along >= 3 && between >= 1 } else { along >= MIN_STEPS || along >= 3 && between >= 1 }
 }
 
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
     if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end, options) }
 }
 
-fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan> {
     let Head { mut header, start, lines, first_row } = Head::read(bytes, line_end, true);
     let list = List { bytes: &bytes[start..], lines, layout: layout(&first_row, line_end), line_end };
     let mut table = list.table()?;
@@ -173,7 +174,7 @@ fn repeats_a_point(reason: &NoGrid, values: &[f64]) -> bool {
     before.chunks_exact(3).any(|other| place(other) == place(rest))
 }
 
-fn map(grid: Grid) -> Result<Array2<f64>, FormatError> {
+fn map(grid: Grid) -> Result<Array2<f64>> {
     let [columns, rows] = grid.axes.map(|axis| axis.lines);
     Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
 }
@@ -214,7 +215,7 @@ struct List<'a> {
 }
 
 impl List<'_> {
-    fn table(&self) -> Result<rows::Table, FormatError> {
+    fn table(&self) -> Result<rows::Table> {
         let table = rows::read(self.bytes, &self.layout, self.lines).map_err(|error| match error {
             FormatError::Ragged { line, found, .. } => FormatError::Field {
                 format: Format::Xyz,
@@ -294,7 +295,7 @@ const CAMERA_RESOLUTION: (usize, usize) = (7, 6);
 /// Heights of Zygo files in a metre: they are in micrometre.
 const ZYGO_PER_METRE: f64 = 1e6;
 
-fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
+fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
     let (mut head, mut start) = (Vec::new(), 0);
     for line in bytes.split(|&byte| byte == line_end).take(2 * ZYGO_LINES) {
         start += line.len() + 1;

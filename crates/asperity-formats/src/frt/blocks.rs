@@ -1,9 +1,9 @@
 //! The blocks of an FRT file.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use super::BLOCK_COUNT;
-use crate::FormatError;
 use crate::input::Input;
 
 pub(super) const CURRENT_IMAGE: u16 = 0x000b;
@@ -27,11 +27,11 @@ pub(super) struct Block<'a> {
 }
 
 impl Block<'_> {
-    pub(super) fn u32(&self, field: &str, offset: usize) -> Result<u32, FormatError> {
+    pub(super) fn u32(&self, field: &str, offset: usize) -> Result<u32> {
         self.input.u32(field, self.start + offset)
     }
 
-    pub(super) fn f64(&self, field: &str, offset: usize) -> Result<f64, FormatError> {
+    pub(super) fn f64(&self, field: &str, offset: usize) -> Result<f64> {
         self.input.f64(field, self.start + offset)
     }
 
@@ -44,11 +44,7 @@ impl Block<'_> {
 pub(super) type Blocks<'a> = BTreeMap<u16, Block<'a>>;
 
 /// All blocks up to the end of the file.
-pub(super) fn blocks<'a>(
-    input: Input<'a>,
-    size_bytes: usize,
-    warnings: &mut Vec<String>,
-) -> Result<Blocks<'a>, FormatError> {
+pub(super) fn blocks<'a>(input: Input<'a>, size_bytes: usize, warnings: &mut Vec<String>) -> Result<Blocks<'a>> {
     let mut blocks = Blocks::new();
     let mut place = BLOCK_COUNT + 2;
     let mut found = 0;

@@ -1,7 +1,7 @@
 //! The images of an FRT file.
 
 use super::blocks::Block;
-use crate::FormatError;
+use crate::error::Result;
 use crate::sample::Sample;
 
 /// Bytes before the first image of block 0x007d: what the current image is.
@@ -29,7 +29,7 @@ pub(super) struct Image<'a> {
 
 impl<'a> Image<'a> {
     /// An image whose size stands at `offset` of `header` and whose numbers start at `numbers.start`.
-    pub(super) fn new(kind: u32, header: Block, offset: usize, numbers: Block<'a>) -> Result<Self, FormatError> {
+    pub(super) fn new(kind: u32, header: Block, offset: usize, numbers: Block<'a>) -> Result<Self> {
         let [x, y, bits] = ["points along x", "points along y", "bits per point"];
         let at = header.start + offset;
         let (nx, ny) = (header.u32(x, offset)?, header.u32(y, offset + 4)?);
@@ -72,7 +72,7 @@ impl<'a> Image<'a> {
 const MAX_IMAGES: usize = 1 << 12;
 
 /// The images of block 0x007d, whatever they show.
-pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>, FormatError> {
+pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>> {
     let mut images = Vec::new();
     let mut offset = IMAGES_HEADER_BYTES;
     while offset + IMAGE_HEADER_BYTES < block.len() {

@@ -1,8 +1,8 @@
 //! Serialised objects: where their components lie.
 
+use crate::error::Result;
 use std::borrow::Cow;
 
-use crate::FormatError;
 use crate::error::shown;
 use crate::input::{Input, MAX_TEXT_BYTES};
 
@@ -26,7 +26,7 @@ pub(super) struct Component<'a> {
 }
 
 /// The place behind the next zero before `limit`.
-fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize, FormatError> {
+fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize> {
     let bytes = input.bytes().get(offset..limit).unwrap_or_default();
     let length = bytes.iter().position(|&byte| byte == 0);
     let wrong = || input.wrong(field, offset, "a text without end", "a zero byte after it");
@@ -34,19 +34,14 @@ fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Resul
 }
 
 /// The text that ends with the next zero before `limit`, as far as it is kept, and the place behind the zero.
-fn string<'a>(
-    input: &Input<'a>,
-    field: &str,
-    offset: usize,
-    limit: usize,
-) -> Result<(Cow<'a, str>, usize), FormatError> {
+fn string<'a>(input: &Input<'a>, field: &str, offset: usize, limit: usize) -> Result<(Cow<'a, str>, usize)> {
     let end = behind_text(input, field, offset, limit)?;
     let kept = &input.bytes()[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
     Ok((String::from_utf8_lossy(kept), end))
 }
 
 /// Where `length` bytes from `offset` end, if that is before `limit`.
-fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> Result<usize, FormatError> {
+fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> Result<usize> {
     let room = limit.saturating_sub(offset);
     match usize::try_from(length) {
         Ok(length) if length <= room => Ok(offset + length),
@@ -59,7 +54,7 @@ impl<'a> Object<'a> {
     ///
     /// # Errors
     /// A size beyond `limit`.
-    pub(super) fn at(input: Input<'a>, field: &str, offset: usize, limit: usize) -> Result<Self, FormatError> {
+    pub(super) fn at(input: Input<'a>, field: &str, offset: usize, limit: usize) -> Result<Self> {
         let size_at = behind_text(&input, field, offset, limit)?;
         let start = end(&input, field, size_at, 4, limit)?;
         let content_end = end(&input, field, start, input.u32(field, size_at)?.into(), limit)?;
@@ -67,12 +62,12 @@ impl<'a> Object<'a> {
     }
 
     /// The object that a component holds.
-    pub(super) fn of(input: Input<'a>, component: &Component) -> Result<Self, FormatError> {
+    pub(super) fn of(input: Input<'a>, component: &Component) -> Result<Self> {
         Self::at(input, &component.name, component.value.0, component.value.1)
     }
 
     /// Refuses objects of another type.
-    pub(super) fn expect(&self, kind: &str) -> Result<(), FormatError> {
+    pub(super) fn expect(&self, kind: &str) -> Result<()> {
         let (found, _) = string(&self.input, "type of the object", self.offset, self.content.0)?;
         if found == kind { Ok(()) } else { Err(self.input.wrong("type of the object", self.offset, found, kind)) }
     }
@@ -83,7 +78,7 @@ impl<'a> Object<'a> {
     }
 
     /// The components in their order; objects inside are stepped over by their size.
-    pub(super) fn components(&self) -> impl Iterator<Item = Result<Component<'a>, FormatError>> + use<'a> {
+    pub(super) fn components(&self) -> impl Iterator<Item = Result<Component<'a>>> + use<'a> {
         let (input, (mut offset, limit)) = (self.input, self.content);
         std::iter::from_fn(move || {
             (offset < limit).then(|| {
@@ -97,7 +92,7 @@ impl<'a> Object<'a> {
 }
 
 /// The component at `offset`.
-fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Component<'a>, FormatError> {
+fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Component<'a>> {
     let (name, kind_at) = string(input, "name of a component", offset, limit)?;
     let start = end(input, &name, kind_at, 1, limit)?;
     let kind = input.u8(&name, kind_at)?;
@@ -130,7 +125,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
 
 impl Component<'_> {
     /// Refuses values of another type.
-    pub(super) fn expect(&self, input: &Input, kind: u8) -> Result<(), FormatError> {
+    pub(super) fn expect(&self, input: &Input, kind: u8) -> Result<()> {
         if self.kind == kind {
             return Ok(());
         }
@@ -139,7 +134,7 @@ impl Component<'_> {
     }
 
     /// The value as text: of a text, a number or a truth value.
-    pub(super) fn text(&self, input: &Input) -> Result<Option<String>, FormatError> {
+    pub(super) fn text(&self, input: &Input) -> Result<Option<String>> {
         let (start, end) = self.value;
         Ok(Some(match self.kind {
             b's' => string(input, &self.name, start, end)?.0.into_owned(),

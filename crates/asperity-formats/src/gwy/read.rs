@@ -1,5 +1,6 @@
 //! From a tree of objects to a scan.
 
+use crate::error::Result;
 use std::collections::{BTreeMap, HashMap};
 
 use ndarray::Array2;
@@ -33,7 +34,7 @@ struct Parts {
 ///
 /// # Errors
 /// Files of Gwyddion 1, trees that the bytes cannot bear out, files without an image of lengths.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Gwy, bytes);
     if bytes.starts_with(MAGIC_1) {
         let wanted = "a file that starts with GWYP; Gwyddion saves it again as one";
@@ -86,7 +87,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
 }
 
 /// The images by number, and the name under which the file was saved.
-fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<String>), FormatError> {
+fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<String>)> {
     let (mut images, mut file_name) = (BTreeMap::<u32, Parts>::new(), None);
     for component in root.components() {
         let component = component?;
@@ -119,7 +120,7 @@ fn image_key(key: &str) -> Option<(u32, &str)> {
 }
 
 /// An object whose place the walk through the root has found.
-fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a>, FormatError> {
+fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a>> {
     Object::at(*input, field, offset, input.len())
 }
 
@@ -137,7 +138,7 @@ struct Units {
 }
 
 impl Units {
-    fn of(input: &Input, field: &Object) -> Result<Self, FormatError> {
+    fn of(input: &Input, field: &Object) -> Result<Self> {
         field.expect(DATA_FIELD)?;
         let mut units = Self { xy: String::new(), z: String::new() };
         for component in field.components() {
@@ -190,7 +191,7 @@ impl Units {
 }
 
 /// The fields of a `GwyDataField`.
-fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, Component<'a>>, FormatError> {
+fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, Component<'a>>> {
     let mut fields = HashMap::new();
     for component in field.components() {
         let component = component?;
@@ -207,11 +208,7 @@ fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, C
 }
 
 /// Rows, columns and the place of the first number.
-fn layout(
-    input: &Input,
-    field: &Object,
-    fields: &HashMap<String, Component>,
-) -> Result<(usize, usize, usize), FormatError> {
+fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) -> Result<(usize, usize, usize)> {
     let required = |name: &str| {
         let component = fields.get(name).ok_or_else(|| input.missing(name, field.start(), "xres, yres and data"))?;
         Ok::<_, FormatError>(component.value.0)
@@ -228,7 +225,7 @@ fn layout(
 }
 
 /// The heights and the pitch of an image.
-fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatError> {
+fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
     let fields = fields(input, field)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
     let per_metre = units.per_metre_z().unwrap_or(1.0);
@@ -257,7 +254,7 @@ fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatErr
 }
 
 /// Takes out the heights that the mask marks.
-fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<(), FormatError> {
+fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
     mask.expect(DATA_FIELD)?;
     let (ny, nx, data_at) = layout(input, mask, &fields(input, mask)?)?;
     if (ny, nx) != scan.heights_m.dim() {
@@ -279,7 +276,7 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<(), Forma
 }
 
 /// Adds the texts of a container to the metadata.
-fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<(), FormatError> {
+fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<()> {
     meta.expect(CONTAINER)?;
     let mut room = Room::default();
     for component in meta.components() {

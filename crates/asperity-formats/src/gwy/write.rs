@@ -1,5 +1,6 @@
 //! From a scan to a tree of objects.
 
+use crate::error::Result;
 use std::mem::size_of;
 
 use super::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
@@ -38,11 +39,7 @@ impl Writer {
     }
 
     /// An object: its type, its size, and what `content` writes.
-    fn object(
-        &mut self,
-        kind: &str,
-        content: impl FnOnce(&mut Self) -> Result<(), FormatError>,
-    ) -> Result<(), FormatError> {
+    fn object(&mut self, kind: &str, content: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.text(kind);
         let size_at = self.0.len();
         self.0.extend([0; size_of::<u32>()]);
@@ -54,7 +51,7 @@ impl Writer {
         Ok(())
     }
 
-    fn unit(&mut self, name: &str, unit: &str) -> Result<(), FormatError> {
+    fn unit(&mut self, name: &str, unit: &str) -> Result<()> {
         self.name(name, b'o');
         self.object(UNIT, |writer| {
             writer.string("unitstr", unit);
@@ -70,7 +67,7 @@ impl Writer {
         (width_m, height_m): (f64, f64),
         unit: &str,
         value: impl Fn(f64) -> f64,
-    ) -> Result<(), FormatError> {
+    ) -> Result<()> {
         let (ny, nx) = scan.heights_m.dim();
         let (Ok(xres), Ok(yres), Ok(count)) = (nx.try_into(), ny.try_into(), u32::try_from(nx * ny)) else {
             return Err(not_storable(format!("a map of {nx} × {ny} points"), "less than 4 GiB of heights and mask"));

@@ -1,5 +1,6 @@
 //! Chunked data: where the chunks are, how they are unpacked and put together.
 
+use crate::error::Result;
 use std::borrow::Cow;
 use std::io::Read;
 
@@ -8,7 +9,6 @@ use flate2::read::ZlibDecoder;
 use super::File;
 use super::piece::Piece;
 use super::tree::Keys;
-use crate::FormatError;
 use crate::archive::{damage, damaged};
 
 /// Bytes that chunks may unpack to in any file: a map of 2048 × 1024 as `f64`.
@@ -66,7 +66,7 @@ struct Stored<'a> {
 }
 
 /// The part of a layout message behind its class.
-pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks, FormatError> {
+pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks> {
     let flags = if version == 4 { message.u8("flags")? } else { 0 };
     let rank_at = message.at();
     // The element is the last dimension.
@@ -89,7 +89,7 @@ pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks, FormatEr
 }
 
 /// The index of a version 4 layout.
-fn newer_index(message: &mut Piece, flags: u8) -> Result<Index, FormatError> {
+fn newer_index(message: &mut Piece, flags: u8) -> Result<Index> {
     let name = match message.u8("kind of index")? {
         1 => {
             let is_filtered = flags & 2 != 0;
@@ -110,7 +110,7 @@ fn newer_index(message: &mut Piece, flags: u8) -> Result<Index, FormatError> {
 }
 
 /// The filters in a pipeline message.
-pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>, FormatError> {
+pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>> {
     let version = message.version(&[1, 2])?;
     let count_at = message.at();
     let count = message.u8("number of filters")?;
@@ -162,7 +162,7 @@ impl<'a> File<'a> {
         filters: &[Filter],
         shape: &[usize],
         element: Element,
-    ) -> Result<Vec<u8>, FormatError> {
+    ) -> Result<Vec<u8>> {
         let grid = Grid::new(chunks, shape).ok_or_else(|| {
             let found = format!("chunks of {} dimensions", chunks.shape.len());
             self.input.unsupported(found, "chunks of two dimensions")
@@ -220,7 +220,7 @@ impl<'a> File<'a> {
         filters: &[Filter],
         chunk_bytes: usize,
         element_bytes: usize,
-    ) -> Result<Cow<'a, [u8]>, FormatError> {
+    ) -> Result<Cow<'a, [u8]>> {
         let broken = |reason: String| damaged(self.format, &format!("the chunk at byte {}", stored.at), reason);
         let mut bytes = Cow::Borrowed(stored.bytes);
         for (place, filter) in filters.iter().enumerate().rev() {

@@ -1,5 +1,6 @@
 //! Datasets: their type and shape, and their bytes out of the three layouts.
 
+use crate::error::Result;
 use std::borrow::Cow;
 
 use super::chunks::{Chunks, Element, Filter};
@@ -7,7 +8,6 @@ use super::datatype::{Class, Datatype, dimensions};
 use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_VALUE};
 use super::piece::Piece;
 use super::{File, Object, Value};
-use crate::FormatError;
 use crate::sample::{ByteOrder, Sample};
 
 /// A dataset whose header was read.
@@ -33,7 +33,7 @@ enum Layout<'a> {
 
 impl<'a> File<'a> {
     /// The dataset that an object is, `None` for a group.
-    pub(crate) fn dataset(&self, object: &Object) -> Result<Option<Dataset<'a>>, FormatError> {
+    pub(crate) fn dataset(&self, object: &Object) -> Result<Option<Dataset<'a>>> {
         let (Some(datatype), Some(space), Some(layout)) =
             (object.first(DATATYPE), object.first(DATASPACE), object.first(LAYOUT))
         else {
@@ -59,7 +59,7 @@ impl<'a> File<'a> {
     ///
     /// # Errors
     /// Data that are not there, and chunks that unpack to more than the file can mean.
-    pub(crate) fn bytes(&self, dataset: &Dataset<'a>) -> Result<Cow<'a, [u8]>, FormatError> {
+    pub(crate) fn bytes(&self, dataset: &Dataset<'a>) -> Result<Cow<'a, [u8]>> {
         let count = dataset.shape.iter().copied().fold(1, usize::saturating_mul);
         let length = count.saturating_mul(dataset.datatype.bytes);
         let at = dataset.at;
@@ -78,7 +78,7 @@ impl<'a> File<'a> {
     }
 
     /// The numbers of a dataset in row order, `None` where it holds something else.
-    pub(crate) fn numbers(&self, dataset: &Dataset<'a>) -> Result<Option<Vec<f64>>, FormatError> {
+    pub(crate) fn numbers(&self, dataset: &Dataset<'a>) -> Result<Option<Vec<f64>>> {
         let Some((sample, order)) = dataset.sample() else { return Ok(None) };
         let bytes = self.bytes(dataset)?;
         let mut numbers = Vec::with_capacity(bytes.len() / sample.size());
@@ -91,8 +91,8 @@ impl<'a> File<'a> {
         &self,
         dataset: &Dataset<'a>,
         bytes: &[u8],
-        mut visit: impl FnMut(Value) -> Result<Option<T>, FormatError>,
-    ) -> Result<Option<T>, FormatError> {
+        mut visit: impl FnMut(Value) -> Result<Option<T>>,
+    ) -> Result<Option<T>> {
         for bytes in bytes.chunks_exact(dataset.datatype.bytes) {
             self.charge("table", dataset.at, bytes.len())?;
             let found = visit(Value { file: self, datatype: &dataset.datatype, bytes })?;
@@ -114,7 +114,7 @@ impl Dataset<'_> {
     }
 }
 
-fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>, FormatError> {
+fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>> {
     let version = message.version(&[3, 4])?;
     let class_at = message.at();
     Ok(match message.u8("class")? {
@@ -129,7 +129,7 @@ fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>, FormatError> {
 }
 
 /// The value in a fill value message, `None` where it states none.
-fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatError> {
+fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>> {
     let is_defined = match message.version(&[1, 2, 3])? {
         // Bit 5 of the flags.
         3 => message.u8("flags")? & 1 << 5 != 0,
@@ -142,7 +142,7 @@ fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatErro
 }
 
 /// A value with its size before it; size 0 stands for none.
-fn sized<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatError> {
+fn sized<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>> {
     let length = message.size("size", 4)?;
     Ok(Some(message.take("value", length)?).filter(|value| !value.is_empty()))
 }

@@ -3,7 +3,7 @@
 use super::header::DATATYPE;
 use super::piece::Piece;
 use super::{File, Object};
-use crate::FormatError;
+use crate::error::Result;
 use crate::sample::{ByteOrder, Sample};
 
 /// How deep types may lie in each other.
@@ -49,7 +49,7 @@ pub(crate) struct Member {
 
 impl File<'_> {
     /// The type in a datatype message, or in the committed datatype that it refers to.
-    pub(super) fn datatype(&self, mut message: Piece, is_shared: bool) -> Result<Datatype, FormatError> {
+    pub(super) fn datatype(&self, mut message: Piece, is_shared: bool) -> Result<Datatype> {
         if !is_shared {
             return read(&mut message, 0);
         }
@@ -72,7 +72,7 @@ impl File<'_> {
 }
 
 /// Reads one type; what is behind it stays in `message`.
-fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
+fn read(message: &mut Piece, depth: usize) -> Result<Datatype> {
     let start = message.at();
     if depth > MAX_DEPTH {
         return Err(message.wrong("depth", start, depth, &format!("at most {MAX_DEPTH}")));
@@ -122,12 +122,12 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
     Ok(Datatype { bytes, class })
 }
 
-fn skipped(message: &mut Piece, length: usize) -> Result<Class, FormatError> {
+fn skipped(message: &mut Piece, length: usize) -> Result<Class> {
     message.skip("properties", length)?;
     Ok(Class::Other)
 }
 
-fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, FormatError> {
+fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class> {
     let (offset, precision) = (message.u16("bit offset")?, message.u16("bit precision")?);
     let sample = match (bytes, bits >> 3 & 1) {
         (1, 0) => Sample::U8,
@@ -144,7 +144,7 @@ fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, Format
     Ok(if is_whole { Class::Number(sample, order(bits)) } else { Class::Other })
 }
 
-fn float(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, FormatError> {
+fn float(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class> {
     let properties = message.take("properties", 12)?;
     // Bit offset and precision; place and size of exponent and mantissa; bias of the exponent, by IEEE 754.
     let sample = match (bytes, properties) {
@@ -160,7 +160,7 @@ fn order(bits: u64) -> ByteOrder {
     if bits & 1 == 0 { ByteOrder::Little } else { ByteOrder::Big }
 }
 
-fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Result<Class, FormatError> {
+fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Result<Class> {
     let base = read(message, depth + 1)?;
     let count = (bits & 0xffff) as usize;
     for _ in 0..count {
@@ -170,7 +170,7 @@ fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Res
     Ok(base.class)
 }
 
-fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: usize) -> Result<Class, FormatError> {
+fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: usize) -> Result<Class> {
     let (count, mut members) = (bits & 0xffff, Vec::new());
     if count > MAX_MEMBERS {
         return Err(message.wrong("members", message.at(), count, &format!("at most {MAX_MEMBERS}")));
@@ -195,7 +195,7 @@ fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: us
 }
 
 /// A name that ends with a zero; old ones fill a multiple of 8 bytes.
-fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8], FormatError> {
+fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8]> {
     let start = message.at();
     let name = message.text("name")?;
     if version < 3 {
@@ -205,7 +205,7 @@ fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8], FormatErro
 }
 
 /// The dimensions in a dataspace message; none for a single element.
-pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>, FormatError> {
+pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>> {
     let version = message.version(&[1, 2])?;
     let rank_at = message.at();
     let rank = message.u8("dimensions")?;

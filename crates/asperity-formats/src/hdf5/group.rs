@@ -4,7 +4,7 @@ use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
 use super::piece::Piece;
 use super::tree::Keys;
 use super::{File, MAX_ENTRIES, Object};
-use crate::FormatError;
+use crate::error::Result;
 
 /// Keys of a symbol table's tree: offsets of names.
 const NAMES: Keys = Keys { kind: 0, bytes: 8 };
@@ -22,7 +22,7 @@ pub(crate) struct Link<'a> {
 
 impl<'a> File<'a> {
     /// The links of a group, none for a dataset.
-    pub(crate) fn links(&self, object: &Object) -> Result<Vec<Link<'a>>, FormatError> {
+    pub(crate) fn links(&self, object: &Object) -> Result<Vec<Link<'a>>> {
         let mut links = Vec::new();
         let mut push = |link: Option<Link<'a>>| {
             links.extend(link);
@@ -77,7 +77,7 @@ impl<'a> File<'a> {
 }
 
 /// The link in a link message, `None` for soft and external ones.
-fn link(mut message: Piece) -> Result<Option<Link>, FormatError> {
+fn link(mut message: Piece) -> Result<Option<Link>> {
     message.version(&[1])?;
     let flags = message.u8("flags")?;
     let kind = if flags & 1 << 3 != 0 { message.u8("kind")? } else { 0 };

@@ -2,7 +2,7 @@
 
 use super::piece::Piece;
 use super::{File, MAX_ENTRIES};
-use crate::FormatError;
+use crate::error::Result;
 
 pub(super) const DATASPACE: u16 = 0x01;
 pub(super) const LINK_INFO: u16 = 0x02;
@@ -60,7 +60,7 @@ enum Style {
 
 impl<'a> File<'a> {
     /// Reads the header of the object at an address.
-    pub(crate) fn object(&self, at: usize) -> Result<Object, FormatError> {
+    pub(crate) fn object(&self, at: usize) -> Result<Object> {
         let is_old = self.input.take("object header", at, 4)? != SIGNATURE;
         let (style, first) = if is_old { self.old_header(at)? } else { self.new_header(at)? };
         let mut blocks = vec![first];
@@ -86,7 +86,7 @@ impl<'a> File<'a> {
     }
 
     /// Where the messages of a version 1 header stand.
-    fn old_header(&self, at: usize) -> Result<(Style, (usize, usize)), FormatError> {
+    fn old_header(&self, at: usize) -> Result<(Style, (usize, usize))> {
         let mut header = self.piece("object header", at, 16)?;
         header.version(&[1])?;
         // A reserved byte, number of messages, reference count.
@@ -95,7 +95,7 @@ impl<'a> File<'a> {
     }
 
     /// Where the messages of a version 2 header stand.
-    fn new_header(&self, at: usize) -> Result<(Style, (usize, usize)), FormatError> {
+    fn new_header(&self, at: usize) -> Result<(Style, (usize, usize))> {
         let longest = 4 + 1 + 1 + 16 + 4 + 8;
         let mut header = self.piece("object header", at, self.input.len().saturating_sub(at).min(longest))?;
         header.expect("signature", SIGNATURE)?;
@@ -113,13 +113,13 @@ impl<'a> File<'a> {
     }
 
     /// The content of a message.
-    pub(super) fn message(&self, message: Message, name: &'static str) -> Result<Piece<'a>, FormatError> {
+    pub(super) fn message(&self, message: Message, name: &'static str) -> Result<Piece<'a>> {
         self.piece(name, message.at, message.length)
     }
 }
 
 /// The next message of a block, `None` where the rest is too short for one.
-fn next_message(block: &mut Piece, style: Style) -> Result<Option<Message>, FormatError> {
+fn next_message(block: &mut Piece, style: Style) -> Result<Option<Message>> {
     let (kind_bytes, behind_flags) = match style {
         Style::Old => (2, 3),
         Style::New => (1, 0),

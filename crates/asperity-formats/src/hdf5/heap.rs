@@ -4,7 +4,7 @@
 use super::File;
 use super::piece::Piece;
 use super::tree::width;
-use crate::FormatError;
+use crate::error::Result;
 
 /// Bytes of a name that are searched for its end.
 const MAX_NAME_BYTES: usize = 4096;
@@ -34,7 +34,7 @@ pub(super) struct FractalHeap {
 }
 
 impl<'a> File<'a> {
-    pub(super) fn local_heap(&self, at: usize) -> Result<LocalHeap, FormatError> {
+    pub(super) fn local_heap(&self, at: usize) -> Result<LocalHeap> {
         let mut heap = self.piece("local heap", at, 32)?;
         heap.expect("signature", b"HEAP")?;
         heap.version(&[0])?;
@@ -45,7 +45,7 @@ impl<'a> File<'a> {
     }
 
     /// The name at an offset into the heap.
-    pub(super) fn name(&self, heap: &LocalHeap, offset: usize) -> Result<&'a [u8], FormatError> {
+    pub(super) fn name(&self, heap: &LocalHeap, offset: usize) -> Result<&'a [u8]> {
         let end = heap.length.min(self.input.len().saturating_sub(heap.start));
         let length = end.saturating_sub(offset).min(MAX_NAME_BYTES);
         let at = heap.start.saturating_add(offset);
@@ -56,7 +56,7 @@ impl<'a> File<'a> {
     }
 
     /// An object of a global heap, `None` where a reference leads to nothing.
-    pub(super) fn global(&self, at: usize, wanted: u32) -> Result<Option<&'a [u8]>, FormatError> {
+    pub(super) fn global(&self, at: usize, wanted: u32) -> Result<Option<&'a [u8]>> {
         let mut head = self.piece("global heap", at, 16)?;
         head.expect("signature", b"GCOL")?;
         head.version(&[1])?;
@@ -84,7 +84,7 @@ impl<'a> File<'a> {
         Ok(found)
     }
 
-    pub(super) fn fractal_heap(&self, at: usize) -> Result<FractalHeap, FormatError> {
+    pub(super) fn fractal_heap(&self, at: usize) -> Result<FractalHeap> {
         let mut heap = self.piece("fractal heap", at, 142)?;
         heap.expect("signature", b"FRHP")?;
         heap.version(&[0])?;
@@ -127,7 +127,7 @@ impl<'a> File<'a> {
     }
 
     /// The object that an identifier names; `None` for huge and tiny ones, which are no links and hardly attributes.
-    pub(super) fn managed(&self, heap: &FractalHeap, mut id: Piece<'a>) -> Result<Option<Piece<'a>>, FormatError> {
+    pub(super) fn managed(&self, heap: &FractalHeap, mut id: Piece<'a>) -> Result<Option<Piece<'a>>> {
         let id_at = id.at();
         // Bits 4 and 5 tell managed, huge and tiny objects apart.
         if id.u8("kind")? & 0x30 != 0 {

@@ -1,5 +1,6 @@
 //! A structure of the file, read field by field from its start to its end.
 
+use crate::error::Result;
 use crate::input::Input;
 use crate::{Format, FormatError};
 
@@ -19,13 +20,7 @@ pub(super) struct Piece<'a> {
 impl<'a> Piece<'a> {
     /// # Errors
     /// [`FormatError::Truncated`] where the file ends before.
-    pub(super) fn new(
-        input: Input<'a>,
-        format: Format,
-        name: &'static str,
-        at: usize,
-        length: usize,
-    ) -> Result<Self, FormatError> {
+    pub(super) fn new(input: Input<'a>, format: Format, name: &'static str, at: usize, length: usize) -> Result<Self> {
         input.take(name, at, length)?;
         Ok(Self { input, format, name, at, end: at + length })
     }
@@ -40,7 +35,7 @@ impl<'a> Piece<'a> {
         self.end - self.at
     }
 
-    pub(super) fn take(&mut self, field: &str, length: usize) -> Result<&'a [u8], FormatError> {
+    pub(super) fn take(&mut self, field: &str, length: usize) -> Result<&'a [u8]> {
         if length > self.left() {
             return Err(FormatError::Truncated {
                 format: self.format,
@@ -56,45 +51,45 @@ impl<'a> Piece<'a> {
     }
 
     /// All bytes that are left.
-    pub(super) fn rest(mut self) -> Result<&'a [u8], FormatError> {
+    pub(super) fn rest(mut self) -> Result<&'a [u8]> {
         self.take("bytes", self.left())
     }
 
-    pub(super) fn skip(&mut self, field: &str, length: usize) -> Result<(), FormatError> {
+    pub(super) fn skip(&mut self, field: &str, length: usize) -> Result<()> {
         self.take(field, length).map(|_| ())
     }
 
     /// A number of at most 8 bytes.
-    pub(super) fn number(&mut self, field: &str, width: usize) -> Result<u64, FormatError> {
+    pub(super) fn number(&mut self, field: &str, width: usize) -> Result<u64> {
         let bytes = self.take(field, width)?;
         Ok(bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
     }
 
-    pub(super) fn u8(&mut self, field: &str) -> Result<u8, FormatError> {
+    pub(super) fn u8(&mut self, field: &str) -> Result<u8> {
         Ok(self.number(field, 1)? as u8)
     }
 
-    pub(super) fn u16(&mut self, field: &str) -> Result<u16, FormatError> {
+    pub(super) fn u16(&mut self, field: &str) -> Result<u16> {
         Ok(self.number(field, 2)? as u16)
     }
 
-    pub(super) fn u32(&mut self, field: &str) -> Result<u32, FormatError> {
+    pub(super) fn u32(&mut self, field: &str) -> Result<u32> {
         Ok(self.number(field, 4)? as u32)
     }
 
-    pub(super) fn u64(&mut self, field: &str) -> Result<u64, FormatError> {
+    pub(super) fn u64(&mut self, field: &str) -> Result<u64> {
         self.number(field, 8)
     }
 
     /// A number of at most 8 bytes that counts things in the file.
-    pub(super) fn size(&mut self, field: &str, width: usize) -> Result<usize, FormatError> {
+    pub(super) fn size(&mut self, field: &str, width: usize) -> Result<usize> {
         let at = self.at;
         let found = self.number(field, width)?;
         usize::try_from(found).map_err(|_| self.wrong(field, at, found, "a size within the file"))
     }
 
     /// An address, `None` where there is nothing.
-    pub(super) fn optional_address(&mut self, field: &str) -> Result<Option<usize>, FormatError> {
+    pub(super) fn optional_address(&mut self, field: &str) -> Result<Option<usize>> {
         let at = self.at;
         match self.u64(field)? {
             UNDEFINED => Ok(None),
@@ -107,13 +102,13 @@ impl<'a> Piece<'a> {
     }
 
     /// An address where something must be.
-    pub(super) fn address(&mut self, field: &str) -> Result<usize, FormatError> {
+    pub(super) fn address(&mut self, field: &str) -> Result<usize> {
         let at = self.at;
         self.optional_address(field)?.ok_or_else(|| self.wrong(field, at, "undefined", "a byte within the file"))
     }
 
     /// Bytes that every structure of a kind starts with.
-    pub(super) fn expect(&mut self, field: &str, wanted: &[u8]) -> Result<(), FormatError> {
+    pub(super) fn expect(&mut self, field: &str, wanted: &[u8]) -> Result<()> {
         let at = self.at;
         let found = self.take(field, wanted.len())?;
         if found != wanted {
@@ -123,7 +118,7 @@ impl<'a> Piece<'a> {
     }
 
     /// The number of a version that is read.
-    pub(super) fn version(&mut self, read: &[u8]) -> Result<u8, FormatError> {
+    pub(super) fn version(&mut self, read: &[u8]) -> Result<u8> {
         let at = self.at;
         let version = self.u8("version")?;
         if !read.contains(&version) {
@@ -134,14 +129,14 @@ impl<'a> Piece<'a> {
     }
 
     /// The next `length` bytes as a structure of their own.
-    pub(super) fn split(&mut self, name: &'static str, length: usize) -> Result<Self, FormatError> {
+    pub(super) fn split(&mut self, name: &'static str, length: usize) -> Result<Self> {
         let at = self.at;
         self.skip(name, length)?;
         Ok(Self { name, at, end: at + length, ..*self })
     }
 
     /// Text up to a zero, which is passed over; up to the end where there is none.
-    pub(super) fn text(&mut self, field: &str) -> Result<&'a [u8], FormatError> {
+    pub(super) fn text(&mut self, field: &str) -> Result<&'a [u8]> {
         let rest = self.rest()?;
         let length = rest.iter().position(|&byte| byte == 0).unwrap_or(rest.len());
         self.skip(field, (length + 1).min(rest.len()))?;
@@ -149,7 +144,7 @@ impl<'a> Piece<'a> {
     }
 
     /// Passes over the bytes up to a multiple of 8 after `start`.
-    pub(super) fn align(&mut self, start: usize) -> Result<(), FormatError> {
+    pub(super) fn align(&mut self, start: usize) -> Result<()> {
         let padding = (self.at - start).next_multiple_of(8) - (self.at - start);
         self.skip("padding", padding.min(self.left()))
     }

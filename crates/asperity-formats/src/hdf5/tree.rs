@@ -2,7 +2,7 @@
 
 use super::File;
 use super::piece::Piece;
-use crate::FormatError;
+use crate::error::Result;
 
 /// Levels of a version 2 tree; each multiplies its records by ten and more.
 const MAX_DEPTH: u16 = 16;
@@ -27,21 +27,15 @@ struct Nodes {
 }
 
 /// What is done with a key or record, and with the address behind a key.
-pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<(), FormatError> + 'v;
+pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<()> + 'v;
 
 impl<'a> File<'a> {
     /// Hands every leaf of a version 1 tree to `visit`: its key and the address behind it.
-    pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut Visit<'_, 'a>) -> Result<(), FormatError> {
+    pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut Visit<'_, 'a>) -> Result<()> {
         self.visit_node(root, keys, None, visit)
     }
 
-    fn visit_node(
-        &self,
-        at: usize,
-        keys: Keys,
-        wanted_level: Option<u8>,
-        visit: &mut Visit<'_, 'a>,
-    ) -> Result<(), FormatError> {
+    fn visit_node(&self, at: usize, keys: Keys, wanted_level: Option<u8>, visit: &mut Visit<'_, 'a>) -> Result<()> {
         let mut node = self.piece("B-tree node", at, 24)?;
         node.expect("signature", b"TREE")?;
         node.expect("type", &[keys.kind])?;
@@ -65,7 +59,7 @@ impl<'a> File<'a> {
     }
 
     /// Hands every record of a version 2 tree to `visit`, with the place of the node.
-    pub(super) fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<(), FormatError> {
+    pub(super) fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<()> {
         let mut head = self.piece("B-tree header", header, 4 + 1 + 1 + 4 + 2 + 2 + 2 + 8 + 2)?;
         head.expect("signature", b"BTHD")?;
         head.version(&[0])?;
@@ -95,7 +89,7 @@ impl<'a> File<'a> {
         count: usize,
         nodes: &Nodes,
         visit: &mut Visit<'_, 'a>,
-    ) -> Result<(), FormatError> {
+    ) -> Result<()> {
         let total_bytes = if level > 1 { nodes.total_bytes[level - 1] } else { 0 };
         let child_bytes = if level > 0 { 8 + nodes.count_bytes + total_bytes } else { 0 };
         if count > (nodes.node_bytes - NODE_BYTES) / nodes.record_bytes {

@@ -4,7 +4,7 @@ use super::datatype::{Class, Datatype, dimensions};
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
 use super::piece::Piece;
 use super::{File, MAX_ENTRIES, Object};
-use crate::FormatError;
+use crate::error::Result;
 use crate::error::shown;
 
 /// Numbers of one value that are shown as text.
@@ -31,7 +31,7 @@ pub(crate) struct Value<'v> {
 
 impl<'a> File<'a> {
     /// All attributes of an object.
-    pub(crate) fn attributes(&self, object: &Object) -> Result<Vec<Attribute<'a>>, FormatError> {
+    pub(crate) fn attributes(&self, object: &Object) -> Result<Vec<Attribute<'a>>> {
         let mut attributes = Vec::new();
         let mut push = |attribute: Attribute<'a>| {
             attributes.push(attribute);
@@ -61,8 +61,8 @@ impl<'a> File<'a> {
     pub(crate) fn value<T>(
         &self,
         attribute: &Attribute<'a>,
-        turn: impl FnOnce(Value) -> Result<Option<T>, FormatError>,
-    ) -> Result<Option<T>, FormatError> {
+        turn: impl FnOnce(Value) -> Result<Option<T>>,
+    ) -> Result<Option<T>> {
         let datatype = self.datatype(attribute.datatype, attribute.is_shared)?;
         let count = dimensions(attribute.dataspace)?.into_iter().fold(1, usize::saturating_mul);
         if count == 0 {
@@ -88,7 +88,7 @@ pub(crate) fn shown_name(name: &[u8]) -> String {
 }
 
 /// Reads an attribute message up to its value.
-fn attribute(mut message: Piece) -> Result<Attribute, FormatError> {
+fn attribute(mut message: Piece) -> Result<Attribute> {
     let version = message.version(&[1, 2, 3])?;
     let flags = message.u8("flags")?;
     let lengths = [message.size("name size", 2)?, message.size("type size", 2)?, message.size("space size", 2)?];
@@ -117,12 +117,12 @@ fn attribute(mut message: Piece) -> Result<Attribute, FormatError> {
 
 impl<'v> Value<'v> {
     /// The number, or the first of several.
-    pub(crate) fn number(&self) -> Result<Option<f64>, FormatError> {
+    pub(crate) fn number(&self) -> Result<Option<f64>> {
         Ok(self.numbers(1)?.first().copied())
     }
 
     /// At most as many numbers as asked for, of single ones, arrays or the first sequence.
-    pub(crate) fn numbers(&self, most: usize) -> Result<Vec<f64>, FormatError> {
+    pub(crate) fn numbers(&self, most: usize) -> Result<Vec<f64>> {
         let (base, bytes) = match &self.datatype.class {
             Class::Array(base) => (base.as_ref(), self.bytes),
             Class::Sequence(base) => (base.as_ref(), self.elsewhere(base.bytes)?),
@@ -137,7 +137,7 @@ impl<'v> Value<'v> {
     }
 
     /// The bytes of the first text up to a zero, `None` for other types.
-    pub(crate) fn raw_text(&self) -> Result<Option<&'v [u8]>, FormatError> {
+    pub(crate) fn raw_text(&self) -> Result<Option<&'v [u8]>> {
         let bytes = match self.datatype.class {
             Class::Text => &self.bytes[..self.datatype.bytes.min(self.bytes.len())],
             Class::TextElsewhere => self.elsewhere(1)?,
@@ -148,7 +148,7 @@ impl<'v> Value<'v> {
     }
 
     /// A text without white space around it.
-    pub(crate) fn text(&self) -> Result<Option<String>, FormatError> {
+    pub(crate) fn text(&self) -> Result<Option<String>> {
         let Some(raw) = self.raw_text()? else { return Ok(None) };
         self.file.charge("texts", 0, raw.len().saturating_mul(COPY_WORK))?;
         Ok(Some(String::from_utf8_lossy(raw).trim().to_owned()))
@@ -163,12 +163,12 @@ impl<'v> Value<'v> {
     }
 
     /// The bytes of a text in the first compound.
-    pub(crate) fn member_text(&self, name: &str) -> Result<Option<&'v [u8]>, FormatError> {
+    pub(crate) fn member_text(&self, name: &str) -> Result<Option<&'v [u8]>> {
         self.member(name).map_or(Ok(None), |member| member.raw_text())
     }
 
     /// Whether a text in the first compound is the one wanted.
-    pub(crate) fn has_text(&self, name: &str, wanted: &[u8]) -> Result<bool, FormatError> {
+    pub(crate) fn has_text(&self, name: &str, wanted: &[u8]) -> Result<bool> {
         let Some(member) = self.member(name) else { return Ok(false) };
         // Texts of another length, but for a zero at the end, need not be looked up in their heap.
         let length = member.reference(0, 4);
@@ -180,9 +180,9 @@ impl<'v> Value<'v> {
     }
 
     /// The addresses that object references lead to: the first of each sequence.
-    pub(crate) fn objects(&self) -> Result<Vec<usize>, FormatError> {
+    pub(crate) fn objects(&self) -> Result<Vec<usize>> {
         let Class::Sequence(base) = &self.datatype.class else { return Ok(Vec::new()) };
-        let address = |bytes: &'v [u8]| -> Result<usize, FormatError> {
+        let address = |bytes: &'v [u8]| -> Result<usize> {
             let found = Self { bytes, ..*self }.elsewhere(base.bytes)?;
             let raw = found.first_chunk().filter(|_| matches!(base.class, Class::ObjectReference));
             Ok(raw.and_then(|raw| usize::try_from(u64::from_le_bytes(*raw)).ok()).unwrap_or(usize::MAX))
@@ -191,7 +191,7 @@ impl<'v> Value<'v> {
     }
 
     /// In words for the user, `None` for what is neither text nor numbers nor made of them.
-    pub(crate) fn describe(&self) -> Result<Option<String>, FormatError> {
+    pub(crate) fn describe(&self) -> Result<Option<String>> {
         if let Class::Compound(members) = &self.datatype.class {
             let mut parts = Vec::new();
             for member in members.iter().take(SHOWN_NUMBERS) {
@@ -217,7 +217,7 @@ impl<'v> Value<'v> {
     }
 
     /// The elements in a global heap that a reference leads to, none for an empty sequence.
-    fn elsewhere(&self, element_bytes: usize) -> Result<&'v [u8], FormatError> {
+    fn elsewhere(&self, element_bytes: usize) -> Result<&'v [u8]> {
         let (length, address, index) = (self.reference(0, 4), self.reference(4, 8), self.reference(12, 4));
         let address = usize::try_from(address).unwrap_or(usize::MAX);
         if length == 0 || index == 0 {

@@ -4,6 +4,7 @@
 //! Layout: NetCDF Classic, 64-bit Offset and 64-bit Data Format Specifications.
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use crate::error::Result;
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
@@ -29,7 +30,7 @@ pub(super) fn version(bytes: &[u8]) -> Option<u8> {
 }
 
 /// Reads the header.
-pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents), FormatError> {
+pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
     let input = Input::new(Format::NetCdf, bytes).with_order(ByteOrder::Big);
     let version = version(bytes).ok_or_else(|| input.wrong("version", 3, "other", "1, 2 or 5"))?;
     let mut header = Header { input, at: ALIGNMENT, version, room: MAX_ENTRIES };
@@ -89,7 +90,7 @@ fn count_records(input: &Input, variables: &[Variable]) -> usize {
 }
 
 /// The numbers of a variable in row order.
-pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample else { return Ok(Vec::new()) };
     let count = variable.shape.iter().copied().fold(1, usize::saturating_mul);
     let Some(record_bytes) = variable.record_bytes else {
@@ -111,7 +112,7 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, Fo
 }
 
 /// The numbers of a map of so many rows and columns in the order of its columns.
-pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize)) -> Result<Vec<f64>, FormatError> {
+pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize)) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
         return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
     };
@@ -130,14 +131,14 @@ struct Header<'a> {
 }
 
 impl Header<'_> {
-    fn u32(&mut self, field: &str) -> Result<u32, FormatError> {
+    fn u32(&mut self, field: &str) -> Result<u32> {
         let found = self.input.u32(field, self.at)?;
         self.at += 4;
         Ok(found)
     }
 
     /// A count as it stands, `None` where all its bits are set.
-    fn raw_count(&mut self, field: &str) -> Result<Option<u64>, FormatError> {
+    fn raw_count(&mut self, field: &str) -> Result<Option<u64>> {
         if self.version == 5 {
             let found = self.input.u64(field, self.at)?;
             self.at += 8;
@@ -147,7 +148,7 @@ impl Header<'_> {
         Ok((found != u32::MAX).then_some(found.into()))
     }
 
-    fn count(&mut self, field: &str) -> Result<usize, FormatError> {
+    fn count(&mut self, field: &str) -> Result<usize> {
         let at = self.at;
         let found = self.raw_count(field)?;
         let most = if self.version == 5 { i64::MAX as u64 } else { i32::MAX as u64 };
@@ -156,14 +157,14 @@ impl Header<'_> {
     }
 
     /// Bytes and the padding behind them.
-    fn padded(&mut self, field: &str, length: usize) -> Result<&[u8], FormatError> {
+    fn padded(&mut self, field: &str, length: usize) -> Result<&[u8]> {
         let bytes = self.input.take(field, self.at, length)?;
         // The padding may be left out at the end of a file.
         self.at = (self.at + length).next_multiple_of(ALIGNMENT);
         Ok(bytes)
     }
 
-    fn name(&mut self, field: &str) -> Result<String, FormatError> {
+    fn name(&mut self, field: &str) -> Result<String> {
         let at = self.at;
         let length = self.count(field)?;
         if length > MAX_NAME_BYTES {
@@ -174,7 +175,7 @@ impl Header<'_> {
     }
 
     /// The number of entries of a list; an absent one has the tag 0.
-    fn list(&mut self, field: &str, wanted: u32) -> Result<usize, FormatError> {
+    fn list(&mut self, field: &str, wanted: u32) -> Result<usize> {
         let at = self.at;
         let tag = self.u32(field)?;
         let count = self.count(field)?;
@@ -192,7 +193,7 @@ impl Header<'_> {
     }
 
     /// What numbers of a type are, `None` for characters.
-    fn sample(&mut self, field: &str) -> Result<Option<Sample>, FormatError> {
+    fn sample(&mut self, field: &str) -> Result<Option<Sample>> {
         let at = self.at;
         Ok(Some(match self.u32(field)? {
             1 => Sample::I8,
@@ -210,12 +211,12 @@ impl Header<'_> {
         }))
     }
 
-    fn attributes(&mut self) -> Result<Vec<Attribute>, FormatError> {
+    fn attributes(&mut self) -> Result<Vec<Attribute>> {
         let count = self.list("attributes", ATTRIBUTES)?;
         (0..count).map(|_| self.attribute()).collect()
     }
 
-    fn attribute(&mut self) -> Result<Attribute, FormatError> {
+    fn attribute(&mut self) -> Result<Attribute> {
         let name = self.name("name of an attribute")?;
         let sample = self.sample("type of an attribute")?;
         let count = self.count("elements of an attribute")?;
@@ -231,7 +232,7 @@ impl Header<'_> {
         Ok(Attribute { name, value })
     }
 
-    fn variable(&mut self, known: &[Dimension], record_dimension: Option<usize>) -> Result<Variable, FormatError> {
+    fn variable(&mut self, known: &[Dimension], record_dimension: Option<usize>) -> Result<Variable> {
         let name = self.name("name of a variable")?;
         let rank = self.count("dimensions of a variable")?;
         let (mut dimensions, mut shape) = (Vec::new(), Vec::new());

@@ -1,9 +1,9 @@
 //! NetCDF-4: variables are HDF5 datasets, dimensions are those of them that are dimension scales.
 
+use crate::error::Result;
 use std::collections::HashMap;
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
-use crate::FormatError;
 use crate::hdf5::{File, Object, shown_name};
 
 /// Attributes that tie datasets together and say nothing to the user.
@@ -21,7 +21,7 @@ const HIDDEN: [&[u8]; 7] = [
 const NO_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
 
 /// Reads the variables of the root group.
-pub(super) fn read(file: &File) -> Result<Contents, FormatError> {
+pub(super) fn read(file: &File) -> Result<Contents> {
     let mut contents = Contents::default();
     let Some(root) = file.find("")? else { return Ok(contents) };
     let mut room = MAX_ENTRIES;
@@ -81,7 +81,7 @@ pub(super) fn read(file: &File) -> Result<Contents, FormatError> {
 }
 
 /// The attributes of an object as far as there is room.
-fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attribute>, FormatError> {
+fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attribute>> {
     let mut attributes = Vec::new();
     for attribute in file.attributes(object)? {
         if HIDDEN.contains(&attribute.name) || *room == 0 {
@@ -103,7 +103,7 @@ fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attr
 }
 
 /// The numbers of a variable in row order.
-pub(super) fn numbers(file: &File, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+pub(super) fn numbers(file: &File, variable: &Variable) -> Result<Vec<f64>> {
     let dataset = file.dataset(&file.object(variable.at)?)?;
     let numbers = dataset.map(|dataset| file.numbers(&dataset)).transpose()?.flatten();
     Ok(numbers.unwrap_or_default())

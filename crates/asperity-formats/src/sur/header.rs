@@ -1,5 +1,6 @@
 //! The header of an object: its fields and what they say of the axes.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use crate::FormatError;
@@ -98,7 +99,7 @@ pub(super) struct Header<'a> {
 
 impl<'a> Header<'a> {
     /// A header whose bytes are all there.
-    pub(super) fn open(input: Input<'a>, start: usize) -> Result<Self, FormatError> {
+    pub(super) fn open(input: Input<'a>, start: usize) -> Result<Self> {
         input.take("the bytes of the header", start, HEADER_BYTES)?;
         let little = Self { input: input.with_order(ByteOrder::Little), start, order: ByteOrder::Little };
         let big = Self { input: input.with_order(ByteOrder::Big), start, order: ByteOrder::Big };
@@ -112,28 +113,28 @@ impl<'a> Header<'a> {
         self.start + field.1
     }
 
-    pub(super) fn i16(&self, field: Field) -> Result<i16, FormatError> {
+    pub(super) fn i16(&self, field: Field) -> Result<i16> {
         self.input.i16(field.0, self.at(field))
     }
 
-    pub(super) fn u16(&self, field: Field) -> Result<u16, FormatError> {
+    pub(super) fn u16(&self, field: Field) -> Result<u16> {
         self.input.u16(field.0, self.at(field))
     }
 
-    pub(super) fn i32(&self, field: Field) -> Result<i32, FormatError> {
+    pub(super) fn i32(&self, field: Field) -> Result<i32> {
         self.input.i32(field.0, self.at(field))
     }
 
-    pub(super) fn f32(&self, field: Field) -> Result<f32, FormatError> {
+    pub(super) fn f32(&self, field: Field) -> Result<f32> {
         self.input.f32(field.0, self.at(field))
     }
 
-    pub(super) fn text(&self, field: Field, length: usize) -> Result<String, FormatError> {
+    pub(super) fn text(&self, field: Field, length: usize) -> Result<String> {
         self.input.latin1(field.0, self.at(field), length)
     }
 
     /// A unit, without the brackets that some writers put around it.
-    pub(super) fn unit(&self, field: Field) -> Result<String, FormatError> {
+    pub(super) fn unit(&self, field: Field) -> Result<String> {
         let text = self.text(field, AXIS_TEXT_BYTES)?;
         Ok(text.trim_matches(['(', ')', '[', ']', ' ']).to_owned())
     }
@@ -143,7 +144,7 @@ impl<'a> Header<'a> {
     }
 
     /// Type of the stored numbers.
-    pub(super) fn sample(&self) -> Result<Sample, FormatError> {
+    pub(super) fn sample(&self) -> Result<Sample> {
         match self.i16(BITS_PER_POINT)? {
             16 => Ok(Sample::I16),
             32 => Ok(Sample::I32),
@@ -152,7 +153,7 @@ impl<'a> Header<'a> {
     }
 
     /// Checked lines and points per line.
-    pub(super) fn shape(&self) -> Result<(usize, usize), FormatError> {
+    pub(super) fn shape(&self) -> Result<(usize, usize)> {
         let dimension = |field: Field| Ok((field.0, self.at(field), i64::from(self.i32(field)?)));
         let (ny, nx) = self.input.shape(dimension(LINES)?, dimension(POINTS_PER_LINE)?)?;
         let points = self.i32(POINTS)?;
@@ -163,7 +164,7 @@ impl<'a> Header<'a> {
     }
 
     /// A doubt where the units of steps and lengths and the ratio between them disagree.
-    pub(super) fn ratio_warning(&self, axis: Axis) -> Result<Option<String>, FormatError> {
+    pub(super) fn ratio_warning(&self, axis: Axis) -> Result<Option<String>> {
         let (step, length) = (self.unit(axis.step_unit)?, self.unit(axis.length_unit)?);
         let ratio = f64::from(self.f32(axis.unit_ratio)?);
         let Some((per_step, per_length)) = per_metre(&step).zip(per_metre(&length)) else { return Ok(None) };
@@ -176,7 +177,7 @@ impl<'a> Header<'a> {
     }
 
     /// Day and time of the measurement, empty when no day is stated.
-    fn date(&self) -> Result<String, FormatError> {
+    fn date(&self) -> Result<String> {
         let part = |place: usize| self.i16(Field(DATE.0, DATE.1 + 2 * place));
         let (second, minute, hour, day, month, year) = (part(0)?, part(1)?, part(2)?, part(3)?, part(4)?, part(5)?);
         let is_stated = day > 0 && month > 0;
@@ -185,7 +186,7 @@ impl<'a> Header<'a> {
     }
 
     /// What else the header says.
-    pub(super) fn metadata(&self) -> Result<BTreeMap<String, String>, FormatError> {
+    pub(super) fn metadata(&self) -> Result<BTreeMap<String, String>> {
         let mut metadata = BTreeMap::new();
         let mut insert = |field: Field, value: String| {
             if !value.is_empty() {

@@ -3,10 +3,11 @@
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
 use super::streams::Unpacked;
 use super::{SIGNATURE_COMPRESSED, is_object};
+use crate::Format;
 use crate::archive::{beyond_reason, damaged, may_hold};
+use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
-use crate::{Format, FormatError};
 
 /// The most streams of one object; writers use one, or one per processor.
 const MAX_STREAMS: u32 = 1 << 10;
@@ -68,7 +69,7 @@ pub(super) struct Object<'a> {
 
 impl<'a> Object<'a> {
     /// The object that starts at a byte; all of its bytes are there.
-    fn open(header: Header<'a>) -> Result<Self, FormatError> {
+    fn open(header: Header<'a>) -> Result<Self> {
         let input = header.input;
         let sample = header.sample()?;
         let (ny, nx) = header.shape()?;
@@ -97,7 +98,7 @@ impl<'a> Object<'a> {
     }
 
     /// The object with what the directory of its streams says.
-    fn with_directory(self) -> Result<Self, FormatError> {
+    fn with_directory(self) -> Result<Self> {
         let input = self.header.input;
         let count = input.u32("number of streams", self.data_start)?;
         if count > MAX_STREAMS {
@@ -121,7 +122,7 @@ impl<'a> Object<'a> {
     }
 
     /// Size of an unpacked stream, and its packed bytes, which start at `start`.
-    fn stream(&self, number: usize, start: usize) -> Result<(u64, &'a [u8]), FormatError> {
+    fn stream(&self, number: usize, start: usize) -> Result<(u64, &'a [u8])> {
         let input = self.header.input;
         let sizes = self.data_start + COUNT_BYTES + SIZES_BYTES * number;
         let raw = input.u32("size of a stream", sizes)?;
@@ -131,12 +132,12 @@ impl<'a> Object<'a> {
     }
 
     /// The comment.
-    pub(super) fn comment(&self) -> Result<String, FormatError> {
+    pub(super) fn comment(&self) -> Result<String> {
         self.header.input.latin1("comment", self.comment_start, self.private_start - self.comment_start)
     }
 
     /// The stored numbers.
-    pub(super) fn numbers(&self) -> Result<Vec<f64>, FormatError> {
+    pub(super) fn numbers(&self) -> Result<Vec<f64>> {
         let count = self.nx * self.ny;
         let Some(streams) = self.streams else {
             return self.header.input.samples("the heights", self.data_start, count, self.sample);
@@ -168,8 +169,8 @@ impl<'a> Object<'a> {
 /// anything else of it is taken.
 pub(super) fn objects<'a>(
     input: Input<'a>,
-    check: impl Fn(&Header) -> Result<(), FormatError>,
-) -> Result<(Vec<Object<'a>>, Option<String>), FormatError> {
+    check: impl Fn(&Header) -> Result<()>,
+) -> Result<(Vec<Object<'a>>, Option<String>)> {
     let header = Header::open(input, 0)?;
     check(&header)?;
     let first = Object::open(header)?;

@@ -1,5 +1,6 @@
 //! From a file to a scan.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -12,7 +13,7 @@ use crate::input::Input;
 use crate::large;
 use crate::scan::FITTING_SHAPE;
 use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 /// Object types that surfaces may go by as well.
 const UNKNOWN: i16 = 0;
@@ -22,7 +23,7 @@ const PROFILE: i16 = 1;
 ///
 /// # Errors
 /// Objects that are no surface, damaged streams, and headers that the bytes cannot bear out.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (objects, left_out) = objects(Input::new(Format::Sur, bytes), check_kind)?;
     let mut warnings: Vec<String> = left_out.into_iter().collect();
     let first = &objects[0];
@@ -57,7 +58,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
 }
 
 /// Refuses files that hold no surface.
-fn check_kind(header: &Header) -> Result<(), FormatError> {
+fn check_kind(header: &Header) -> Result<()> {
     let unsupported = |kind: &str| Err(header.input.unsupported(format!("the file holds {kind}"), "a surface"));
     match (header.i16(OBJECT_TYPE)?, header.i32(LINES)?) {
         (PROFILE, 1) => unsupported("a profile"),
@@ -66,7 +67,7 @@ fn check_kind(header: &Header) -> Result<(), FormatError> {
 }
 
 /// Doubts surfaces that call themselves something else.
-fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<(), FormatError> {
+fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
     // Gwyddion calls the surfaces that it writes profiles.
     if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
         warnings.push(format!("the file calls itself {kind}; its {} lines were read as a surface", object.ny));
@@ -80,7 +81,7 @@ fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<(), FormatE
 /// The objects that are height maps, with names of their own: those that they have, or their numbers.
 ///
 /// Layers in other units, such as a phase, are no heights; nor are the images that belong to a surface.
-fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o Object<'a>>), FormatError> {
+fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o Object<'a>>)> {
     let (mut names, mut surfaces, mut seen) = (Vec::new(), Vec::new(), BTreeMap::new());
     let only_first = is_followed_by_images(objects[0].code);
     for object in objects.iter().take(if only_first { 1 } else { objects.len() }) {
@@ -105,7 +106,7 @@ fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o O
 }
 
 /// Turns stored integers into metre, NaN where the point was not measured.
-fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<(), FormatError> {
+fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let unit = header.unit(Z.step_unit)?;
     let per_metre = per_metre(&unit).ok_or_else(|| header.wrong(Z.step_unit, unit, "a unit of length"))?;
     let spacing_m = f64::from(header.f32(Z.spacing)?) / per_metre;
@@ -145,7 +146,7 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
 }
 
 /// The pitch in metre where both axes are lengths.
-fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let mut along = |axis: Axis| {
         let unit = header.unit(axis.step_unit)?;
         let Some(per_metre) = per_metre(&unit) else {

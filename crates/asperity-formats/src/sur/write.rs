@@ -2,6 +2,7 @@
 
 use super::header::{AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME};
 use super::{SIGNATURE, SurData, VOID_BELOW_MINIMUM};
+use crate::error::Result;
 use crate::{Format, FormatError, Scan};
 
 /// Micrometres and nanometres in a metre, and how the file spells them: µ is one byte of Latin-1.
@@ -93,7 +94,7 @@ fn not_storable(found: String, wanted: &'static str) -> FormatError {
 }
 
 /// The pitch in micrometres, or in nanometres where it is exact in those alone.
-fn pitch(pitch_m: f64) -> Result<(f32, &'static str), FormatError> {
+fn pitch(pitch_m: f64) -> Result<(f32, &'static str)> {
     let rounded = |(per_metre, unit): (f64, &'static str)| {
         let pitch = (pitch_m * per_metre) as f32;
         ((f64::from(pitch) / per_metre - pitch_m).abs(), pitch, unit)
@@ -112,7 +113,7 @@ fn pitch(pitch_m: f64) -> Result<(f32, &'static str), FormatError> {
 }
 
 /// Heights in steps above the offset.
-fn quantised(scan: &Scan, data: SurData) -> Result<Stored, FormatError> {
+fn quantised(scan: &Scan, data: SurData) -> Result<Stored> {
     let (low_m, high_m) = scan.height_range_m().unwrap_or((0.0, 0.0));
     let (low, high) = (low_m * MICROMETRE.0, high_m * MICROMETRE.0);
     let nearest = low as f32;

@@ -3,6 +3,7 @@
 //! A long text is cut at ends of lines and its pieces are read at the same time; the answer is the same for any number
 //! of them.
 
+use crate::error::Result;
 use rayon::prelude::*;
 
 use crate::error::shown;
@@ -145,7 +146,7 @@ enum Fault {
 /// # Errors
 /// A field that is no number, a row that is longer or shorter than the layout says, or too many values, each with the
 /// number of its line.
-pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table, FormatError> {
+pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table> {
     let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_PIECES);
     // To ask for the number of threads starts them, which takes longer than to read a short text.
     let pieces = cut(bytes, layout.line_end, if wanted > 1 { wanted.min(rayon::current_num_threads()) } else { 1 });

@@ -2,6 +2,7 @@
 //!
 //! Strips and tiles are unpacked row by row, so that no more is held than the page and one row.
 
+use crate::error::Result;
 use std::io::{self, Read};
 
 use flate2::read::ZlibDecoder;
@@ -10,9 +11,9 @@ use weezl::{BitOrder, LzwStatus};
 
 use super::directory::{Directory, Tag};
 use super::tag;
+use crate::Format;
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError};
 
 /// Strips or tiles of one page.
 const MAX_CHUNKS: u64 = 1 << 16;
@@ -58,7 +59,7 @@ pub(super) fn decode(
     (ny, nx): (usize, usize),
     sample: Sample,
     order: ByteOrder,
-) -> Result<Vec<f64>, FormatError> {
+) -> Result<Vec<f64>> {
     let input = directory.input;
     if directory.integer(tag::FILL_ORDER)?.is_some_and(|order| order != 1) {
         return Err(input.unsupported("the bits of every byte are reversed (FillOrder 2)", "FillOrder 1"));
@@ -99,7 +100,7 @@ pub(super) fn decode(
     Ok(values)
 }
 
-fn packing(directory: &Directory) -> Result<Packing, FormatError> {
+fn packing(directory: &Directory) -> Result<Packing> {
     let found = match directory.integer(tag::COMPRESSION)? {
         None | Some(1) => return Ok(Packing::None),
         Some(5) => return Ok(Packing::Lzw),
@@ -120,7 +121,7 @@ fn packing(directory: &Directory) -> Result<Packing, FormatError> {
 
 /// The predictor, which the specification knows of LZW only and libtiff of LZW and Deflate: files of other packings may
 /// state one that was never applied.
-fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<Predictor, FormatError> {
+fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<Predictor> {
     if matches!(packing, Packing::None | Packing::PackBits) {
         return Ok(Predictor::None);
     }
@@ -133,12 +134,7 @@ fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<
 }
 
 /// Where strips or tiles lie, checked against the bytes.
-fn chunks(
-    directory: &Directory,
-    (ny, nx): (usize, usize),
-    sample: Sample,
-    packing: Packing,
-) -> Result<Chunks, FormatError> {
+fn chunks(directory: &Directory, (ny, nx): (usize, usize), sample: Sample, packing: Packing) -> Result<Chunks> {
     let input = directory.input;
     let is_tiled = directory.integer(tag::TILE_WIDTH)?.is_some();
     let dimension = |tag: Tag, default: u64| {

@@ -1,6 +1,7 @@
 //! Directories of a TIFF file and the fields in them, of classic and of big files.
 
 use crate::FormatError;
+use crate::error::Result;
 use crate::input::{Input, utf8_or_latin1};
 use crate::sample::{ByteOrder, Sample};
 
@@ -67,18 +68,18 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 impl<'a> File<'a> {
-    pub(super) fn open(input: Input<'a>) -> Result<Self, FormatError> {
+    pub(super) fn open(input: Input<'a>) -> Result<Self> {
         let (order, big) =
             layout(input.bytes()).ok_or_else(|| input.wrong("signature", 0, "none of a TIFF file", "II* or MM*"))?;
         Ok(Self { input: input.with_order(order), big })
     }
 
     /// Where the first directory stands.
-    pub(super) fn first(&self) -> Result<u64, FormatError> {
+    pub(super) fn first(&self) -> Result<u64> {
         self.offset("offset of the first directory", if self.big { 8 } else { 4 })
     }
 
-    fn offset(&self, field: &str, at: usize) -> Result<u64, FormatError> {
+    fn offset(&self, field: &str, at: usize) -> Result<u64> {
         if self.big { self.input.u64(field, at) } else { self.input.u32(field, at).map(u64::from) }
     }
 
@@ -86,7 +87,7 @@ impl<'a> File<'a> {
     ///
     /// # Errors
     /// A place or a number of fields that the bytes cannot bear out.
-    pub(super) fn directory(&self, offset: u64) -> Result<Directory<'a>, FormatError> {
+    pub(super) fn directory(&self, offset: u64) -> Result<Directory<'a>> {
         const FIELD: &str = "directory";
         let input = self.input;
         let offset = usize::try_from(offset).unwrap_or(usize::MAX);
@@ -126,7 +127,7 @@ impl Directory<'_> {
     }
 
     /// The whole numbers of a field, at most `limit` of them, `None` where it is absent.
-    pub(super) fn integers(&self, tag: Tag, limit: u64) -> Result<Option<Vec<u64>>, FormatError> {
+    pub(super) fn integers(&self, tag: Tag, limit: u64) -> Result<Option<Vec<u64>>> {
         let Some(entry) = self.entry(tag) else { return Ok(None) };
         let (input, at) = (self.input, entry.values);
         let size = match entry.kind {
@@ -148,12 +149,12 @@ impl Directory<'_> {
     }
 
     /// The first whole number of a field, `None` where it is absent.
-    pub(super) fn integer(&self, tag: Tag) -> Result<Option<u64>, FormatError> {
+    pub(super) fn integer(&self, tag: Tag) -> Result<Option<u64>> {
         Ok(self.integers(tag, 1)?.and_then(|numbers| numbers.first().copied()))
     }
 
     /// A number that may be a quotient, `None` where the field is absent or the quotient is none.
-    pub(super) fn real(&self, tag: Tag) -> Result<Option<f64>, FormatError> {
+    pub(super) fn real(&self, tag: Tag) -> Result<Option<f64>> {
         let Some(entry) = self.entry(tag) else { return Ok(None) };
         let (input, at) = (self.input, entry.values);
         let number = match entry.kind {
@@ -169,7 +170,7 @@ impl Directory<'_> {
     }
 
     /// A text, UTF-8 or Latin-1, `None` where it is absent or empty.
-    pub(super) fn text(&self, tag: Tag) -> Result<Option<String>, FormatError> {
+    pub(super) fn text(&self, tag: Tag) -> Result<Option<String>> {
         let Some(entry) = self.entry(tag).filter(|entry| matches!(entry.kind, 1 | 2 | 7)) else { return Ok(None) };
         let length = usize::try_from(entry.count).unwrap_or(usize::MAX);
         let bytes = self.input.take(tag.1, entry.values, length)?;

@@ -1,5 +1,6 @@
 //! From a file to a scan.
 
+use crate::error::Result;
 use ndarray::{Array2, Axis};
 
 use super::description::{Units, units};
@@ -36,7 +37,7 @@ const TEXTS: [Tag; 9] = [
 ///
 /// # Errors
 /// Directories that the bytes cannot bear out, files without a page of one number per point, packings that are not read.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let file = File::open(Input::new(Format::Tiff, bytes))?;
     let order = if bytes.starts_with(b"MM") { ByteOrder::Big } else { ByteOrder::Little };
     let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
@@ -94,7 +95,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
 ///
 /// JPK numbers its fields from 32768 on; Park's start at 50432 (its magic number) and hold the heights beside a picture of them.
 /// Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
-fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
+fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     // Descriptions of instruments take some kilobytes.
     const MAX_DESCRIPTION: u64 = 1 << 16;
     let has = |tag: u16| page.length(Tag(tag, "")) > 0;
@@ -118,7 +119,7 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
 }
 
 /// The number type of a page of one number per point, or why it is none.
-fn numbers(page: &Directory) -> Result<Result<Sample, String>, FormatError> {
+fn numbers(page: &Directory) -> Result<Result<Sample, String>> {
     let subfile = page.integer(tag::NEW_SUBFILE_TYPE)?.unwrap_or(0);
     if subfile & 1 != 0 {
         return Ok(Err("is a smaller copy of another".into()));
@@ -147,13 +148,7 @@ fn numbers(page: &Directory) -> Result<Result<Sample, String>, FormatError> {
 }
 
 /// The heights and the pitch of a page.
-fn map(
-    page: &Directory,
-    sample: Sample,
-    order: ByteOrder,
-    units: &Units,
-    options: &ReadOptions,
-) -> Result<Scan, FormatError> {
+fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, options: &ReadOptions) -> Result<Scan> {
     let dimension = |tag: Tag| {
         let found = page.integer(tag)?.ok_or_else(|| page.input.missing(tag.1, page.offset, "a whole number"))?;
         Ok::<_, FormatError>((tag.1, page.offset, i64::try_from(found).unwrap_or(i64::MAX)))
@@ -191,7 +186,7 @@ fn map(
 }
 
 /// Takes out the numbers that stand for no value.
-fn remove_voids(page: &Directory, sample: Sample, values: &mut [f64]) -> Result<(), FormatError> {
+fn remove_voids(page: &Directory, sample: Sample, values: &mut [f64]) -> Result<()> {
     let Some(text) = page.text(tag::GDAL_NODATA)? else { return Ok(()) };
     let void: f64 = text.parse().map_err(|_| page.wrong(tag::GDAL_NODATA, &text, "a number"))?;
     // The text has the digits of a double also where the numbers are single.
@@ -201,7 +196,7 @@ fn remove_voids(page: &Directory, sample: Sample, values: &mut [f64]) -> Result<
 }
 
 /// The distance between points along the stored rows and columns.
-fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     if units.pitch_m.is_some() {
         return Ok(units.pitch_m);
     }

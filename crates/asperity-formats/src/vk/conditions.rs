@@ -1,6 +1,6 @@
 //! The table of offsets and the measurement conditions of a VK4 file.
 
-use crate::FormatError;
+use crate::error::Result;
 use crate::input::Input;
 
 /// Where the table of offsets starts.
@@ -22,7 +22,7 @@ pub(super) struct Conditions<'a> {
 }
 
 impl<'a> Conditions<'a> {
-    pub(super) fn new(input: Input<'a>) -> Result<Self, FormatError> {
+    pub(super) fn new(input: Input<'a>) -> Result<Self> {
         let start = offset(input, "the measurement conditions", CONDITIONS_ENTRY)?
             .ok_or_else(|| input.missing("the offset of the measurement conditions", OFFSETS, "a value above 0"))?;
         let size = usize::try_from(input.u32("the size of the measurement conditions", start)?).unwrap_or(usize::MAX);
@@ -34,18 +34,18 @@ impl<'a> Conditions<'a> {
         self.start + 4 * field.1
     }
 
-    pub(super) fn u32(&self, field: Field) -> Result<u32, FormatError> {
+    pub(super) fn u32(&self, field: Field) -> Result<u32> {
         self.input.u32(field.0, self.at(field))
     }
 
     /// A length that is stored in picometre.
-    pub(super) fn metre(&self, field: Field) -> Result<f64, FormatError> {
+    pub(super) fn metre(&self, field: Field) -> Result<f64> {
         Ok(f64::from(self.u32(field)?) / PM_PER_METRE)
     }
 }
 
 /// The offset in an entry of the table, `None` where the part is not there.
-pub(super) fn offset(input: Input, part: &str, entry: usize) -> Result<Option<usize>, FormatError> {
+pub(super) fn offset(input: Input, part: &str, entry: usize) -> Result<Option<usize>> {
     let at = OFFSETS + 4 * entry;
     let found = input.u32(&format!("the offset of {part}"), at)?;
     Ok(usize::try_from(found).ok().filter(|&offset| offset > 0))

@@ -7,6 +7,7 @@
 //! VK3 lacks the last, reserved entry of the table; offsets count from the start of the file, so nothing else differs.
 //! The field for compression is set in some files whose heights are not compressed. Only the size in bytes tells.
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use super::conditions::{Conditions, Field, offset};
@@ -15,7 +16,7 @@ use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
 use crate::scan::FITTING_SHAPE;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 /// First bytes of the two versions.
 const SIGNATURES: [&[u8]; 2] = [b"VK3_", b"VK4_"];
@@ -37,7 +38,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// Files without heights, and headers that the bytes cannot bear out.
-pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan, FormatError> {
+pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan> {
     let mut warnings = Vec::new();
     let file_type = input.u32("file type", FILE_TYPE)?;
     if file_type != 0 {
@@ -63,12 +64,7 @@ pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan, FormatEr
 }
 
 /// The heights of the image at `start` in metre.
-fn heights(
-    input: Input,
-    start: usize,
-    conditions: &Conditions,
-    warnings: &mut Vec<String>,
-) -> Result<Array2<f64>, FormatError> {
+fn heights(input: Input, start: usize, conditions: &Conditions, warnings: &mut Vec<String>) -> Result<Array2<f64>> {
     let [width, height, bits, size] = [("width", 0), ("height", 4), ("bit depth", 8), ("byte size", 16)]
         .map(|(field, offset)| (field, start + offset));
     let number = |(field, at): (&str, usize)| input.u32(field, at);

@@ -1,5 +1,6 @@
 //! From an archive to a scan.
 
+use crate::error::Result;
 use md5::{Digest, Md5};
 use ndarray::Array2;
 
@@ -56,7 +57,7 @@ impl Matrix {
 /// # Errors
 /// Damaged archives and descriptions, records that are no surface on an incremental grid, and data that do not fill the
 /// stated dimensions. A checksum that does not fit is only a warning.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::X3p, bytes)?;
     archive.enter_folder_of(MAIN)?;
     let main = archive.read_whole(MAIN, MAX_MAIN_BYTES)?;
@@ -93,7 +94,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
 }
 
 /// Type of the stored numbers, and increment and offset that make them metre.
-fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f64, f64), FormatError> {
+fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f64, f64)> {
     let (type_path, increment_path) = (axis_path("CZ", "DataType"), axis_path("CZ", "Increment"));
     let letter = document.required(&type_path, "I, L, F or D")?;
     let sample =
@@ -133,12 +134,7 @@ fn axis_path(axis: &str, field: &str) -> String {
 }
 
 /// Compares `main.xml` with its checksum.
-fn check_main(
-    archive: &mut Archive,
-    main: &[u8],
-    document: &Document,
-    warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
+fn check_main(archive: &mut Archive, main: &[u8], document: &Document, warnings: &mut Vec<String>) -> Result<()> {
     let link = document.text(path::CHECKSUM_FILE).filter(|link| archive.contains(link)).unwrap_or(CHECKSUM);
     if !archive.contains(link) {
         warnings.push(format!("the archive holds no {link}; {MAIN} could not be verified"));
@@ -168,7 +164,7 @@ fn compare(file: &str, stated: &str, found: &str, warnings: &mut Vec<String>) {
 }
 
 /// Refuses records that are no surface on an incremental grid.
-fn check_kind(document: &Document) -> Result<(), FormatError> {
+fn check_kind(document: &Document) -> Result<()> {
     let feature = document.required(path::FEATURE_TYPE, "SUR (a surface)")?;
     let unsupported =
         |found: String| Err(FormatError::Unsupported { format: Format::X3p, found, wanted: "a surface (SUR)" });
@@ -195,7 +191,7 @@ fn check_kind(document: &Document) -> Result<(), FormatError> {
 }
 
 /// Checked rows, columns and layers.
-fn dimensions(document: &Document) -> Result<(usize, usize, u64), FormatError> {
+fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
     let dimension = |field: &'static str| {
         document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
     };
@@ -224,7 +220,7 @@ fn stored(
     sample: Sample,
     matrix: &Matrix,
     warnings: &mut Vec<String>,
-) -> Result<Vec<f64>, FormatError> {
+) -> Result<Vec<f64>> {
     let Some(link) = document.text(path::POINT_DATA) else {
         return listed(document, matrix, warnings);
     };
@@ -246,7 +242,7 @@ fn stored(
 }
 
 /// The numbers of a data list in `main.xml`.
-fn listed(document: &Document, matrix: &Matrix, warnings: &mut Vec<String>) -> Result<Vec<f64>, FormatError> {
+fn listed(document: &Document, matrix: &Matrix, warnings: &mut Vec<String>) -> Result<Vec<f64>> {
     let Some(list) = &document.list else {
         return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
     };
@@ -275,7 +271,7 @@ fn mask(
     heights: &mut [f64],
     matrix: &Matrix,
     warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
+) -> Result<()> {
     let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
     // Layers follow each other without padding, so a layer may start within a byte.
     let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);

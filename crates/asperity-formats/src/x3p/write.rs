@@ -1,5 +1,6 @@
 //! From a scan to an archive.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
@@ -70,7 +71,7 @@ fn not_storable(found: String, wanted: &'static str) -> FormatError {
 /// A zip archive whose bytes depend on nothing but its files: no clock, no host.
 ///
 /// Files are deflated, unless that makes them so small that the reader would take them for a bomb: ideal gratings.
-fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>, FormatError> {
+fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>> {
     let deflated = zip(files, |_| CompressionMethod::Deflated).map_err(unwritten)?;
     let mut written = ZipArchive::new(Cursor::new(&deflated)).map_err(unwritten)?;
     let mut refused = Vec::new();
@@ -115,7 +116,7 @@ fn float64(scan: &Scan) -> Stored {
     Stored { points: scan.heights_m.iter().flat_map(number).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
 }
 
-fn float32(scan: &Scan) -> Result<Stored, FormatError> {
+fn float32(scan: &Scan) -> Result<Stored> {
     let mut points = Vec::with_capacity(4 * scan.heights_m.len());
     for &z in &scan.heights_m {
         let narrow = if z.is_finite() { z as f32 } else { f32::NAN };
@@ -128,7 +129,7 @@ fn float32(scan: &Scan) -> Result<Stored, FormatError> {
 }
 
 /// Heights in [`INT16_STEPS`] equal steps from the lowest to the highest.
-fn int16(scan: &Scan) -> Result<Stored, FormatError> {
+fn int16(scan: &Scan) -> Result<Stored> {
     let (low, high) = scan.height_range_m().unwrap_or((0.0, 0.0));
     let step = (high - low) / INT16_STEPS;
     if !step.is_finite() {
