@@ -14,13 +14,11 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::FITTING_SHAPE;
+
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -196,8 +194,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     if pitch_m.is_none() {
         warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), depths)
-        .map_err(|_| input.wrong("Cols", columns_at, columns, FITTING_SHAPE))?;
+    let heights_m = input.matrix("Cols", columns_at, (ny, nx), depths)?;
     Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
 }
 

@@ -1,6 +1,6 @@
 //! Archives and compressed streams: which file is meant, and how much of it may be unpacked.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use std::io::{self, Cursor, Read};
 
 use flate2::read::MultiGzDecoder;
@@ -9,7 +9,6 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
 
-use crate::error::shown;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, Location, MAX_POINTS};
@@ -65,32 +64,24 @@ pub(crate) struct Archive<'a> {
     folder: String,
 }
 
-/// Heights or other numbers from one file of the archive.
-pub(crate) struct Numbers {
-    pub(crate) values: Vec<f64>,
-    /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
-    pub(crate) md5: Option<String>,
-    /// Bytes that were unpacked: all of the file where there is a sum.
-    pub(crate) length: u64,
-}
-
-/// A part of a file.
+/// A part of a file in the archive.
 struct Part<'a> {
-    /// What it is, for messages.
+    /// Name of the part in messages.
     name: &'a str,
-    /// Its first byte and its length.
+    /// Offset of its first byte in the unpacked file.
     start: u64,
+    /// Number of bytes.
     length: u64,
-    /// Bytes that the whole file should have.
-    total: u64,
+    /// Declared size of the whole file. `None` skips the rest of the file and its checksum.
+    total: Option<u64>,
 }
 
-/// What is known of a file after a part of it was unpacked.
+/// Result of unpacking a file.
 pub(crate) struct Unpacked {
-    /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
+    /// MD5 of the whole file in hexadecimal digits. `None` if the file is longer than declared.
     pub(crate) md5: Option<String>,
-    /// Bytes that were unpacked: all of the file where there is a sum.
-    length: u64,
+    /// Number of unpacked bytes: the size of the file if there is a checksum.
+    pub(crate) length: u64,
 }
 
 impl<'a> Archive<'a> {
@@ -159,13 +150,8 @@ impl<'a> Archive<'a> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let entry = self.stream(link)?;
         let limit = limit.min(unpacked_limit(entry.compressed_size().min(packed_bytes)));
-        let too_large = |found: u64| FormatError::TooLarge {
-            format,
-            field: "the file's size in bytes".into(),
-            at: Location::Entry { entry: shown(link), offset: 0 },
-            found,
-            limit,
-        };
+        let too_large =
+            |found| FormatError::too_large(format, "the file's size in bytes", place(link, 0), found, limit);
         if entry.size() > limit {
             return Err(too_large(entry.size()));
         }
@@ -189,7 +175,7 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// Hands `count` numbers of a file, from byte `start` on, to `take`, piece by piece.
+    /// Passes `count` numbers of a file, from byte `start` on, to `take`, chunk by chunk.
     ///
     /// # Errors
     /// As [`Archive::read_numbers`].
@@ -201,42 +187,16 @@ impl<'a> Archive<'a> {
         count: usize,
         mut take: impl FnMut(&[f64]),
     ) -> Result<()> {
-        let (format, packed_bytes) = (self.format, self.packed_bytes);
-        let mut entry = self.stream(link)?;
-        let wanted = count as u64 * sample.size() as u64;
-        let truncated = |found: u64| FormatError::Truncated {
-            format,
-            part: "the numbers".into(),
-            at: Location::Entry { entry: shown(link), offset: start as u64 },
-            found: found.saturating_sub(start as u64),
-            wanted,
-        };
-        if entry.size() < start as u64 + wanted {
-            return Err(truncated(entry.size()));
-        }
-        let packed = entry.compressed_size().min(packed_bytes);
-        if !may_unpack(packed, count as u64, wanted) {
-            return Err(beyond_reason(format, link, packed, wanted));
-        }
+        let length = count as u64 * sample.size() as u64;
+        let part = Part { name: "the numbers", start: start as u64, length, total: None };
         let mut values = Vec::new();
-        let mut chunk = vec![0; CHUNK_BYTES];
-        let (mut found, end) = (0, start as u64 + wanted);
-        while found < end {
-            // The bytes before the numbers come alone, so that no number is cut.
-            let stop = if found < start as u64 { start as u64 } else { end };
-            let room = chunk.len().min(usize::try_from(stop - found).unwrap_or(usize::MAX));
-            let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
-            if found >= start as u64 {
-                values.clear();
-                sample.decode(order, &chunk[..filled], &mut values);
-                take(&values);
-            }
-            found += filled as u64;
-            if filled < room {
-                return Err(truncated(found));
-            }
-        }
-        Ok(())
+        // Chunks are multiples of the size of every number, so no number is cut.
+        let decode = |chunk: &[u8]| {
+            values.clear();
+            sample.decode(order, chunk, &mut values);
+            take(&values);
+        };
+        self.unpack(link, &part, |packed| may_unpack(packed, count as u64, length), decode).map(|_| ())
     }
 
     /// Room for `count` numbers, as far as the archive's bytes make them likely.
@@ -245,39 +205,30 @@ impl<'a> Archive<'a> {
         large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
     }
 
-    /// The first `count` little-endian numbers of a file that should hold `total` of them.
+    /// Reads `count` little-endian numbers, after the first `skipped` ones, of a file that should hold `total` of them.
+    ///
+    /// Sizes that the packed bytes cannot reach are refused before unpacking. Memory grows with the unpacked bytes.
     ///
     /// # Errors
-    /// As [`read_numbers_at`](Self::read_numbers_at).
-    pub(crate) fn read_numbers(&mut self, link: &str, sample: Sample, count: usize, total: u64) -> Result<Numbers> {
-        self.read_numbers_at(link, sample, 0, count, total)
-    }
-
-    /// `count` little-endian numbers after the first `skipped` ones of a file that should hold `total` of them.
-    ///
-    /// Sizes that the packed bytes cannot reach are refused at once, and memory grows with what is unpacked.
-    ///
-    /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before the last number; [`FormatError::Archive`] where it is
-    /// absent, damaged or packed beyond reason.
-    pub(crate) fn read_numbers_at(
+    /// [`FormatError::Truncated`] if the file ends before the last number; [`FormatError::Archive`] if it is absent,
+    /// damaged or beyond the limits of unpacking.
+    pub(crate) fn read_numbers(
         &mut self,
         link: &str,
         sample: Sample,
         skipped: u64,
         count: usize,
         total: u64,
-    ) -> Result<Numbers> {
+    ) -> Result<(Vec<f64>, Unpacked)> {
         let bytes = |numbers: u64| numbers.saturating_mul(sample.size() as u64);
         let numbers = skipped.saturating_add(count as u64);
-        let part =
-            Part { name: "the numbers", start: bytes(skipped), length: bytes(count as u64), total: bytes(total) };
+        let (start, length, total) = (bytes(skipped), bytes(count as u64), Some(bytes(total)));
         let mut values = self.room_for(sample, count);
-        let is_reachable = |packed| may_hold(packed, numbers, sample);
-        // Chunks are multiples of every number's size, so no number is cut.
+        // Chunks are multiples of the size of every number, so no number is cut.
         let take = |chunk: &[u8]| sample.decode(ByteOrder::Little, chunk, &mut values);
-        let Unpacked { md5, length } = self.unpack(link, &part, is_reachable, take)?;
-        Ok(Numbers { values, md5, length })
+        let part = Part { name: "the numbers", start, length, total };
+        let unpacked = self.unpack(link, &part, |packed| may_hold(packed, numbers, sample), take)?;
+        Ok((values, unpacked))
     }
 
     /// `length` bytes after the first `start` ones of a file that should hold `total`.
@@ -294,7 +245,7 @@ impl<'a> Archive<'a> {
         total: u64,
     ) -> Result<(Vec<u8>, Unpacked)> {
         let mut bytes = Vec::new();
-        let part = Part { name, start, length: length as u64, total };
+        let part = Part { name, start, length: length as u64, total: Some(total) };
         let unpacked = self.unpack(link, &part, |_| true, |chunk: &[u8]| bytes.extend(chunk))?;
         Ok((bytes, unpacked))
     }
@@ -312,12 +263,9 @@ impl<'a> Archive<'a> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let mut entry = self.stream(link)?;
         let end = part.start.saturating_add(part.length);
-        let truncated = |found: u64| FormatError::Truncated {
-            format,
-            part: part.name.into(),
-            at: Location::Entry { entry: shown(link), offset: part.start },
-            found: found.saturating_sub(part.start),
-            wanted: part.length,
+        let truncated = |found: u64| {
+            let found = found.saturating_sub(part.start);
+            FormatError::truncated(format, part.name, place(link, part.start), found, part.length)
         };
         if entry.size() < end {
             return Err(truncated(entry.size()));
@@ -326,14 +274,16 @@ impl<'a> Archive<'a> {
         if !is_reachable(packed) {
             return Err(beyond_reason(format, link, packed, end));
         }
-        let limit = part.total.min(end.saturating_add(unpacked_limit(packed)));
-        let (mut md5, mut chunk, mut found) = (Md5::new(), vec![0; CHUNK_BYTES], 0);
+        let limit = part.total.map_or(0, |total| total.min(end.saturating_add(unpacked_limit(packed))));
+        let (mut md5, mut chunk, mut found) = (part.total.map(|_| Md5::new()), vec![0; CHUNK_BYTES], 0);
         loop {
             // No chunk reaches over a border of the part.
             let border = [part.start, end, u64::MAX].into_iter().find(|&border| found < border).unwrap_or(found);
             let room = chunk.len().min(usize::try_from(border - found).unwrap_or(usize::MAX));
             let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
-            md5.update(&chunk[..filled]);
+            if let Some(md5) = &mut md5 {
+                md5.update(&chunk[..filled]);
+            }
             if (part.start..end).contains(&found) {
                 take(&chunk[..filled]);
             }
@@ -341,8 +291,9 @@ impl<'a> Archive<'a> {
             if filled < room && found < end {
                 return Err(truncated(found));
             }
-            if filled < room || found > limit.max(end) {
-                return Ok(Unpacked { md5: (found <= limit).then(|| hexadecimal(&md5.finalize())), length: found });
+            if filled < room || found > limit.max(end) || part.total.is_none() && found == end {
+                let md5 = md5.filter(|_| found <= limit).map(|md5| hexadecimal(&md5.finalize()));
+                return Ok(Unpacked { md5, length: found });
             }
         }
     }
@@ -363,13 +314,8 @@ pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
         .read_to_end(&mut content)
         .map_err(|error| damaged(Format::Gzip, "stream", damage(&error)))?;
     if content.len() as u64 > limit {
-        return Err(FormatError::TooLarge {
-            format: Format::Gzip,
-            field: "the size of the content in bytes".into(),
-            at: Location::Byte(0),
-            found: content.len() as u64,
-            limit,
-        });
+        let (field, found) = ("the size of the content in bytes", content.len() as u64);
+        return Err(FormatError::too_large(Format::Gzip, field, Location::Byte(0), found, limit));
     }
     Ok(content)
 }
@@ -377,6 +323,11 @@ pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
 /// An MD5 sum in the usual hexadecimal digits.
 pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the place of a byte in a file of an archive.
+fn place(link: &str, offset: u64) -> Location {
+    Location::Entry { entry: shown(link), offset }
 }
 
 /// The error for a damaged archive or stream.
@@ -445,21 +396,21 @@ mod tests {
         zip.write_all(&numbers).unwrap();
         let bytes = zip.finish().unwrap().into_inner();
         let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
-        let sum = archive.read_numbers("numbers", Sample::U32, 200_000, 200_000).unwrap().md5;
+        let sum = archive.read_numbers("numbers", Sample::U32, 0, 200_000, 200_000).unwrap().1.md5;
         // Across the borders of chunks, and at the end.
         for (skipped, count) in [(0, 1), (16_383, 3), (70_001, 50_000), (199_999, 1)] {
-            let found = archive.read_numbers_at("numbers", Sample::U32, skipped, count, 200_000).unwrap();
-            assert!(found.values.iter().copied().eq((0..count).map(|n| (n as u64 + skipped) as f64)));
+            let (values, found) = archive.read_numbers("numbers", Sample::U32, skipped, count, 200_000).unwrap();
+            assert!(values.iter().copied().eq((0..count).map(|n| (n as u64 + skipped) as f64)));
             assert_eq!((found.md5, found.length), (sum.clone(), 800_000));
         }
         let (part, _) = archive.read_part("numbers", "a part", (65_535, 3), 800_000).unwrap();
         assert_eq!(part, numbers[65_535..65_538]);
         assert!(matches!(
-            archive.read_numbers_at("numbers", Sample::U32, 199_999, 2, 200_001),
+            archive.read_numbers("numbers", Sample::U32, 199_999, 2, 200_001),
             Err(FormatError::Truncated { found: 4, wanted: 8, .. })
         ));
         // A file that is longer than it should be has no sum.
-        assert_eq!(archive.read_numbers("numbers", Sample::U32, 10, 20).unwrap().md5, None);
+        assert_eq!(archive.read_numbers("numbers", Sample::U32, 0, 10, 20).unwrap().1.md5, None);
     }
 
     #[test]
@@ -475,16 +426,16 @@ mod tests {
     fn numbers_that_the_packed_bytes_cannot_hold_are_refused_before_unpacking() {
         let bytes = bomb(1_000_000);
         let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
-        let numbers = archive.read_numbers("zeros", Sample::I16, 500_000, 500_000).unwrap();
-        assert_eq!(numbers.values, vec![0.0; 500_000]);
+        let (numbers, unpacked) = archive.read_numbers("zeros", Sample::I16, 0, 500_000, 500_000).unwrap();
+        assert_eq!(numbers, vec![0.0; 500_000]);
         // MD5 of a million zero bytes, by `head -c 1000000 /dev/zero | md5sum`.
-        assert_eq!(numbers.md5.as_deref(), Some("879f4bba57ed37c9ec5e5aedf9864698"));
+        assert_eq!(unpacked.md5.as_deref(), Some("879f4bba57ed37c9ec5e5aedf9864698"));
         assert!(matches!(
-            archive.read_numbers("zeros", Sample::F64, 1 << 27, 1 << 27),
+            archive.read_numbers("zeros", Sample::F64, 0, 1 << 27, 1 << 27),
             Err(FormatError::Truncated { found: 1_000_000, .. })
         ));
         assert!(matches!(
-            archive.read_numbers("zeros", Sample::I16, 500_001, 500_001),
+            archive.read_numbers("zeros", Sample::I16, 0, 500_001, 500_001),
             Err(FormatError::Truncated { found: 1_000_000, wanted: 1_000_002, .. })
         ));
     }

@@ -15,7 +15,6 @@
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
 
 use crate::error::Result;
-use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
@@ -187,7 +186,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         ));
     }
     let pitch_m = pitch(&header, (ny, nx), &mut warnings)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("xpixels", 0, nx, "columns"))?;
+    let heights_m = input.matrix("xpixels", 0, (ny, nx), heights)?;
     let mut notes = Notes::default();
     for (key, value) in &header.pairs {
         notes.insert(key, value);

@@ -19,8 +19,6 @@
 use crate::error::Result;
 use std::collections::{BTreeMap, HashSet};
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
 use crate::hdf5::{Attribute, Dataset, File, Object, Value, shown_name};
 use crate::input::Input;
@@ -108,8 +106,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let dataset = file.dataset(&object)?.ok_or_else(|| missing("the map"))?;
     let meaning = meaning(&file, &object)?;
     let &[ny, nx] = dataset.shape.as_slice() else { return Err(missing("the map")) };
-    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
-    let (ny, nx) = input.shape(("rows", at, as_i64(ny)), ("columns", at, as_i64(nx)))?;
+    let shape = input.shape(("rows", at, ny), ("columns", at, nx))?;
 
     let mut warnings = Vec::new();
     let mut heights = file.numbers(&dataset)?.ok_or_else(|| missing("the numbers"))?;
@@ -119,8 +116,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let is_void = *z == no_data || no_data > 0.0 && z.abs() >= no_data;
         *z = if is_void { f64::NAN } else { to_metre(*z) };
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("the map", at, "data of another size", "rows × columns"))?;
+    let heights_m = input.matrix("the map", at, shape, heights)?;
     let mut metadata = BTreeMap::new();
     describe(&file, &object, &mut metadata);
     let lateral_m = attributes_group(&file, &mut metadata);

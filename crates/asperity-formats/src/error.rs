@@ -238,6 +238,43 @@ impl FormatError {
         }
     }
 
+    /// Returns the error for a field whose value is invalid.
+    pub(crate) fn field(
+        format: Format,
+        field: impl Into<String>,
+        at: Location,
+        found: impl ToString,
+        wanted: impl Into<String>,
+    ) -> Self {
+        let found = shown(&found.to_string());
+        Self::Field { format, field: field.into(), at, found, wanted: wanted.into() }
+    }
+
+    /// Returns the error for a field that is absent.
+    pub(crate) fn missing(format: Format, field: impl Into<String>, at: Location, wanted: impl Into<String>) -> Self {
+        Self::MissingField { format, field: field.into(), at, wanted: wanted.into() }
+    }
+
+    /// Returns the error for `part`, which starts at `at` and has `found` of `wanted` bytes.
+    pub(crate) fn truncated(format: Format, part: impl Into<String>, at: Location, found: u64, wanted: u64) -> Self {
+        Self::Truncated { format, part: part.into(), at, found, wanted }
+    }
+
+    /// Returns the error for a size above its limit.
+    pub(crate) fn too_large(format: Format, field: impl Into<String>, at: Location, found: u64, limit: u64) -> Self {
+        Self::TooLarge { format, field: field.into(), at, found, limit }
+    }
+
+    /// Returns the error for a valid file of a kind that is not read.
+    pub(crate) fn unsupported(format: Format, found: impl Into<String>, wanted: &'static str) -> Self {
+        Self::Unsupported { format, found: found.into(), wanted }
+    }
+
+    /// Returns the error for a scan that the format cannot store.
+    pub(crate) fn not_storable(format: Format, found: impl Into<String>, wanted: &'static str) -> Self {
+        Self::NotStorable { format, found: found.into(), wanted }
+    }
+
     /// The same error with the path of its file.
     pub(crate) fn in_file(self, path: &Path) -> Self {
         Self::File { path: path.into(), error: Box::new(self) }

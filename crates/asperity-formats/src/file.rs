@@ -52,9 +52,7 @@ pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
     let bytes = content(path)?;
     let series = match Format::detect(&bytes) {
         Some(Format::Npy) => npy::read_series(&bytes),
-        Some(format) => {
-            Err(FormatError::Unsupported { format, found: "a map".into(), wanted: "a one-dimensional NPY array" })
-        }
+        Some(format) => Err(FormatError::unsupported(format, "a map", "a one-dimensional NPY array")),
         None => Err(unrecognised(&bytes, bytes.len() as u64)),
     };
     series.map_err(|error| error.in_file(path))
@@ -127,13 +125,7 @@ fn unrecognised(bytes: &[u8], size: u64) -> FormatError {
 }
 
 fn too_large(format: Format, size: u64) -> FormatError {
-    FormatError::TooLarge {
-        format,
-        field: "the file's size in bytes".into(),
-        at: Location::Byte(0),
-        found: size,
-        limit: MAX_FILE_BYTES,
-    }
+    FormatError::too_large(format, "the file's size in bytes", Location::Byte(0), size, MAX_FILE_BYTES)
 }
 
 /// Reads the content of a file of any known format.

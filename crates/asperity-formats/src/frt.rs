@@ -24,7 +24,6 @@ mod image;
 mod metadata;
 
 use crate::error::Result;
-use ndarray::Array2;
 
 use self::blocks::{
     BUFFERS, Block, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT,
@@ -35,7 +34,7 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
+
 use crate::selection::unique;
 use crate::{Format, ReadOptions, Scan};
 
@@ -100,8 +99,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     }
     let pitch_m = pitch(&blocks, image.shape, &mut warnings)?;
     doubt(&blocks, &mut warnings);
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("points along x", image.numbers.start, nx, FITTING_SHAPE))?;
+    let heights_m = input.matrix("points along x", image.numbers.start, (ny, nx), heights)?;
     let scan = Scan { metadata: metadata::metadata(&blocks), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, channel))
 }

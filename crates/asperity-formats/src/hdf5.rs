@@ -151,12 +151,12 @@ impl<'a> File<'a> {
     }
 
     fn too_many(&self, name: &str, at: usize, found: usize, limit: usize) -> FormatError {
-        FormatError::TooLarge {
-            format: self.format,
-            field: format!("the number of {name}"),
-            at: self.input.at(at),
-            found: found as u64,
-            limit: limit as u64,
-        }
+        FormatError::too_large(
+            self.format,
+            format!("the number of {name}"),
+            self.input.at(at),
+            found as u64,
+            limit as u64,
+        )
     }
 }

@@ -1,10 +1,12 @@
 //! The bytes of a file, taken field by field: nothing is read beyond them, and whatever is wrong with a field is told
 //! with its name and place.
 
-use crate::error::Result;
-use crate::error::shown;
+use ndarray::Array2;
+
+use crate::error::{Result, shown};
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError, Location, MAX_POINTS};
+use crate::scan::{Shape, matrix, shape};
+use crate::{Format, FormatError, Location};
 
 /// The bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]
@@ -91,45 +93,38 @@ impl<'a> Input<'a> {
 
     /// `count` numbers from `offset` on; memory is taken only when all of them are there.
     pub(crate) fn samples(&self, part: &str, offset: usize, count: usize, sample: Sample) -> Result<Vec<f64>> {
-        self.samples_as(part, offset, count, sample, |value| value)
+        let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
+        Ok(sample.decode_all(self.order, bytes))
     }
 
-    /// As [`Input::samples`], with every number changed.
-    pub(crate) fn samples_as(
+    /// Reads a map of numbers from `offset` on and converts each number to a height in metre.
+    pub(crate) fn heights(
         &self,
         part: &str,
         offset: usize,
-        count: usize,
+        shape: Shape,
         sample: Sample,
-        change: impl Fn(f64) -> f64 + Sync,
-    ) -> Result<Vec<f64>> {
-        let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
-        Ok(sample.decode_and_map(self.order, bytes, change))
+        in_metre: impl Fn(f64) -> f64 + Sync,
+    ) -> Result<Array2<f64>> {
+        let bytes = self.take(part, offset, (shape.0 * shape.1).saturating_mul(sample.size()))?;
+        self.matrix(part, offset, shape, sample.decode_and_map(self.order, bytes, in_metre))
     }
 
-    /// Checked shape `(rows, columns)` of a map from fields that hold its dimensions, each `(name, offset, value)`.
+    /// Arranges heights as a map. An error names `field`, the source of the shape.
+    pub(crate) fn matrix(&self, field: &str, offset: usize, shape: Shape, heights: Vec<f64>) -> Result<Array2<f64>> {
+        matrix(self.format, field, self.at(offset), shape, heights)
+    }
+
+    /// Checks the dimensions of a map, each given as `(field, offset, value)`.
     ///
     /// # Errors
-    /// A dimension below one, or a product above [`MAX_POINTS`].
-    pub(crate) fn shape(&self, rows: (&str, usize, i64), columns: (&str, usize, i64)) -> Result<(usize, usize)> {
-        let positive = |(field, offset, found): (&str, usize, i64)| {
-            usize::try_from(found)
-                .ok()
-                .filter(|&points| points > 0)
-                .ok_or_else(|| self.wrong(field, offset, found, "1 or more"))
-        };
-        let (ny, nx) = (positive(rows)?, positive(columns)?);
-        let points = (ny as u64).saturating_mul(nx as u64);
-        if points > MAX_POINTS {
-            return Err(FormatError::TooLarge {
-                format: self.format,
-                field: format!("the product of {} and {}", columns.0, rows.0),
-                at: self.at(columns.1),
-                found: points,
-                limit: MAX_POINTS,
-            });
-        }
-        Ok((ny, nx))
+    /// A dimension below 1, or a product above [`MAX_POINTS`](crate::MAX_POINTS).
+    pub(crate) fn shape<T>(&self, rows: (&str, usize, T), columns: (&str, usize, T)) -> Result<Shape>
+    where
+        T: TryInto<u64> + ToString + Copy,
+    {
+        let placed = |(field, offset, found)| (field, self.at(offset), found);
+        shape(self.format, placed(rows), placed(columns))
     }
 
     /// A place in the file.
@@ -142,51 +137,29 @@ impl<'a> Input<'a> {
     }
 
     fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
-        FormatError::Truncated {
-            format: self.format,
-            part: shown(part),
-            at: self.at(offset),
-            found: self.bytes.len().saturating_sub(offset) as u64,
-            wanted: wanted as u64,
-        }
+        let found = self.bytes.len().saturating_sub(offset) as u64;
+        FormatError::truncated(self.format, shown(part), self.at(offset), found, wanted as u64)
     }
 
     /// The error for a field whose value cannot be right.
     pub(crate) fn wrong(&self, field: &str, offset: usize, found: impl ToString, wanted: &str) -> FormatError {
-        FormatError::Field {
-            format: self.format,
-            // Some formats name their fields freely.
-            field: shown(field),
-            at: self.at(offset),
-            found: shown(&found.to_string()),
-            wanted: wanted.into(),
-        }
+        // Some formats name their fields freely.
+        FormatError::field(self.format, shown(field), self.at(offset), found, wanted)
     }
 
     /// The error for a size beyond what is taken.
     pub(crate) fn too_large(&self, field: &str, offset: usize, found: usize, limit: usize) -> FormatError {
-        FormatError::TooLarge {
-            format: self.format,
-            field: field.into(),
-            at: self.at(offset),
-            found: found as u64,
-            limit: limit as u64,
-        }
+        FormatError::too_large(self.format, field, self.at(offset), found as u64, limit as u64)
     }
 
     /// The error for a field that is not there.
     pub(crate) fn missing(&self, field: &str, offset: usize, wanted: &str) -> FormatError {
-        FormatError::MissingField {
-            format: self.format,
-            field: field.into(),
-            at: self.at(offset),
-            wanted: wanted.into(),
-        }
+        FormatError::missing(self.format, field, self.at(offset), wanted)
     }
 
     /// The error for a valid file of a kind that is not read.
     pub(crate) fn unsupported(&self, found: impl Into<String>, wanted: &'static str) -> FormatError {
-        FormatError::Unsupported { format: self.format, found: found.into(), wanted }
+        FormatError::unsupported(self.format, found, wanted)
     }
 }
 

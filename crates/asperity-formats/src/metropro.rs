@@ -16,8 +16,6 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
@@ -138,16 +136,14 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
             input.unsupported("the file holds intensities or nothing, but no connected phase", "connected phase")
         );
     }
-    let (ny, nx) = input.shape(("cn_height", 70, height.into()), ("cn_width", 68, width.into()))?;
+    let (ny, nx) = input.shape(("cn_height", 70, height), ("cn_width", 68, width))?;
     let scale_m = scale_m(&input)?;
 
     let mut warnings = Vec::new();
     let phase_bytes = nx * ny * Sample::I32.size();
     let start = header_bytes + intensity_bytes(&input, header_bytes + phase_bytes, &mut warnings)?;
     let in_metre = |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m };
-    let heights = input.samples_as("the connected phase", start, nx * ny, Sample::I32, in_metre)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("cn_width", 68, width, "as many columns as there are"))?;
+    let heights_m = input.heights("the connected phase", start, (ny, nx), Sample::I32, in_metre)?;
     let surplus = bytes.len() - start - phase_bytes;
     if surplus > 0 {
         warnings.push(format!("{surplus} bytes follow the connected phase and were not read"));

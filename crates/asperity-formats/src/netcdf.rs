@@ -18,8 +18,6 @@ mod enhanced;
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
 use crate::foreign::TO_MATRIX;
 use crate::hdf5;
@@ -199,8 +197,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let chosen = options.choose(Format::NetCdf, &names)?;
     let map = maps[chosen];
     let Some((rows, columns)) = map.map() else { return Err(no_map(&input, &contents)) };
-    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
-    let (rows, columns) = input.shape(("rows", map.at, as_i64(rows)), ("columns", map.at, as_i64(columns)))?;
+    let (rows, columns) = input.shape(("rows", map.at, rows), ("columns", map.at, columns))?;
 
     let mut warnings = Vec::new();
     let [slow, fast] = [2, 1].map(|back| Axis::new(&contents, map, back));
@@ -220,8 +217,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         true => ((columns, rows), along_slow.zip(along_fast)),
         false => ((rows, columns), along_fast.zip(along_slow)),
     };
-    let heights_m = Array2::from_shape_vec(shape, heights)
-        .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
+    let heights_m = input.matrix(&map.name, map.at, shape, heights)?;
     let height_unit = unit.map(str::to_owned);
     let metadata = metadata(contents, &read);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))

@@ -10,13 +10,11 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
+
 use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -84,7 +82,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let mut warnings = Vec::new();
     check_kind(&input, &mut warnings)?;
     let (rows, columns) = (input.i32(ROWS.0, ROWS.1)?, input.i32(COLUMNS.0, COLUMNS.1)?);
-    let (ny, nx) = input.shape((ROWS.0, ROWS.1, rows.into()), (COLUMNS.0, COLUMNS.1, columns.into()))?;
+    let (ny, nx) = input.shape((ROWS.0, ROWS.1, rows), (COLUMNS.0, COLUMNS.1, columns))?;
 
     let points = ny * nx;
     let intensity_at = HEADER_BYTES + points * Sample::U16.size();
@@ -99,8 +97,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     }
     // Steps between points: the field of view of 160 µm of a 100× objective is 512 of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong(COLUMNS.0, COLUMNS.1, columns, FITTING_SHAPE))?;
+    let heights_m = input.matrix(COLUMNS.0, COLUMNS.1, (ny, nx), heights)?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 

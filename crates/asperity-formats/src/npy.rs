@@ -4,14 +4,12 @@
 //! One-dimensional arrays are records along a path.
 //! Layout: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use crate::error::Result;
-use ndarray::Array2;
+use crate::error::{Result, shown};
 
 use crate::codec::{Codec, Description, Tested};
-use crate::error::shown;
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::FITTING_SHAPE;
+
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -69,8 +67,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         true => header.sample.decode_columns(header.order, bytes, (rows, columns)),
         false => header.sample.decode_all(header.order, bytes),
     };
-    let heights_m = Array2::from_shape_vec((rows, columns), values)
-        .map_err(|_| wrong(&input, "shape", &format!("({rows}, {columns})"), FITTING_SHAPE))?;
+    let heights_m = input.matrix("shape", VERSION_END, (rows, columns), values)?;
     let mut scan = Scan::new(heights_m, None);
     if left_over > 0 {
         scan.warnings.push(format!("{left_over} bytes after the array were left out"));

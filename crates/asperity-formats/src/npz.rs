@@ -13,10 +13,11 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::archive::{Archive, damaged};
+use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::npy::Header;
+use crate::scan::matrix;
 use crate::selection::some_of;
 use crate::unit::per_metre;
 use crate::x3p::ZIP_MAGIC;
@@ -110,13 +111,13 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::Npz, bytes)?;
     let links: Vec<String> = archive.names().iter().filter(|name| name.ends_with(EXTENSION)).cloned().collect();
     if links.len() > MAX_ARRAYS {
-        return Err(FormatError::TooLarge {
-            format: Format::Npz,
-            field: "the number of arrays".into(),
-            at: Location::Byte(0),
-            found: links.len() as u64,
-            limit: MAX_ARRAYS as u64,
-        });
+        return Err(FormatError::too_large(
+            Format::Npz,
+            "the number of arrays",
+            Location::Byte(0),
+            links.len() as u64,
+            MAX_ARRAYS as u64,
+        ));
     }
     let (mut names, mut maps, mut others, mut short) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
     for link in links {
@@ -148,7 +149,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if maps.is_empty() {
         let found = format!("no array of the file can be heights: {}", some_of(&others));
         let wanted = "a two-dimensional array of numbers whose name ends in no unit, or in one of length";
-        return Err(FormatError::Unsupported { format: Format::Npz, found, wanted });
+        return Err(FormatError::unsupported(Format::Npz, found, wanted));
     }
     let place = match &options.channel {
         None => main(&names),
@@ -231,6 +232,5 @@ fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
     if map.per_metre != 1.0 {
         heights.iter_mut().for_each(|z| *z /= map.per_metre);
     }
-    Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| damaged(Format::Npz, &map.link, "its heights do not fill their shape".into()))
+    matrix(Format::Npz, &map.link, Location::Byte(0), (ny, nx), heights)
 }

@@ -211,7 +211,7 @@ fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>> {
     let name = block.name.as_str();
     let (columns, rows) = (input.u16(name, block.start)?, input.u16(name, block.start + 2)?);
     let (field_x, field_y) = (format!("columns of {name}"), format!("rows of {name}"));
-    let (ny, nx) = input.shape((&field_y, block.start + 2, rows.into()), (&field_x, block.start, columns.into()))?;
+    let (ny, nx) = input.shape((&field_y, block.start + 2, rows), (&field_x, block.start, columns))?;
     let (sample, is_height): (Sample, fn(f64) -> bool) = match input.u16(name, block.start + 4)? {
         4 => (Sample::F32, |v| v.abs() < BAD_FLOAT),
         2 => (Sample::I16, |v| v < BAD_INT16),

@@ -12,12 +12,10 @@ mod names;
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
+
 use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -152,14 +150,12 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         ));
     }
     let in_metre = |z| if z == LOST { f64::NAN } else { z / PER_METRE };
-    let heights = input.samples_as("the heights", start, ny * nx, Sample::F32, in_metre)?;
+    let heights_m = input.heights("the heights", start, (ny, nx), Sample::F32, in_metre)?;
     // Micrometres per pixel are the distance between points; the field of view is n of them.
     let pitch_m = Some((
         f64::from(input.f32(PITCH_X.0, PITCH_X.1)?) / PER_METRE,
         f64::from(input.f32(PITCH_Y.0, PITCH_Y.1)?) / PER_METRE,
     ));
-    let heights_m =
-        Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong(COLUMNS.0, start, nx, FITTING_SHAPE))?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
@@ -187,8 +183,8 @@ fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>> {
 
 fn layer(input: &Input, at: usize) -> Result<Layer> {
     let columns_at = at.saturating_add(4);
-    let rows = input.u32("the number of rows", at)?.into();
-    let columns = input.u32("the number of columns", columns_at)?.into();
+    let rows = input.u32("the number of rows", at)?;
+    let columns = input.u32("the number of columns", columns_at)?;
     let (ny, nx) = input.shape(("the number of rows", at, rows), ("the number of columns", columns_at, columns))?;
     let start = at + SHAPE_BYTES;
     input.take("the heights", start, ny * nx * Sample::F32.size())?;

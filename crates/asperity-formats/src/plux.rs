@@ -11,13 +11,11 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
-use crate::archive::{Archive, damaged};
+use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::plu::LOST;
 use crate::sample::Sample;
-use crate::scan::{Dimension, shape};
+use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
 use crate::xml::Document;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -90,25 +88,23 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let layers = layers(&document);
     if layers.is_empty() {
         let found = format!("no layer of {INDEX} has heights (LAYER_n/FILENAME_Z)");
-        return Err(FormatError::Unsupported { format: Format::Plux, found, wanted: "a layer with heights" });
+        return Err(FormatError::unsupported(Format::Plux, found, "a layer with heights"));
     }
     let channels: Vec<String> = layers.iter().map(|(number, _)| format!("LAYER_{number}")).collect();
     let channel = options.choose(Format::Plux, &channels)?;
     let link = layers[channel].1;
 
-    let (ny, nx) = dimensions(&document)?;
+    let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
     let mut warnings = Vec::new();
-    let numbers = archive.read_numbers(link, Sample::F32, ny * nx, ny as u64 * nx as u64)?;
-    if numbers.md5.is_none() {
+    let (mut heights, unpacked) = archive.read_numbers(link, Sample::F32, 0, ny * nx, ny as u64 * nx as u64)?;
+    if unpacked.md5.is_none() {
         warnings.push(format!("{link} is longer than the stated dimensions"));
     }
-    let mut heights = numbers.values;
     for z in &mut heights {
         *z = if *z == LOST { f64::NAN } else { *z / PER_METRE };
     }
     let pitch_m = pitch(&document, (ny, nx), &mut warnings)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| damaged(Format::Plux, link, "its heights do not fill their shape".into()))?;
+    let heights_m = matrix(Format::Plux, link, document.at(0), (ny, nx), heights)?;
     let scan = Scan { metadata: metadata(&document), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(channels, channel))
 }
@@ -125,14 +121,6 @@ fn layers(document: &Document) -> Vec<(u64, &str)> {
         .collect();
     layers.sort_unstable();
     layers
-}
-
-/// Checked rows and columns.
-fn dimensions(document: &Document) -> Result<(usize, usize)> {
-    let dimension = |field: &'static str| {
-        document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
-    };
-    shape(Format::Plux, &dimension(path::SIZE_Y)?, &dimension(path::SIZE_X)?)
 }
 
 /// The distance between points in metre.

@@ -21,8 +21,8 @@ const WARNING_CHARS: usize = 1000;
 /// Ratio of the two pitches above which the map is doubted.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 
-/// Shape that an error wants where rows times columns is not the number of heights.
-pub(crate) const FITTING_SHAPE: &str = "a shape that the heights fill";
+/// Number of rows and number of columns of a map.
+pub(crate) type Shape = (usize, usize);
 
 /// One measured height map as a file states it.
 #[derive(Debug, Clone)]
@@ -180,43 +180,42 @@ fn range(values: &mut [f64]) -> (f64, f64) {
     (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Where one declared dimension stands in a file.
-pub(crate) struct Dimension {
-    pub(crate) field: &'static str,
-    pub(crate) at: Location,
-    pub(crate) found: i64,
-}
-
-impl Dimension {
-    /// The dimension as a positive number of points.
-    fn positive(&self, format: Format) -> Result<u64> {
-        u64::try_from(self.found).ok().filter(|&points| points > 0).ok_or_else(|| FormatError::Field {
-            format,
-            field: self.field.into(),
-            at: self.at.clone(),
-            found: self.found.to_string(),
-            wanted: "1 or more".into(),
-        })
-    }
-}
-
-/// Checked shape `(rows, columns)` of a map whose dimensions were declared by a file.
+/// Checks the dimensions that a file declares for a map, each with the name and place of its field.
 ///
 /// # Errors
-/// A dimension below one, or a product above [`MAX_POINTS`].
-pub(crate) fn shape(format: Format, rows: &Dimension, columns: &Dimension) -> Result<(usize, usize)> {
-    let (ny, nx) = (rows.positive(format)?, columns.positive(format)?);
+/// A dimension below 1, or a product above [`MAX_POINTS`].
+pub(crate) fn shape<T>(format: Format, rows: (&str, Location, T), columns: (&str, Location, T)) -> Result<Shape>
+where
+    T: TryInto<u64> + ToString + Copy,
+{
+    let positive = |(field, at, found): &(&str, Location, T)| {
+        let points = (*found).try_into().ok().filter(|&points| points > 0);
+        points.ok_or_else(|| FormatError::field(format, *field, at.clone(), *found, "1 or more"))
+    };
+    let (ny, nx) = (positive(&rows)?, positive(&columns)?);
     let points = ny.saturating_mul(nx);
     match (usize::try_from(ny), usize::try_from(nx)) {
         (Ok(ny), Ok(nx)) if points <= MAX_POINTS => Ok((ny, nx)),
-        _ => Err(FormatError::TooLarge {
-            format,
-            field: format!("the product of {} and {}", columns.field, rows.field),
-            at: columns.at.clone(),
-            found: points,
-            limit: MAX_POINTS,
-        }),
+        _ => {
+            let field = format!("the product of {} and {}", columns.0, rows.0);
+            Err(FormatError::too_large(format, field, columns.1, points, MAX_POINTS))
+        }
     }
+}
+
+/// Arranges heights as a map. An error names `field`, the source of the shape.
+pub(crate) fn matrix(
+    format: Format,
+    field: &str,
+    at: Location,
+    shape: Shape,
+    heights: Vec<f64>,
+) -> Result<Array2<f64>> {
+    let count = heights.len();
+    Array2::from_shape_vec(shape, heights).map_err(|_| {
+        let found = format!("{} × {} points", shape.1, shape.0);
+        FormatError::field(format, shown(field), at, found, format!("a shape of {count} points"))
+    })
 }
 
 #[cfg(test)]

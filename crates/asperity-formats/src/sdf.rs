@@ -21,14 +21,11 @@ mod write;
 use crate::error::Result;
 use std::str::FromStr;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
-use crate::error::shown;
 use crate::input::{Input, latin1};
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::{Dimension, shape};
+use crate::scan::{matrix, shape};
 use crate::text::header::Header as Notes;
 use crate::text::rows::{self, Layout};
 use crate::text::{Separator, lines};
@@ -117,13 +114,7 @@ struct Field<T> {
 
 impl<T: ToString> Field<T> {
     fn wrong(&self, wanted: &str) -> FormatError {
-        FormatError::Field {
-            format: Format::Sdf,
-            field: self.name.into(),
-            at: self.at.clone(),
-            found: shown(&self.value.to_string()),
-            wanted: wanted.into(),
-        }
+        FormatError::field(Format::Sdf, self.name, self.at.clone(), self.value.to_string(), wanted)
     }
 }
 
@@ -141,8 +132,8 @@ struct Header {
 impl Header {
     /// Shape `(rows, columns)` and type of the numbers.
     fn check(&self) -> Result<((usize, usize), Sample)> {
-        let dimension = |field: &Field<i64>| Dimension { field: field.name, at: field.at.clone(), found: field.value };
-        let (ny, nx) = shape(Format::Sdf, &dimension(&self.profiles), &dimension(&self.points))?;
+        let dimension = |field: &Field<i64>| (field.name, field.at.clone(), field.value);
+        let (ny, nx) = shape(Format::Sdf, dimension(&self.profiles), dimension(&self.points))?;
         if ny == 1 && self.scales[1].value == 0.0 {
             return Err(unsupported("the file holds a single profile", "the profiles of a surface"));
         }
@@ -172,8 +163,7 @@ impl Header {
         let is_void = voids(sample, self.is_bcr);
         let mut heights = numbers;
         large::map(&mut heights, |height| if is_void(height) { f64::NAN } else { height * z });
-        let heights_m =
-            Array2::from_shape_vec(shape, heights).map_err(|_| self.points.wrong("the number of columns"))?;
+        let heights_m = matrix(Format::Sdf, POINTS, self.points.at.clone(), shape, heights)?;
         Ok(Scan::new(heights_m, Some((x, y))))
     }
 }
@@ -203,7 +193,7 @@ fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
 }
 
 fn unsupported(found: &str, wanted: &'static str) -> FormatError {
-    FormatError::Unsupported { format: Format::Sdf, found: found.into(), wanted }
+    FormatError::unsupported(Format::Sdf, found, wanted)
 }
 
 /// Reads the first map of a file.
@@ -292,12 +282,12 @@ fn read_text(bytes: &[u8]) -> Result<Scan> {
     let mut numbers = rows::read(&rest[..length], &layout, last_line)?.values;
     let (found, wanted) = (numbers.len(), shape.0 * shape.1);
     if found < wanted {
-        return Err(FormatError::MissingField {
-            format: Format::Sdf,
-            field: format!("height {} of {wanted}", found + 1),
-            at: Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count()),
-            wanted: format!("{POINTS} × {PROFILES} numbers before `*`"),
-        });
+        return Err(FormatError::missing(
+            Format::Sdf,
+            format!("height {} of {wanted}", found + 1),
+            Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count()),
+            format!("{POINTS} × {PROFILES} numbers before `*`"),
+        ));
     }
     let mut warnings = Vec::new();
     if found > wanted {
@@ -338,12 +328,12 @@ fn number<T: FromStr>(
     wanted: &str,
 ) -> Result<Field<T>> {
     let Some((_, text, line)) = fields.iter().find(|(key, ..)| key.eq_ignore_ascii_case(name)) else {
-        return Err(FormatError::MissingField {
-            format: Format::Sdf,
-            field: name.into(),
-            at: Location::Line(last_line),
-            wanted: format!("a line `{name} = …` before the first `*`"),
-        });
+        return Err(FormatError::missing(
+            Format::Sdf,
+            name,
+            Location::Line(last_line),
+            format!("a line `{name} = …` before the first `*`"),
+        ));
     };
     let at = Location::Line(*line);
     match text.parse() {

@@ -1,9 +1,8 @@
 //! Which map of a file is read.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use std::collections::{HashMap, HashSet};
 
-use crate::error::shown;
 use crate::{Format, FormatError, LengthUnit};
 
 /// One of the height maps in a file that may hold several: channels, layers, pages, arrays.

@@ -17,13 +17,12 @@ pub(crate) mod header;
 pub(crate) mod rows;
 mod write;
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use std::borrow::Cow;
 
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::error::shown;
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
@@ -202,11 +201,11 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| head.header.may_be_heights()).collect();
     let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
     if names.is_empty() {
-        return Err(FormatError::Unsupported {
-            format: Format::Text,
-            found: "the unit of no channel is a length".into(),
-            wanted: "a channel of heights",
-        });
+        return Err(FormatError::unsupported(
+            Format::Text,
+            "the unit of no channel is a length",
+            "a channel of heights",
+        ));
     }
     let channel = options.choose(Format::Text, &names)?;
     let (block, lines, head) = maps.swap_remove(channel);
@@ -278,13 +277,13 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
     }
     if let Some((ny, nx)) = header.shape().filter(|_| header.is_esri()) {
         if ny.checked_mul(nx) != Some(table.values.len()) {
-            return Err(FormatError::Field {
-                format: Format::Text,
-                field: "ncols × nrows".into(),
-                at: Location::Line(1),
-                found: format!("{nx} × {ny}"),
-                wanted: format!("{}, as many as there are values", table.values.len()),
-            });
+            return Err(FormatError::field(
+                Format::Text,
+                "ncols × nrows",
+                Location::Line(1),
+                format!("{nx} × {ny}"),
+                format!("{}, as many as there are values", table.values.len()),
+            ));
         }
         return Ok((ny, nx));
     }
@@ -340,22 +339,17 @@ fn wrong_factor(bytes: &[u8], line_end: u8, lines: usize, key: &str, value: &str
         line.split_once(key).is_some_and(|(_, rest)| rest.contains(value))
     };
     let line = bytes.split(|&byte| byte == line_end).position(states).unwrap_or_default();
-    FormatError::Field {
-        format: Format::Text,
-        field: shown(key),
-        at: Location::Line(lines + line + 1),
-        found: shown(value),
-        wanted: "a number other than 0 (a stated height unit replaces the factor)".into(),
-    }
+    FormatError::field(
+        Format::Text,
+        shown(key),
+        Location::Line(lines + line + 1),
+        value,
+        "a number other than 0 (a stated height unit replaces the factor)",
+    )
 }
 
 fn nothing() -> FormatError {
-    FormatError::MissingField {
-        format: Format::Text,
-        field: "a row of numbers".into(),
-        at: Location::Line(1),
-        wanted: "one row of heights per line".into(),
-    }
+    FormatError::missing(Format::Text, "a row of numbers", Location::Line(1), "one row of heights per line")
 }
 
 impl Meaning {

@@ -14,7 +14,6 @@
 //! between the outermost points.
 
 use crate::error::Result;
-use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
@@ -103,11 +102,9 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let layout = layout(&input, comment, comment_end, is_version_2)?;
 
     let (columns, rows) = (input.u32("columns", layout.columns)?, input.u32("rows", layout.rows())?);
-    let (ny, nx) = input.shape(("rows", layout.rows(), rows.into()), ("columns", layout.columns, columns.into()))?;
+    let shape = input.shape(("rows", layout.rows(), rows), ("columns", layout.columns, columns))?;
     let in_metre = |z| z * METRES_PER_MILLIMETRE;
-    let heights = input.samples_as("the heights", layout.heights(), nx * ny, Sample::F32, in_metre)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("columns", layout.columns, columns, "as many as there are heights"))?;
+    let heights_m = input.heights("the heights", layout.heights(), shape, Sample::F32, in_metre)?;
     let [length_x, length_y] = layout.lengths();
     let dx_m = f64::from(input.f32("the length of x", length_x)?) / f64::from(columns) * METRES_PER_MILLIMETRE;
     let dy_m = f64::from(input.f32("the length of y", length_y)?) / f64::from(rows) * METRES_PER_MILLIMETRE;

@@ -126,5 +126,5 @@ fn texts(scan: &Scan) -> String {
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::Vtk, found, wanted }
+    FormatError::not_storable(Format::Vtk, found, wanted)
 }

@@ -1,7 +1,7 @@
 //! An XML description as a flat table: the path of every element that holds text, by local names, so that namespace
 //! prefixes and their absence do not matter.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -10,8 +10,8 @@ use quick_xml::errors::{Error, IllFormedError};
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
-use crate::error::shown;
 use crate::input::{MAX_TEXT_BYTES, utf16};
+use crate::scan::{Shape, shape};
 use crate::{Format, FormatError, Location};
 
 /// Elements inside each other; descriptions of instruments need about five.
@@ -179,6 +179,12 @@ impl Document {
         Ok((number, *offset))
     }
 
+    /// Returns the checked shape of a map from the elements that state its rows and its columns.
+    pub(crate) fn shape(&self, rows: &str, columns: &str) -> Result<Shape> {
+        let [(ny, ny_at), (nx, nx_at)] = [self.integer(rows)?, self.integer(columns)?];
+        shape(self.format, (rows, self.at(ny_at), ny), (columns, self.at(nx_at), nx))
+    }
+
     /// The place of an element.
     pub(crate) fn at(&self, offset: u64) -> Location {
         Location::Entry { entry: self.entry.into(), offset }
@@ -186,18 +192,12 @@ impl Document {
 
     /// The error for an element that is not there.
     pub(crate) fn missing(&self, path: &str, wanted: &str) -> FormatError {
-        FormatError::MissingField { format: self.format, field: path.into(), at: self.at(0), wanted: wanted.into() }
+        FormatError::missing(self.format, path, self.at(0), wanted)
     }
 
     /// The error for an element whose text cannot be right.
     pub(crate) fn wrong(&self, path: &str, found: &str, offset: u64, wanted: &str) -> FormatError {
-        FormatError::Field {
-            format: self.format,
-            field: path.into(),
-            at: self.at(offset),
-            found: shown(found),
-            wanted: wanted.into(),
-        }
+        FormatError::field(self.format, path, self.at(offset), found, wanted)
     }
 }
 

@@ -217,13 +217,9 @@ struct List<'a> {
 impl List<'_> {
     fn table(&self) -> Result<rows::Table> {
         let table = rows::read(self.bytes, &self.layout, self.lines).map_err(|error| match error {
-            FormatError::Ragged { line, found, .. } => FormatError::Field {
-                format: Format::Xyz,
-                field: "the number of values".into(),
-                at: Location::Line(line),
-                found: found.to_string(),
-                wanted: "3: x, y and z".into(),
-            },
+            FormatError::Ragged { line, found, .. } => {
+                FormatError::field(Format::Xyz, "the number of values", Location::Line(line), found, "3: x, y and z")
+            }
             error => error,
         })?;
         if table.rows == 0 { Err(nothing(self.lines + 1)) } else { Ok(table) }
@@ -241,12 +237,8 @@ impl List<'_> {
 
     fn error(&self, reason: &NoGrid) -> FormatError {
         let name = |axis: usize| ["x", "y"][axis];
-        let field = |field: &str, point: usize, found: String, wanted: &str| FormatError::Field {
-            format: Format::Xyz,
-            field: field.into(),
-            at: Location::Line(self.line(point)),
-            found,
-            wanted: wanted.into(),
+        let field = |field: &str, point: usize, found: String, wanted: &str| {
+            FormatError::field(Format::Xyz, field, Location::Line(self.line(point)), found, wanted)
         };
         match *reason {
             NoGrid::NotFinite { point, axis } => field(name(axis), point, "not finite".into(), "a number"),
@@ -269,7 +261,7 @@ impl List<'_> {
 
 fn unsupported(found: String) -> FormatError {
     let wanted = "points on a regular grid; interpolate the heights onto one and save them again";
-    FormatError::Unsupported { format: Format::Xyz, found, wanted }
+    FormatError::unsupported(Format::Xyz, found, wanted)
 }
 
 /// The error for points that lie anywhere.
@@ -278,12 +270,7 @@ pub(crate) fn no_grid() -> FormatError {
 }
 
 fn nothing(line: usize) -> FormatError {
-    FormatError::MissingField {
-        format: Format::Xyz,
-        field: "a line of x, y and z".into(),
-        at: Location::Line(line),
-        wanted: "one point per line".into(),
-    }
+    FormatError::missing(Format::Xyz, "a line of x, y and z", Location::Line(line), "one point per line")
 }
 
 /// Lines of a Zygo header before the one that ends it, and what is kept of them.
@@ -305,12 +292,12 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
         head.push(utf8_or_latin1(line.trim_ascii()));
     }
     if head.len() < ZYGO_LINES || start >= bytes.len() {
-        return Err(FormatError::MissingField {
-            format: Format::Xyz,
-            field: "the line `#` behind the header".into(),
-            at: Location::Line(head.len() + 1),
-            wanted: format!("{ZYGO_LINES} lines, `#`, and the points"),
-        });
+        return Err(FormatError::missing(
+            Format::Xyz,
+            "the line `#` behind the header",
+            Location::Line(head.len() + 1),
+            format!("{ZYGO_LINES} lines, `#`, and the points"),
+        ));
     }
     let layout = layout(b"", line_end);
     let list = List { bytes: &bytes[start..], lines: head.len() + 1, layout, line_end };

@@ -33,7 +33,7 @@ impl<'a> Image<'a> {
         let [x, y, bits] = ["points along x", "points along y", "bits per point"];
         let at = header.start + offset;
         let (nx, ny) = (header.u32(x, offset)?, header.u32(y, offset + 4)?);
-        let shape = header.input.shape((y, at + 4, ny.into()), (x, at, nx.into()))?;
+        let shape = header.input.shape((y, at + 4, ny), (x, at, nx))?;
         let sample = match header.u32(bits, offset + 8)? {
             16 => Sample::U16,
             32 => Sample::I32,

@@ -1,9 +1,8 @@
 //! Serialised objects: where their components lie.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use std::borrow::Cow;
 
-use crate::error::shown;
 use crate::input::{Input, MAX_TEXT_BYTES};
 
 /// A serialised object.

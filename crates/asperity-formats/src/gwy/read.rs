@@ -1,13 +1,10 @@
 //! From a tree of objects to a scan.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use std::collections::{BTreeMap, HashMap};
-
-use ndarray::Array2;
 
 use super::object::{Component, Object};
 use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
-use crate::error::shown;
 use crate::input::{Input, Room};
 use crate::sample::Sample;
 use crate::selection::{some_of, unique};
@@ -214,8 +211,8 @@ fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) ->
         Ok::<_, FormatError>(component.value.0)
     };
     let (rows_at, columns_at, data_at) = (required("yres")?, required("xres")?, required("data")?);
-    let rows = ("yres", rows_at, input.i32("yres", rows_at)?.into());
-    let (ny, nx) = input.shape(rows, ("xres", columns_at, input.i32("xres", columns_at)?.into()))?;
+    let rows = ("yres", rows_at, input.i32("yres", rows_at)?);
+    let (ny, nx) = input.shape(rows, ("xres", columns_at, input.i32("xres", columns_at)?))?;
     let count = input.u32("data", data_at)?;
     if count as usize != nx * ny {
         let wanted = format!("{nx} × {ny} = {}", nx * ny);
@@ -229,9 +226,7 @@ fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
     let fields = fields(input, field)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
     let per_metre = units.per_metre_z().unwrap_or(1.0);
-    let heights = input.samples_as("data", data_at, nx * ny, Sample::F64, |z| z / per_metre)?;
-    let heights_m =
-        Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("data", data_at, nx * ny, "xres · yres"))?;
+    let heights_m = input.heights("data", data_at, (ny, nx), Sample::F64, |z| z / per_metre)?;
 
     let number = |name: &str| fields.get(name).map(|component| input.f64(name, component.value.0)).transpose();
     let (width, height) = (number("xreal")?, number("yreal")?);

@@ -140,5 +140,5 @@ fn mean(scan: &Scan) -> f64 {
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::Gwy, found, wanted }
+    FormatError::not_storable(Format::Gwy, found, wanted)
 }

@@ -37,13 +37,13 @@ impl<'a> Piece<'a> {
 
     pub(super) fn take(&mut self, field: &str, length: usize) -> Result<&'a [u8]> {
         if length > self.left() {
-            return Err(FormatError::Truncated {
-                format: self.format,
-                part: format!("{}, {field}:", self.name),
-                at: self.input.at(self.at),
-                found: self.left() as u64,
-                wanted: length as u64,
-            });
+            return Err(FormatError::truncated(
+                self.format,
+                format!("{}, {field}:", self.name),
+                self.input.at(self.at),
+                self.left() as u64,
+                length as u64,
+            ));
         }
         let bytes = self.input.take(field, self.at, length)?;
         self.at += length;

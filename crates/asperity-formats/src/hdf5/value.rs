@@ -4,8 +4,7 @@ use super::datatype::{Class, Datatype, dimensions};
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
 use super::piece::Piece;
 use super::{File, MAX_ENTRIES, Object};
-use crate::error::Result;
-use crate::error::shown;
+use crate::error::{Result, shown};
 
 /// Numbers of one value that are shown as text.
 const SHOWN_NUMBERS: usize = 16;

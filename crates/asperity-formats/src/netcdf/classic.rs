@@ -182,12 +182,14 @@ impl Header<'_> {
         if tag != wanted && (tag, count) != (0, 0) {
             return Err(self.input.wrong(field, at, format!("tag {tag}"), &format!("tag {wanted}")));
         }
-        self.room = self.room.checked_sub(count).ok_or_else(|| FormatError::TooLarge {
-            format: Format::NetCdf,
-            field: format!("the number of {field}"),
-            at: self.input.at(at + 4),
-            found: count as u64,
-            limit: self.room as u64,
+        self.room = self.room.checked_sub(count).ok_or_else(|| {
+            FormatError::too_large(
+                Format::NetCdf,
+                format!("the number of {field}"),
+                self.input.at(at + 4),
+                count as u64,
+                self.room as u64,
+            )
         })?;
         Ok(count)
     }

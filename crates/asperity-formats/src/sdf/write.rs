@@ -33,7 +33,7 @@ const UNKNOWN_RESOLUTION: f64 = -1.0;
 /// [`FormatError::NoPitch`]; [`FormatError::NotStorable`] for no points at all or a pitch that is none.
 pub fn write_sdf(scan: &Scan, data: SdfData) -> Result<Vec<u8>, FormatError> {
     let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Sdf })?;
-    let not_storable = |found: String, wanted| FormatError::NotStorable { format: Format::Sdf, found, wanted };
+    let not_storable = |found: String, wanted| FormatError::not_storable(Format::Sdf, found, wanted);
     if scan.heights_m.is_empty() {
         return Err(not_storable("a map without points".into(), "a map of at least one point"));
     }

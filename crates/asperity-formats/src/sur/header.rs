@@ -154,7 +154,7 @@ impl<'a> Header<'a> {
 
     /// Checked lines and points per line.
     pub(super) fn shape(&self) -> Result<(usize, usize)> {
-        let dimension = |field: Field| Ok((field.0, self.at(field), i64::from(self.i32(field)?)));
+        let dimension = |field: Field| Ok((field.0, self.at(field), self.i32(field)?));
         let (ny, nx) = self.input.shape(dimension(LINES)?, dimension(POINTS_PER_LINE)?)?;
         let points = self.i32(POINTS)?;
         if usize::try_from(points) != Ok(nx * ny) {

@@ -3,15 +3,13 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use super::VOID_BELOW_MINIMUM;
 use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJECTS};
 use super::header::{NAME_BYTES, SPECIAL_POINTS, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
 use crate::input::Input;
 use crate::large;
-use crate::scan::FITTING_SHAPE;
+
 use crate::unit::per_metre;
 use crate::{Format, ReadOptions, Scan};
 
@@ -51,8 +49,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
             metadata.insert("comment".into(), comment);
         }
     }
-    let heights_m = Array2::from_shape_vec((object.ny, object.nx), heights)
-        .map_err(|_| object.header.wrong(LINES, object.ny, FITTING_SHAPE))?;
+    let (input, lines_at) = (object.header.input, object.header.at(LINES));
+    let heights_m = input.matrix(LINES.0, lines_at, (object.ny, object.nx), heights)?;
     let height_unit = Some(object.header.unit(Z.step_unit)?);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }

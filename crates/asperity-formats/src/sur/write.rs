@@ -90,7 +90,7 @@ pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::Sur, found, wanted }
+    FormatError::not_storable(Format::Sur, found, wanted)
 }
 
 /// The pitch in micrometres, or in nanometres where it is exact in those alone.

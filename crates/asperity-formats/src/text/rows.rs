@@ -6,7 +6,6 @@
 use crate::error::Result;
 use rayon::prelude::*;
 
-use crate::error::shown;
 use crate::input::{Room, utf8_or_latin1};
 use crate::large;
 use crate::text::Separator;
@@ -65,63 +64,30 @@ impl Layout {
 
     /// Number of values in the first line of `bytes`, if all of them are values.
     pub(crate) fn count(&self, bytes: &[u8]) -> Option<usize> {
-        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
-        let mut table = Table::<Count>::default();
-        scanner.line(&mut table).ok().map(|()| table.values.len())
+        let (count, line) = self.tally(bytes);
+        line.is_ok().then_some(count)
     }
 
-    /// Number of values before the first fault of a line.
-    fn tally(&self, bytes: &[u8]) -> usize {
-        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
-        let mut table = Table::<Count>::default();
-        // A part of a row has fewer columns than a row.
-        let _ = scanner.line(&mut table);
-        table.values.len()
+    /// Counts the values before the first fault of a line. A part of a row has the fault of too few columns.
+    fn tally(&self, bytes: &[u8]) -> (usize, Result<(), Fault>) {
+        let mut table = Table::default();
+        let line = Scanner { bytes, cursor: 0, layout: self }.line(&mut table);
+        (table.values.len(), line)
     }
 
     /// Whether the first field of a line is a value.
     pub(crate) fn starts_with_value(&self, line: &[u8]) -> bool {
         let mut scanner = Scanner { bytes: line, cursor: 0, layout: self };
         scanner.skip_blanks();
-        !scanner.is_at_end() && scanner.field(&mut Table::<Count>::default()).is_some()
-    }
-}
-
-/// What becomes of values.
-pub(crate) trait Values {
-    fn push(&mut self, value: f64);
-    fn len(&self) -> usize;
-}
-
-impl Values for Vec<f64> {
-    fn push(&mut self, value: f64) {
-        self.push(value);
-    }
-
-    fn len(&self) -> usize {
-        self.len()
-    }
-}
-
-/// Values that are only counted.
-#[derive(Default)]
-struct Count(usize);
-
-impl Values for Count {
-    fn push(&mut self, _value: f64) {
-        self.0 += 1;
-    }
-
-    fn len(&self) -> usize {
-        self.0
+        !scanner.is_at_end() && scanner.field(&mut Table::default()).is_some()
     }
 }
 
 /// Rows that were read.
 #[derive(Default)]
-pub(crate) struct Table<V = Vec<f64>> {
+pub(crate) struct Table {
     /// All values, row by row; NaN where missing.
-    pub(crate) values: V,
+    pub(crate) values: Vec<f64>,
     pub(crate) rows: usize,
     /// Rows that end with a separator.
     pub(crate) open_rows: usize,
@@ -160,7 +126,7 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
             read_piece(piece, layout, (length as f64 * per_byte) as usize)
         })
         .collect();
-    let mut table = Table::<Vec<f64>>::default();
+    let mut table = Table::default();
     for result in results {
         let line = |lines: usize| lines_before + table.lines + lines + 1;
         let piece = result.map_err(|(lines, fault)| layout.error(fault, line(lines)))?;
@@ -170,13 +136,13 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
         table.append(piece);
     }
     match table.decimal_comma.then(|| line_with_point(bytes, layout)).flatten() {
-        Some(line) => Err(FormatError::Field {
-            format: layout.format,
-            field: "a decimal sign".into(),
-            at: Location::Line(lines_before + line + 1),
-            found: ".".into(),
-            wanted: "a comma, as in other numbers of the file".into(),
-        }),
+        Some(line) => Err(FormatError::field(
+            layout.format,
+            "a decimal sign",
+            Location::Line(lines_before + line + 1),
+            ".",
+            "a comma, as in other numbers of the file",
+        )),
         None => Ok(table),
     }
 }
@@ -218,14 +184,14 @@ fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
         let first = if start == 0 { Some(0) } else { sample.iter().position(is_border) };
         let end = sample.iter().rposition(is_border);
         let whole = first.zip(end).and_then(|(first, end)| sample.get(first..end)).unwrap_or_default();
-        values += whole.split(|&byte| byte == layout.line_end).map(|line| layout.tally(line)).sum::<usize>();
+        values += whole.split(|&byte| byte == layout.line_end).map(|line| layout.tally(line).0).sum::<usize>();
     }
     (1.01 * values as f64 / length.max(1) as f64).min(1.0)
 }
 
 fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
     let mut scanner = Scanner { bytes, cursor: 0, layout };
-    let mut table = Table { values: large::with_capacity(expected + 1), ..Table::<Vec<f64>>::default() };
+    let mut table = Table { values: large::with_capacity(expected + 1), ..Table::default() };
     while scanner.cursor < bytes.len() {
         scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
         scanner.cursor += 1;
@@ -285,14 +251,14 @@ impl Scanner<'_> {
     }
 
     /// Reads one line up to its end.
-    fn line<V: Values>(&mut self, table: &mut Table<V>) -> Result<(), Fault> {
+    fn line(&mut self, table: &mut Table) -> Result<(), Fault> {
         let before = table.values.len();
         self.skip_blanks();
         while !self.is_at_end() {
             match self.field(table) {
                 Some(value) => table.values.push(value),
                 None => {
-                    let (column, found) = (table.values.len() - before + 1, shown(&utf8_or_latin1(self.odd_field())));
+                    let (column, found) = (table.values.len() - before + 1, utf8_or_latin1(self.odd_field()));
                     return Err(Fault::Value { column, found });
                 }
             }
@@ -326,7 +292,7 @@ impl Scanner<'_> {
 
     /// The value at the cursor, which moves to the separator or the field behind it; NaN where it is missing, `None`
     /// where it is no number or beyond the range of `f64`.
-    fn field<V: Values>(&mut self, table: &mut Table<V>) -> Option<f64> {
+    fn field(&mut self, table: &mut Table) -> Option<f64> {
         let rest = &self.bytes[self.cursor..];
         let is_one = |length: &usize| self.layout.separator != Separator::Comma || !rest[..*length].contains(&b',');
         if let Some(length) = no_number(rest).filter(is_one) {
@@ -471,24 +437,15 @@ impl Layout {
         let (format, at) = (self.format, Location::Line(line));
         match fault {
             Fault::Ragged { found } => FormatError::Ragged { line, found, wanted: self.columns.unwrap_or_default() },
-            Fault::TooMany => FormatError::TooLarge {
-                format,
-                field: "the number of values".into(),
-                at,
-                found: MAX_POINTS + 1,
-                limit: MAX_POINTS,
-            },
-            Fault::Value { column, found } => FormatError::Field {
-                format,
-                field: format!("value {column}"),
-                at,
-                wanted: match found.replace(',', ".").parse::<f64>() {
-                    Ok(_) => "a number with a decimal point".into(),
-                    Err(_) if format == Format::Sdf => "a number or BAD".into(),
-                    Err(_) => "a number, an empty field, nan, inf or BAD (start comments with # or %)".into(),
-                },
-                found,
-            },
+            Fault::TooMany => FormatError::too_large(format, "the number of values", at, MAX_POINTS + 1, MAX_POINTS),
+            Fault::Value { column, found } => {
+                let wanted = match found.replace(',', ".").parse::<f64>() {
+                    Ok(_) => "a number with a decimal point",
+                    Err(_) if format == Format::Sdf => "a number or BAD",
+                    Err(_) => "a number, an empty field, nan, inf or BAD (start comments with # or %)",
+                };
+                FormatError::field(format, format!("value {column}"), at, found, wanted)
+            }
         }
     }
 }

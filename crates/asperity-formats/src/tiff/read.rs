@@ -151,7 +151,7 @@ fn numbers(page: &Directory) -> Result<Result<Sample, String>> {
 fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, options: &ReadOptions) -> Result<Scan> {
     let dimension = |tag: Tag| {
         let found = page.integer(tag)?.ok_or_else(|| page.input.missing(tag.1, page.offset, "a whole number"))?;
-        Ok::<_, FormatError>((tag.1, page.offset, i64::try_from(found).unwrap_or(i64::MAX)))
+        Ok::<_, FormatError>((tag.1, page.offset, found))
     };
     let (ny, nx) = page.input.shape(dimension(tag::IMAGE_LENGTH)?, dimension(tag::IMAGE_WIDTH)?)?;
     let mut values = decode::decode(page, (ny, nx), sample, order)?;
@@ -169,8 +169,7 @@ fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, option
         }
         None => (),
     }
-    let values = Array2::from_shape_vec((ny, nx), values)
-        .map_err(|_| page.wrong(tag::IMAGE_WIDTH, nx, "a width that fits the numbers"))?;
+    let values = page.input.matrix(tag::IMAGE_WIDTH.1, page.offset, (ny, nx), values)?;
     let pitch_m = pitch(page, units, &mut scan.warnings)?;
     let turned = page.integer(tag::ORIENTATION)?.unwrap_or(1);
     (scan.heights_m, scan.pitch_m) = match turned {

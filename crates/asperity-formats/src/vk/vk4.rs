@@ -15,7 +15,7 @@ use super::metadata::metadata;
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
+
 use crate::{Format, ReadOptions, Scan};
 
 /// First bytes of the two versions.
@@ -68,7 +68,7 @@ fn heights(input: Input, start: usize, conditions: &Conditions, warnings: &mut V
     let [width, height, bits, size] = [("width", 0), ("height", 4), ("bit depth", 8), ("byte size", 16)]
         .map(|(field, offset)| (field, start + offset));
     let number = |(field, at): (&str, usize)| input.u32(field, at);
-    let shape = |at: (&'static str, usize)| number(at).map(|found| (at.0, at.1, i64::from(found)));
+    let shape = |at: (&'static str, usize)| number(at).map(|found| (at.0, at.1, found));
     let (ny, nx) = input.shape(shape(height)?, shape(width)?)?;
     let sample = match number(bits)? {
         8 => Sample::U8,
@@ -92,5 +92,5 @@ fn heights(input: Input, start: usize, conditions: &Conditions, warnings: &mut V
     if zeros > 0 {
         warnings.push(format!("{zeros} heights are 0, which may stand for missing points; they were kept"));
     }
-    Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong(width.0, width.1, nx, FITTING_SHAPE))
+    input.matrix(width.0, width.1, (ny, nx), heights)
 }

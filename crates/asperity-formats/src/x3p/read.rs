@@ -1,14 +1,12 @@
 //! From an archive to a scan.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use md5::{Digest, Md5};
-use ndarray::Array2;
 
 use super::{CHECKSUM, MAIN, path, sample};
-use crate::archive::{Archive, damaged, hexadecimal};
-use crate::error::shown;
+use crate::archive::{Archive, hexadecimal};
 use crate::sample::Sample;
-use crate::scan::{Dimension, shape};
+use crate::scan;
 use crate::xml::{Document, Value};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -87,8 +85,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         warnings
             .push(format!("the file states the origin `{origin}`; its first line was taken for the top all the same"));
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| damaged(Format::X3p, MAIN, "its heights do not fill their shape".into()))?;
+    let heights_m = scan::matrix(Format::X3p, path::POINT_DATA, document.at(0), (ny, nx), heights)?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
@@ -166,8 +163,7 @@ fn compare(file: &str, stated: &str, found: &str, warnings: &mut Vec<String>) {
 /// Refuses records that are no surface on an incremental grid.
 fn check_kind(document: &Document) -> Result<()> {
     let feature = document.required(path::FEATURE_TYPE, "SUR (a surface)")?;
-    let unsupported =
-        |found: String| Err(FormatError::Unsupported { format: Format::X3p, found, wanted: "a surface (SUR)" });
+    let unsupported = |found: String| Err(FormatError::unsupported(Format::X3p, found, "a surface (SUR)"));
     match feature.text.as_str() {
         SURFACE => (),
         "PRF" => return unsupported("the record is a profile (PRF)".into()),
@@ -180,11 +176,7 @@ fn check_kind(document: &Document) -> Result<()> {
     for axis in ["CX", "CY"] {
         if document.text(&axis_path(axis, "AxisType")) == Some("A") {
             let found = format!("the axis {axis} is absolute, so that the points lie on no regular grid");
-            return Err(FormatError::Unsupported {
-                format: Format::X3p,
-                found,
-                wanted: "incremental x and y axes (I)",
-            });
+            return Err(FormatError::unsupported(Format::X3p, found, "incremental x and y axes (I)"));
         }
     }
     Ok(())
@@ -192,22 +184,15 @@ fn check_kind(document: &Document) -> Result<()> {
 
 /// Checked rows, columns and layers.
 fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
-    let dimension = |field: &'static str| {
-        document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
-    };
-    let (ny, nx) = shape(Format::X3p, &dimension(path::SIZE_Y)?, &dimension(path::SIZE_X)?)?;
+    let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
     if document.text(path::SIZE_Z).is_none() {
         return Ok((ny, nx, 1));
     }
     let (layers, offset) = document.integer(path::SIZE_Z)?;
     match u64::try_from(layers) {
-        Ok(found) if found > MAX_LAYERS => Err(FormatError::TooLarge {
-            format: Format::X3p,
-            field: path::SIZE_Z.into(),
-            at: document.at(offset),
-            found,
-            limit: MAX_LAYERS,
-        }),
+        Ok(found) if found > MAX_LAYERS => {
+            Err(FormatError::too_large(Format::X3p, path::SIZE_Z, document.at(offset), found, MAX_LAYERS))
+        }
         Ok(layers) if layers > 0 => Ok((ny, nx, layers)),
         _ => Err(document.wrong(path::SIZE_Z, &layers.to_string(), offset, "1 or more")),
     }
@@ -224,13 +209,13 @@ fn stored(
     let Some(link) = document.text(path::POINT_DATA) else {
         return listed(document, matrix, warnings);
     };
-    let numbers = archive.read_numbers_at(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
+    let (numbers, unpacked) = archive.read_numbers(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
     let wanted = matrix.total() * sample.size() as u64;
-    match (numbers.md5, document.text(path::POINT_DATA_MD5)) {
-        (None, _) if numbers.length > wanted => warnings.push(format!("{link} is longer than the stated dimensions")),
+    match (unpacked.md5, document.text(path::POINT_DATA_MD5)) {
+        (None, _) if unpacked.length > wanted => warnings.push(format!("{link} is longer than the stated dimensions")),
         (None, _) => warnings.push(format!("{link} goes on beyond reason behind the layer and could not be verified")),
         (Some(found), stated) => {
-            if numbers.length < wanted {
+            if unpacked.length < wanted {
                 warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));
             }
             if let Some(stated) = stated {
@@ -238,7 +223,7 @@ fn stored(
             }
         }
     }
-    Ok(numbers.values)
+    Ok(numbers)
 }
 
 /// The numbers of a data list in `main.xml`.

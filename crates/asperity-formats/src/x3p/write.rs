@@ -65,7 +65,7 @@ pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::X3p, found, wanted }
+    FormatError::not_storable(Format::X3p, found, wanted)
 }
 
 /// A zip archive whose bytes depend on nothing but its files: no clock, no host.
