@@ -26,8 +26,7 @@ mod metadata;
 use crate::error::Result;
 
 use self::blocks::{
-    BUFFERS, Block, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT,
-    blocks,
+    BUFFERS, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT, blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
 use crate::codec::{Codec, Description, Tested};
@@ -90,7 +89,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if ny == 1 || nx == 1 {
         return Err(input.unsupported(format!("the file holds a profile of {} points", nx * ny), "a surface"));
     }
-    let mut heights = input.samples("the numbers of an image", image.numbers.start, nx * ny, image.sample)?;
+    let mut heights = image.numbers.samples("the numbers of an image", 0, nx * ny, image.sample)?;
     scale(input, &blocks, image.sample, &mut heights, &mut warnings)?;
     // The first stored line is at the bottom of the image.
     let mut lines = heights.chunks_exact_mut(nx);
@@ -99,7 +98,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     }
     let pitch_m = pitch(&blocks, image.shape, &mut warnings)?;
     doubt(&blocks, &mut warnings);
-    let heights_m = input.matrix("points along x", image.numbers.start, (ny, nx), heights)?;
+    let heights_m = image.numbers.matrix("the numbers of an image", 0, (ny, nx), heights)?;
     let scan = Scan { metadata: metadata::metadata(&blocks), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, channel))
 }
@@ -109,7 +108,7 @@ fn single_image<'a>(input: Input<'a>, blocks: &Blocks<'a>, warnings: &mut Vec<St
     let missing = |what: &str| input.missing(what, BLOCK_COUNT + 2, "an image");
     let numbers = *blocks.get(&CURRENT_IMAGE).ok_or_else(|| missing("block 0x000b or an image in block 0x007d"))?;
     let size = *blocks.get(&IMAGE_SIZE).ok_or_else(|| missing("block 0x0066 (image size)"))?;
-    let image = Image::new(TOPOGRAPHY, size, 0, numbers)?;
+    let image = Image::new(TOPOGRAPHY, size, numbers)?;
     if image.bytes() < numbers.len() {
         let more = numbers.len() - image.bytes();
         warnings.push(format!("block 0x000b is {more} bytes longer than its image; they were left out"));
@@ -142,7 +141,7 @@ fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], war
         .ok_or_else(|| input.missing("block 0x006c (sensor)", BLOCK_COUNT + 2, "the scale of heights"))?;
     let scale_m = sensor.f64("z scale", 4)?;
     if !(scale_m.is_finite() && scale_m != 0.0) {
-        return Err(input.wrong("z scale", sensor.start + 4, scale_m, "a finite number other than 0"));
+        return Err(sensor.wrong("z scale", 4, scale_m, "a finite number other than 0"));
     }
     let valid = blocks.get(&VALID_VALUES).and_then(|block| {
         let limit = |offset| block.u32("valid value", offset).ok();
@@ -177,7 +176,7 @@ fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], war
 /// A scale or offset in block 0x00ab that differs from the common ones.
 ///
 /// What the buffers' aliases stand for is not known, so none can be applied.
-fn own_scale(buffers: &Block, scale_m: f64) -> Option<String> {
+fn own_scale(buffers: &Input, scale_m: f64) -> Option<String> {
     let count = buffers.u32("number of buffers", 0).ok()?;
     for buffer in 0..usize::try_from(count).ok()? {
         // Alias, scale, offset, absolute.

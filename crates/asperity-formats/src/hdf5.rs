@@ -30,8 +30,8 @@ pub(crate) use dataset::Dataset;
 pub(crate) use header::Object;
 pub(crate) use value::{Attribute, Value, shown_name, shown_number};
 
+use crate::Format;
 use crate::input::Input;
-use crate::{Format, FormatError};
 use piece::Piece;
 
 /// First bytes of every file.
@@ -49,7 +49,6 @@ const MAX_ENTRIES: usize = 1 << 16;
 /// An HDF5 file.
 pub(crate) struct File<'a> {
     input: Input<'a>,
-    format: Format,
     /// Where the header of the root group starts.
     root: usize,
     /// Bytes of structures that may still be looked at.
@@ -64,7 +63,7 @@ impl<'a> File<'a> {
     pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self> {
         let input = Input::new(format, bytes);
         let budget = WORK_BYTES.saturating_add((bytes.len() as u64).saturating_mul(WORK_RATIO));
-        let mut file = Self { input, format, root: 0, work: Cell::new(budget) };
+        let mut file = Self { input, root: 0, work: Cell::new(budget) };
         let mut block = file.piece("superblock", 0, bytes.len().min(96))?;
         block.expect("signature", SIGNATURE)?;
         let version = block.version(&[0, 1, 2, 3])?;
@@ -132,31 +131,15 @@ impl<'a> File<'a> {
     /// `length` bytes of a structure; they count as work.
     fn piece(&self, name: &'static str, at: usize, length: usize) -> Result<Piece<'a>> {
         self.charge(name, at, length)?;
-        Piece::new(self.input, self.format, name, at, length)
+        Piece::new(self.input, name, at, length)
     }
 
     /// Counts the bytes of a structure that is looked at.
     fn charge(&self, name: &str, at: usize, length: usize) -> Result<()> {
         let work = length.max(LEAST_WORK) as u64;
-        let left = self.work.get().checked_sub(work).ok_or_else(|| {
-            self.input.wrong(
-                name,
-                at,
-                "a structure that refers to itself or is shared too often",
-                "a tree of structures",
-            )
-        })?;
-        self.work.set(left);
+        let found = "a structure that refers to itself or is shared too often";
+        let left = self.work.get().checked_sub(work);
+        self.work.set(left.ok_or_else(|| self.input.wrong(name, at, found, "a tree of structures"))?);
         Ok(())
-    }
-
-    fn too_many(&self, name: &str, at: usize, found: usize, limit: usize) -> FormatError {
-        FormatError::too_large(
-            self.format,
-            format!("the number of {name}"),
-            self.input.at(at),
-            found as u64,
-            limit as u64,
-        )
     }
 }

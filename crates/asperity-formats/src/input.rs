@@ -15,7 +15,13 @@ pub(crate) struct Input<'a> {
     entry: Option<&'a str>,
     order: ByteOrder,
     bytes: &'a [u8],
+    /// Offset of `bytes` in the file.
+    start: usize,
 }
+
+/// Field of a header: its name and its offset.
+#[derive(Clone, Copy)]
+pub(crate) struct Field(pub(crate) &'static str, pub(crate) usize);
 
 /// The numbers in one place of a file.
 macro_rules! number {
@@ -34,7 +40,7 @@ macro_rules! number {
 impl<'a> Input<'a> {
     /// A file with little-endian numbers.
     pub(crate) fn new(format: Format, bytes: &'a [u8]) -> Self {
-        Self { format, entry: None, order: ByteOrder::Little, bytes }
+        Self { format, entry: None, order: ByteOrder::Little, bytes, start: 0 }
     }
 
     /// A file inside an archive.
@@ -50,6 +56,16 @@ impl<'a> Input<'a> {
     /// The same bytes up to `end`, so that nothing beyond it is read.
     pub(crate) fn up_to(self, end: usize) -> Self {
         Self { bytes: &self.bytes[..end.min(self.bytes.len())], ..self }
+    }
+
+    /// Returns the bytes from `offset` on. Offsets then count from there; errors still name the place in the file.
+    pub(crate) fn from(self, offset: usize) -> Self {
+        Self { bytes: self.bytes.get(offset..).unwrap_or_default(), start: self.start.saturating_add(offset), ..self }
+    }
+
+    /// Returns the format of the file.
+    pub(crate) fn format(&self) -> Format {
+        self.format
     }
 
     /// All bytes.
@@ -129,14 +145,15 @@ impl<'a> Input<'a> {
 
     /// A place in the file.
     pub(crate) fn at(&self, offset: usize) -> Location {
-        let offset = offset as u64;
+        let offset = self.start.saturating_add(offset) as u64;
         match self.entry {
             Some(entry) => Location::Entry { entry: shown(entry), offset },
             None => Location::Byte(offset),
         }
     }
 
-    fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
+    /// Returns the error for a part that ends early.
+    pub(crate) fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
         let found = self.bytes.len().saturating_sub(offset) as u64;
         FormatError::truncated(self.format, shown(part), self.at(offset), found, wanted as u64)
     }

@@ -18,6 +18,7 @@ mod al3d;
 mod archive;
 mod bcr;
 mod codec;
+mod date;
 mod datx;
 mod error;
 mod file;

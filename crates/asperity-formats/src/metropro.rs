@@ -13,6 +13,7 @@
 //! - The intensities before the phase are skipped by their stated bytes or by their dimensions. The two agree in sound
 //!   files; else the size of the file decides.
 
+use crate::date::utc;
 use crate::error::Result;
 use std::collections::BTreeMap;
 
@@ -246,45 +247,7 @@ fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     metadata.insert("swinfo_vers".into(), format!("{}.{}.{}", major?, minor?, bug?));
     let seconds = input.i32("time_stamp", 76)?;
     if seconds > 0 {
-        metadata.insert("time_stamp".into(), utc(seconds));
+        metadata.insert("time_stamp".into(), utc(seconds.cast_unsigned()));
     }
     Ok(metadata)
-}
-
-/// Day and time of a C time stamp, seconds since the start of 1970.
-fn utc(seconds: i32) -> String {
-    let (mut day, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    let is_leap = |year: i32| (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
-    let mut year = 1970;
-    while day >= 365 + i32::from(is_leap(year)) {
-        day -= 365 + i32::from(is_leap(year));
-        year += 1;
-    }
-    let mut month = 1;
-    for length in [31, 28 + i32::from(is_leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30] {
-        if day < length {
-            break;
-        }
-        day -= length;
-        month += 1;
-    }
-    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    format!("{year}-{month:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", day + 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::utc;
-
-    #[test]
-    fn time_stamps_are_days_of_the_gregorian_calendar() {
-        for (seconds, wanted) in [
-            (1, "1970-01-01T00:00:01Z"),
-            (951_782_400, "2000-02-29T00:00:00Z"),
-            (1_230_767_999, "2008-12-31T23:59:59Z"),
-            (i32::MAX, "2038-01-19T03:14:07Z"),
-        ] {
-            assert_eq!(utc(seconds), wanted);
-        }
-    }
 }

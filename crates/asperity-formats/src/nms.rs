@@ -11,7 +11,7 @@ use crate::error::Result;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Field, Input};
 use crate::large;
 use crate::sample::Sample;
 
@@ -47,10 +47,6 @@ const AREA: i32 = 1;
 /// Micrometres and nanometres in a metre: heights are in the one, steps in the other.
 const MICROMETRES: f64 = 1e6;
 const NANOMETRES: f64 = 1e9;
-
-/// A field of the header: its name and its first byte.
-#[derive(Clone, Copy)]
-struct Field(&'static str, usize);
 
 const DATA_TYPE: Field = Field("data type", 0);
 const DIMENSION_TYPE: Field = Field("dimension type", 4);

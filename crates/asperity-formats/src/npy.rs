@@ -8,7 +8,7 @@ use crate::error::{Result, shown};
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
-use crate::sample::{ByteOrder, Sample};
+use crate::sample::{ByteOrder, Sample, stored};
 
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -214,26 +214,19 @@ fn quoted(text: &str) -> Option<&str> {
 
 fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder)> {
     let refused = || input.unsupported(format!("the element type is {}", shown(literal)), WANTED_TYPE);
-    let descr = quoted(literal).ok_or_else(refused)?;
-    let sample = match descr.get(1..).ok_or_else(refused)? {
-        "i1" => Sample::I8,
-        "u1" => Sample::U8,
-        "i2" => Sample::I16,
-        "u2" => Sample::U16,
-        "i4" => Sample::I32,
-        "u4" => Sample::U32,
-        "i8" => Sample::I64,
-        "u8" => Sample::U64,
-        "f4" => Sample::F32,
-        "f8" => Sample::F64,
-        _ => return Err(refused()),
+    let Some(&[order, kind, size]) = quoted(literal).map(str::as_bytes) else { return Err(refused()) };
+    let bits = 8 * u64::from(size.wrapping_sub(b'0'));
+    let sample = match kind {
+        b'i' | b'u' => Sample::integer(bits, kind == b'i'),
+        b'f' => Sample::float(bits),
+        _ => None,
     };
-    let order = match (&descr[..1], sample.size()) {
-        ("<", _) | ("|", 1) => ByteOrder::Little,
-        (">", _) => ByteOrder::Big,
-        _ => return Err(refused()),
-    };
-    Ok((sample, order))
+    let sample = sample.ok_or_else(refused)?;
+    match (order, sample.size()) {
+        (b'<', _) | (b'|', 1) => Ok((sample, ByteOrder::Little)),
+        (b'>', _) => Ok((sample, ByteOrder::Big)),
+        _ => Err(refused()),
+    }
 }
 
 /// The heights in metre as a NumPy array file, version 1.0, little-endian `f8` in row order, NaN where missing.
@@ -241,15 +234,15 @@ fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder)> {
 /// The pixel size and the metadata are not stored.
 pub fn write_npy(scan: &Scan) -> Vec<u8> {
     let (rows, columns) = scan.heights_m.dim();
-    array_file(&format!("{rows}, {columns}"), scan.heights_m.len(), scan.heights_m.iter().copied())
+    array_file(&format!("{rows}, {columns}"), scan.heights_m.len(), scan.heights_m.iter())
 }
 
 /// A record along a path as a one-dimensional NumPy array file, as [`crate::read_series`] reads it; NaN where missing.
 pub fn write_series(values: &[f64]) -> Vec<u8> {
-    array_file(&format!("{},", values.len()), values.len(), values.iter().copied())
+    array_file(&format!("{},", values.len()), values.len(), values.iter())
 }
 
-fn array_file(shape: &str, length: usize, values: impl Iterator<Item = f64>) -> Vec<u8> {
+fn array_file<'v>(shape: &str, length: usize, values: impl Iterator<Item = &'v f64>) -> Vec<u8> {
     let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
     let unpadded = VERSION_END + 2 + header.len() + 1;
     header.push_str(&" ".repeat(unpadded.next_multiple_of(ALIGNMENT) - unpadded));
@@ -261,7 +254,7 @@ fn array_file(shape: &str, length: usize, values: impl Iterator<Item = f64>) -> 
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
     for z in values {
-        bytes.extend(if z.is_finite() { z } else { f64::NAN }.to_le_bytes());
+        bytes.extend(stored(z));
     }
     bytes
 }

@@ -13,7 +13,7 @@ use crate::error::Result;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
+use crate::input::{Field, Input};
 use crate::sample::Sample;
 
 use crate::{Format, ReadOptions, Scan};
@@ -47,10 +47,6 @@ const COLOUR_BYTES: usize = 3;
 pub(crate) const LOST: f64 = 1_000_001.0;
 /// Micrometres in a metre.
 const PER_METRE: f64 = 1e6;
-
-/// A field of the header: its name and its first byte.
-#[derive(Clone, Copy)]
-struct Field(&'static str, usize);
 
 const DATE: Field = Field("date", 0);
 const TIME: Field = Field("time", 128);
@@ -201,7 +197,7 @@ fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     };
     insert(DATE, input.latin1(DATE.0, DATE.1, DATE_BYTES)?);
     insert(TIME, format!("{} s since 1970", input.u32(TIME.0, TIME.1)?));
-    insert(COMMENT, latin1(input.take(COMMENT.0, COMMENT.1, COMMENT_BYTES)?));
+    insert(COMMENT, input.latin1(COMMENT.0, COMMENT.1, COMMENT_BYTES)?);
     for field in LENGTHS_UM {
         insert(field, format!("{} µm", input.f32(field.0, field.1)?));
     }

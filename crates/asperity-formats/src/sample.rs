@@ -38,6 +38,35 @@ impl Sample {
         }
     }
 
+    /// Returns the integer type of `bits` bits.
+    pub(crate) fn integer(bits: u64, is_signed: bool) -> Option<Self> {
+        match (bits, is_signed) {
+            (8, true) => Some(Self::I8),
+            (8, false) => Some(Self::U8),
+            (16, true) => Some(Self::I16),
+            (16, false) => Some(Self::U16),
+            (32, true) => Some(Self::I32),
+            (32, false) => Some(Self::U32),
+            (64, true) => Some(Self::I64),
+            (64, false) => Some(Self::U64),
+            _ => None,
+        }
+    }
+
+    /// Returns the floating-point type of `bits` bits.
+    pub(crate) fn float(bits: u64) -> Option<Self> {
+        match bits {
+            32 => Some(Self::F32),
+            64 => Some(Self::F64),
+            _ => None,
+        }
+    }
+
+    /// Returns whether this is a floating-point type.
+    pub(crate) fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
     /// The numbers in `bytes`; bytes that do not fill a number are left out.
     ///
     /// 64-bit integers beyond 2⁵³ are rounded. Large arrays are decoded by all threads.
@@ -97,6 +126,11 @@ impl Sample {
             Self::F64 => decode!(f64),
         }
     }
+}
+
+/// Returns the little-endian bytes of a height as files store it: NaN if it is missing.
+pub(crate) fn stored(z: &f64) -> [u8; 8] {
+    if z.is_finite() { *z } else { f64::NAN }.to_le_bytes()
 }
 
 #[cfg(test)]

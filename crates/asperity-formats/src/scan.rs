@@ -65,6 +65,25 @@ impl Scan {
         Self { channels, channel, ..self }
     }
 
+    /// Returns the shape and the pixel size of a scan that is to be stored in `format`.
+    ///
+    /// # Errors
+    /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with a pixel
+    /// size that is not positive.
+    pub(crate) fn to_store(&self, format: Format) -> Result<(Shape, (f64, f64))> {
+        let (dx_m, dy_m) = self.pitch_m.ok_or(FormatError::NoPitch { format })?;
+        let (ny, nx) = self.heights_m.dim();
+        if ny == 0 || nx == 0 {
+            let found = format!("a map of {nx} × {ny} points");
+            return Err(FormatError::not_storable(format, found, "at least one point"));
+        }
+        if [nx as f64 * dx_m, ny as f64 * dy_m].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
+            let found = format!("a pixel size of {dx_m:e} × {dy_m:e} m");
+            return Err(FormatError::not_storable(format, found, "positive numbers"));
+        }
+        Ok(((ny, nx), (dx_m, dy_m)))
+    }
+
     /// The name of the height map that was read, `None` for formats that hold just one.
     pub fn channel_name(&self) -> Option<&str> {
         self.channels.get(self.channel).map(String::as_str)

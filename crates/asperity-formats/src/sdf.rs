@@ -182,7 +182,7 @@ fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
         Sample::F64 => (-1.79e308, 1.79e308),
         _ => (none_low, f64::from(u32::MAX)),
     };
-    let is_float = matches!(sample, Sample::F32 | Sample::F64);
+    let is_float = sample.is_float();
     let has_greatest = is_bcr || is_float || least == none_low;
     let greatest = if has_greatest { greatest } else { none_high };
     move |number| match is_float {

@@ -14,6 +14,7 @@ use quick_xml::escape::escape;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::sample::stored;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -48,17 +49,10 @@ const HIDDEN_POINT: u8 = 2;
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with a pixel
 /// size that is none.
 pub fn write_vtk(scan: &Scan) -> Result<Vec<u8>, FormatError> {
-    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Vtk })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
-    if [dx_m, dy_m].iter().any(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
-        return Err(not_storable(format!("a pixel size of {dx_m} × {dy_m} m"), "positive numbers"));
-    }
+    let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Vtk)?;
     let extent = format!("0 {} 0 {} 0 0", nx - 1, ny - 1);
     let upwards = || scan.heights_m.rows().into_iter().rev().flatten();
-    let mut data = array("Float64", "height_m", nx * ny, upwards().map(|z| finite(*z).to_le_bytes()))?;
+    let mut data = array("Float64", "height_m", nx * ny, upwards().map(stored))?;
     if scan.missing_points() > 0 {
         let mask = |value: u8| upwards().map(move |z| [if z.is_finite() { 0 } else { value }]);
         data += &array("UInt8", "missing", nx * ny, mask(1))?;
@@ -83,10 +77,6 @@ pub fn write_vtk(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     .into_bytes())
 }
 
-fn finite(z: f64) -> f64 {
-    if z.is_finite() { z } else { f64::NAN }
-}
-
 /// An array of `count` numbers of `N` bytes each, behind their size in bytes.
 fn array<const N: usize>(
     kind: &str,
@@ -98,7 +88,7 @@ fn array<const N: usize>(
     let written = encoder
         .write_all(&((count * N) as u64).to_le_bytes())
         .and_then(|()| numbers.into_iter().try_for_each(|number| encoder.write_all(&number)));
-    written.map_err(|_| not_storable("an array".into(), "numbers as base64"))?;
+    written.map_err(|_| FormatError::not_storable(Format::Vtk, "an array", "numbers as base64"))?;
     Ok(format!(
         "        <DataArray type=\"{kind}\" Name=\"{name}\" format=\"binary\">{}</DataArray>\n",
         encoder.into_inner()
@@ -123,8 +113,4 @@ fn texts(scan: &Scan) -> String {
         fields.push_str("0</Array>\n");
     }
     fields
-}
-
-fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::not_storable(Format::Vtk, found, wanted)
 }

@@ -1,7 +1,7 @@
 //! The images of an FRT file.
 
-use super::blocks::Block;
 use crate::error::Result;
+use crate::input::Input;
 use crate::sample::Sample;
 
 /// Bytes before the first image of block 0x007d: what the current image is.
@@ -24,23 +24,21 @@ pub(super) struct Image<'a> {
     kind: u32,
     pub(super) shape: (usize, usize),
     pub(super) sample: Sample,
-    pub(super) numbers: Block<'a>,
+    pub(super) numbers: Input<'a>,
 }
 
 impl<'a> Image<'a> {
-    /// An image whose size stands at `offset` of `header` and whose numbers start at `numbers.start`.
-    pub(super) fn new(kind: u32, header: Block, offset: usize, numbers: Block<'a>) -> Result<Self> {
+    /// Reads the size of an image from the start of `size` and checks that `numbers` hold as many points.
+    pub(super) fn new(kind: u32, size: Input, numbers: Input<'a>) -> Result<Self> {
         let [x, y, bits] = ["points along x", "points along y", "bits per point"];
-        let at = header.start + offset;
-        let (nx, ny) = (header.u32(x, offset)?, header.u32(y, offset + 4)?);
-        let shape = header.input.shape((y, at + 4, ny), (x, at, nx))?;
-        let sample = match header.u32(bits, offset + 8)? {
+        let shape = size.shape((y, 4, size.u32(y, 4)?), (x, 0, size.u32(x, 0)?))?;
+        let sample = match size.u32(bits, 8)? {
             16 => Sample::U16,
             32 => Sample::I32,
-            found => return Err(header.input.wrong(bits, at + 8, found, "16 or 32")),
+            found => return Err(size.wrong(bits, 8, found, "16 or 32")),
         };
         let image = Self { kind, shape, sample, numbers };
-        numbers.input.take("the numbers of an image", numbers.start, image.bytes())?;
+        numbers.take("the numbers of an image", 0, image.bytes())?;
         Ok(image)
     }
 
@@ -72,17 +70,16 @@ impl<'a> Image<'a> {
 const MAX_IMAGES: usize = 1 << 12;
 
 /// The images of block 0x007d, whatever they show.
-pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>> {
+pub(super) fn images<'a>(block: Input<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>> {
     let mut images = Vec::new();
     let mut offset = IMAGES_HEADER_BYTES;
     while offset + IMAGE_HEADER_BYTES < block.len() {
         let kind = block.u32("type of an image", offset)?;
-        let numbers = Block { start: block.start + offset + IMAGE_HEADER_BYTES, ..block };
-        let image = Image::new(kind, block, offset + 4, numbers)?;
+        let image = Image::new(kind, block.from(offset + 4), block.from(offset + IMAGE_HEADER_BYTES))?;
         offset += IMAGE_HEADER_BYTES + image.bytes();
         images.push(image);
         if images.len() > MAX_IMAGES {
-            return Err(block.input.too_large("the number of images", block.start, images.len(), MAX_IMAGES));
+            return Err(block.too_large("the number of images", 0, images.len(), MAX_IMAGES));
         }
     }
     if offset < block.len() {

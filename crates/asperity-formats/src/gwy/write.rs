@@ -99,16 +99,8 @@ impl Writer {
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with a pixel
 /// size that is none, or of 4 GiB and more.
 pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
-    let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Gwy })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
-    let sizes_m = (nx as f64 * pitch_m.0, ny as f64 * pitch_m.1);
-    if [sizes_m.0, sizes_m.1].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
-        let found = format!("a pixel size of {} × {} m", pitch_m.0, pitch_m.1);
-        return Err(not_storable(found, "positive numbers"));
-    }
+    let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Gwy)?;
+    let sizes_m = (nx as f64 * dx_m, ny as f64 * dy_m);
     let missing = scan.missing_points();
     let mean_m = mean(scan);
     let mut writer = Writer(Vec::with_capacity(8 * nx * ny * if missing > 0 { 2 } else { 1 }));

@@ -6,9 +6,9 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use super::File;
 use super::piece::Piece;
 use super::tree::Keys;
+use super::{Dataset, File};
 use crate::archive::{damage, damaged};
 
 /// Bytes that chunks may unpack to in any file: a map of 2048 × 1024 as `f64`.
@@ -47,14 +47,6 @@ pub(super) enum Filter {
     /// Bytes of equal place in their elements stand together.
     Shuffle,
     Fletcher32,
-}
-
-/// The elements of a dataset.
-#[derive(Clone, Copy)]
-pub(super) struct Element<'a> {
-    pub(super) bytes: usize,
-    /// What elements hold that were never written, zeros unless stated.
-    pub(super) fill: Option<&'a [u8]>,
 }
 
 /// What is stored of one chunk.
@@ -156,29 +148,25 @@ impl<'a> File<'a> {
     ///
     /// # Errors
     /// More elements than the bytes of the file can mean; chunks that are damaged, off their grid, or there twice.
-    pub(super) fn unpack(
-        &self,
-        chunks: &Chunks,
-        filters: &[Filter],
-        shape: &[usize],
-        element: Element,
-    ) -> Result<Vec<u8>> {
-        let grid = Grid::new(chunks, shape).ok_or_else(|| {
+    pub(super) fn unpack(&self, dataset: &Dataset<'a>, chunks: &Chunks) -> Result<Vec<u8>> {
+        let element_bytes = dataset.datatype.bytes;
+        let grid = Grid::new(chunks, &dataset.shape).ok_or_else(|| {
             let found = format!("chunks of {} dimensions", chunks.shape.len());
             self.input.unsupported(found, "chunks of two dimensions")
         })?;
-        if chunks.element_bytes != element.bytes {
-            return Err(self.input.wrong("chunk, size of an element", 0, chunks.element_bytes, "that of the datatype"));
+        if chunks.element_bytes != element_bytes {
+            let wanted = "the size of the datatype";
+            return Err(self.input.wrong("chunk, size of an element", 0, chunks.element_bytes, wanted));
         }
         let limit = FREE_BYTES.max(self.input.len().saturating_mul(MAX_RATIO));
-        let unpacked = grid.padded_elements().saturating_mul(element.bytes.max(LEAST_ELEMENT_BYTES));
+        let unpacked = grid.padded_elements().saturating_mul(element_bytes.max(LEAST_ELEMENT_BYTES));
         if unpacked > limit {
-            return Err(self.too_many("bytes in chunks", 0, unpacked, limit));
+            return Err(self.input.too_large("the number of bytes in chunks", 0, unpacked, limit));
         }
         let count = grid.rows * grid.columns;
-        let mut data = element.fill.map_or_else(|| vec![0; count * element.bytes], |fill| fill.repeat(count));
+        let mut data = dataset.fill.map_or_else(|| vec![0; count * element_bytes], |fill| fill.repeat(count));
         let mut is_done = vec![false; grid.down * grid.across];
-        let chunk_bytes = grid.chunk_rows.saturating_mul(grid.chunk_columns).saturating_mul(element.bytes);
+        let chunk_bytes = grid.chunk_rows.saturating_mul(grid.chunk_columns).saturating_mul(element_bytes);
         let mut place = |number: usize, stored: Stored| {
             let at = stored.at;
             self.charge("chunk", at, stored.bytes.len())?;
@@ -186,8 +174,8 @@ impl<'a> File<'a> {
                 Some(done) if !*done => *done = true,
                 _ => return Err(self.input.wrong("chunk, place", at, number, "a place of its own")),
             }
-            let unpacked = self.unfiltered(&stored, filters, chunk_bytes, element.bytes)?;
-            grid.copy(number, &unpacked, element.bytes, &mut data);
+            let unpacked = self.unfiltered(&stored, &dataset.filters, chunk_bytes, element_bytes)?;
+            grid.copy(number, &unpacked, element_bytes, &mut data);
             Ok(())
         };
         match chunks.index {
@@ -221,7 +209,7 @@ impl<'a> File<'a> {
         chunk_bytes: usize,
         element_bytes: usize,
     ) -> Result<Cow<'a, [u8]>> {
-        let broken = |reason: String| damaged(self.format, &format!("the chunk at byte {}", stored.at), reason);
+        let broken = |reason: String| damaged(self.input.format(), &format!("the chunk at byte {}", stored.at), reason);
         let mut bytes = Cow::Borrowed(stored.bytes);
         for (place, filter) in filters.iter().enumerate().rev() {
             if stored.skipped >> place.min(31) & 1 == 1 {
@@ -246,14 +234,7 @@ impl<'a> File<'a> {
                     if fletcher32(data) != u32::from_le_bytes(*stated) {
                         return Err(broken("the Fletcher-32 checksum does not fit".into()));
                     }
-                    let length = data.len();
-                    match bytes {
-                        Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
-                        Cow::Owned(mut bytes) => {
-                            bytes.truncate(length);
-                            Cow::Owned(bytes)
-                        }
-                    }
+                    Cow::Owned(data.to_vec())
                 }
             };
         }

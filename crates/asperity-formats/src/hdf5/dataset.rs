@@ -3,7 +3,7 @@
 use crate::error::Result;
 use std::borrow::Cow;
 
-use super::chunks::{Chunks, Element, Filter};
+use super::chunks::{Chunks, Filter};
 use super::datatype::{Class, Datatype, dimensions};
 use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_VALUE};
 use super::piece::Piece;
@@ -17,9 +17,9 @@ pub(crate) struct Dataset<'a> {
     pub(crate) datatype: Datatype,
     pub(crate) shape: Vec<usize>,
     layout: Layout<'a>,
-    filters: Vec<Filter>,
-    /// What elements hold that were never written, zeros unless stated.
-    fill: Option<&'a [u8]>,
+    pub(super) filters: Vec<Filter>,
+    /// Value of elements that were never written; zeros if `None`.
+    pub(super) fill: Option<&'a [u8]>,
 }
 
 /// Where the elements are.
@@ -70,10 +70,7 @@ impl<'a> File<'a> {
             },
             Layout::Contiguous(Some(address)) => self.input.take("data", *address, length).map(Cow::Borrowed),
             Layout::Contiguous(None) => Err(self.input.missing("data", at, "data that were written")),
-            Layout::Chunked(chunks) => {
-                let element = Element { bytes: dataset.datatype.bytes, fill: dataset.fill };
-                self.unpack(chunks, &dataset.filters, &dataset.shape, element).map(Cow::Owned)
-            }
+            Layout::Chunked(chunks) => self.unpack(dataset, chunks).map(Cow::Owned),
         }
     }
 

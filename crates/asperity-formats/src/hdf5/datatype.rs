@@ -104,9 +104,10 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype> {
             Class::Array(Box::new(read(message, depth + 1)?))
         }
         // Times, bits and opaque bytes; later classes are not known, but inside of compounds must be passed over.
-        2 => skipped(message, 2)?,
-        4 => skipped(message, 4)?,
-        5 => skipped(message, (bits & 0xff) as usize)?,
+        2 | 4 | 5 => {
+            message.skip("properties", if class == 5 { (bits & 0xff) as usize } else { class.into() })?;
+            Class::Other
+        }
         _ => return Err(message.unsupported(format!("data of class {class}"), "numbers, texts and compounds of them")),
     };
     let fits = match &class {
@@ -122,26 +123,11 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype> {
     Ok(Datatype { bytes, class })
 }
 
-fn skipped(message: &mut Piece, length: usize) -> Result<Class> {
-    message.skip("properties", length)?;
-    Ok(Class::Other)
-}
-
 fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class> {
     let (offset, precision) = (message.u16("bit offset")?, message.u16("bit precision")?);
-    let sample = match (bytes, bits >> 3 & 1) {
-        (1, 0) => Sample::U8,
-        (1, _) => Sample::I8,
-        (2, 0) => Sample::U16,
-        (2, _) => Sample::I16,
-        (4, 0) => Sample::U32,
-        (4, _) => Sample::I32,
-        (8, 0) => Sample::U64,
-        (8, _) => Sample::I64,
-        _ => return Ok(Class::Other),
-    };
-    let is_whole = offset == 0 && usize::from(precision) == 8 * bytes;
-    Ok(if is_whole { Class::Number(sample, order(bits)) } else { Class::Other })
+    let is_whole = offset == 0 && usize::from(precision) == bytes.saturating_mul(8);
+    let sample = Sample::integer(precision.into(), bits >> 3 & 1 == 1).filter(|_| is_whole);
+    Ok(sample.map_or(Class::Other, |sample| Class::Number(sample, order(bits))))
 }
 
 fn float(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class> {

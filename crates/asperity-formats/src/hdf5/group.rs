@@ -26,28 +26,16 @@ impl<'a> File<'a> {
         let mut links = Vec::new();
         let mut push = |link: Option<Link<'a>>| {
             links.extend(link);
-            if links.len() > MAX_ENTRIES {
-                Err(self.too_many("links", object.at, links.len(), MAX_ENTRIES))
-            } else {
-                Ok(())
-            }
+            let count = links.len();
+            let too_many = || self.input.too_large("the number of links", object.at, count, MAX_ENTRIES);
+            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
         };
         for message in object.all(LINK) {
             push(link(self.message(message, "link message")?)?)?;
         }
         if let Some(message) = object.first(LINK_INFO) {
-            let mut info = self.message(message, "link info message")?;
-            info.version(&[0])?;
-            if info.u8("flags")? & 1 != 0 {
-                info.skip("creation order", 8)?;
-            }
-            if let Some(heap) = info.optional_address("address of the heap")? {
-                let heap = self.fractal_heap(heap)?;
-                self.visit_records(info.address("address of the tree")?, &mut |mut record, _| {
-                    record.skip("hash", HASH_BYTES)?;
-                    push(self.managed(&heap, record)?.map(link).transpose()?.flatten())
-                })?;
-            }
+            let info = self.message(message, "link info message")?;
+            self.visit_dense(info, 8, HASH_BYTES, &mut |found| push(link(found)?))?;
         }
         if let Some(message) = object.first(SYMBOL_TABLE) {
             let mut table = self.message(message, "symbol table message")?;

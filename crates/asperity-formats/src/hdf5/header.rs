@@ -49,14 +49,8 @@ impl Object {
     }
 }
 
-/// How the messages of a header are laid out.
-#[derive(Clone, Copy, PartialEq)]
-enum Style {
-    Old,
-    New,
-    /// With the creation order of every message.
-    NewOrdered,
-}
+/// Layout of the messages of a header: bytes of the type, and bytes between the flags and the content.
+type Style = (usize, usize);
 
 impl<'a> File<'a> {
     /// Reads the header of the object at an address.
@@ -78,7 +72,7 @@ impl<'a> File<'a> {
                 }
                 messages.push(message);
                 if messages.len() > MAX_ENTRIES || blocks.len() > MAX_BLOCKS {
-                    return Err(self.too_many("messages", at, messages.len(), MAX_ENTRIES));
+                    return Err(self.input.too_large("the number of messages", at, messages.len(), MAX_ENTRIES));
                 }
             }
         }
@@ -91,7 +85,7 @@ impl<'a> File<'a> {
         header.version(&[1])?;
         // A reserved byte, number of messages, reference count.
         header.skip("counts", 7)?;
-        Ok((Style::Old, (at + 16, header.size("size", 4)?)))
+        Ok(((2, 3), (at + 16, header.size("size", 4)?)))
     }
 
     /// Where the messages of a version 2 header stand.
@@ -108,8 +102,9 @@ impl<'a> File<'a> {
             header.skip("limits of attributes", 4)?;
         }
         let length = header.size("size", 1 << (flags & 3))?;
-        let style = if flags & 1 << 2 != 0 { Style::NewOrdered } else { Style::New };
-        Ok((style, (header.at(), length)))
+        // Bit 2: every message states its creation order.
+        let order_bytes = if flags & 1 << 2 != 0 { 2 } else { 0 };
+        Ok(((1, order_bytes), (header.at(), length)))
     }
 
     /// The content of a message.
@@ -119,12 +114,7 @@ impl<'a> File<'a> {
 }
 
 /// The next message of a block, `None` where the rest is too short for one.
-fn next_message(block: &mut Piece, style: Style) -> Result<Option<Message>> {
-    let (kind_bytes, behind_flags) = match style {
-        Style::Old => (2, 3),
-        Style::New => (1, 0),
-        Style::NewOrdered => (1, 2),
-    };
+fn next_message(block: &mut Piece, (kind_bytes, behind_flags): Style) -> Result<Option<Message>> {
     if block.left() < kind_bytes + 2 + 1 + behind_flags {
         return Ok(None);
     }

@@ -65,7 +65,7 @@ impl<'a> File<'a> {
         let (mut next, mut found) = (at + 16, None);
         let mut passed = 0_usize;
         while found.is_none() && next.saturating_add(16) <= end {
-            let mut object = Piece::new(self.input, self.format, "global heap", next, 16)?;
+            let mut object = Piece::new(self.input, "global heap", next, 16)?;
             passed += 16;
             let index = object.u16("index")?;
             object.skip("counts", 6)?;

@@ -1,8 +1,8 @@
 //! A structure of the file, read field by field from its start to its end.
 
+use crate::FormatError;
 use crate::error::Result;
 use crate::input::Input;
-use crate::{Format, FormatError};
 
 /// What stands for an address where there is nothing.
 const UNDEFINED: u64 = u64::MAX;
@@ -11,7 +11,6 @@ const UNDEFINED: u64 = u64::MAX;
 #[derive(Clone, Copy)]
 pub(super) struct Piece<'a> {
     input: Input<'a>,
-    format: Format,
     name: &'static str,
     at: usize,
     end: usize,
@@ -20,9 +19,9 @@ pub(super) struct Piece<'a> {
 impl<'a> Piece<'a> {
     /// # Errors
     /// [`FormatError::Truncated`] where the file ends before.
-    pub(super) fn new(input: Input<'a>, format: Format, name: &'static str, at: usize, length: usize) -> Result<Self> {
+    pub(super) fn new(input: Input<'a>, name: &'static str, at: usize, length: usize) -> Result<Self> {
         input.take(name, at, length)?;
-        Ok(Self { input, format, name, at, end: at + length })
+        Ok(Self { input, name, at, end: at + length })
     }
 
     /// Where the next field stands in the file.
@@ -37,13 +36,8 @@ impl<'a> Piece<'a> {
 
     pub(super) fn take(&mut self, field: &str, length: usize) -> Result<&'a [u8]> {
         if length > self.left() {
-            return Err(FormatError::truncated(
-                self.format,
-                format!("{}, {field}:", self.name),
-                self.input.at(self.at),
-                self.left() as u64,
-                length as u64,
-            ));
+            let part = format!("{}, {field}:", self.name);
+            return Err(self.input.up_to(self.end).truncated(&part, self.at, length));
         }
         let bytes = self.input.take(field, self.at, length)?;
         self.at += length;

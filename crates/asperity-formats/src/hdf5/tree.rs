@@ -26,16 +26,18 @@ struct Nodes {
     total_bytes: Vec<usize>,
 }
 
-/// What is done with a key or record, and with the address behind a key.
-pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<()> + 'v;
+/// Callback for a key and the address behind it.
+pub(super) type VisitKey<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<()> + 'v;
+/// Callback for a record or an object.
+pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>) -> Result<()> + 'v;
 
 impl<'a> File<'a> {
     /// Hands every leaf of a version 1 tree to `visit`: its key and the address behind it.
-    pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut Visit<'_, 'a>) -> Result<()> {
+    pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut VisitKey<'_, 'a>) -> Result<()> {
         self.visit_node(root, keys, None, visit)
     }
 
-    fn visit_node(&self, at: usize, keys: Keys, wanted_level: Option<u8>, visit: &mut Visit<'_, 'a>) -> Result<()> {
+    fn visit_node(&self, at: usize, keys: Keys, wanted_level: Option<u8>, visit: &mut VisitKey<'_, 'a>) -> Result<()> {
         let mut node = self.piece("B-tree node", at, 24)?;
         node.expect("signature", b"TREE")?;
         node.expect("type", &[keys.kind])?;
@@ -58,8 +60,31 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Hands every record of a version 2 tree to `visit`, with the place of the node.
-    pub(super) fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<()> {
+    /// Passes every object of a dense index to `visit`.
+    ///
+    /// `info` is the message that leads to the index, `order_bytes` the size of its optional creation order. The records of
+    /// the tree hold `hash_bytes` bytes before the identifier of the object in the heap.
+    pub(super) fn visit_dense(
+        &self,
+        mut info: Piece<'a>,
+        order_bytes: usize,
+        hash_bytes: usize,
+        visit: &mut Visit<'_, 'a>,
+    ) -> Result<()> {
+        info.version(&[0])?;
+        if info.u8("flags")? & 1 != 0 {
+            info.skip("creation order", order_bytes)?;
+        }
+        let Some(heap) = info.optional_address("address of the heap")? else { return Ok(()) };
+        let heap = self.fractal_heap(heap)?;
+        self.visit_records(info.address("address of the tree")?, &mut |mut record| {
+            record.skip("hash", hash_bytes)?;
+            self.managed(&heap, record)?.map_or(Ok(()), &mut *visit)
+        })
+    }
+
+    /// Hands every record of a version 2 tree to `visit`.
+    fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<()> {
         let mut head = self.piece("B-tree header", header, 4 + 1 + 1 + 4 + 2 + 2 + 2 + 8 + 2)?;
         head.expect("signature", b"BTHD")?;
         head.version(&[0])?;
@@ -101,7 +126,7 @@ impl<'a> File<'a> {
         node.version(&[0])?;
         node.skip("type", 1)?;
         for _ in 0..count {
-            visit(node.split("B-tree record", nodes.record_bytes)?, at)?;
+            visit(node.split("B-tree record", nodes.record_bytes)?)?;
         }
         if level > 0 {
             for _ in 0..=count {

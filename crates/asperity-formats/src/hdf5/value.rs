@@ -35,23 +35,15 @@ impl<'a> File<'a> {
         let mut push = |attribute: Attribute<'a>| {
             attributes.push(attribute);
             let count = attributes.len();
-            if count > MAX_ENTRIES { Err(self.too_many("attributes", object.at, count, MAX_ENTRIES)) } else { Ok(()) }
+            let too_many = || self.input.too_large("the number of attributes", object.at, count, MAX_ENTRIES);
+            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
         };
         for message in object.all(ATTRIBUTE).filter(|message| !message.shared) {
             push(attribute(self.message(message, "attribute")?)?)?;
         }
         if let Some(message) = object.first(ATTRIBUTE_INFO) {
-            let mut info = self.message(message, "attribute info message")?;
-            info.version(&[0])?;
-            if info.u8("flags")? & 1 != 0 {
-                info.skip("creation order", 2)?;
-            }
-            if let Some(heap) = info.optional_address("address of the heap")? {
-                let heap = self.fractal_heap(heap)?;
-                self.visit_records(info.address("address of the tree")?, &mut |record, _| {
-                    self.managed(&heap, record)?.map_or(Ok(()), |found| push(attribute(found)?))
-                })?;
-            }
+            let info = self.message(message, "attribute info message")?;
+            self.visit_dense(info, 2, 0, &mut |found| push(attribute(found)?))?;
         }
         Ok(attributes)
     }

@@ -263,20 +263,11 @@ impl Header<'_> {
             Some(Value::Text(text)) if text == "true"
         );
         let sample = sample.filter(|_| rank <= MAX_RANK);
-        let sample = if is_unsigned { sample.map(unsigned) } else { sample };
+        // The classic formats have no unsigned types beside bytes of characters.
+        let unsigned = |sample: Sample| Sample::integer(8 * sample.size() as u64, false).filter(|_| !sample.is_float());
+        let sample = if is_unsigned { sample.map(|sample| unsigned(sample).unwrap_or(sample)) } else { sample };
         let record_bytes = has_records.then_some(0);
         Ok(Variable { name, dimensions, shape, attributes, sample, at: begin, record_bytes })
-    }
-}
-
-/// The type of the same size without sign: the classic formats have none but for bytes of characters.
-fn unsigned(sample: Sample) -> Sample {
-    match sample {
-        Sample::I8 => Sample::U8,
-        Sample::I16 => Sample::U16,
-        Sample::I32 => Sample::U32,
-        Sample::I64 => Sample::U64,
-        other => other,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::sample::stored;
 use crate::{Format, FormatError, Scan};
 
 /// How the heights are written.
@@ -32,20 +33,13 @@ const UNKNOWN_RESOLUTION: f64 = -1.0;
 /// # Errors
 /// [`FormatError::NoPitch`]; [`FormatError::NotStorable`] for no points at all or a pitch that is none.
 pub fn write_sdf(scan: &Scan, data: SdfData) -> Result<Vec<u8>, FormatError> {
-    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Sdf })?;
-    let not_storable = |found: String, wanted| FormatError::not_storable(Format::Sdf, found, wanted);
-    if scan.heights_m.is_empty() {
-        return Err(not_storable("a map without points".into(), "a map of at least one point"));
-    }
-    if ![dx_m, dy_m].iter().all(|pitch| pitch.is_finite() && *pitch > 0.0) {
-        return Err(not_storable(format!("the pixel size {dx_m:e} × {dy_m:e} m"), "positive lengths"));
-    }
+    let (_, pitch_m) = scan.to_store(Format::Sdf)?;
     let is_date = |date: &&String| date.len() == DATE_BYTES && date.bytes().all(|byte| byte.is_ascii_digit());
     let date = |name| scan.metadata.get(name).filter(is_date).map_or("0".repeat(DATE_BYTES), String::clone);
     let (created, modified) = (date("CreateDate"), date("ModDate"));
     Ok(match data {
-        SdfData::Text => text(scan, (dx_m, dy_m), &created, &modified),
-        SdfData::Double => binary(scan, (dx_m, dy_m), &created, &modified),
+        SdfData::Text => text(scan, pitch_m, &created, &modified),
+        SdfData::Double => binary(scan, pitch_m, &created, &modified),
     })
 }
 
@@ -65,8 +59,8 @@ fn binary(scan: &Scan, (dx_m, dy_m): (f64, f64), created: &str, modified: &str) 
     }
     // Neither compression nor checksum.
     bytes.extend([0, DOUBLE, 0]);
-    for &z in &scan.heights_m {
-        bytes.extend(if z.is_finite() { z } else { f64::NAN }.to_le_bytes());
+    for z in &scan.heights_m {
+        bytes.extend(stored(z));
     }
     bytes
 }

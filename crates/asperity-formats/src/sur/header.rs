@@ -4,7 +4,7 @@ use crate::error::Result;
 use std::collections::BTreeMap;
 
 use crate::FormatError;
-use crate::input::Input;
+use crate::input::{Field, Input};
 use crate::sample::{ByteOrder, Sample};
 use crate::unit::per_metre;
 
@@ -14,10 +14,6 @@ pub(super) const HEADER_BYTES: usize = 512;
 const BIG_ENDIAN: i16 = 257;
 /// Relative difference above which a unit ratio contradicts the units.
 const RATIO_TOLERANCE: f64 = 1e-3;
-
-/// A field of the header: its name and its first byte.
-#[derive(Clone, Copy)]
-pub(super) struct Field(pub(super) &'static str, pub(super) usize);
 
 const FORMAT: Field = Field("format", 12);
 pub(super) const OBJECTS: Field = Field("number of objects", 14);
@@ -58,30 +54,26 @@ pub(super) struct Axis {
     pub(super) offset: Field,
 }
 
-pub(super) const X: Axis = Axis {
-    spacing: Field("x spacing", 120),
-    name: Field("x axis name", 132),
-    step_unit: Field("x step unit", 180),
-    length_unit: Field("x length unit", 228),
-    unit_ratio: Field("x unit ratio", 276),
-    offset: Field("x offset", 466),
-};
-pub(super) const Y: Axis = Axis {
-    spacing: Field("y spacing", 124),
-    name: Field("y axis name", 148),
-    step_unit: Field("y step unit", 196),
-    length_unit: Field("y length unit", 244),
-    unit_ratio: Field("y unit ratio", 280),
-    offset: Field("y offset", 470),
-};
-pub(super) const Z: Axis = Axis {
-    spacing: Field("z spacing", 128),
-    name: Field("z axis name", 164),
-    step_unit: Field("z step unit", 212),
-    length_unit: Field("z length unit", 260),
-    unit_ratio: Field("z unit ratio", 284),
-    offset: Field("z offset", 474),
-};
+impl Axis {
+    /// Returns the fields of axis 0, 1 or 2. The header lists each field for all axes: numbers of 4 bytes, texts of 16.
+    const fn new(axis: usize, [spacing, name, step, length, ratio, offset]: [&'static str; 6]) -> Self {
+        Self {
+            spacing: Field(spacing, 120 + 4 * axis),
+            name: Field(name, 132 + AXIS_TEXT_BYTES * axis),
+            step_unit: Field(step, 180 + AXIS_TEXT_BYTES * axis),
+            length_unit: Field(length, 228 + AXIS_TEXT_BYTES * axis),
+            unit_ratio: Field(ratio, 276 + 4 * axis),
+            offset: Field(offset, 466 + 4 * axis),
+        }
+    }
+}
+
+pub(super) const X: Axis =
+    Axis::new(0, ["x spacing", "x axis name", "x step unit", "x length unit", "x unit ratio", "x offset"]);
+pub(super) const Y: Axis =
+    Axis::new(1, ["y spacing", "y axis name", "y step unit", "y length unit", "y unit ratio", "y offset"]);
+pub(super) const Z: Axis =
+    Axis::new(2, ["z spacing", "z axis name", "z step unit", "z length unit", "z unit ratio", "z offset"]);
 /// Bytes of an axis name or unit, of those of the axis of a series, and of the client zone.
 pub(super) const AXIS_TEXT_BYTES: usize = 16;
 const T_TEXT_BYTES: usize = 13;
@@ -89,48 +81,40 @@ pub(super) const CLIENT_ZONE_BYTES: usize = 128;
 /// Bytes of the names of object and operator.
 pub(super) const NAME_BYTES: usize = 30;
 
-/// The header of the object that starts at a byte of the file.
+/// Header of an object.
 #[derive(Clone, Copy)]
 pub(super) struct Header<'a> {
+    /// The file from the header on.
     pub(super) input: Input<'a>,
-    pub(super) start: usize,
     pub(super) order: ByteOrder,
 }
 
 impl<'a> Header<'a> {
-    /// A header whose bytes are all there.
-    pub(super) fn open(input: Input<'a>, start: usize) -> Result<Self> {
-        input.take("the bytes of the header", start, HEADER_BYTES)?;
-        let little = Self { input: input.with_order(ByteOrder::Little), start, order: ByteOrder::Little };
-        let big = Self { input: input.with_order(ByteOrder::Big), start, order: ByteOrder::Big };
-        // The size of a point tells whether a writer that claims the other order uses it: 16 and 32 swapped are 4096
-        // and 8192.
+    /// Opens the header at the start of `input`.
+    pub(super) fn open(input: Input<'a>) -> Result<Self> {
+        input.take("the bytes of the header", 0, HEADER_BYTES)?;
+        let [little, big] =
+            [ByteOrder::Little, ByteOrder::Big].map(|order| Self { input: input.with_order(order), order });
+        // Some writers declare big-endian numbers and write little-endian ones. The size of a point decides: 16 and 32
+        // in the wrong order are 4096 and 8192.
         let is_big = little.i16(FORMAT)? == BIG_ENDIAN && matches!(big.i16(BITS_PER_POINT)?, 16 | 32);
         Ok(if is_big { big } else { little })
     }
 
-    pub(super) fn at(&self, field: Field) -> usize {
-        self.start + field.1
+    pub(super) fn i16(&self, Field(name, at): Field) -> Result<i16> {
+        self.input.i16(name, at)
     }
 
-    pub(super) fn i16(&self, field: Field) -> Result<i16> {
-        self.input.i16(field.0, self.at(field))
+    pub(super) fn i32(&self, Field(name, at): Field) -> Result<i32> {
+        self.input.i32(name, at)
     }
 
-    pub(super) fn u16(&self, field: Field) -> Result<u16> {
-        self.input.u16(field.0, self.at(field))
+    pub(super) fn f32(&self, Field(name, at): Field) -> Result<f32> {
+        self.input.f32(name, at)
     }
 
-    pub(super) fn i32(&self, field: Field) -> Result<i32> {
-        self.input.i32(field.0, self.at(field))
-    }
-
-    pub(super) fn f32(&self, field: Field) -> Result<f32> {
-        self.input.f32(field.0, self.at(field))
-    }
-
-    pub(super) fn text(&self, field: Field, length: usize) -> Result<String> {
-        self.input.latin1(field.0, self.at(field), length)
+    pub(super) fn text(&self, Field(name, at): Field, length: usize) -> Result<String> {
+        self.input.latin1(name, at, length)
     }
 
     /// A unit, without the brackets that some writers put around it.
@@ -139,23 +123,21 @@ impl<'a> Header<'a> {
         Ok(text.trim_matches(['(', ')', '[', ']', ' ']).to_owned())
     }
 
-    pub(super) fn wrong(&self, field: Field, found: impl ToString, wanted: &str) -> FormatError {
-        self.input.wrong(field.0, self.at(field), found, wanted)
+    pub(super) fn wrong(&self, Field(name, at): Field, found: impl ToString, wanted: &str) -> FormatError {
+        self.input.wrong(name, at, found, wanted)
     }
 
     /// Type of the stored numbers.
     pub(super) fn sample(&self) -> Result<Sample> {
-        match self.i16(BITS_PER_POINT)? {
-            16 => Ok(Sample::I16),
-            32 => Ok(Sample::I32),
-            bits => Err(self.wrong(BITS_PER_POINT, bits, "16 or 32")),
-        }
+        let bits = self.i16(BITS_PER_POINT)?;
+        let sample = if matches!(bits, 16 | 32) { Sample::integer(bits as u64, true) } else { None };
+        sample.ok_or_else(|| self.wrong(BITS_PER_POINT, bits, "16 or 32"))
     }
 
     /// Checked lines and points per line.
     pub(super) fn shape(&self) -> Result<(usize, usize)> {
-        let dimension = |field: Field| Ok((field.0, self.at(field), self.i32(field)?));
-        let (ny, nx) = self.input.shape(dimension(LINES)?, dimension(POINTS_PER_LINE)?)?;
+        let [lines, columns] = [LINES, POINTS_PER_LINE].map(|field| Ok((field.0, field.1, self.i32(field)?)));
+        let (ny, nx) = self.input.shape(lines?, columns?)?;
         let points = self.i32(POINTS)?;
         if usize::try_from(points) != Ok(nx * ny) {
             return Err(self.wrong(POINTS, points, &format!("{nx} × {ny} = {}", nx * ny)));
@@ -178,11 +160,10 @@ impl<'a> Header<'a> {
 
     /// Day and time of the measurement, empty when no day is stated.
     fn date(&self) -> Result<String> {
-        let part = |place: usize| self.i16(Field(DATE.0, DATE.1 + 2 * place));
+        let part = |place: usize| self.input.i16(DATE.0, DATE.1 + 2 * place);
         let (second, minute, hour, day, month, year) = (part(0)?, part(1)?, part(2)?, part(3)?, part(4)?, part(5)?);
-        let is_stated = day > 0 && month > 0;
         let text = || format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}");
-        Ok(if is_stated { text() } else { String::new() })
+        Ok(if day > 0 && month > 0 { text() } else { String::new() })
     }
 
     /// What else the header says.

@@ -54,8 +54,7 @@ pub(super) struct Object<'a> {
     pub(super) ny: usize,
     pub(super) nx: usize,
     sample: Sample,
-    /// First byte of the comment and of what follows the private zone.
-    comment_start: usize,
+    /// Offsets of the private zone and of the numbers from the start of the object.
     private_start: usize,
     data_start: usize,
     /// Number of zlib streams, `None` for numbers as they are.
@@ -63,8 +62,8 @@ pub(super) struct Object<'a> {
     /// Bytes of all streams, unpacked and packed.
     raw: u64,
     packed: u64,
-    /// First byte behind the object.
-    pub(super) end: usize,
+    /// Size of the object in bytes.
+    end: usize,
 }
 
 impl<'a> Object<'a> {
@@ -73,24 +72,11 @@ impl<'a> Object<'a> {
         let input = header.input;
         let sample = header.sample()?;
         let (ny, nx) = header.shape()?;
-        let comment_start = header.start + HEADER_BYTES;
-        let private_start = comment_start + usize::from(header.u16(COMMENT_BYTES)?);
-        let data_start = private_start + usize::from(header.u16(PRIVATE_BYTES)?);
-        let object = Self {
-            header,
-            code: header.i16(OBJECT_TYPE)?,
-            ny,
-            nx,
-            sample,
-            comment_start,
-            private_start,
-            data_start,
-            streams: None,
-            raw: 0,
-            packed: 0,
-            end: data_start,
-        };
-        if input.bytes()[header.start..].starts_with(SIGNATURE_COMPRESSED) {
+        let private_start = HEADER_BYTES + usize::from(input.u16(COMMENT_BYTES.0, COMMENT_BYTES.1)?);
+        let data_start = private_start + usize::from(input.u16(PRIVATE_BYTES.0, PRIVATE_BYTES.1)?);
+        let (code, streams, raw, packed, end) = (header.i16(OBJECT_TYPE)?, None, 0, 0, data_start);
+        let object = Self { header, code, ny, nx, sample, private_start, data_start, streams, raw, packed, end };
+        if input.bytes().starts_with(SIGNATURE_COMPRESSED) {
             return object.with_directory();
         }
         let data = input.take("the heights", data_start, nx * ny * sample.size())?;
@@ -133,7 +119,7 @@ impl<'a> Object<'a> {
 
     /// The comment.
     pub(super) fn comment(&self) -> Result<String> {
-        self.header.input.latin1("comment", self.comment_start, self.private_start - self.comment_start)
+        self.header.input.latin1("comment", HEADER_BYTES, self.private_start - HEADER_BYTES)
     }
 
     /// The stored numbers.
@@ -171,16 +157,16 @@ pub(super) fn objects<'a>(
     input: Input<'a>,
     check: impl Fn(&Header) -> Result<()>,
 ) -> Result<(Vec<Object<'a>>, Option<String>)> {
-    let header = Header::open(input, 0)?;
+    let header = Header::open(input)?;
     check(&header)?;
     let first = Object::open(header)?;
     let mut end = first.end;
     let mut objects = vec![first];
     // `end` grows by a header at least, and is within the file.
     while is_object(&input.bytes()[end..]) {
-        match Header::open(input, end).and_then(Object::open) {
+        match Header::open(input.from(end)).and_then(Object::open) {
             Ok(object) => {
-                end = object.end;
+                end += object.end;
                 objects.push(object);
             }
             Err(error) => return Ok((objects, Some(format!("what follows the objects was left out: {error}")))),

@@ -49,8 +49,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
             metadata.insert("comment".into(), comment);
         }
     }
-    let (input, lines_at) = (object.header.input, object.header.at(LINES));
-    let heights_m = input.matrix(LINES.0, lines_at, (object.ny, object.nx), heights)?;
+    let heights_m = object.header.input.matrix(LINES.0, LINES.1, (object.ny, object.nx), heights)?;
     let height_unit = Some(object.header.unit(Z.step_unit)?);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }

@@ -41,11 +41,7 @@ struct Stored {
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with more than
 /// 2³¹ − 1 of them, or with lengths beyond `f32`.
 pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
-    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Sur })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
+    let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Sur)?;
     let counts = [nx, ny, scan.heights_m.len()].map(i32::try_from);
     let [Ok(columns), Ok(lines), Ok(points)] = counts else {
         return Err(not_storable(format!("a map of {nx} × {ny} points"), "at most 2³¹ − 1 points"));

@@ -128,7 +128,7 @@ fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<
     match directory.integer(tag::PREDICTOR)? {
         None | Some(1) => Ok(Predictor::None),
         Some(2) => Ok(Predictor::Horizontal),
-        Some(3) if matches!(sample, Sample::F32 | Sample::F64) => Ok(Predictor::FloatingPoint),
+        Some(3) if sample.is_float() => Ok(Predictor::FloatingPoint),
         Some(other) => Err(directory.wrong(tag::PREDICTOR, other, "1, 2, or 3 for floating-point numbers")),
     }
 }

@@ -187,16 +187,10 @@ impl Directory<'_> {
 
 /// The number type that a page's fields for bits and kind of number make, `None` for what is not read.
 pub(super) fn sample(bits: u64, kind: u64) -> Option<Sample> {
-    match (kind, bits) {
-        // Kind 4, undefined, is what some programs write for integers without a sign.
-        (1 | 4, 8) => Some(Sample::U8),
-        (1 | 4, 16) => Some(Sample::U16),
-        (1 | 4, 32) => Some(Sample::U32),
-        (2, 8) => Some(Sample::I8),
-        (2, 16) => Some(Sample::I16),
-        (2, 32) => Some(Sample::I32),
-        (3, 32) => Some(Sample::F32),
-        (3, 64) => Some(Sample::F64),
+    match kind {
+        // Some programs write kind 4, undefined, for unsigned integers.
+        1 | 2 | 4 if bits <= 32 => Sample::integer(bits, kind == 2),
+        3 => Sample::float(bits),
         _ => None,
     }
 }

@@ -157,7 +157,7 @@ fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, option
     let mut values = decode::decode(page, (ny, nx), sample, order)?;
     let mut scan = Scan::new(Array2::zeros((0, 0)), None);
     remove_voids(page, sample, &mut values)?;
-    let is_integer = !matches!(sample, Sample::F32 | Sample::F64);
+    let is_integer = !sample.is_float();
     match units.line_m {
         Some((offset_m, slope_m)) => {
             values.iter_mut().for_each(|z| *z = *z * slope_m + offset_m);

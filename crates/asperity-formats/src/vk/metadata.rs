@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::conditions::{Conditions, Field, offset};
-use crate::input::Input;
+use super::conditions::{number, offset};
+use crate::input::{Field, Input};
 
 /// Where the version of Keyence's library stands: four bytes, the main number last.
 const LIBRARY_VERSION: usize = 4;
@@ -48,12 +48,12 @@ const NUMBERS: [(Field, f64, &str); 27] = [
 ];
 
 /// The fields that are there.
-pub(super) fn metadata(input: Input, conditions: &Conditions) -> BTreeMap<String, String> {
-    let number = |(field, divisor, unit): &(Field, f64, &str)| {
-        let number = f64::from(conditions.u32(*field).ok()?) / divisor;
+pub(super) fn metadata(input: Input, conditions: &Input) -> BTreeMap<String, String> {
+    let in_words = |(field, divisor, unit): &(Field, f64, &str)| {
+        let number = f64::from(number(conditions, *field).ok()?) / divisor;
         Some((field.0.to_owned(), format!("{number}{unit}")))
     };
-    let mut metadata: BTreeMap<_, _> = NUMBERS.iter().filter_map(number).collect();
+    let mut metadata: BTreeMap<_, _> = NUMBERS.iter().filter_map(in_words).collect();
     let mut insert = |name: &str, value: Option<String>| {
         metadata.extend(value.filter(|value| !value.is_empty()).map(|value| (name.to_owned(), value)));
     };
@@ -68,8 +68,8 @@ pub(super) fn metadata(input: Input, conditions: &Conditions) -> BTreeMap<String
 }
 
 /// Day and time of the measurement with their distance from UTC.
-fn date(conditions: &Conditions) -> Option<String> {
-    let number = |field| conditions.u32(field).ok();
+fn date(conditions: &Input) -> Option<String> {
+    let number = |field| number(conditions, field).ok();
     let [year, month, day, hour, minute, second] = DATE.map(number);
     let day = day.filter(|&day| day > 0)?;
     let ahead = number(UTC_OFFSET)?.cast_signed();

@@ -13,6 +13,7 @@ use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
 use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit};
+use crate::sample::stored;
 use crate::{Format, FormatError, Scan};
 
 /// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
@@ -43,14 +44,7 @@ struct Stored {
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
 /// heights beyond the number type.
 pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
-    let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::X3p })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
-    if [pitch_m.0, pitch_m.1].iter().any(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
-        return Err(not_storable(format!("a pixel size of {} × {} m", pitch_m.0, pitch_m.1), "positive numbers"));
-    }
+    let (_, pitch_m) = scan.to_store(Format::X3p)?;
     let stored = match data {
         X3pData::Int16 => int16(scan)?,
         X3pData::Float32 => float32(scan)?,
@@ -62,10 +56,6 @@ pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
     files.extend(stored.valid.as_deref().map(|valid| (VALID_POINTS, valid)));
     files.push((CHECKSUM, checksum.as_bytes()));
     archive(&files, data)
-}
-
-fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::not_storable(Format::X3p, found, wanted)
 }
 
 /// A zip archive whose bytes depend on nothing but its files: no clock, no host.
@@ -112,8 +102,7 @@ fn zip<'a>(files: &[(&'a str, &[u8])], method: impl Fn(&'a str) -> CompressionMe
 }
 
 fn float64(scan: &Scan) -> Stored {
-    let number = |&z: &f64| if z.is_finite() { z } else { f64::NAN }.to_le_bytes();
-    Stored { points: scan.heights_m.iter().flat_map(number).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
+    Stored { points: scan.heights_m.iter().flat_map(stored).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
 }
 
 fn float32(scan: &Scan) -> Result<Stored> {
@@ -121,7 +110,8 @@ fn float32(scan: &Scan) -> Result<Stored> {
     for &z in &scan.heights_m {
         let narrow = if z.is_finite() { z as f32 } else { f32::NAN };
         if narrow.is_infinite() {
-            return Err(not_storable(format!("a height of {z:e} m"), "heights within the range of f32"));
+            let found = format!("a height of {z:e} m");
+            return Err(FormatError::not_storable(Format::X3p, found, "heights within the range of f32"));
         }
         points.extend(narrow.to_le_bytes());
     }
@@ -133,7 +123,8 @@ fn int16(scan: &Scan) -> Result<Stored> {
     let (low, high) = scan.height_range_m().unwrap_or((0.0, 0.0));
     let step = (high - low) / INT16_STEPS;
     if !step.is_finite() {
-        return Err(not_storable(format!("heights from {low:e} to {high:e} m"), "a range that fits f64"));
+        let found = format!("heights from {low:e} to {high:e} m");
+        return Err(FormatError::not_storable(Format::X3p, found, "a range that fits f64"));
     }
     // A flat map has no step of its own; any will do for numbers that are all zero.
     let increment = if step > 0.0 { step } else { 1.0 };
