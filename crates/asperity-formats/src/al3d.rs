@@ -12,6 +12,7 @@
 //! beyond `DepthResFilterVal` are those that the vendor's program hides; they are missing here as well, with a warning.
 
 use crate::error::Result;
+use crate::scan::Shape;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
@@ -146,7 +147,7 @@ impl<'a> Header<'a> {
     }
 
     /// The rows of an image in one piece, with the padding between them but not that of the last row.
-    fn image(&self, part: &str, at: usize, (ny, nx): (usize, usize), sample: Sample) -> Result<&'a [u8]> {
+    fn image(&self, part: &str, at: usize, (ny, nx): Shape, sample: Sample) -> Result<&'a [u8]> {
         let row = nx * sample.size();
         // At most 2²⁸ points, each with its padding.
         self.input.take(part, at, (ny - 1) * stride(nx, sample) + row)
@@ -219,7 +220,7 @@ struct Repeatability<'a> {
 
 impl<'a> Repeatability<'a> {
     /// What the file says of it, `None` where it has no such plane or no filter; one of 0 would leave nothing.
-    fn of(header: &Header<'a>, texture: usize, (ny, nx): (usize, usize)) -> Result<Option<Self>> {
+    fn of(header: &Header<'a>, texture: usize, (ny, nx): Shape) -> Result<Option<Self>> {
         let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
         let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
         let stride = stride(nx, Sample::U8);
@@ -239,7 +240,7 @@ impl<'a> Repeatability<'a> {
 fn filter_by_repeatability(
     header: &Header,
     texture: usize,
-    (ny, nx): (usize, usize),
+    (ny, nx): Shape,
     depths: &mut [f64],
     warnings: &mut Vec<String>,
 ) {
@@ -268,6 +269,6 @@ fn metadata(header: &Header) -> BTreeMap<String, String> {
     let tags = header.tags.iter().map(|tag| (tag.key.clone(), tag.value.clone()));
     // Some tags only fill space, with bytes that are no text.
     tags.chain([("Comment".to_owned(), comment)])
-        .filter(|(_, value)| !value.is_empty() && !value.contains(|c: char| c.is_control() && !c.is_whitespace()))
+        .filter(|(_, value)| !value.contains(|c: char| c.is_control() && !c.is_whitespace()))
         .collect()
 }

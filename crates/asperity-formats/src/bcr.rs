@@ -15,6 +15,7 @@
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
 
 use crate::error::Result;
+use crate::scan::Shape;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
@@ -90,21 +91,22 @@ impl Encoding {
 /// The pairs of a header.
 struct Header<'a> {
     input: Input<'a>,
-    pairs: Vec<(String, String)>,
+    notes: Notes,
 }
 
 impl<'a> Header<'a> {
     fn parse(input: Input<'a>, text: &str) -> Self {
+        let mut notes = Notes::default();
         let lines = text.lines().filter(|line| !line.starts_with(['%', '#']));
-        let pairs = lines.filter_map(|line| line.split_once('=')).map(|(key, value)| {
-            let clean = |text: &str| text.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
-            (clean(key), clean(value))
-        });
-        Self { input, pairs: pairs.filter(|(_, value)| !value.is_empty()).take(MAX_PAIRS).collect() }
+        for (key, value) in lines.filter_map(|line| line.split_once('=')) {
+            let clean = |text: &'_ str| text.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
+            notes.insert(&clean(key), &clean(value));
+        }
+        Self { input, notes }
     }
 
     fn get(&self, key: &str) -> Option<&str> {
-        self.pairs.iter().find(|(found, _)| found.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
+        self.notes.value(key)
     }
 
     /// A number, where the key is there.
@@ -128,9 +130,6 @@ impl<'a> Header<'a> {
         per_metre(unit.trim_matches(['[', ']'])).ok_or(unit)
     }
 }
-
-/// Pairs of a header that are looked at.
-const MAX_PAIRS: usize = 1000;
 
 /// Reads the map.
 ///
@@ -187,12 +186,8 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     }
     let pitch_m = pitch(&header, (ny, nx), &mut warnings)?;
     let heights_m = input.matrix("xpixels", 0, (ny, nx), heights)?;
-    let mut notes = Notes::default();
-    for (key, value) in &header.pairs {
-        notes.insert(key, value);
-    }
     let height_unit = crate::unit::name(per_metre).map(str::to_owned);
-    Ok(Scan { metadata: notes.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
+    Ok(Scan { metadata: header.notes.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
 }
 
 /// What turns a number into a height in the unit of heights.
@@ -212,11 +207,7 @@ fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Res
 }
 
 /// The pitch in metre where the header states lengths.
-fn pitch(
-    header: &Header<'_>,
-    (rows, columns): (usize, usize),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>> {
+fn pitch(header: &Header<'_>, (rows, columns): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let mut along = |length_key, unit_key, points: usize| {
         let Some(length) = header.number(length_key)? else { return Ok(None) };
         Ok(match header.per_metre(unit_key) {

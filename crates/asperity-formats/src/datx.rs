@@ -22,6 +22,7 @@ use std::collections::{BTreeMap, HashSet};
 use crate::codec::{Codec, Description, Tested};
 use crate::hdf5::{Attribute, Dataset, File, Object, Value, shown_name};
 use crate::input::Input;
+use crate::selection::unique;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -68,12 +69,6 @@ fn detect(bytes: &[u8]) -> bool {
     File::is_one(bytes) && File::open(Format::Datx, bytes).and_then(has_names).unwrap_or(true)
 }
 
-/// A dataset of heights and where its header starts.
-struct Map {
-    name: String,
-    at: usize,
-}
-
 /// What the attributes of a dataset say of its numbers.
 #[derive(Default)]
 struct Meaning {
@@ -97,10 +92,9 @@ struct Converter {
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Datx, bytes);
     let file = File::open(Format::Datx, bytes)?;
-    let maps = maps(&file, &input)?;
-    let names: Vec<String> = maps.iter().map(|map| map.name.clone()).collect();
+    let (names, places) = maps(&file, &input)?;
     let chosen = options.choose(Format::Datx, &names)?;
-    let at = maps[chosen].at;
+    let at = places[chosen];
     let missing = |field: &str| input.missing(field, at, "a dataset of numbers in rows and columns");
     let object = file.object(at)?;
     let dataset = file.dataset(&object)?.ok_or_else(|| missing("the map"))?;
@@ -130,7 +124,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 ///
 /// # Errors
 /// What is wrong with the first dataset when none can be read; other datasets than heights alone.
-fn maps(file: &File, input: &Input) -> Result<Vec<Map>> {
+fn maps(file: &File, input: &Input) -> Result<(Vec<String>, Vec<usize>)> {
     let main = file.aside(|| main(file)).flatten();
     // What is linked twice counts once, under its first name.
     let (mut objects, mut known) = (Vec::new(), HashSet::new());
@@ -153,22 +147,19 @@ fn maps(file: &File, input: &Input) -> Result<Vec<Map>> {
     }
     // A stable order: the main map, then the surfaces, then the rest as in the file.
     objects.sort_by_key(|(kind, at)| (Some(*at) != main, kind != MAIN_KIND));
-    let (mut maps, mut first_error, mut counts): (Vec<Map>, _, BTreeMap<String, usize>) =
-        (vec![], None, BTreeMap::new());
+    let (mut kinds, mut places, mut first_error) = (Vec::new(), Vec::new(), None);
     for (kind, at) in objects {
         match file.object(at).and_then(|object| is_height(file, &object)) {
             Ok(true) => {
-                let count = counts.entry(kind.clone()).or_default();
-                *count += 1;
-                let name = if *count == 1 { kind } else { format!("{kind} {count}") };
-                maps.push(Map { name, at });
+                kinds.push(kind);
+                places.push(at);
             }
             Ok(false) => (),
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
-    match (maps.is_empty(), first_error) {
-        (false, _) => Ok(maps),
+    match (places.is_empty(), first_error) {
+        (false, _) => Ok((unique(kinds), places)),
         (true, Some(error)) => Err(error),
         (true, None) => Err(input.unsupported("the file holds no map of heights", "a surface under /Data")),
     }

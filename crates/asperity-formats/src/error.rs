@@ -308,13 +308,15 @@ fn listed(names: &[String]) -> String {
     match names {
         [] => "none".into(),
         [one] => format!("just one, `{}`", shown(one)),
-        several => {
-            let first = several.iter().take(LISTED_NAMES).map(|name| format!("`{}`", shown(name)));
-            let first = first.collect::<Vec<_>>().join(", ");
-            let more = several.len().saturating_sub(LISTED_NAMES);
-            if more > 0 { format!("{first} and {more} more") } else { first }
-        }
+        several => first_of(several, LISTED_NAMES, |name| format!("`{name}`")),
     }
+}
+
+/// Lists the first `limit` names for a message, each as `quote` returns it, and counts the others.
+pub(crate) fn first_of(names: &[String], limit: usize, quote: fn(String) -> String) -> String {
+    let first = names.iter().take(limit).map(|name| quote(shown(name))).collect::<Vec<_>>().join(", ");
+    let more = names.len().saturating_sub(limit);
+    if more > 0 { format!("{first} and {more} more") } else { first }
 }
 
 /// The start of a text from a file, short enough for a message.

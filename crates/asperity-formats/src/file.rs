@@ -180,6 +180,7 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
         // A file of one map has just the map number 1.
         options.choose(format, &[format.name().to_owned()])?;
     }
+    scan.metadata.retain(|_, text| !text.is_empty());
     scan.format = Some(format);
     scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
     Ok(scan.in_stated_unit(options).with_stated_pitch(options).checked(options))

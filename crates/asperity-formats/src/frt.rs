@@ -24,6 +24,7 @@ mod image;
 mod metadata;
 
 use crate::error::Result;
+use crate::scan::Shape;
 
 use self::blocks::{
     BUFFERS, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT, blocks,
@@ -92,10 +93,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut heights = image.numbers.samples("the numbers of an image", 0, nx * ny, image.sample)?;
     scale(input, &blocks, image.sample, &mut heights, &mut warnings)?;
     // The first stored line is at the bottom of the image.
-    let mut lines = heights.chunks_exact_mut(nx);
-    while let (Some(first), Some(last)) = (lines.next(), lines.next_back()) {
-        first.swap_with_slice(last);
-    }
+    large::flip(&mut heights, nx);
     let pitch_m = pitch(&blocks, image.shape, &mut warnings)?;
     doubt(&blocks, &mut warnings);
     let heights_m = image.numbers.matrix("the numbers of an image", 0, (ny, nx), heights)?;
@@ -190,7 +188,7 @@ fn own_scale(buffers: &Input, scale_m: f64) -> Option<String> {
 }
 
 /// The distance of points in metre.
-fn pitch(blocks: &Blocks, (ny, nx): (usize, usize), warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
+fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some(size) = blocks.get(&SCAN_SIZE) else {
         warnings.push("block 0x0067 (scan size) is missing; no pixel size was read".into());
         return Ok(None);

@@ -1,6 +1,8 @@
 //! The bytes of a file, taken field by field: nothing is read beyond them, and whatever is wrong with a field is told
 //! with its name and place.
 
+use std::collections::BTreeMap;
+
 use ndarray::Array2;
 
 use crate::error::{Result, shown};
@@ -22,6 +24,19 @@ pub(crate) struct Input<'a> {
 /// Field of a header: its name and its offset.
 #[derive(Clone, Copy)]
 pub(crate) struct Field(pub(crate) &'static str, pub(crate) usize);
+
+/// Type of a field that becomes metadata.
+#[derive(Clone, Copy)]
+pub(crate) enum Kind {
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+    /// Latin-1 text of at most so many bytes.
+    Text(usize),
+}
 
 /// The numbers in one place of a file.
 macro_rules! number {
@@ -105,6 +120,24 @@ impl<'a> Input<'a> {
     /// Latin-1 text of at most `length` bytes up to the first zero, without white space around it.
     pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String> {
         Ok(latin1(self.take(field, offset, length)?))
+    }
+
+    /// Returns the value of a field as text.
+    pub(crate) fn value(&self, field: &str, offset: usize, kind: Kind) -> Result<String> {
+        match kind {
+            Kind::I16 => self.i16(field, offset).map(|number| number.to_string()),
+            Kind::U16 => self.u16(field, offset).map(|number| number.to_string()),
+            Kind::I32 => self.i32(field, offset).map(|number| number.to_string()),
+            Kind::U32 => self.u32(field, offset).map(|number| number.to_string()),
+            Kind::F32 => self.f32(field, offset).map(|number| number.to_string()),
+            Kind::F64 => self.f64(field, offset).map(|number| number.to_string()),
+            Kind::Text(length) => self.latin1(field, offset, length),
+        }
+    }
+
+    /// Returns the values of a table of fields as metadata.
+    pub(crate) fn values(&self, fields: &[(&str, usize, Kind)]) -> Result<BTreeMap<String, String>> {
+        fields.iter().map(|&(name, at, kind)| Ok((name.to_owned(), self.value(name, at, kind)?))).collect()
     }
 
     /// `count` numbers from `offset` on; memory is taken only when all of them are there.

@@ -1,5 +1,6 @@
 //! Large arrays: memory that is cheap to touch for the first time, and passes over it on all threads.
 
+use crate::scan::Shape;
 use rayon::prelude::*;
 
 /// Numbers from which on all threads work on an array, and how many each takes at a time.
@@ -84,8 +85,16 @@ pub(crate) fn rows(columns: usize, records: &[u8], stride: usize, fill: impl Fn(
     values
 }
 
+/// Reverses the order of the rows of a map.
+pub(crate) fn flip(values: &mut [f64], columns: usize) {
+    let mut rows = values.chunks_exact_mut(columns);
+    while let (Some(first), Some(last)) = (rows.next(), rows.next_back()) {
+        first.swap_with_slice(last);
+    }
+}
+
 /// The numbers of a map in the order of its columns: `part` gives those of a row from a place on.
-pub(crate) fn turned((rows, columns): (usize, usize), part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
+pub(crate) fn turned((rows, columns): Shape, part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
     let mut turned = zeros(rows * columns);
     let strip = |(place, strip): (usize, &mut [f64])| {
         // Rows and columns of a large map fall on the same lines of the cache; copies of a square do not.
@@ -107,7 +116,7 @@ pub(crate) fn turned((rows, columns): (usize, usize), part: impl Fn(usize, usize
 }
 
 /// The numbers of a map in the order of its columns.
-pub(crate) fn transposed(values: &[f64], (rows, columns): (usize, usize)) -> Vec<f64> {
+pub(crate) fn transposed(values: &[f64], (rows, columns): Shape) -> Vec<f64> {
     turned((rows, columns), |row, first, part| {
         let start = row * columns + first;
         part.copy_from_slice(&values[start..start + part.len()]);

@@ -19,6 +19,7 @@ use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::input::Kind::{self, F32, I16, I32, Text, U16};
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, ReadOptions, Scan};
 
@@ -59,16 +60,6 @@ const INVALID: f64 = 2_147_483_640.0;
 const COUNTS_PER_FRINGE: [f64; 3] = [4096.0, 32768.0, 131_072.0];
 /// Relative difference of the camera's pixel sides above which pixels are no squares.
 const SQUARE_TOLERANCE: f32 = 1e-3;
-
-/// How a field of the header that is kept for the user is stored.
-enum Kind {
-    Text(usize),
-    I16,
-    U16,
-    I32,
-    F32,
-}
-use Kind::{F32, I16, I32, Text, U16};
 
 const BIG_ENDIAN_FIELDS: [(&str, usize, Kind); 39] = [
     ("swinfo_date", 12, Text(30)),
@@ -226,23 +217,8 @@ fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>
 
 /// What else the header says; texts that are empty are left out.
 fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
-    let mut metadata = BTreeMap::new();
-    let tables = [(ByteOrder::Big, &BIG_ENDIAN_FIELDS[..]), (ByteOrder::Little, &LITTLE_ENDIAN_FIELDS)];
-    for (order, fields) in tables {
-        let input = input.with_order(order);
-        for (name, offset, kind) in fields {
-            let value = match *kind {
-                Text(length) => input.latin1(name, *offset, length)?,
-                I16 => input.i16(name, *offset)?.to_string(),
-                U16 => input.u16(name, *offset)?.to_string(),
-                I32 => input.i32(name, *offset)?.to_string(),
-                F32 => input.f32(name, *offset)?.to_string(),
-            };
-            if !value.is_empty() {
-                metadata.insert((*name).into(), value);
-            }
-        }
-    }
+    let mut metadata = input.values(&BIG_ENDIAN_FIELDS)?;
+    metadata.extend(input.with_order(ByteOrder::Little).values(&LITTLE_ENDIAN_FIELDS)?);
     let [major, minor, bug] = [42, 44, 46].map(|offset| input.i16("swinfo_vers", offset));
     metadata.insert("swinfo_vers".into(), format!("{}.{}.{}", major?, minor?, bug?));
     let seconds = input.i32("time_stamp", 76)?;

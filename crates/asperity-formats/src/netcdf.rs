@@ -16,6 +16,7 @@ mod classic;
 mod enhanced;
 
 use crate::error::Result;
+use crate::scan::Shape;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
@@ -163,7 +164,7 @@ impl Source<'_> {
     }
 
     /// The numbers of a map of so many rows and columns, in the order of its columns where it is turned.
-    fn map(&self, variable: &Variable, shape: (usize, usize), is_turned: bool) -> Result<Vec<f64>> {
+    fn map(&self, variable: &Variable, shape: Shape, is_turned: bool) -> Result<Vec<f64>> {
         match self {
             Self::Classic(input) if is_turned => classic::columns(input, variable, shape),
             _ if is_turned => self.numbers(variable).map(|numbers| transposed(numbers, shape)),
@@ -173,7 +174,7 @@ impl Source<'_> {
 }
 
 /// The numbers of a map in the order of its columns; of another count as they are, which no shape will fit.
-fn transposed(numbers: Vec<f64>, shape: (usize, usize)) -> Vec<f64> {
+fn transposed(numbers: Vec<f64>, shape: Shape) -> Vec<f64> {
     if numbers.len() == shape.0 * shape.1 { large::transposed(&numbers, shape) } else { numbers }
 }
 
@@ -365,6 +366,5 @@ fn metadata(contents: Contents, read: &[String]) -> BTreeMap<String, String> {
             metadata.insert(format!("{}:{}", variable.name, attribute.name), show(attribute.value));
         }
     }
-    metadata.retain(|_, text| !text.is_empty());
     metadata
 }

@@ -8,10 +8,9 @@
 //! that none of them knows are left out. Numbers are little-endian.
 
 use crate::error::Result;
-use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::{Field, Input};
+use crate::input::{Field, Input, Kind};
 use crate::large;
 use crate::sample::Sample;
 
@@ -55,9 +54,6 @@ const N_HIGH: Field = Field("n_high", 12);
 const F_LOW: Field = Field("f_low", 16);
 const F_HIGH: Field = Field("f_high", 24);
 const VERSION: Field = Field("version", 32);
-const TITLE: Field = Field("title", 52);
-const DATE: Field = Field("date", 1076);
-const NOTE: Field = Field("note", 1096);
 const HEADER_SIZE: Field = Field("header size", 1352);
 const COLUMNS: Field = Field("nx", 1368);
 const ROWS: Field = Field("ny", 1372);
@@ -66,7 +62,13 @@ const STEP_Y: Field = Field("dy", 1384);
 const HAS_INTENSITY: Field = Field("has intensity", 1416);
 
 /// The texts of the header with their widths in bytes.
-const TEXTS: [(Field, usize); 4] = [(VERSION, 20), (TITLE, 1024), (DATE, 20), (NOTE, 256)];
+const TEXTS: [(&str, usize, Kind); 4] = [
+    (VERSION.0, VERSION.1, Kind::Text(VERSION_BYTES)),
+    ("title", 52, Kind::Text(1024)),
+    ("date", 1076, Kind::Text(20)),
+    ("note", 1096, Kind::Text(256)),
+];
+const VERSION_BYTES: usize = 20;
 
 /// Reads the heights.
 ///
@@ -94,7 +96,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     // Steps between points: the field of view of 160 µm of a 100× objective is 512 of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
     let heights_m = input.matrix(COLUMNS.0, COLUMNS.1, (ny, nx), heights)?;
-    Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
+    Ok(Scan { metadata: input.values(&TEXTS)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
 /// Refuses data that are no area of `u16`; doubts headers of another form.
@@ -108,7 +110,7 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
         0 => return Err(input.unsupported("the file holds a profile", "an area")),
         other => return Err(input.wrong(DIMENSION_TYPE.0, DIMENSION_TYPE.1, other, "1, an area")),
     }
-    let version = input.latin1(VERSION.0, VERSION.1, TEXTS[0].1)?;
+    let version = input.latin1(VERSION.0, VERSION.1, VERSION_BYTES)?;
     if version != KNOWN_VERSION {
         warnings.push(format!("the version is {version}; the file was read as {KNOWN_VERSION}"));
     }
@@ -142,16 +144,4 @@ fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Resu
             .push(format!("{outside} numbers are outside of {n_low} to {n_high} and were taken for missing points"));
     }
     Ok(())
-}
-
-/// What else the header says.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
-    let mut metadata = BTreeMap::new();
-    for (field, width) in TEXTS {
-        let text = input.latin1(field.0, field.1, width)?;
-        if !text.is_empty() {
-            metadata.insert(field.0.to_owned(), text);
-        }
-    }
-    Ok(metadata)
 }

@@ -17,7 +17,7 @@ use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::npy::Header;
-use crate::scan::matrix;
+use crate::scan::{Shape, matrix};
 use crate::selection::some_of;
 use crate::unit::per_metre;
 use crate::x3p::ZIP_MAGIC;
@@ -98,7 +98,7 @@ fn quantity(name: &str) -> (String, Quantity) {
 struct Map {
     link: String,
     header: Header,
-    shape: (usize, usize),
+    shape: Shape,
     per_metre: f64,
     states_unit: bool,
 }
@@ -111,13 +111,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::Npz, bytes)?;
     let links: Vec<String> = archive.names().iter().filter(|name| name.ends_with(EXTENSION)).cloned().collect();
     if links.len() > MAX_ARRAYS {
-        return Err(FormatError::too_large(
-            Format::Npz,
-            "the number of arrays",
-            Location::Byte(0),
-            links.len() as u64,
-            MAX_ARRAYS as u64,
-        ));
+        return Err(Input::new(Format::Npz, bytes).too_large("the number of arrays", 0, links.len(), MAX_ARRAYS));
     }
     let (mut names, mut maps, mut others, mut short) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
     for link in links {

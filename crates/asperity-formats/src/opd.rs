@@ -21,7 +21,8 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
+use crate::input::{Input, Kind, latin1};
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::unique;
 use crate::{Format, ReadOptions, Scan};
@@ -56,9 +57,6 @@ const MAX_ENTRIES: usize = 1 << 16;
 const ARRAY_HEADER_BYTES: usize = 6;
 /// The most bytes of a text or object that are kept.
 const MAX_TEXT_BYTES: usize = 4096;
-
-/// Columns that are turned into parts of rows together: neighbours in a row share a line of the processor's cache.
-const COLUMNS_AT_ONCE: usize = 16;
 
 /// Names of the arrays that hold heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"];
@@ -227,27 +225,16 @@ fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>> {
         return Err(input.wrong(&format!("the length of {name}"), block.entry + NAME_BYTES + 2, block.length, &wanted));
     }
     let bytes = input.take(name, block.start + ARRAY_HEADER_BYTES, data_bytes)?;
-    let mut heights_m = Array2::from_elem((ny, nx), f64::NAN);
-    let mut columns = Vec::with_capacity(COLUMNS_AT_ONCE * ny);
-    for (strip, stored) in bytes.chunks(COLUMNS_AT_ONCE * ny * sample.size()).enumerate() {
-        columns.clear();
-        sample.decode(ByteOrder::Little, stored, &mut columns);
-        for (y, mut row) in heights_m.rows_mut().into_iter().rev().enumerate() {
-            let row = row.iter_mut().skip(strip * COLUMNS_AT_ONCE);
-            for (z, &v) in row.zip(columns.iter().skip(y).step_by(ny)) {
-                if is_height(v) {
-                    *z = v * scale_m;
-                }
-            }
-        }
-    }
-    Ok(heights_m)
+    let mut heights = sample.decode_columns(ByteOrder::Little, bytes, (ny, nx));
+    large::map(&mut heights, |v| if is_height(v) { v * scale_m } else { f64::NAN });
+    large::flip(&mut heights, nx);
+    input.matrix(name, block.start, (ny, nx), heights)
 }
 
 /// What texts, numbers and simple objects say.
 fn metadata(input: &Input, blocks: &[Block]) -> BTreeMap<String, String> {
-    let values = blocks.iter().filter_map(|block| Some((block.name.clone(), value(input, block)?)));
-    values.filter(|(name, value)| !name.is_empty() && !value.is_empty()).collect()
+    let named = blocks.iter().filter(|block| !block.name.is_empty());
+    named.filter_map(|block| Some((block.name.clone(), value(input, block)?))).collect()
 }
 
 /// The content of a block in words, `None` for arrays, unknown types and what is not there.
@@ -256,10 +243,10 @@ fn value(input: &Input, block: &Block) -> Option<String> {
     let whole = Input::new(Format::Opd, bytes);
     match block.kind {
         kind::TEXT => Some(latin1(bytes)),
-        kind::SHORT => whole.i16("", 0).ok().map(|number| number.to_string()),
-        kind::FLOAT => whole.f32("", 0).ok().map(|number| number.to_string()),
-        kind::DOUBLE => whole.f64("", 0).ok().map(|number| number.to_string()),
-        kind::LONG => whole.i32("", 0).ok().map(|number| number.to_string()),
+        kind::SHORT => whole.value("", 0, Kind::I16).ok(),
+        kind::FLOAT => whole.value("", 0, Kind::F32).ok(),
+        kind::DOUBLE => whole.value("", 0, Kind::F64).ok(),
+        kind::LONG => whole.value("", 0, Kind::I32).ok(),
         kind::OBJECT => object::value(bytes),
         _ => None,
     }

@@ -13,7 +13,7 @@ use crate::error::Result;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::{Field, Input};
+use crate::input::{Field, Input, Kind};
 use crate::sample::Sample;
 
 use crate::{Format, ReadOptions, Scan};
@@ -48,9 +48,6 @@ pub(crate) const LOST: f64 = 1_000_001.0;
 /// Micrometres in a metre.
 const PER_METRE: f64 = 1e6;
 
-const DATE: Field = Field("date", 0);
-const TIME: Field = Field("time", 128);
-const COMMENT: Field = Field("user comment", 132);
 const ROWS: Field = Field("yres", 388);
 const COLUMNS: Field = Field("xres", 392);
 const PITCH_X: Field = Field("mppx", 404);
@@ -64,19 +61,26 @@ const LAYERS: Field = Field("num_layers", 489);
 const VERSION: Field = Field("version", 490);
 const HARDWARE: Field = Field("config_hardware", 491);
 const IMAGES: Field = Field("num_images", 492);
-const DECIMATION: Field = Field("factor_delmacio", 496);
-/// Lengths in µm that only the metadata keep.
-const LENGTHS_UM: [Field; 3] = [Field("x_0", 412), Field("y_0", 416), Field("z_0", 424)];
-/// How the field of view was scanned; other fields lie here when the area is given by coordinates.
-const FIELDS_OF_VIEW: Field = Field("na", 464);
-const Z_STEP: Field = Field("incr_z", 468);
-const Z_RANGE: Field = Field("range", 476);
-const PLANES: Field = Field("n_planes", 480);
-const THRESHOLD: Field = Field("tpc_umbral_F", 484);
 
-/// Bytes of the date's and of the comment's field.
-const DATE_BYTES: usize = 128;
-const COMMENT_BYTES: usize = 256;
+/// Further fields that become metadata, with the unit of each.
+const NOTES: [(&str, usize, Kind, &str); 7] = [
+    ("date", 0, Kind::Text(128), ""),
+    ("time", 128, Kind::U32, " s since 1970"),
+    ("user comment", 132, Kind::Text(256), ""),
+    ("x_0", 412, Kind::F32, " µm"),
+    ("y_0", 416, Kind::F32, " µm"),
+    ("z_0", 424, Kind::F32, " µm"),
+    ("factor_delmacio", 496, Kind::U32, ""),
+];
+/// Fields on the scan of the field of view. Other fields lie here if the area is given by coordinates.
+const SCAN_NOTES: [(&str, usize, Kind, &str); 5] = [
+    ("na", 464, Kind::U32, ""),
+    ("incr_z", 468, Kind::F64, " µm"),
+    ("range", 476, Kind::F32, " µm"),
+    ("n_planes", 480, Kind::U32, ""),
+    ("tpc_umbral_F", 484, Kind::U32, " %"),
+];
+
 /// `Fri Mar 10 16:35:59 2023`.
 const CTIME_BYTES: usize = 24;
 /// The measurement type of a height map.
@@ -190,34 +194,18 @@ fn layer(input: &Input, at: usize) -> Result<Layer> {
 /// What else the header says.
 fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = BTreeMap::new();
-    let mut insert = |field: Field, value: String| {
-        if !value.is_empty() {
-            metadata.insert(field.0.to_owned(), value);
-        }
-    };
-    insert(DATE, input.latin1(DATE.0, DATE.1, DATE_BYTES)?);
-    insert(TIME, format!("{} s since 1970", input.u32(TIME.0, TIME.1)?));
-    insert(COMMENT, input.latin1(COMMENT.0, COMMENT.1, COMMENT_BYTES)?);
-    for field in LENGTHS_UM {
-        insert(field, format!("{} µm", input.f32(field.0, field.1)?));
-    }
     let area = input.u32(AREA.0, AREA.1)?;
-    let version = input.u8(VERSION.0, VERSION.1)?;
+    for (name, at, kind, unit) in NOTES.iter().chain(SCAN_NOTES.iter().filter(|_| area != COORDINATES)) {
+        metadata.insert((*name).to_owned(), input.value(name, *at, *kind)? + unit);
+    }
+    let mut insert = |field: Field, value: String| metadata.insert(field.0.to_owned(), value);
     insert(TYPE, names::of(&names::TYPES, TOPOGRAPHY));
     insert(ALGORITHM, names::of(&names::ALGORITHMS, input.u32(ALGORITHM.0, ALGORITHM.1)?));
     insert(METHOD, names::of(&names::METHODS, input.u32(METHOD.0, METHOD.1)?));
     insert(OBJECTIVE, names::objective(input.u32(OBJECTIVE.0, OBJECTIVE.1)?));
     insert(AREA, names::of(&names::AREAS, area));
-    insert(VERSION, names::version(version));
+    insert(VERSION, names::version(input.u8(VERSION.0, VERSION.1)?));
     insert(HARDWARE, names::of(&names::HARDWARE, input.u8(HARDWARE.0, HARDWARE.1)?.into()));
-    insert(DECIMATION, input.u32(DECIMATION.0, DECIMATION.1)?.to_string());
-    if area != COORDINATES {
-        insert(FIELDS_OF_VIEW, input.u32(FIELDS_OF_VIEW.0, FIELDS_OF_VIEW.1)?.to_string());
-        insert(Z_STEP, format!("{} µm", input.f64(Z_STEP.0, Z_STEP.1)?));
-        insert(Z_RANGE, format!("{} µm", input.f32(Z_RANGE.0, Z_RANGE.1)?));
-        insert(PLANES, input.u32(PLANES.0, PLANES.1)?.to_string());
-        insert(THRESHOLD, format!("{} %", input.u32(THRESHOLD.0, THRESHOLD.1)?));
-    }
     Ok(metadata)
 }
 

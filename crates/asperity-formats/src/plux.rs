@@ -15,7 +15,7 @@ use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::plu::LOST;
 use crate::sample::Sample;
-use crate::scan::matrix;
+use crate::scan::{Shape, matrix};
 use crate::x3p::ZIP_MAGIC;
 use crate::xml::Document;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -124,7 +124,7 @@ fn layers(document: &Document) -> Vec<(u64, &str)> {
 }
 
 /// The distance between points in metre.
-fn pitch(document: &Document, (ny, nx): (usize, usize), warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
+fn pitch(document: &Document, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some((x, y)) = document.number(path::PITCH_X)?.zip(document.number(path::PITCH_Y)?) else {
         warnings.push(format!("{INDEX} states no {} or no {}; no pixel size was read", path::PITCH_X, path::PITCH_Y));
         return Ok(None);

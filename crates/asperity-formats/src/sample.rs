@@ -1,6 +1,7 @@
 //! Numbers as files store them.
 
 use crate::large;
+use crate::scan::Shape;
 
 /// Numbers that are decoded at a time.
 const ROW_NUMBERS: usize = 1 << 12;
@@ -88,7 +89,7 @@ impl Sample {
     }
 
     /// The numbers of a map whose columns follow each other in `bytes`, in the order of rows.
-    pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): (usize, usize)) -> Vec<f64> {
+    pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): Shape) -> Vec<f64> {
         large::turned((nx, ny), |column, first, part| {
             self.decode_into(order, &bytes[(column * ny + first) * self.size()..], part);
         })

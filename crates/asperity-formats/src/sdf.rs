@@ -25,7 +25,7 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::{matrix, shape};
+use crate::scan::{Shape, matrix, shape};
 use crate::text::header::Header as Notes;
 use crate::text::rows::{self, Layout};
 use crate::text::{Separator, lines};
@@ -158,7 +158,7 @@ impl Header {
         Ok(((ny, nx), sample))
     }
 
-    fn scan(&self, numbers: Vec<f64>, shape: (usize, usize), sample: Sample) -> Result<Scan> {
+    fn scan(&self, numbers: Vec<f64>, shape: Shape, sample: Sample) -> Result<Scan> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.scales[axis].value);
         let is_void = voids(sample, self.is_bcr);
         let mut heights = numbers;
@@ -282,12 +282,9 @@ fn read_text(bytes: &[u8]) -> Result<Scan> {
     let mut numbers = rows::read(&rest[..length], &layout, last_line)?.values;
     let (found, wanted) = (numbers.len(), shape.0 * shape.1);
     if found < wanted {
-        return Err(FormatError::missing(
-            Format::Sdf,
-            format!("height {} of {wanted}", found + 1),
-            Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count()),
-            format!("{POINTS} × {PROFILES} numbers before `*`"),
-        ));
+        let at = Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count());
+        let (field, wanted) = (format!("height {} of {wanted}", found + 1), format!("{POINTS} × {PROFILES} numbers"));
+        return Err(FormatError::missing(Format::Sdf, field, at, wanted + " before `*`"));
     }
     let mut warnings = Vec::new();
     if found > wanted {
@@ -328,12 +325,8 @@ fn number<T: FromStr>(
     wanted: &str,
 ) -> Result<Field<T>> {
     let Some((_, text, line)) = fields.iter().find(|(key, ..)| key.eq_ignore_ascii_case(name)) else {
-        return Err(FormatError::missing(
-            Format::Sdf,
-            name,
-            Location::Line(last_line),
-            format!("a line `{name} = …` before the first `*`"),
-        ));
+        let wanted = format!("a line `{name} = …` before the first `*`");
+        return Err(FormatError::missing(Format::Sdf, name, Location::Line(last_line), wanted));
     };
     let at = Location::Line(*line);
     match text.parse() {

@@ -1,6 +1,6 @@
 //! Which map of a file is read.
 
-use crate::error::{Result, shown};
+use crate::error::{Result, first_of, shown};
 use std::collections::{HashMap, HashSet};
 
 use crate::{Format, FormatError, LengthUnit};
@@ -82,13 +82,9 @@ pub(crate) fn unique(names: Vec<String>) -> Vec<String> {
     names.into_iter().map(&mut distinct).collect()
 }
 
-/// The first few of a list, for a message.
+/// Lists the first 8 of several names for a message.
 pub(crate) fn some_of(names: &[String]) -> String {
-    const SHOWN_NAMES: usize = 8;
-    let more = names.len().saturating_sub(SHOWN_NAMES);
-    let first: Vec<String> = names[..names.len() - more].iter().map(|name| shown(name)).collect();
-    let first = first.join(", ");
-    if more > 0 { format!("{first} and {more} more") } else { first }
+    first_of(names, 8, |name| name)
 }
 
 #[cfg(test)]

@@ -18,7 +18,6 @@
 mod header;
 mod object;
 mod read;
-mod streams;
 mod write;
 
 use crate::Format;

@@ -191,21 +191,15 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if blocks.len() < 2 {
         return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false), options);
     }
-    let heads: Vec<_> = blocks
-        .iter()
-        .map(|&(start, lines, end)| {
-            let head = Head::read(&bytes[start..end], line_end, false);
-            (&bytes[start..end], lines, head)
-        })
+    let mut maps: Vec<_> = blocks
+        .into_iter()
+        .map(|(start, lines, end)| (&bytes[start..end], lines, Head::read(&bytes[start..end], line_end, false)))
+        .filter(|(_, _, head)| head.header.may_be_heights())
         .collect();
-    let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| head.header.may_be_heights()).collect();
     let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
     if names.is_empty() {
-        return Err(FormatError::unsupported(
-            Format::Text,
-            "the unit of no channel is a length",
-            "a channel of heights",
-        ));
+        let found = "the unit of no channel is a length";
+        return Err(FormatError::unsupported(Format::Text, found, "a channel of heights"));
     }
     let channel = options.choose(Format::Text, &names)?;
     let (block, lines, head) = maps.swap_remove(channel);
@@ -277,13 +271,8 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
     }
     if let Some((ny, nx)) = header.shape().filter(|_| header.is_esri()) {
         if ny.checked_mul(nx) != Some(table.values.len()) {
-            return Err(FormatError::field(
-                Format::Text,
-                "ncols × nrows",
-                Location::Line(1),
-                format!("{nx} × {ny}"),
-                format!("{}, as many as there are values", table.values.len()),
-            ));
+            let (found, wanted) = (format!("{nx} × {ny}"), format!("{}, the number of values", table.values.len()));
+            return Err(FormatError::field(Format::Text, "ncols × nrows", Location::Line(1), found, wanted));
         }
         return Ok((ny, nx));
     }
@@ -339,13 +328,8 @@ fn wrong_factor(bytes: &[u8], line_end: u8, lines: usize, key: &str, value: &str
         line.split_once(key).is_some_and(|(_, rest)| rest.contains(value))
     };
     let line = bytes.split(|&byte| byte == line_end).position(states).unwrap_or_default();
-    FormatError::field(
-        Format::Text,
-        shown(key),
-        Location::Line(lines + line + 1),
-        value,
-        "a number other than 0 (a stated height unit replaces the factor)",
-    )
+    let wanted = "a number other than 0 (a stated height unit replaces the factor)";
+    FormatError::field(Format::Text, shown(key), Location::Line(lines + line + 1), value, wanted)
 }
 
 fn nothing() -> FormatError {

@@ -48,7 +48,6 @@ mod tag {
     pub(super) const COMPRESSION: Tag = Tag(259, "Compression");
     pub(super) const PHOTOMETRIC: Tag = Tag(262, "PhotometricInterpretation");
     pub(super) const FILL_ORDER: Tag = Tag(266, "FillOrder");
-    pub(super) const DOCUMENT_NAME: Tag = Tag(269, "DocumentName");
     pub(super) const IMAGE_DESCRIPTION: Tag = Tag(270, "ImageDescription");
     pub(super) const MAKE: Tag = Tag(271, "Make");
     pub(super) const MODEL: Tag = Tag(272, "Model");
@@ -61,16 +60,11 @@ mod tag {
     pub(super) const Y_RESOLUTION: Tag = Tag(283, "YResolution");
     pub(super) const PAGE_NAME: Tag = Tag(285, "PageName");
     pub(super) const RESOLUTION_UNIT: Tag = Tag(296, "ResolutionUnit");
-    pub(super) const SOFTWARE: Tag = Tag(305, "Software");
-    pub(super) const DATE_TIME: Tag = Tag(306, "DateTime");
-    pub(super) const ARTIST: Tag = Tag(315, "Artist");
-    pub(super) const HOST_COMPUTER: Tag = Tag(316, "HostComputer");
     pub(super) const PREDICTOR: Tag = Tag(317, "Predictor");
     pub(super) const TILE_WIDTH: Tag = Tag(322, "TileWidth");
     pub(super) const TILE_LENGTH: Tag = Tag(323, "TileLength");
     pub(super) const TILE_OFFSETS: Tag = Tag(324, "TileOffsets");
     pub(super) const TILE_BYTE_COUNTS: Tag = Tag(325, "TileByteCounts");
     pub(super) const SAMPLE_FORMAT: Tag = Tag(339, "SampleFormat");
-    pub(super) const COPYRIGHT: Tag = Tag(33432, "Copyright");
     pub(super) const GDAL_NODATA: Tag = Tag(42113, "GDAL_NODATA");
 }

@@ -110,10 +110,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let dy_m = f64::from(input.f32("the length of y", length_y)?) / f64::from(rows) * METRES_PER_MILLIMETRE;
 
     let mut scan = Scan::new(heights_m, Some((dx_m, dy_m)));
-    let comment = latin1(&bytes[comment..comment_end]);
-    if !comment.is_empty() {
-        scan.metadata.insert("comment".into(), comment);
-    }
+    scan.metadata.insert("comment".into(), latin1(&bytes[comment..comment_end]));
     if layout.has_offsets {
         for (name, place) in ["offset x", "offset y"].into_iter().zip(layout.offsets()) {
             scan.metadata.insert(name.into(), format!("{} mm", input.f32(name, place)?));

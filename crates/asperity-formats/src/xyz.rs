@@ -292,12 +292,8 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
         head.push(utf8_or_latin1(line.trim_ascii()));
     }
     if head.len() < ZYGO_LINES || start >= bytes.len() {
-        return Err(FormatError::missing(
-            Format::Xyz,
-            "the line `#` behind the header",
-            Location::Line(head.len() + 1),
-            format!("{ZYGO_LINES} lines, `#`, and the points"),
-        ));
+        let (at, wanted) = (Location::Line(head.len() + 1), format!("{ZYGO_LINES} lines, `#`, and the points"));
+        return Err(FormatError::missing(Format::Xyz, "the line `#` behind the header", at, wanted));
     }
     let layout = layout(b"", line_end);
     let list = List { bytes: &bytes[start..], lines: head.len() + 1, layout, line_end };

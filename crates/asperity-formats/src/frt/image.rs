@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
+use crate::scan::Shape;
 
 /// Bytes before the first image of block 0x007d: what the current image is.
 const IMAGES_HEADER_BYTES: usize = 8;
@@ -22,7 +23,7 @@ const FLAGS: [(u32, &str); 3] = [(0x1_0000, "extended"), (0x2_0000, "computed"),
 #[derive(Clone, Copy)]
 pub(super) struct Image<'a> {
     kind: u32,
-    pub(super) shape: (usize, usize),
+    pub(super) shape: Shape,
     pub(super) sample: Sample,
     pub(super) numbers: Input<'a>,
 }

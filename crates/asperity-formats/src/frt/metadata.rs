@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::blocks::{Blocks, Z_UNIT};
 use crate::date::utc;
-use crate::input::{Input, latin1};
+use crate::input::{self, Input, latin1};
 
 /// How a field is stored and shown.
 #[derive(Clone, Copy)]
@@ -65,20 +65,16 @@ pub(super) fn metadata(blocks: &Blocks) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::new();
     for (tag, offset, name, kind) in FIELDS {
         let Some(block) = blocks.get(&tag) else { continue };
-        if let Some(value) = value(block, name, offset, kind).filter(|value| !value.is_empty()) {
-            metadata.insert(name.into(), value);
-        }
+        metadata.extend(value(block, name, offset, kind).map(|value| (name.to_owned(), value)));
     }
-    if let Some(unit) = blocks.get(&Z_UNIT).and_then(z_unit) {
-        metadata.insert("z unit".into(), unit);
-    }
+    metadata.extend(blocks.get(&Z_UNIT).and_then(z_unit).map(|unit| ("z unit".to_owned(), unit)));
     metadata
 }
 
 fn value(block: &Input, name: &str, offset: usize, kind: Kind) -> Option<String> {
     match kind {
-        Kind::U32 => block.u32(name, offset).ok().map(|number| number.to_string()),
-        Kind::F64 => block.f64(name, offset).ok().map(|number| number.to_string()),
+        Kind::U32 => block.value(name, offset, input::Kind::U32).ok(),
+        Kind::F64 => block.value(name, offset, input::Kind::F64).ok(),
         Kind::Time => block.u32(name, offset).ok().filter(|&seconds| seconds != 0 && seconds != u32::MAX).map(utc),
         Kind::Text(length) => {
             let length = length.min(block.len().checked_sub(offset)?);

@@ -4,11 +4,12 @@
 //! Layout: NetCDF Classic, 64-bit Offset and 64-bit Data Format Specifications.
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use crate::Format;
 use crate::error::Result;
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError};
+use crate::scan::Shape;
 
 /// Tags of the three lists.
 const DIMENSIONS: u32 = 0x0a;
@@ -51,23 +52,25 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
         let variable = header.variable(&contents.dimensions, record_dimension)?;
         contents.variables.push(variable);
     }
+    let mut in_records: Vec<&mut Variable> =
+        contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()).collect();
+    let pads = in_records.len() > 1;
+    let record_bytes = in_records.iter().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
     let records = match records {
-        // A file that was still being written does not say how many records it has.
-        None => count_records(&input, &contents.variables),
+        // A file that is still being written does not state the number of records: count them up to the end of the file.
+        None => {
+            let start = in_records.iter().map(|variable| variable.at).min().unwrap_or(input.len());
+            input.len().saturating_sub(start).checked_div(record_bytes).unwrap_or(0)
+        }
         Some(found) => usize::try_from(found)
             .map_err(|_| input.wrong("number of records", records_at, found, "as many as the file holds"))?,
     };
-    for variable in contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()) {
+    for variable in &mut in_records {
         variable.shape[0] = records;
+        variable.record_bytes = Some(record_bytes);
     }
     if let Some(place) = record_dimension {
         contents.dimensions[place].length = records;
-    }
-    let pads = contents.variables.iter().filter(|variable| variable.record_bytes.is_some()).count() > 1;
-    let record_bytes =
-        contents.variables.iter().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
-    for variable in contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()) {
-        variable.record_bytes = Some(record_bytes);
     }
     Ok((input, contents))
 }
@@ -78,15 +81,6 @@ fn slab(variable: &Variable, pads: bool) -> Option<usize> {
     let size = variable.sample.map_or(1, Sample::size);
     let bytes = variable.shape.iter().skip(1).fold(size, |bytes, &length| bytes.saturating_mul(length));
     Some(if pads { bytes.checked_next_multiple_of(ALIGNMENT).unwrap_or(usize::MAX) } else { bytes })
-}
-
-/// Whole records from the first one to the end of the file.
-fn count_records(input: &Input, variables: &[Variable]) -> usize {
-    let in_records = || variables.iter().filter(|variable| variable.record_bytes.is_some());
-    let pads = in_records().count() > 1;
-    let record_bytes = in_records().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
-    let start = in_records().map(|variable| variable.at).min().unwrap_or(input.len());
-    input.len().saturating_sub(start).checked_div(record_bytes).unwrap_or(0)
 }
 
 /// The numbers of a variable in row order.
@@ -112,7 +106,7 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
 }
 
 /// The numbers of a map of so many rows and columns in the order of its columns.
-pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize)) -> Result<Vec<f64>> {
+pub(super) fn columns(input: &Input, variable: &Variable, shape: Shape) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
         return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
     };
@@ -182,15 +176,10 @@ impl Header<'_> {
         if tag != wanted && (tag, count) != (0, 0) {
             return Err(self.input.wrong(field, at, format!("tag {tag}"), &format!("tag {wanted}")));
         }
-        self.room = self.room.checked_sub(count).ok_or_else(|| {
-            FormatError::too_large(
-                Format::NetCdf,
-                format!("the number of {field}"),
-                self.input.at(at + 4),
-                count as u64,
-                self.room as u64,
-            )
-        })?;
+        self.room = self
+            .room
+            .checked_sub(count)
+            .ok_or_else(|| self.input.too_large(&format!("the number of {field}"), at + 4, count, self.room))?;
         Ok(count)
     }
 

@@ -4,7 +4,7 @@ use crate::error::Result;
 use std::collections::BTreeMap;
 
 use crate::FormatError;
-use crate::input::{Field, Input};
+use crate::input::{Field, Input, Kind};
 use crate::sample::{ByteOrder, Sample};
 use crate::unit::per_metre;
 
@@ -20,28 +20,37 @@ pub(super) const OBJECTS: Field = Field("number of objects", 14);
 pub(super) const OBJECT_TYPE: Field = Field("object type", 18);
 pub(super) const OBJECT_NAME: Field = Field("object name", 20);
 pub(super) const OPERATOR_NAME: Field = Field("operator name", 50);
-const ACQUISITION_TYPE: Field = Field("acquisition type", 82);
 pub(super) const SPECIAL_POINTS: Field = Field("special points", 86);
-const ABSOLUTE: Field = Field("absolute heights", 88);
 pub(super) const BITS_PER_POINT: Field = Field("bits per point", 98);
 pub(super) const Z_MIN: Field = Field("z minimum", 100);
 pub(super) const Z_MAX: Field = Field("z maximum", 104);
 const POINTS_PER_LINE: Field = Field("points per line", 108);
 pub(super) const LINES: Field = Field("number of lines", 112);
 const POINTS: Field = Field("number of points", 116);
-const IMPRINT: Field = Field("imprint", 288);
 pub(super) const INVERTED: Field = Field("inverted", 290);
-const LEVELLED: Field = Field("levelled", 292);
 pub(super) const DATE: Field = Field("date", 306);
 const DURATION: Field = Field("measurement duration", 320);
 pub(super) const COMMENT_BYTES: Field = Field("comment size", 334);
 pub(super) const PRIVATE_BYTES: Field = Field("private zone size", 336);
 const CLIENT_ZONE: Field = Field("client zone", 338);
-/// Place of an object in a series.
-const T_SPACING: Field = Field("t spacing", 478);
-const T_OFFSET: Field = Field("t offset", 482);
-const T_NAME: Field = Field("t axis name", 486);
-const T_UNIT: Field = Field("t step unit", 499);
+/// Further fields that become metadata.
+const NOTES: [(&str, usize, Kind); 8] = [
+    (OBJECT_NAME.0, OBJECT_NAME.1, Kind::Text(NAME_BYTES)),
+    (OPERATOR_NAME.0, OPERATOR_NAME.1, Kind::Text(NAME_BYTES)),
+    (OBJECT_TYPE.0, OBJECT_TYPE.1, Kind::I16),
+    ("acquisition type", 82, Kind::I16),
+    ("absolute heights", 88, Kind::I16),
+    ("imprint", 288, Kind::I16),
+    (INVERTED.0, INVERTED.1, Kind::I16),
+    ("levelled", 292, Kind::I16),
+];
+/// Axis of a series, which its name marks.
+const SERIES_NOTES: [(&str, usize, Kind); 4] = [
+    ("t axis name", 486, Kind::Text(13)),
+    ("t step unit", 499, Kind::Text(13)),
+    ("t spacing", 478, Kind::F32),
+    ("t offset", 482, Kind::F32),
+];
 
 /// What the header says about one axis.
 #[derive(Clone, Copy)]
@@ -74,9 +83,8 @@ pub(super) const Y: Axis =
     Axis::new(1, ["y spacing", "y axis name", "y step unit", "y length unit", "y unit ratio", "y offset"]);
 pub(super) const Z: Axis =
     Axis::new(2, ["z spacing", "z axis name", "z step unit", "z length unit", "z unit ratio", "z offset"]);
-/// Bytes of an axis name or unit, of those of the axis of a series, and of the client zone.
+/// Bytes of an axis name or unit, and of the client zone.
 pub(super) const AXIS_TEXT_BYTES: usize = 16;
-const T_TEXT_BYTES: usize = 13;
 pub(super) const CLIENT_ZONE_BYTES: usize = 128;
 /// Bytes of the names of object and operator.
 pub(super) const NAME_BYTES: usize = 30;
@@ -168,41 +176,25 @@ impl<'a> Header<'a> {
 
     /// What else the header says.
     pub(super) fn metadata(&self) -> Result<BTreeMap<String, String>> {
-        let mut metadata = BTreeMap::new();
-        let mut insert = |field: Field, value: String| {
-            if !value.is_empty() {
-                metadata.insert(field.0.to_owned(), value);
-            }
-        };
-        for field in [OBJECT_NAME, OPERATOR_NAME] {
-            insert(field, self.text(field, NAME_BYTES)?);
-        }
-        for field in [OBJECT_TYPE, ACQUISITION_TYPE, ABSOLUTE, IMPRINT, INVERTED, LEVELLED] {
-            insert(field, self.i16(field)?.to_string());
-        }
+        let mut metadata = self.input.values(&NOTES)?;
         for axis in [X, Y, Z] {
-            for field in [axis.name, axis.step_unit, axis.length_unit] {
-                insert(field, self.text(field, AXIS_TEXT_BYTES)?);
+            for Field(name, at) in [axis.name, axis.step_unit, axis.length_unit] {
+                metadata.insert(name.to_owned(), self.input.latin1(name, at, AXIS_TEXT_BYTES)?);
             }
-            insert(axis.offset, self.f32(axis.offset)?.to_string());
+            metadata.insert(axis.offset.0.to_owned(), self.f32(axis.offset)?.to_string());
         }
-        insert(DATE, self.date()?);
-        let duration_s = self.f32(DURATION)?;
-        if duration_s > 0.0 {
-            insert(DURATION, duration_s.to_string());
+        metadata.insert(DATE.0.to_owned(), self.date()?);
+        if self.f32(DURATION)? > 0.0 {
+            metadata.insert(DURATION.0.to_owned(), self.f32(DURATION)?.to_string());
         }
-        // The zone belongs to the program that wrote the file, which may put there what is no text.
+        // The writing program owns this zone and may store binary data in it.
         let client = self.text(CLIENT_ZONE, CLIENT_ZONE_BYTES)?;
         if !client.chars().any(char::is_control) {
-            insert(CLIENT_ZONE, client);
+            metadata.insert(CLIENT_ZONE.0.to_owned(), client);
         }
-        let t_name = self.text(T_NAME, T_TEXT_BYTES)?;
-        if !t_name.is_empty() {
-            insert(T_NAME, t_name);
-            insert(T_UNIT, self.text(T_UNIT, T_TEXT_BYTES)?);
-            for field in [T_SPACING, T_OFFSET] {
-                insert(field, self.f32(field)?.to_string());
-            }
+        let series = self.input.values(&SERIES_NOTES)?;
+        if !series[SERIES_NOTES[0].0].is_empty() {
+            metadata.extend(series);
         }
         Ok(metadata)
     }

@@ -1,10 +1,14 @@
 //! An object: where its parts lie, and its numbers.
 
+use std::cmp::Ordering;
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
+
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
-use super::streams::Unpacked;
 use super::{SIGNATURE_COMPRESSED, is_object};
 use crate::Format;
-use crate::archive::{beyond_reason, damaged, may_hold};
+use crate::archive::{beyond_reason, damage, damaged, may_hold};
 use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
@@ -136,15 +140,26 @@ impl<'a> Object<'a> {
         if !may_hold(self.packed, count as u64, self.sample) {
             return Err(beyond_reason(Format::Sur, "the heights", self.packed, wanted));
         }
-        let mut unpacked = Unpacked::new(self.sample, self.header.order, count);
-        let mut start = self.streams_start(streams);
+        // A number may begin in one stream and end in the next.
+        let (mut bytes, mut start) = (Vec::new(), self.streams_start(streams));
         for number in 0..streams {
             let (size, stream) = self.stream(number, start)?;
             start += stream.len();
             let name = format!("stream {}", number + 1);
-            unpacked.add(stream, size).map_err(|reason| damaged(Format::Sur, &name, reason))?;
+            unpack(stream, size, &mut bytes).map_err(|reason| damaged(Format::Sur, &name, reason))?;
         }
-        Ok(unpacked.values)
+        Ok(self.sample.decode_all(self.header.order, &bytes))
+    }
+}
+
+/// Appends the content of a zlib stream that should unpack to `size` bytes, or returns what is wrong with it.
+fn unpack(stream: &[u8], size: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
+    // One more byte shows surplus bytes, and makes the decoder compare the checksum at the end.
+    let unpacked = ZlibDecoder::new(stream).take(size + 1).read_to_end(bytes).map_err(|error| damage(&error))?;
+    match (unpacked as u64).cmp(&size) {
+        Ordering::Less => Err(format!("it unpacks to {unpacked} bytes, not to the stated {size}")),
+        Ordering::Equal => Ok(()),
+        Ordering::Greater => Err(format!("it unpacks to more than the stated {size} bytes")),
     }
 }
 

@@ -52,37 +52,37 @@ pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
     let known = |names: [&str; 2]| names.iter().find_map(|name| scan.metadata.get(*name)).map_or("", String::as_str);
     let comment = latin1(known(["comment", "Record2/Comment"]), MAX_COMMENT_BYTES);
 
-    let mut file = Bytes(Vec::with_capacity(HEADER_BYTES + comment.len() + stored.points.len()));
-    file.0.extend(SIGNATURE);
+    let mut file = Vec::with_capacity(HEADER_BYTES + comment.len() + stored.points.len());
+    file.extend(SIGNATURE);
     // Little-endian, one object.
-    file.i16s(&[0, 1, VERSION, SURFACE]);
-    file.text(known([OBJECT_NAME.0, ""]), NAME_BYTES);
-    file.text(known([OPERATOR_NAME.0, "Record2/Creator"]), NAME_BYTES);
+    file.extend([0, 1, VERSION, SURFACE].map(i16::to_le_bytes).as_flattened());
+    file.extend(field(known([OBJECT_NAME.0, ""]), NAME_BYTES));
+    file.extend(field(known([OPERATOR_NAME.0, "Record2/Creator"]), NAME_BYTES));
     // One channel of unknown acquisition and normal range; special points; absolute heights.
-    file.i16s(&[0, 0, 0, i16::from(scan.missing_points() > 0), 1]);
+    file.extend([0, 0, 0, i16::from(scan.missing_points() > 0), 1].map(i16::to_le_bytes).as_flattened());
     // Resolution of the gauge, points per spectrum.
-    file.zeros(8);
-    file.i16s(&[8 * data.sample().size() as i16]);
-    file.i32s(&[0, stored.highest, columns, lines, points]);
-    file.f32s(&[dx, dy, stored.spacing]);
+    file.extend([0; 8]);
+    file.extend([8 * data.sample().size() as i16].map(i16::to_le_bytes).as_flattened());
+    file.extend([0, stored.highest, columns, lines, points].map(i32::to_le_bytes).as_flattened());
+    file.extend([dx, dy, stored.spacing].map(f32::to_le_bytes).as_flattened());
     // The units of lengths are those of steps, so the ratios are 1.
     for text in ["X", "Y", "Z", x_unit, y_unit, z_unit, x_unit, y_unit, z_unit] {
-        file.text(text, AXIS_TEXT_BYTES);
+        file.extend(field(text, AXIS_TEXT_BYTES));
     }
-    file.f32s(&[1.0; 3]);
+    file.extend([1.0; 3].map(f32::to_le_bytes).as_flattened());
     // No imprint, not inverted, not levelled; obsolete bytes.
-    file.zeros(6 + 12);
-    file.i16s(&date(known([DATE.0, "Record2/Date"])));
+    file.extend([0; 6 + 12]);
+    file.extend(date(known([DATE.0, "Record2/Date"])).map(i16::to_le_bytes).as_flattened());
     // Duration, size of compressed heights, obsolete bytes.
-    file.zeros(4 + 4 + 6);
-    file.i16s(&[comment.len() as i16, 0]);
-    file.text(CLIENT, CLIENT_ZONE_BYTES);
-    file.f32s(&[0.0, 0.0, stored.offset]);
+    file.extend([0; 4 + 4 + 6]);
+    file.extend([comment.len() as i16, 0].map(i16::to_le_bytes).as_flattened());
+    file.extend(field(CLIENT, CLIENT_ZONE_BYTES));
+    file.extend([0.0, 0.0, stored.offset].map(f32::to_le_bytes).as_flattened());
     // The axis of a series.
-    file.zeros(4 + 4 + 13 + 13);
-    file.0.extend(comment);
-    file.0.extend(stored.points);
-    Ok(file.0)
+    file.extend([0; 4 + 4 + 13 + 13]);
+    file.extend(comment);
+    file.extend(stored.points);
+    Ok(file)
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
@@ -165,30 +165,9 @@ fn date(text: &str) -> [i16; 7] {
     if text.starts_with(NO_DATE) { [0; 7] } else { parts().unwrap_or_default() }
 }
 
-/// A file that grows field by field.
-struct Bytes(Vec<u8>);
-
-impl Bytes {
-    fn i16s(&mut self, numbers: &[i16]) {
-        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    }
-
-    fn i32s(&mut self, numbers: &[i32]) {
-        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    }
-
-    fn f32s(&mut self, numbers: &[f32]) {
-        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    }
-
-    fn zeros(&mut self, count: usize) {
-        self.0.extend(std::iter::repeat_n(0, count));
-    }
-
-    /// A text in a field of so many bytes, padded with spaces.
-    fn text(&mut self, text: &str, width: usize) {
-        let end = self.0.len() + width;
-        self.0.extend(latin1(text, width));
-        self.0.resize(end, b' ');
-    }
+/// Returns a text in a field of `width` bytes, padded with spaces.
+fn field(text: &str, width: usize) -> Vec<u8> {
+    let mut bytes = latin1(text, width);
+    bytes.resize(width, b' ');
+    bytes
 }

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 
 use crate::error::shown;
 use crate::input::{MAX_TEXT_BYTES, Room, utf8_or_latin1};
+use crate::scan::Shape;
 use crate::text::rows::decimal_comma;
 use crate::unit::per_metre;
 
@@ -48,82 +49,34 @@ pub(crate) struct Meaning {
     pub(crate) warnings: Vec<String>,
 }
 
-const HEIGHT_UNIT: &[&str] = &[
-    "value units",
-    "value unit",
-    "z unit",
-    "z units",
-    "zunit",
-    "height unit",
-    "height units",
-    "unit z",
-    "data unit",
-    "data units",
-    "unit data",
-];
-const ANY_UNIT: &[&str] = &["unit", "units"];
-const X_UNIT: &[&str] =
-    &["x unit", "x units", "xunit", "unit x", "xy unit", "xy units", "unit xy", "lateral unit", "lateral units"];
-const Y_UNIT: &[&str] = &["y unit", "y units", "yunit", "unit y"];
-const PIXEL_SIZE: &[&str] =
-    &["pixel size", "pixel sizes", "pixel spacing", "point spacing", "pixel pitch", "pitch", "spacing"];
-const DX: &[&str] = &[
-    "dx",
-    "delta x",
-    "x step",
-    "step x",
-    "x spacing",
-    "x pitch",
-    "x pixel size",
-    "pixel size x",
-    "pixel width",
-    "scale x",
-];
-const DY: &[&str] = &[
-    "dy",
-    "delta y",
-    "y step",
-    "step y",
-    "y spacing",
-    "y pitch",
-    "y pixel size",
-    "pixel size y",
-    "pixel height",
-    "scale y",
-];
-const SIZE: &[&str] =
-    &["size", "sizes", "scan size", "physical size", "physical sizes", "field of view", "image size", "map size"];
-const WIDTH: &[&str] = &[
-    "width",
-    "x length",
-    "xlength",
-    "x size",
-    "size x",
-    "x range",
-    "breite",
-    "largeur",
-    "larghezza",
-    "anchura",
-    "šířka",
-];
-const HEIGHT: &[&str] =
-    &["height", "y length", "ylength", "y size", "size y", "y range", "höhe", "hauteur", "altezza", "altura", "výška"];
-const COLUMNS: &[&str] = &["x pixels", "ncols", "nx"];
-const ROWS: &[&str] = &["y pixels", "nrows", "ny"];
-const CHANNEL: &[&str] = &["channel", "kanal", "canal", "canale", "kanál"];
+/// Keys of one meaning, separated by bars.
+const HEIGHT_UNIT: &str =
+    "value units|value unit|z unit|z units|zunit|height unit|height units|unit z|data unit|data units|unit data";
+const ANY_UNIT: &str = "unit|units";
+const X_UNIT: &str = "x unit|x units|xunit|unit x|xy unit|xy units|unit xy|lateral unit|lateral units";
+const Y_UNIT: &str = "y unit|y units|yunit|unit y";
+const PIXEL_SIZE: &str = "pixel size|pixel sizes|pixel spacing|point spacing|pixel pitch|pitch|spacing";
+const DX: &str = "dx|delta x|x step|step x|x spacing|x pitch|x pixel size|pixel size x|pixel width|scale x";
+const DY: &str = "dy|delta y|y step|step y|y spacing|y pitch|y pixel size|pixel size y|pixel height|scale y";
+const SIZE: &str = "size|sizes|scan size|physical size|physical sizes|field of view|image size|map size";
+const WIDTH: &str = "width|x length|xlength|x size|size x|x range|breite|largeur|larghezza|anchura|šířka";
+const HEIGHT: &str = "height|y length|ylength|y size|size y|y range|höhe|hauteur|altezza|altura|výška";
+const COLUMNS: &str = "x pixels|ncols|nx";
+const ROWS: &str = "y pixels|nrows|ny";
+const CHANNEL: &str = "channel|kanal|canal|canale|kanál";
 /// Bytes of the longest of them.
 const MAX_CHANNEL_KEY: usize = 8;
 const BIT_TO_NM: &str = "bit2nm";
 const FACTOR: &str = "conversion factor";
 /// Words that may stand beside it where it converts heights.
-const OF_HEIGHTS: &[&str] = &["height", "heights", "z", "data", "value", "values"];
+const OF_HEIGHTS: &str = "height|heights|z|data|value|values";
 /// Factors that warnings quote.
 const QUOTED_FACTORS: usize = 8;
 /// Key of a note that all decimal signs are commas.
 pub(super) const DECIMAL_SIGN: &str = "decimal sign";
 /// Key of a comment without a sign between key and value.
 const COMMENT: &str = "comment";
-const NO_DATA: &[&str] = &["nodata value", "no data value", "nodata", "no data", "missing value", "fill value"];
+const NO_DATA: &str = "nodata value|no data value|nodata|no data|missing value|fill value";
 /// The keys of an ESRI grid, which stand before their values without a sign between.
 pub(super) const ESRI: &[&str] =
     &["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
@@ -172,7 +125,7 @@ impl Pair {
             return Some(Factor { pair: self, value, source: None, target: Some(("nm", Some(1e9))) });
         }
         let (before, after) = self.name.split_once(FACTOR)?;
-        if !before.split_whitespace().chain(after.split_whitespace()).all(|word| OF_HEIGHTS.contains(&word)) {
+        if !before.split_whitespace().chain(after.split_whitespace()).all(|word| is_one_of(OF_HEIGHTS, word)) {
             return None;
         }
         let bracket = self.key.split_once(['(', '[']).map_or("", |(_, bracket)| bracket);
@@ -220,6 +173,11 @@ fn units_of_factor(text: &str) -> (Option<&str>, Option<&str>) {
     (named(source), named(target))
 }
 
+/// Returns whether a name is one of several, which bars separate.
+fn is_one_of(names: &str, name: &str) -> bool {
+    names.split('|').any(|one| one == name)
+}
+
 /// Whether two units are the same.
 fn is_same_unit(one: &str, other: &str) -> bool {
     bare(one).eq_ignore_ascii_case(bare(other)) || unit(one).is_some_and(|one| unit(other) == Some(one))
@@ -259,17 +217,21 @@ impl Header {
         self.pairs.push(Pair { key: key.into(), name, unit, value: value.into() });
     }
 
-    fn find(&self, names: &[&str]) -> Option<&Pair> {
-        names.iter().find_map(|name| self.pairs.iter().find(|pair| pair.name == *name))
+    /// Returns the pair of the first of several keys that is there.
+    fn find(&self, names: &str) -> Option<&Pair> {
+        names.split('|').find_map(|name| self.pairs.iter().find(|pair| pair.name == name))
+    }
+
+    /// Returns the value of the first pair with this key, in any case.
+    pub(crate) fn value(&self, key: &str) -> Option<&str> {
+        self.pairs.iter().find(|pair| pair.key.eq_ignore_ascii_case(key)).map(|pair| pair.value.as_str())
     }
 
     /// Whether a comment names a map.
     pub(crate) fn names_channel(comment: &[u8]) -> bool {
         let Some(end) = comment.iter().position(|byte| matches!(byte, b':' | b'=')) else { return false };
         let (key, value) = (comment[..end].trim_ascii(), comment[end + 1..].trim_ascii());
-        key.len() <= MAX_CHANNEL_KEY
-            && !value.is_empty()
-            && CHANNEL.contains(&utf8_or_latin1(key).to_lowercase().as_str())
+        key.len() <= MAX_CHANNEL_KEY && !value.is_empty() && is_one_of(CHANNEL, &utf8_or_latin1(key).to_lowercase())
     }
 
     /// The name of the map, where the header gives one.
@@ -284,7 +246,7 @@ impl Header {
 
     /// Whether this is the header of an ESRI grid, whose rows may be broken into lines anywhere.
     pub(crate) fn is_esri(&self) -> bool {
-        [["ncols"], ["nrows"], ["cellsize"]].iter().all(|names| self.find(names).is_some())
+        ["ncols", "nrows", "cellsize"].iter().all(|name| self.find(name).is_some())
     }
 
     /// The shape `(rows, columns)` that the header states.
@@ -295,7 +257,7 @@ impl Header {
 
     /// Whether a map of voids of the same shape follows the heights: ones where points are missing.
     pub(crate) fn has_voids(&self) -> bool {
-        self.find(&["voidpixels"]).and_then(|pair| pair.value.parse::<f64>().ok()).is_some_and(|voids| voids != 0.0)
+        self.find("voidpixels").and_then(|pair| pair.value.parse::<f64>().ok()).is_some_and(|voids| voids != 0.0)
     }
 
     /// The unit of heights as the header spells it, and how often it goes into a metre; `None` where nothing is said.
@@ -323,88 +285,71 @@ impl Header {
     ///
     /// # Errors
     /// The key and the value of a conversion factor that is no number or 0, where no unit of length is stated.
-    pub(crate) fn meaning(&self, (rows, columns): (usize, usize), is_stated: bool) -> Result<Meaning, (&str, &str)> {
+    pub(crate) fn meaning(&self, (rows, columns): Shape, is_stated: bool) -> Result<Meaning, (&str, &str)> {
         let mut warnings = Vec::new();
         let pitch_m = self.pitch((rows, columns), &mut warnings);
         if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
             let (ny, nx) = stated;
             warnings.push(format!("the header states {nx} × {ny} points; there are {columns} × {rows}"));
         }
-        let mut meaning = Meaning {
-            pitch_m,
-            factor: 1.0,
-            per_metre: 1.0,
-            converted: None,
-            unit: None,
-            no_data: self.no_data(),
-            warnings,
-        };
-        let other_unit = || {
-            self.pairs.iter().find(|pair| {
-                let name = pair.name.as_str();
-                name.contains("unit") && !X_UNIT.contains(&name) && !Y_UNIT.contains(&name) && pair.value != "m"
-            })
-        };
         let replaced = |pair: &Pair| format!("the stated height unit replaces the header's {}", pair.quoted());
         let Factors { used, unused } = match self.factors() {
             Ok(Factors { used: Some(factor), unused }) if is_stated => {
-                meaning.warnings.push(replaced(factor.pair));
+                warnings.push(replaced(factor.pair));
                 Factors { used: None, unused }
             }
             Err(pair) if is_stated => {
-                meaning.warnings.push(replaced(pair));
+                warnings.push(replaced(pair));
                 Factors { used: None, unused: Vec::new() }
             }
             Err(pair) => return Err((&pair.key, &pair.value)),
             Ok(factors) => factors,
         };
         let not_used = |pair: &&Pair| format!("the header states {}, which was not used", pair.quoted());
-        meaning.warnings.extend(unused.iter().take(QUOTED_FACTORS).map(not_used));
+        warnings.extend(unused.iter().take(QUOTED_FACTORS).map(not_used));
+        let (mut factor, mut per_metre, mut converted, mut unit) = (1.0, 1.0, None, None);
         match (used, self.height_unit()) {
             (Some(Factor { pair, value, source, target }), stated) => {
-                let (name, per_metre) = target.map_or(("m", 1.0), |(name, per_metre)| (name, per_metre.unwrap_or(1.0)));
-                meaning.factor = value;
-                meaning.convert(&pair.key, per_metre);
-                meaning.unit = Some(name.into());
+                let (name, target_per_metre) =
+                    target.map_or(("m", 1.0), |(name, per_metre)| (name, per_metre.unwrap_or(1.0)));
+                (factor, per_metre, converted, unit) = (value, target_per_metre, Some(pair.key.as_str()), Some(name));
                 if let Some((key, unit, Some(other))) = stated
                     && other != per_metre
                     && source.is_none()
                 {
                     let (key, unit, factor) = (shown(key), shown(unit), shown(&pair.key));
-                    meaning
-                        .warnings
-                        .push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
+                    warnings.push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
                 }
+                let quoted = pair.quoted();
                 if target.is_none() {
-                    let quoted = pair.quoted();
-                    meaning
-                        .warnings
-                        .push(format!("the header states {quoted} without a unit; it was taken to give metre"));
+                    warnings.push(format!("the header states {quoted} without a unit; metre was assumed"));
                 }
                 if value < 0.0 {
-                    let quoted = pair.quoted();
-                    meaning.warnings.push(format!(
-                        "the header states {quoted}; this negative factor turns the surface upside down"
-                    ));
+                    let effect = "this negative factor turns the surface upside down";
+                    warnings.push(format!("the header states {quoted}; {effect}"));
                 }
             }
-            (None, Some((_, unit, Some(per_metre)))) => {
-                meaning.convert(unit, per_metre);
-                meaning.unit = Some(bare(unit).into());
+            (None, Some((_, stated, Some(stated_per_metre)))) => {
+                (per_metre, converted, unit) = (stated_per_metre, Some(stated), Some(bare(stated)));
             }
-            (None, Some((key, unit, None))) => {
-                meaning.unit = Some(unit.into());
-                if !is_stated {
-                    meaning.warnings.push(doubt(key, unit));
-                }
+            (None, Some((key, stated, None))) => {
+                unit = Some(stated);
+                warnings.extend((!is_stated).then(|| doubt(key, stated)));
             }
             (None, None) => {
-                if let Some(pair) = other_unit().filter(|_| !is_stated) {
-                    meaning.warnings.push(doubt(&pair.key, &pair.value));
-                }
+                let other = self.other_unit().filter(|_| !is_stated);
+                warnings.extend(other.map(|pair| doubt(&pair.key, &pair.value)));
             }
         }
-        Ok(meaning)
+        let converted = converted.filter(|_| factor != 1.0 || per_metre != 1.0).map(str::to_owned);
+        let (unit, no_data) = (unit.map(str::to_owned), self.no_data());
+        Ok(Meaning { pitch_m, factor, per_metre, converted, unit, no_data, warnings })
+    }
+
+    /// Returns a pair that may name a unit of the heights under another key.
+    fn other_unit(&self) -> Option<&Pair> {
+        let is_height_unit = |name: &str| name.contains("unit") && !is_one_of(X_UNIT, name) && !is_one_of(Y_UNIT, name);
+        self.pairs.iter().find(|pair| is_height_unit(&pair.name) && pair.value != "m")
     }
 
     /// The factor that turns numbers into heights, and the statements about factors that do not.
@@ -417,7 +362,7 @@ impl Header {
     fn factors(&self) -> Result<Factors<'_>, &Pair> {
         let stated = self.height_unit();
         let length = stated.and_then(|(_, _, per_metre)| per_metre);
-        let has_decimal_commas = self.find(&[DECIMAL_SIGN]).is_some();
+        let has_decimal_commas = self.find(DECIMAL_SIGN).is_some();
         let (mut known, mut unused) = (Vec::new(), Vec::new());
         for pair in self.pairs.iter().filter(|pair| pair.is_factor()) {
             let Some(factor) = pair.factor(has_decimal_commas) else {
@@ -458,9 +403,9 @@ impl Header {
     }
 
     /// The pixel size by the first statement that names it.
-    fn pitch(&self, (rows, columns): (usize, usize), warnings: &mut Vec<String>) -> Option<(f64, f64)> {
+    fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
         let [x_unit, y_unit, _] = self.units();
-        let is_spip = || self.find(&["file format"]).is_some_and(|pair| pair.value == "ASCII");
+        let is_spip = || self.find("file format").is_some_and(|pair| pair.value == "ASCII");
         let steps = |pair: &Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit));
         if let Some(lengths) = self.find(PIXEL_SIZE).and_then(|pair| steps(pair, x_unit)) {
             return Some(lengths.pair(warnings));
@@ -470,7 +415,7 @@ impl Header {
             let (dx_m, _) = x.pair(warnings);
             return Some((dx_m, y.map_or(dx_m, |y| y.metre[0])));
         }
-        if let Some(cell) = self.find(&["cellsize"]).and_then(|pair| steps(pair, x_unit)) {
+        if let Some(cell) = self.find("cellsize").and_then(|pair| steps(pair, x_unit)) {
             return Some((cell.metre[0], cell.metre[0]));
         }
         // Numbers that equal those of the points count them, unless a unit of their own or a lateral one makes them lengths.
@@ -514,13 +459,6 @@ impl Header {
             kept.push_str(&value);
         }
         metadata
-    }
-}
-
-impl Meaning {
-    fn convert(&mut self, unit: &str, per_metre: f64) {
-        self.per_metre = per_metre;
-        self.converted = (self.factor != 1.0 || per_metre != 1.0).then(|| unit.to_owned());
     }
 }
 

@@ -136,13 +136,16 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
         table.append(piece);
     }
     match table.decimal_comma.then(|| line_with_point(bytes, layout)).flatten() {
-        Some(line) => Err(FormatError::field(
-            layout.format,
-            "a decimal sign",
-            Location::Line(lines_before + line + 1),
-            ".",
-            "a comma, as in other numbers of the file",
-        )),
+        Some(line) => {
+            let at = Location::Line(lines_before + line + 1);
+            Err(FormatError::field(
+                layout.format,
+                "a decimal sign",
+                at,
+                ".",
+                "a comma, as in other numbers of the file",
+            ))
+        }
         None => Ok(table),
     }
 }

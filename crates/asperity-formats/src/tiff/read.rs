@@ -22,15 +22,15 @@ const MAX_NAME_BYTES: u64 = 256;
 const DEFAULTS: [f64; 7] = [1.0, 72.0, 96.0, 100.0, 150.0, 300.0, 600.0];
 /// Texts that are metadata.
 const TEXTS: [Tag; 9] = [
-    tag::DOCUMENT_NAME,
+    Tag(269, "DocumentName"),
     tag::MAKE,
     tag::MODEL,
     tag::PAGE_NAME,
-    tag::SOFTWARE,
-    tag::DATE_TIME,
-    tag::ARTIST,
-    tag::HOST_COMPUTER,
-    tag::COPYRIGHT,
+    Tag(305, "Software"),
+    Tag(306, "DateTime"),
+    Tag(315, "Artist"),
+    Tag(316, "HostComputer"),
+    Tag(33432, "Copyright"),
 ];
 
 /// Reads the chosen page.

@@ -54,9 +54,7 @@ pub(super) fn metadata(input: Input, conditions: &Input) -> BTreeMap<String, Str
         Some((field.0.to_owned(), format!("{number}{unit}")))
     };
     let mut metadata: BTreeMap<_, _> = NUMBERS.iter().filter_map(in_words).collect();
-    let mut insert = |name: &str, value: Option<String>| {
-        metadata.extend(value.filter(|value| !value.is_empty()).map(|value| (name.to_owned(), value)));
-    };
+    let mut insert = |name: &str, value: Option<String>| metadata.extend(value.map(|value| (name.to_owned(), value)));
     insert("date", date(conditions));
     let version = input.take("library version", LIBRARY_VERSION, 4).ok();
     let version = version.map(|bytes| bytes.iter().rev().map(u8::to_string).collect::<Vec<_>>().join("."));

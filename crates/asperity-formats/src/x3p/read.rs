@@ -70,11 +70,13 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let matrix = Matrix { ny, nx, layers, layer: channel as u64 };
     let (sample, increment, offset_m) = z_axis(&document, &mut warnings)?;
 
-    let mut heights = stored(&mut archive, &document, sample, &matrix, &mut warnings)?;
+    let mut record = Record { archive, document, matrix, warnings };
+    let mut heights = record.stored(sample)?;
     for z in &mut heights {
         *z = *z * increment + offset_m;
     }
-    mask(&mut archive, &document, &mut heights, &matrix, &mut warnings)?;
+    record.mask(&mut heights)?;
+    let Record { document, mut warnings, .. } = record;
 
     let pitch_m = document.number(&axis_path("CX", "Increment"))?.zip(document.number(&axis_path("CY", "Increment"))?);
     if pitch_m.is_none() {
@@ -82,8 +84,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     }
     if let Some(origin) = document.text(path::ORIGIN).filter(|origin| *origin != TOP_LEFT) {
         let origin = shown(origin);
-        warnings
-            .push(format!("the file states the origin `{origin}`; its first line was taken for the top all the same"));
+        warnings.push(format!("the file states the origin `{origin}`; its first line was read as the top line"));
     }
     let heights_m = scan::matrix(Format::X3p, path::POINT_DATA, document.at(0), (ny, nx), heights)?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
@@ -107,21 +108,18 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
     let increment = match document.number(&increment_path)? {
         // The schema asks for an increment of integers only; a zero of floats can but mean that there is none.
         Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),
-        Some(0.0) => {
-            warnings.push("the increment of CZ is 0; the floating-point heights were taken for metre".into());
-            1.0
-        }
-        Some(increment) => increment,
-        None => {
-            if is_integer {
-                warnings.push("CZ has integers and no increment; they were taken for metre".into());
+        Some(increment) if increment != 0.0 => increment,
+        found => {
+            match found {
+                Some(_) => warnings.push("the increment of CZ is 0; the floating-point heights count as metre".into()),
+                None if is_integer => warnings.push("CZ has integers and no increment; they count as metre".into()),
+                None => (),
             }
             1.0
         }
     };
     if document.text(&axis_path("CZ", "AxisType")) == Some("I") {
-        warnings
-            .push("CZ calls itself incremental, which the format rules out; its numbers were read as heights".into());
+        warnings.push("the type of CZ is incremental, against the format; its numbers were read as heights".into());
     }
     Ok((sample, increment, document.number(&axis_path("CZ", "Offset"))?.unwrap_or(0.0)))
 }
@@ -163,15 +161,16 @@ fn compare(file: &str, stated: &str, found: &str, warnings: &mut Vec<String>) {
 /// Refuses records that are no surface on an incremental grid.
 fn check_kind(document: &Document) -> Result<()> {
     let feature = document.required(path::FEATURE_TYPE, "SUR (a surface)")?;
-    let unsupported = |found: String| Err(FormatError::unsupported(Format::X3p, found, "a surface (SUR)"));
-    match feature.text.as_str() {
-        SURFACE => (),
-        "PRF" => return unsupported("the record is a profile (PRF)".into()),
-        "PCL" => return unsupported("the record is a point cloud (PCL)".into()),
-        other => return unsupported(format!("the record has the feature type `{}`", shown(other))),
-    }
-    if document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none() {
-        return unsupported("the record is a list of points (ListDimension), a profile or a point cloud".into());
+    let is_list = document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none();
+    let kind = match feature.text.as_str() {
+        SURFACE if is_list => Some("is a list of points (ListDimension), a profile or a point cloud".into()),
+        SURFACE => None,
+        "PRF" => Some("is a profile (PRF)".into()),
+        "PCL" => Some("is a point cloud (PCL)".into()),
+        other => Some(format!("has the feature type `{}`", shown(other))),
+    };
+    if let Some(kind) = kind {
+        return Err(FormatError::unsupported(Format::X3p, format!("the record {kind}"), "a surface (SUR)"));
     }
     for axis in ["CX", "CY"] {
         if document.text(&axis_path(axis, "AxisType")) == Some("A") {
@@ -198,80 +197,84 @@ fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
     }
 }
 
-/// The numbers of the layer as they are stored.
-fn stored(
-    archive: &mut Archive,
-    document: &Document,
-    sample: Sample,
-    matrix: &Matrix,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<f64>> {
-    let Some(link) = document.text(path::POINT_DATA) else {
-        return listed(document, matrix, warnings);
-    };
-    let (numbers, unpacked) = archive.read_numbers(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
-    let wanted = matrix.total() * sample.size() as u64;
-    match (unpacked.md5, document.text(path::POINT_DATA_MD5)) {
-        (None, _) if unpacked.length > wanted => warnings.push(format!("{link} is longer than the stated dimensions")),
-        (None, _) => warnings.push(format!("{link} goes on beyond reason behind the layer and could not be verified")),
-        (Some(found), stated) => {
-            if unpacked.length < wanted {
-                warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));
-            }
-            if let Some(stated) = stated {
-                compare(link, stated, &found, warnings);
-            }
-        }
-    }
-    Ok(numbers)
+/// The archive, its description, and the layer that is read.
+struct Record<'a> {
+    archive: Archive<'a>,
+    document: Document,
+    matrix: Matrix,
+    warnings: Vec<String>,
 }
 
-/// The numbers of a data list in `main.xml`.
-fn listed(document: &Document, matrix: &Matrix, warnings: &mut Vec<String>) -> Result<Vec<f64>> {
-    let Some(list) = &document.list else {
-        return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
-    };
-    if let Some(Value { text, offset }) = &document.wrong_datum {
-        return Err(document.wrong(path::DATUM, text, *offset, "one number, or nothing for a missing point"));
-    }
-    let total = matrix.total();
-    let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
-    match list.get(start..).and_then(|rest| rest.get(..matrix.points())) {
-        Some(layer) => {
-            if list.len() as u64 != total {
-                warnings.push(format!("the data list has {} values, not the stated {total}", list.len()));
+impl Record<'_> {
+    /// Reads the stored numbers of the layer.
+    fn stored(&mut self, sample: Sample) -> Result<Vec<f64>> {
+        let Self { archive, document, matrix, warnings } = self;
+        let Some(link) = document.text(path::POINT_DATA) else { return self.listed() };
+        let (numbers, unpacked) =
+            archive.read_numbers(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
+        let wanted = matrix.total() * sample.size() as u64;
+        match (unpacked.md5, document.text(path::POINT_DATA_MD5)) {
+            (None, _) if unpacked.length > wanted => {
+                warnings.push(format!("{link} is longer than the stated dimensions"))
             }
-            Ok(layer.to_vec())
+            (None, _) => {
+                warnings.push(format!("{link} goes on beyond reason behind the layer and could not be verified"))
+            }
+            (Some(found), stated) => {
+                if unpacked.length < wanted {
+                    warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));
+                }
+                if let Some(stated) = stated {
+                    compare(link, stated, &found, warnings);
+                }
+            }
         }
-        None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
+        Ok(numbers)
     }
-}
 
-/// Takes out the heights that the validity file marks: one bit per point, the lowest bit first, 1 for a valid point.
-///
-/// The file may unpack as far as it must: the points that it tells of have been unpacked, and are 16 times as many bits.
-fn mask(
-    archive: &mut Archive,
-    document: &Document,
-    heights: &mut [f64],
-    matrix: &Matrix,
-    warnings: &mut Vec<String>,
-) -> Result<()> {
-    let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
-    // Layers follow each other without padding, so a layer may start within a byte.
-    let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
-    let length = (shift + heights.len()).div_ceil(8);
-    let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
-    let (bits, unpacked) = archive.read_part(link, "the validity bits", (start, length), total)?;
-    match (unpacked.md5, document.text(path::VALID_POINTS_MD5)) {
-        (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
-        (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
-        (_, None) => (),
-    }
-    for (point, z) in (shift..).zip(heights) {
-        if bits[point / 8] >> (point % 8) & 1 == 0 {
-            *z = f64::NAN;
+    /// Reads the numbers of the layer from the data list in `main.xml`.
+    fn listed(&mut self) -> Result<Vec<f64>> {
+        let Self { document, matrix, warnings, .. } = self;
+        let Some(list) = &document.list else {
+            return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
+        };
+        if let Some(Value { text, offset }) = &document.wrong_datum {
+            return Err(document.wrong(path::DATUM, text, *offset, "one number, or nothing for a missing point"));
+        }
+        let total = matrix.total();
+        let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
+        match list.get(start..).and_then(|rest| rest.get(..matrix.points())) {
+            Some(layer) => {
+                if list.len() as u64 != total {
+                    warnings.push(format!("the data list has {} values, not the stated {total}", list.len()));
+                }
+                Ok(layer.to_vec())
+            }
+            None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
         }
     }
-    Ok(())
+
+    /// Takes out the heights that the validity file marks: one bit per point, the lowest bit first, 1 for a valid point.
+    ///
+    /// The file may unpack as far as it must: the points that it tells of have been unpacked, and are 16 times as many bits.
+    fn mask(&mut self, heights: &mut [f64]) -> Result<()> {
+        let Self { archive, document, matrix, warnings } = self;
+        let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
+        // Layers follow each other without padding, so a layer may start within a byte.
+        let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
+        let length = (shift + heights.len()).div_ceil(8);
+        let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
+        let (bits, unpacked) = archive.read_part(link, "the validity bits", (start, length), total)?;
+        match (unpacked.md5, document.text(path::VALID_POINTS_MD5)) {
+            (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
+            (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
+            (_, None) => (),
+        }
+        for (point, z) in (shift..).zip(heights) {
+            if bits[point / 8] >> (point % 8) & 1 == 0 {
+                *z = f64::NAN;
+            }
+        }
+        Ok(())
+    }
 }

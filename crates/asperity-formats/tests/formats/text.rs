@@ -388,7 +388,7 @@ fn a_conversion_factor_is_written_in_many_ways() {
 fn a_conversion_factor_without_a_unit_leads_to_metre_with_a_warning() {
     let scan = read_bytes(format!("# unit: rad\n# conversion factor = 6.3e-8\n{MATRIX}").as_bytes()).unwrap();
     assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
-    let told = "the header states `conversion factor: 6.3e-8` without a unit; it was taken to give metre";
+    let told = "the header states `conversion factor: 6.3e-8` without a unit; metre was assumed";
     assert_eq!(scan.warnings, [told]);
 }
 

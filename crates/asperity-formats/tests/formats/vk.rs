@@ -330,7 +330,7 @@ fn compression_counts_by_the_size_in_bytes_only() {
     let packed = Layer { data: vec![1; 20], ..marked };
     let message = read_bytes(&layered(packed).bytes()).unwrap_err().to_string();
     assert!(
-        message.contains("byte size") && message.contains("is `20`; wanted 24, as heights that are not compressed"),
+        message.contains("byte size") && message.contains("is `20`; wanted 24, the size of uncompressed heights"),
         "{message}"
     );
 }
