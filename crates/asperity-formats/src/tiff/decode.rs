@@ -1,22 +1,20 @@
 //! From strips or tiles to the numbers of a page.
 //!
-//! The memory holds the page and one unpacked strip or tile at a time.
+//! Strips and tiles are unpacked row by row, so that no more is held than the page and one row.
 
 use crate::error::Result;
-use crate::scan::Shape;
-use std::borrow::Cow;
 use std::io::{self, Read};
-use std::iter;
 
 use flate2::read::ZlibDecoder;
-use weezl::BitOrder;
-use weezl::decode::Decoder as LzwDecoder;
+use weezl::decode::{Configuration, Decoder};
+use weezl::{BitOrder, LzwStatus};
 
 use super::directory::{Directory, Tag};
 use super::tag;
 use crate::Format;
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
 use crate::sample::{ByteOrder, Sample};
+use crate::scan::Shape;
 
 /// Strips or tiles of one page.
 const MAX_CHUNKS: u64 = 1 << 16;
@@ -45,7 +43,7 @@ enum Predictor {
 /// The strips or tiles of a page.
 struct Chunks {
     /// Columns and rows of one.
-    shape: Shape,
+    shape: (usize, usize),
     /// How many lie beside each other.
     across: usize,
     offsets: Vec<u64>,
@@ -78,10 +76,9 @@ pub(super) fn decode(directory: &Directory, (ny, nx): Shape, sample: Sample, ord
             _ => chunks.sizes.get(place).map_or(0, |&size| usize::try_from(size).unwrap_or(usize::MAX)),
         };
         let bytes = input.take(&name, usize::try_from(offset).unwrap_or(usize::MAX), size)?;
-        let broken = |error| damaged(Format::Tiff, &name, damage(&error));
-        let bytes = unpacked(bytes, packing, rows * row.len()).map_err(broken)?;
-        for (y, stored) in (top..top + rows).zip(bytes.chunks_exact(row.len())) {
-            row.copy_from_slice(stored);
+        let mut source = unpacked(bytes, packing);
+        for y in top..top + rows {
+            source.read_exact(&mut row).map_err(|error| damaged(Format::Tiff, &name, damage(&error)))?;
             numbers.clear();
             match predictor {
                 Predictor::None => sample.decode(order, &row, &mut numbers),
@@ -184,51 +181,77 @@ fn chunks(directory: &Directory, (ny, nx): Shape, sample: Sample, packing: Packi
     Ok(Chunks { shape: (width as usize, height.min(rows) as usize), across: across as usize, offsets, sizes })
 }
 
-/// Unpacks a strip or tile of `wanted` bytes. Surplus bytes are left out.
-fn unpacked(bytes: &[u8], packing: Packing, wanted: usize) -> io::Result<Cow<'_, [u8]>> {
-    let (unpacked, result) = match packing {
-        Packing::None => return Ok(Cow::Borrowed(bytes)),
-        Packing::Deflate => {
-            let mut unpacked = Vec::new();
-            let result = ZlibDecoder::new(bytes).take(wanted as u64).read_to_end(&mut unpacked);
-            (unpacked, result.map(|_| ()))
-        }
-        Packing::PackBits => (packbits(bytes, wanted), Ok(())),
-        // Codes from the highest bit on, of a width that grows one code early (TIFF 6.0, section 13).
-        Packing::Lzw => {
-            let mut unpacked = vec![0; wanted];
-            let mut rest = unpacked.as_mut_slice();
-            let result = LzwDecoder::with_tiff_size_switch(BitOrder::Msb, 8).into_stream(&mut rest).decode_all(bytes);
-            let filled = wanted - rest.len();
-            unpacked.truncate(filled);
-            (unpacked, result.status)
-        }
-    };
-    match unpacked.len() < wanted {
-        false => Ok(Cow::Owned(unpacked)),
-        true => Err(result.err().unwrap_or_else(|| io::ErrorKind::UnexpectedEof.into())),
+fn unpacked<'a>(bytes: &'a [u8], packing: Packing) -> Box<dyn Read + 'a> {
+    match packing {
+        Packing::None => Box::new(bytes),
+        Packing::Deflate => Box::new(ZlibDecoder::new(bytes)),
+        Packing::PackBits => Box::new(PackBits { bytes, literal: 0, repeat: 0 }),
+        Packing::Lzw => Box::new(Lzw {
+            bytes,
+            decoder: Configuration::with_tiff_size_switch(BitOrder::Msb, 8).with_yield_on_full_buffer(true).build(),
+        }),
     }
 }
 
-/// Unpacks a PackBits stream (TIFF 6.0, section 9): pieces of 1 to 128 bytes, either literal or one repeated byte.
-fn packbits(mut packed: &[u8], wanted: usize) -> Vec<u8> {
-    let mut unpacked = Vec::new();
-    while unpacked.len() < wanted {
-        packed = match *packed {
-            [head @ 0..=127, ref rest @ ..] => {
-                let (literal, rest) = rest.split_at(rest.len().min(usize::from(head) + 1));
-                unpacked.extend(literal);
-                rest
+/// An LZW stream in the form of TIFF 6.0: codes from the highest bit on, of a width that grows one code early.
+struct Lzw<'a> {
+    bytes: &'a [u8],
+    decoder: Decoder,
+}
+
+impl Read for Lzw<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if buffer.is_empty() {
+            return Ok(0);
+        }
+        loop {
+            let step = self.decoder.decode_bytes(self.bytes, buffer);
+            self.bytes = self.bytes.get(step.consumed_in..).unwrap_or_default();
+            match step.status {
+                Err(error) => return Err(io::Error::new(io::ErrorKind::InvalidData, error)),
+                Ok(LzwStatus::Ok | LzwStatus::NoProgress) if step.consumed_out == 0 && step.consumed_in > 0 => (),
+                Ok(_) => return Ok(step.consumed_out),
             }
-            [128, ref rest @ ..] => rest,
-            [head, byte, ref rest @ ..] => {
-                unpacked.extend(iter::repeat_n(byte, 257 - usize::from(head)));
-                rest
-            }
-            _ => break,
-        };
+        }
     }
-    unpacked
+}
+
+/// A PackBits stream (TIFF 6.0, section 9): pieces of 1 to 128 bytes, as they are or one byte many times.
+struct PackBits<'a> {
+    bytes: &'a [u8],
+    /// Bytes left of a piece that is as it is.
+    literal: usize,
+    /// How often the next byte is still to come.
+    repeat: usize,
+}
+
+impl Read for PackBits<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        while self.literal == 0 && self.repeat == 0 {
+            let Some((&head, rest)) = self.bytes.split_first() else { return Ok(0) };
+            self.bytes = rest;
+            match head {
+                0..=127 => self.literal = usize::from(head) + 1,
+                128 => (),
+                129.. => self.repeat = 257 - usize::from(head),
+            }
+        }
+        if self.literal > 0 {
+            let length = self.literal.min(buffer.len()).min(self.bytes.len());
+            buffer[..length].copy_from_slice(&self.bytes[..length]);
+            self.bytes = &self.bytes[length..];
+            self.literal -= length;
+            return Ok(length);
+        }
+        let Some(&byte) = self.bytes.first() else { return Ok(0) };
+        let length = self.repeat.min(buffer.len());
+        buffer[..length].fill(byte);
+        self.repeat -= length;
+        if self.repeat == 0 {
+            self.bytes = &self.bytes[1..];
+        }
+        Ok(length)
+    }
 }
 
 /// Turns differences of neighbouring numbers, taken as integers of `size` bytes, into the numbers.
@@ -285,8 +308,9 @@ mod tests {
             0xaa, 0xaa, 0xaa, 0x80, 0x00, 0x2a, 0xaa, 0xaa, 0xaa, 0xaa, 0x80, 0x00, 0x2a, 0x22, 0xaa, 0xaa, 0xaa, 0xaa,
             0xaa, 0xaa, 0xaa, 0xaa, 0xaa, 0xaa,
         ];
-        assert_eq!(*unpacked(&packed, Packing::PackBits, wanted.len()).unwrap(), wanted);
-        assert!(unpacked(&packed, Packing::PackBits, wanted.len() + 1).is_err());
+        let mut found = Vec::new();
+        unpacked(&packed, Packing::PackBits).read_to_end(&mut found).unwrap();
+        assert_eq!(found, wanted);
     }
 
     #[test]
@@ -298,10 +322,9 @@ mod tests {
             .chunks(8)
             .map(|byte| byte.iter().enumerate().map(|(i, &bit)| u8::from(bit) << (7 - i)).sum())
             .collect();
-        assert_eq!(*unpacked(&packed, Packing::Lzw, 9).unwrap(), [7, 7, 7, 8, 8, 7, 7, 6, 6]);
-        // Surplus bytes are left out; missing ones are an error.
-        assert_eq!(*unpacked(&packed, Packing::Lzw, 5).unwrap(), [7, 7, 7, 8, 8]);
-        assert!(unpacked(&packed, Packing::Lzw, 10).is_err());
+        let mut found = Vec::new();
+        unpacked(&packed, Packing::Lzw).read_to_end(&mut found).unwrap();
+        assert_eq!(found, [7, 7, 7, 8, 8, 7, 7, 6, 6]);
     }
 
     #[test]
