@@ -1,4 +1,4 @@
-//! Archives and compressed streams: which file is meant, and how much of it may be unpacked.
+//! Zip archives and compressed streams: search for files, and limits of unpacking.
 
 use crate::error::{Result, shown};
 use std::io::{self, Cursor, Read};
@@ -13,52 +13,52 @@ use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
-/// Bytes that any stream may unpack to, however small it is.
+/// Size in bytes that every stream may unpack to.
 const FREE_BYTES: u64 = 1 << 23;
-/// Beyond [`FREE_BYTES`], how often its own size a stream may unpack to; maps of instruments reach 2 to 20.
+/// Above [`FREE_BYTES`], maximum ratio of unpacked to packed size. Maps of instruments reach 2 to 20.
 const MAX_RATIO: u64 = 64;
-/// Numbers that any stream may unpack to: a map of 2048 × 2048.
+/// Number of values that every stream may unpack to: a map of 2048 × 2048.
 const FREE_NUMBERS: u64 = 1 << 22;
-/// Beyond [`FREE_NUMBERS`], how often its own size a stream of numbers may unpack to. Ideal gratings reach hundreds; the
-/// bound of the method is 1032 (258 bytes from 2 bits, RFC 1951).
+/// Above [`FREE_NUMBERS`], maximum ratio of unpacked to packed size for streams of numbers. Ideal gratings reach
+/// hundreds; the limit of Deflate is 1032 (258 bytes from 2 bits, RFC 1951).
 const MAX_RATIO_OF_NUMBERS: u64 = 256;
-/// Bytes unpacked at a time: a multiple of the size of every number.
+/// Size of an unpacked chunk in bytes, a multiple of the size of every number type.
 pub(crate) const CHUNK_BYTES: usize = 1 << 16;
-/// Numbers that memory is reserved for before any has been unpacked, where the packed bytes do not hold more.
+/// Number of values that memory is reserved for before unpacking, if the packed bytes do not hold more.
 pub(crate) const RESERVED_NUMBERS: usize = 1 << 20;
-/// Files that a desktop leaves in archives beside the real ones.
+/// Folder with files that a desktop adds to archives.
 const DESKTOP_FOLDER: &str = "__MACOSX/";
 
-/// The usual damage of an archive: its directory is at its end, which a broken download lacks.
+/// Message for the usual damage of an archive. Its directory is at its end, which an incomplete download lacks.
 pub(crate) const NO_DIRECTORY: &str =
     "the zip archive has no valid directory at its end; the file is cut off or damaged";
 
-/// The most bytes that `packed` bytes may unpack to.
+/// Returns the maximum unpacked size of `packed` bytes.
 pub(crate) fn unpacked_limit(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO).clamp(FREE_BYTES, 2 * 8 * MAX_POINTS)
 }
 
-/// Whether `packed` bytes may unpack to `count` numbers that take `bytes` bytes.
+/// Returns whether `packed` bytes may unpack to `count` numbers of `bytes` bytes in total.
 pub(crate) fn may_unpack(packed: u64, count: u64, bytes: u64) -> bool {
     count <= FREE_NUMBERS || bytes <= packed.saturating_mul(MAX_RATIO_OF_NUMBERS)
 }
 
-/// Whether `packed` bytes may unpack to so many numbers of a type.
+/// Returns whether `packed` bytes may unpack to `numbers` values of a type.
 pub(crate) fn may_hold(packed: u64, numbers: u64, sample: Sample) -> bool {
     may_unpack(packed, numbers, numbers.saturating_mul(sample.size() as u64))
 }
 
-/// The error for `packed` bytes that would have to unpack beyond [`may_unpack`].
+/// Returns the error for `packed` bytes that exceed the limit of [`may_unpack`].
 pub(crate) fn beyond_reason(format: Format, entry: &str, packed: u64, wanted: u64) -> FormatError {
     let reason = format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
     damaged(format, entry, reason)
 }
 
-/// An archive and the folder inside it that holds the files of a format.
+/// Zip archive, and the folder in it that holds the files of a format.
 pub(crate) struct Archive<'a> {
     format: Format,
     zip: ZipArchive<Cursor<&'a [u8]>>,
-    /// Bytes of the archive: what an entry says of its packed size is not to be believed beyond.
+    /// Size of the archive in bytes: an upper limit of the packed sizes that entries declare.
     packed_bytes: u64,
     names: Vec<String>,
     folder: String,
@@ -88,25 +88,25 @@ impl<'a> Archive<'a> {
     /// Opens an archive.
     ///
     /// # Errors
-    /// [`FormatError::Archive`] for bytes that are none.
+    /// [`FormatError::Archive`] if the bytes are not a zip archive.
     pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self> {
         let zip =
             ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(format, "archive", damage_of_zip(&error)))?;
-        // Some writers separate folders with backslashes; names that cannot be decoded match nothing.
+        // Some writers separate folders with backslashes. Names that cannot be decoded match nothing.
         let names: Vec<String> =
             zip.file_names().map(|name| name.map(|name| name.replace('\\', "/")).unwrap_or_default()).collect();
         Ok(Self { format, zip, packed_bytes: bytes.len() as u64, names, folder: String::new() })
     }
 
-    /// Names of the files, with `/` between folders.
+    /// Returns the names of the files, with `/` between folders.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Goes to the folder that holds `main`, the one nearest to the root: later links count from there.
+    /// Enters the folder that holds `main`, the nearest to the root. Later links are relative to it.
     ///
     /// # Errors
-    /// [`FormatError::Archive`] when there is no such file.
+    /// [`FormatError::Archive`] if there is no such file.
     pub(crate) fn enter_folder_of(&mut self, main: &str) -> Result<()> {
         let folder_of = |name: &String| {
             let folder = name.strip_suffix(main)?;
@@ -118,7 +118,7 @@ impl<'a> Archive<'a> {
         Ok(())
     }
 
-    /// The index of a linked file.
+    /// Returns the index of a linked file.
     fn index(&self, link: &str) -> Option<usize> {
         let link = link.trim().replace('\\', "/");
         let mut relative = link.as_str();
@@ -136,16 +136,16 @@ impl<'a> Archive<'a> {
         self.zip.by_index(index).map_err(|error| damaged(format, link, damage_of_zip(&error)))
     }
 
-    /// Whether the archive holds a file.
+    /// Returns whether the archive holds a file.
     pub(crate) fn contains(&self, link: &str) -> bool {
         self.index(link).is_some()
     }
 
-    /// The whole content of a file that must not be longer than `limit` bytes.
+    /// Reads a whole file of at most `limit` bytes.
     ///
     /// # Errors
-    /// [`FormatError::TooLarge`] beyond `limit` or what its packed size allows; [`FormatError::Archive`] where the file
-    /// is absent or damaged.
+    /// [`FormatError::TooLarge`] above `limit` or above the limit of its packed size; [`FormatError::Archive`] if the
+    /// file is absent or damaged.
     pub(crate) fn read_whole(&mut self, link: &str, limit: u64) -> Result<Vec<u8>> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let entry = self.stream(link)?;
@@ -163,10 +163,10 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// The first bytes of a file, at most `length` of them.
+    /// Reads the first bytes of a file, at most `length`.
     ///
     /// # Errors
-    /// [`FormatError::Archive`] where the file is absent or damaged.
+    /// [`FormatError::Archive`] if the file is absent or damaged.
     pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>> {
         let format = self.format;
         let mut bytes = vec![0; length];
@@ -199,13 +199,14 @@ impl<'a> Archive<'a> {
         self.unpack(link, &part, |packed| may_unpack(packed, count as u64, length), decode).map(|_| ())
     }
 
-    /// Room for `count` numbers, as far as the archive's bytes make them likely.
+    /// Reserves memory for `count` numbers, limited by what the size of the archive makes plausible.
     pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
         let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
         large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
     }
 
-    /// Reads `count` little-endian numbers, after the first `skipped` ones, of a file that should hold `total` of them.
+    /// Reads `count` little-endian numbers, after the first `skipped` ones, of a file that should hold `total`
+    /// numbers.
     ///
     /// Sizes that the packed bytes cannot reach are refused before unpacking. Memory grows with the unpacked bytes.
     ///
@@ -231,12 +232,12 @@ impl<'a> Archive<'a> {
         Ok((values, unpacked))
     }
 
-    /// `length` bytes after the first `start` ones of a file that should hold `total`.
+    /// Reads `length` bytes, after the first `start` ones, of a file that should hold `total` bytes.
     ///
-    /// How often its own size the file unpacks to is no matter here: only for parts that other files bear out.
+    /// The ratio of unpacked to packed size is not limited: use it only for parts whose size another file confirms.
     ///
     /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before; [`FormatError::Archive`] where it is absent or damaged.
+    /// [`FormatError::Truncated`] if the file ends early; [`FormatError::Archive`] if it is absent or damaged.
     pub(crate) fn read_part(
         &mut self,
         link: &str,
@@ -250,9 +251,9 @@ impl<'a> Archive<'a> {
         Ok((bytes, unpacked))
     }
 
-    /// Hands a part of a file to `take` in chunks, then goes on to the end of the file for the sum of the whole.
+    /// Passes a part of a file to `take` in chunks, then reads to the end of the file for the checksum.
     ///
-    /// `is_reachable` judges the packed size.
+    /// `is_reachable` checks the packed size.
     fn unpack(
         &mut self,
         link: &str,
@@ -277,7 +278,7 @@ impl<'a> Archive<'a> {
         let limit = part.total.map_or(0, |total| total.min(end.saturating_add(unpacked_limit(packed))));
         let (mut md5, mut chunk, mut found) = (part.total.map(|_| Md5::new()), vec![0; CHUNK_BYTES], 0);
         loop {
-            // No chunk reaches over a border of the part.
+            // No chunk crosses a border of the part.
             let border = [part.start, end, u64::MAX].into_iter().find(|&border| found < border).unwrap_or(found);
             let room = chunk.len().min(usize::try_from(border - found).unwrap_or(usize::MAX));
             let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
@@ -302,10 +303,10 @@ impl<'a> Archive<'a> {
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The content of a gzip stream.
+/// Unpacks a gzip stream.
 ///
 /// # Errors
-/// [`FormatError::TooLarge`] beyond what its packed size allows, [`FormatError::Archive`] for a damaged stream.
+/// [`FormatError::TooLarge`] above the limit of its packed size, [`FormatError::Archive`] for a damaged stream.
 pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
     let limit = unpacked_limit(bytes.len() as u64);
     let mut content = Vec::new();
@@ -320,7 +321,7 @@ pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
     Ok(content)
 }
 
-/// An MD5 sum in the usual hexadecimal digits.
+/// Formats an MD5 sum in hexadecimal digits.
 pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -330,7 +331,7 @@ fn place(link: &str, offset: u64) -> Location {
     Location::Entry { entry: shown(link), offset }
 }
 
-/// The error for a damaged archive or stream.
+/// Returns the error for a damaged archive or stream.
 pub(crate) fn damaged(format: Format, entry: &str, reason: String) -> FormatError {
     FormatError::Archive { format, entry: shown(entry), reason }
 }
@@ -360,7 +361,7 @@ pub(crate) fn damage_of_zip(error: &ZipError) -> String {
     }
 }
 
-/// Reads until the buffer is full or the source ends; the number of bytes read.
+/// Reads until the buffer is full or the source ends. Returns the number of bytes read.
 pub(crate) fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {
@@ -380,7 +381,7 @@ mod tests {
 
     use super::*;
 
-    /// An archive of a file of zeros that deflates to a thousandth of its size.
+    /// Returns an archive with a file of zeros that deflates to a thousandth of its size.
     fn bomb(zeros: usize) -> Vec<u8> {
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
         zip.start_file("zeros", zip::write::SimpleFileOptions::default()).unwrap();
@@ -397,7 +398,7 @@ mod tests {
         let bytes = zip.finish().unwrap().into_inner();
         let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
         let sum = archive.read_numbers("numbers", Sample::U32, 0, 200_000, 200_000).unwrap().1.md5;
-        // Across the borders of chunks, and at the end.
+        // Parts that cross chunks, and one at the end.
         for (skipped, count) in [(0, 1), (16_383, 3), (70_001, 50_000), (199_999, 1)] {
             let (values, found) = archive.read_numbers("numbers", Sample::U32, skipped, count, 200_000).unwrap();
             assert!(values.iter().copied().eq((0..count).map(|n| (n as u64 + skipped) as f64)));
@@ -409,7 +410,7 @@ mod tests {
             archive.read_numbers("numbers", Sample::U32, 199_999, 2, 200_001),
             Err(FormatError::Truncated { found: 4, wanted: 8, .. })
         ));
-        // A file that is longer than it should be has no sum.
+        // A file that is longer than declared has no checksum.
         assert_eq!(archive.read_numbers("numbers", Sample::U32, 0, 10, 20).unwrap().1.md5, None);
     }
 

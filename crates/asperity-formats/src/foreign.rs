@@ -1,7 +1,7 @@
-//! Formats that are recognised and not read, so that an error can name them and say what to do instead.
+//! Formats that are recognised but not read. Errors name them and give advice.
 //!
-//! Signatures are those of the shared MIME database, of the vendors' manuals and of the comments on formats that Gwyddion and
-//! SurfaceTopography publish. The readers of TIFF and NetCDF recognise files of vendors by their fields and groups.
+//! The signatures are from the shared MIME database, the vendors' manuals and the comments on formats that Gwyddion
+//! and SurfaceTopography publish. The readers of TIFF and NetCDF recognise vendors' files by their fields and groups.
 
 use crate::FormatError;
 use crate::archive::Archive;
@@ -11,17 +11,17 @@ use crate::x3p::ZIP_MAGIC;
 struct Foreign(&'static str, Signature, &'static str);
 
 enum Signature {
-    /// One of these at the start.
+    /// One of these byte strings at the start.
     Start(&'static [&'static [u8]]),
-    /// These bytes at an offset.
+    /// A byte string at an offset.
     At(usize, &'static [u8]),
-    /// Text that starts without control characters and holds all of these words in its first [`HEAD_BYTES`].
+    /// Text without control characters at its start, with all of these words in its first [`HEAD_BYTES`].
     Words(&'static [&'static [u8]]),
-    /// A test of the content, given the size of the file in bytes.
+    /// Test of the content, given the size of the file in bytes.
     Test(fn(&[u8], u64) -> bool),
 }
 
-/// Bytes in which words are looked for.
+/// Number of bytes that are searched for words.
 const HEAD_BYTES: usize = 4096;
 
 pub(crate) const TO_GWY: &str = "Gwyddion can save it as GWY";
@@ -106,7 +106,7 @@ const FOREIGN: &[Foreign] = &[
 /// Kind of zip archive: its name with an article, a test of the names of its files, and the advice to the user.
 struct Zipped(&'static str, fn(&str) -> bool, &'static str);
 
-/// Kinds of zip archives, the most special first.
+/// Kinds of zip archives, the most specific first.
 const ZIPPED: &[Zipped] = &[
     Zipped("an Olympus POIR file", |name| name.ends_with(".oir"), TO_GWY),
     Zipped("a JPK force file", |name| name == "header.properties", TO_GWY),
@@ -115,15 +115,15 @@ const ZIPPED: &[Zipped] = &[
     Zipped("a zip archive", |_| true, UNPACK),
 ];
 
-/// `STiMage 00` in UTF-16, behind the size of the header.
+/// `STiMage 00` in UTF-16, after the size of the header.
 const RHK_MAGIC: &[u8] = b"S\0T\0i\0M\0a\0g\0e\0 \0\x30\0\x30\0";
 
 /// First bytes of an OLE compound file.
 pub(crate) const OLE_MAGIC: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
 
-/// The error for content of a known format that is not read, given the size of its file in bytes.
+/// Returns the error for content in a format that is known but not read. `size` is the size of the file in bytes.
 ///
-/// Zip archives are looked into by [`in_archive`], after those that are read.
+/// [`in_archive`] examines zip archives that no reader recognises.
 pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
     let head = &bytes[..bytes.len().min(HEAD_BYTES)];
     let is_known = |foreign: &&Foreign| match foreign.1 {
@@ -135,7 +135,7 @@ pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
     FOREIGN.iter().find(is_known).map(|&Foreign(name, _, way_out)| FormatError::NotRead { name, way_out })
 }
 
-/// The error for a zip archive that no reader knows.
+/// Returns the error for a zip archive that no reader recognises.
 pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
     if !bytes.starts_with(ZIP_MAGIC) {
         return None;
@@ -150,13 +150,13 @@ pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
     ZIPPED.iter().find(is_known).map(|&Zipped(name, _, way_out)| FormatError::NotRead { name, way_out })
 }
 
-/// Whether some bytes hold a word of small letters, in any case.
+/// Returns whether bytes contain a word, ignoring the case of ASCII letters.
 fn holds(bytes: &[u8], word: &[u8]) -> bool {
     bytes.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word))
 }
 
-/// Whether an OLE compound file holds a stream of the name that Mountains gives to its surfaces. Names are in UTF-16 in the
-/// directory, whose first sector the header states.
+/// Returns whether an OLE compound file holds a stream with the name of Mountains' surfaces. Names are in UTF-16 in
+/// the directory; the header states its first sector.
 fn is_mountains(bytes: &[u8]) -> bool {
     const STREAM: &str = "ScopedContents";
     let number = |at: usize, length: usize| {
@@ -165,7 +165,7 @@ fn is_mountains(bytes: &[u8]) -> bool {
     };
     let directory = || {
         let (shift, sector) = (number(30, 2)?, number(48, 4)?);
-        // Sectors have 512 or 4096 bytes, and the header takes the place of one.
+        // Sectors have 512 or 4096 bytes, and the header occupies one.
         let size = 1_u64 << shift.clamp(9, 12);
         let start = usize::try_from((sector + 1) * size).ok()?;
         bytes.get(start..(start + HEAD_BYTES).min(bytes.len()))
@@ -174,8 +174,8 @@ fn is_mountains(bytes: &[u8]) -> bool {
     directory().is_some_and(|directory| directory.windows(name.len()).any(|window| window == name))
 }
 
-/// Whether bytes are an Igor binary wave: version 2 or 5 in either order of bytes, and 16-bit numbers in the headers that sum
-/// up to zero (Igor technical note 003).
+/// Returns whether bytes are an Igor binary wave: version 2 or 5 in either byte order, and 16-bit numbers in the
+/// headers that sum to zero (Igor technical note 003).
 fn is_igor_wave(bytes: &[u8], _: u64) -> bool {
     let sums_up = |length: usize, number: fn([u8; 2]) -> u16| {
         let pairs = bytes.get(..length).map(|head| head.chunks_exact(2).map(|pair| number([pair[0], pair[1]])));
@@ -190,7 +190,7 @@ fn is_igor_wave(bytes: &[u8], _: u64) -> bool {
     }
 }
 
-/// Whether the size of a file is that of a binary STL mesh: 84 bytes and 50 for each of the stated triangles.
+/// Returns whether the size of a file fits a binary STL mesh: 84 bytes plus 50 for each declared triangle.
 fn is_binary_stl(bytes: &[u8], size: u64) -> bool {
     let count = bytes.get(80..84).map_or(0, |raw| u64::from(u32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]])));
     count > 0 && size == 84 + 50 * count
@@ -200,18 +200,18 @@ fn is_text_stl(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"solid") && holds(&bytes[..bytes.len().min(HEAD_BYTES)], b"facet normal")
 }
 
-/// Whether bytes start as a bitmap: the two letters, four reserved bytes of zero, and a header of a known size.
+/// Returns whether bytes start as a bitmap: two letters, four reserved zero bytes, and a header of a known size.
 fn is_bitmap(bytes: &[u8], _: u64) -> bool {
     let known = |size: &[u8]| matches!(size, [12 | 40 | 52 | 56 | 64 | 108 | 124, 0, 0, 0]);
     bytes.starts_with(b"BM") && bytes.get(6..10) == Some(&[0; 4]) && bytes.get(14..18).is_some_and(known)
 }
 
-/// Whether bytes start as bzip2: the three letters, a digit, and the digits of π before the first block.
+/// Returns whether bytes start as bzip2: three letters, a digit, and the digits of π before the first block.
 fn is_bzip2(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"BZh") && bytes.get(4..10) == Some(b"\x31\x41\x59\x26\x53\x59".as_slice())
 }
 
-/// Whether bytes start as a Leica image file: a block of XML, whose size follows, and its text in UTF-16.
+/// Returns whether bytes start as a Leica image file: a block of XML, its size, and its text in UTF-16.
 fn is_leica(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"\x70\0\0\0") && bytes.get(8) == Some(&0x2a) && bytes.get(13..15) == Some(b"<\0".as_slice())
 }
@@ -223,7 +223,7 @@ fn is_html(bytes: &[u8], _: u64) -> bool {
         .any(|tag| start.get(..tag.len()).is_some_and(|start| start.eq_ignore_ascii_case(tag)))
 }
 
-/// Whether text starts as an object of JSON, or as an array of arrays, objects or strings.
+/// Returns whether text starts as a JSON object, or as an array of arrays, objects or strings.
 fn is_json(bytes: &[u8], _: u64) -> bool {
     let start = first_word(bytes);
     let next =
@@ -235,7 +235,7 @@ fn is_json(bytes: &[u8], _: u64) -> bool {
     }
 }
 
-/// The bytes behind blanks and the mark that some programs put before UTF-8.
+/// Returns the bytes after blanks and the byte-order mark of UTF-8.
 fn first_word(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }

@@ -1,6 +1,6 @@
-//! The names of the formats.
+//! Names of the formats.
 
-/// A file format for measured surfaces.
+/// File format for measured surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
     /// X3P, ISO 25178-72: a zip archive of an XML description and binary heights.
@@ -39,7 +39,7 @@ pub enum Format {
     Npy,
     /// Zip archive of NumPy array files.
     Npz,
-    /// TIFF with numbers for heights.
+    /// TIFF with one number per point.
     Tiff,
     /// VTK image for ParaView.
     Vtk,
@@ -47,12 +47,13 @@ pub enum Format {
     Xyz,
     /// Matrix of numbers as text.
     Text,
-    /// A gzip stream around any other format.
+    /// Gzip stream around any other format.
     Gzip,
 }
 
 impl Format {
-    /// The unit of the heights in files of this format whose reader does not name it; `None` where files may lack one.
+    /// Returns the unit of the heights in files of this format if its reader does not name it; `None` if files may
+    /// lack a unit.
     pub(crate) fn height_unit(self) -> Option<&'static str> {
         match self {
             Self::Text | Self::Xyz | Self::Npy | Self::Npz | Self::Tiff | Self::Gwy | Self::NetCdf => None,
@@ -64,7 +65,7 @@ impl Format {
         }
     }
 
-    /// The name for the user.
+    /// Returns the name for the user.
     pub fn name(self) -> &'static str {
         match self {
             Self::X3p => "X3P",

@@ -1,5 +1,4 @@
-//! The bytes of a file, taken field by field: nothing is read beyond them, and whatever is wrong with a field is told
-//! with its name and place.
+//! Checked reading of fields from bytes. Nothing is read beyond their end, and errors name the field and its place.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +9,7 @@ use crate::sample::{ByteOrder, Sample};
 use crate::scan::{Shape, matrix, shape};
 use crate::{Format, FormatError, Location};
 
-/// The bytes of a file, or of one file in an archive.
+/// Bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]
 pub(crate) struct Input<'a> {
     format: Format,
@@ -34,14 +33,14 @@ pub(crate) enum Kind {
     U32,
     F32,
     F64,
-    /// Latin-1 text of at most so many bytes.
+    /// Latin-1 text of at most this many bytes.
     Text(usize),
 }
 
-/// The numbers in one place of a file.
+/// Defines a function that reads one number.
 macro_rules! number {
     ($name:ident) => {
-        #[doc = concat!("One `", stringify!($name), "` in the order of bytes that was chosen.")]
+        #[doc = concat!("Reads one `", stringify!($name), "` in the byte order of the input.")]
         pub(crate) fn $name(&self, field: &str, offset: usize) -> Result<$name> {
             let raw = self.array(field, offset)?;
             Ok(match self.order {
@@ -53,22 +52,22 @@ macro_rules! number {
 }
 
 impl<'a> Input<'a> {
-    /// A file with little-endian numbers.
+    /// Creates an input with little-endian numbers.
     pub(crate) fn new(format: Format, bytes: &'a [u8]) -> Self {
         Self { format, entry: None, order: ByteOrder::Little, bytes, start: 0 }
     }
 
-    /// A file inside an archive.
+    /// Creates an input for a file inside an archive.
     pub(crate) fn entry(format: Format, entry: &'a str, bytes: &'a [u8]) -> Self {
         Self { entry: Some(entry), ..Self::new(format, bytes) }
     }
 
-    /// The same bytes with numbers in another order.
+    /// Returns the same bytes with numbers in another byte order.
     pub(crate) fn with_order(self, order: ByteOrder) -> Self {
         Self { order, ..self }
     }
 
-    /// The same bytes up to `end`, so that nothing beyond it is read.
+    /// Returns the same bytes up to `end`.
     pub(crate) fn up_to(self, end: usize) -> Self {
         Self { bytes: &self.bytes[..end.min(self.bytes.len())], ..self }
     }
@@ -83,12 +82,12 @@ impl<'a> Input<'a> {
         self.format
     }
 
-    /// All bytes.
+    /// Returns all bytes.
     pub(crate) fn bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// Number of bytes.
+    /// Returns the number of bytes.
     pub(crate) fn len(&self) -> usize {
         self.bytes.len()
     }
@@ -108,16 +107,16 @@ impl<'a> Input<'a> {
         bytes.try_into().map_err(|_| self.truncated(field, offset, N))
     }
 
-    /// `length` bytes from `offset` on.
+    /// Returns `length` bytes from `offset` on.
     ///
     /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before.
+    /// [`FormatError::Truncated`] if the file ends early.
     pub(crate) fn take(&self, part: &str, offset: usize, length: usize) -> Result<&'a [u8]> {
         let end = offset.checked_add(length);
         end.and_then(|end| self.bytes.get(offset..end)).ok_or_else(|| self.truncated(part, offset, length))
     }
 
-    /// Latin-1 text of at most `length` bytes up to the first zero, without white space around it.
+    /// Reads Latin-1 text of at most `length` bytes, up to the first zero, and trims white space.
     pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String> {
         Ok(latin1(self.take(field, offset, length)?))
     }
@@ -140,7 +139,7 @@ impl<'a> Input<'a> {
         fields.iter().map(|&(name, at, kind)| Ok((name.to_owned(), self.value(name, at, kind)?))).collect()
     }
 
-    /// `count` numbers from `offset` on; memory is taken only when all of them are there.
+    /// Reads `count` numbers from `offset` on. Memory is allocated only if all of them are present.
     pub(crate) fn samples(&self, part: &str, offset: usize, count: usize, sample: Sample) -> Result<Vec<f64>> {
         let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
         Ok(sample.decode_all(self.order, bytes))
@@ -176,7 +175,7 @@ impl<'a> Input<'a> {
         shape(self.format, placed(rows), placed(columns))
     }
 
-    /// A place in the file.
+    /// Returns a place in the file.
     pub(crate) fn at(&self, offset: usize) -> Location {
         let offset = self.start.saturating_add(offset) as u64;
         match self.entry {
@@ -191,53 +190,53 @@ impl<'a> Input<'a> {
         FormatError::truncated(self.format, shown(part), self.at(offset), found, wanted as u64)
     }
 
-    /// The error for a field whose value cannot be right.
+    /// Returns the error for a field whose value is invalid.
     pub(crate) fn wrong(&self, field: &str, offset: usize, found: impl ToString, wanted: &str) -> FormatError {
-        // Some formats name their fields freely.
+        // Some formats have field names of any length.
         FormatError::field(self.format, shown(field), self.at(offset), found, wanted)
     }
 
-    /// The error for a size beyond what is taken.
+    /// Returns the error for a size above its limit.
     pub(crate) fn too_large(&self, field: &str, offset: usize, found: usize, limit: usize) -> FormatError {
         FormatError::too_large(self.format, field, self.at(offset), found as u64, limit as u64)
     }
 
-    /// The error for a field that is not there.
+    /// Returns the error for a field that is absent.
     pub(crate) fn missing(&self, field: &str, offset: usize, wanted: &str) -> FormatError {
         FormatError::missing(self.format, field, self.at(offset), wanted)
     }
 
-    /// The error for a valid file of a kind that is not read.
+    /// Returns the error for a valid file of a kind that is not read.
     pub(crate) fn unsupported(&self, found: impl Into<String>, wanted: &'static str) -> FormatError {
         FormatError::unsupported(self.format, found, wanted)
     }
 }
 
-/// Latin-1 text up to the first zero, without white space around it.
+/// Decodes Latin-1 text up to the first zero and trims white space.
 pub(crate) fn latin1(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     kept(bytes[..end].trim_ascii(), |bytes| bytes.iter().map(|&byte| char::from(byte)).collect()).trim().to_owned()
 }
 
-/// The text in UTF-16 behind a mark of its byte order; `None` without one.
+/// Decodes UTF-16 text after a byte-order mark. Returns `None` without a mark.
 pub(crate) fn utf16(bytes: &[u8]) -> Option<String> {
     let (unit, rest): (fn([u8; 2]) -> u16, _) = match bytes {
         [0xff, 0xfe, rest @ ..] => (u16::from_le_bytes, rest),
         [0xfe, 0xff, rest @ ..] => (u16::from_be_bytes, rest),
         _ => return None,
     };
-    // Three bytes at most for each unit; growing by doubling would take more.
+    // A unit takes at most three bytes. Growth by doubling would take more memory.
     let mut text = String::with_capacity(rest.len() + rest.len() / 2);
     let units = rest.as_chunks().0.iter().map(|&pair| unit(pair));
     text.extend(char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)));
     Some(text)
 }
 
-/// Text in UTF-8, or else in Latin-1.
+/// Decodes text in UTF-8, or in Latin-1 if it is not valid UTF-8.
 pub(crate) fn utf8_or_latin1(bytes: &[u8]) -> String {
     kept(bytes, |bytes| match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
-        // A character that the end of what is kept goes through.
+        // The cut is inside a character.
         Err(error) if bytes.len() == MAX_TEXT_BYTES && error.error_len().is_none() => {
             String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
         }
@@ -245,10 +244,10 @@ pub(crate) fn utf8_or_latin1(bytes: &[u8]) -> String {
     })
 }
 
-/// The most bytes of one text that are kept: the longest comments of instruments have some ten thousand.
+/// Maximum number of bytes of one text. The longest comments of instruments have about ten thousand.
 pub(crate) const MAX_TEXT_BYTES: usize = 1 << 18;
 
-/// A text as far as it is kept, with a sign where it was cut.
+/// Decodes at most [`MAX_TEXT_BYTES`] bytes of a text and marks a cut with `…`.
 fn kept(bytes: &[u8], decode: impl FnOnce(&[u8]) -> String) -> String {
     match bytes.get(..MAX_TEXT_BYTES) {
         Some(start) if start.len() < bytes.len() => decode(start) + "…",
@@ -256,7 +255,8 @@ fn kept(bytes: &[u8], decode: impl FnOnce(&[u8]) -> String) -> String {
     }
 }
 
-/// Room for the texts that a file holds beside its heights: a file of nothing else must not take many times its size.
+/// Limits the texts of a file beside its heights, so that a file of texts alone cannot take many times its size in
+/// memory.
 pub(crate) struct Room {
     texts: usize,
     bytes: usize,
@@ -269,12 +269,12 @@ impl Default for Room {
 }
 
 impl Room {
-    /// Whether there is room for one more text.
+    /// Returns whether one more text is allowed.
     pub(crate) fn is_left(&self) -> bool {
         self.texts > 0 && self.bytes > 0
     }
 
-    /// Takes room for a text of so many bytes; whether there was any.
+    /// Accounts for a text of `bytes` bytes. Returns whether it is allowed.
     pub(crate) fn take(&mut self, bytes: usize) -> bool {
         let is_left = self.is_left();
         self.texts = self.texts.saturating_sub(1);
@@ -310,7 +310,7 @@ mod tests {
         assert_eq!(utf8_or_latin1(b"\xb5m"), "µm");
         let long = "µ".repeat(MAX_TEXT_BYTES);
         assert_eq!(utf8_or_latin1(long.as_bytes()), "µ".repeat(MAX_TEXT_BYTES / 2) + "…");
-        // One byte more shifts the cut into a character.
+        // One more byte moves the cut into a character.
         let shifted = utf8_or_latin1(format!("m{long}").as_bytes());
         assert!(shifted.ends_with("µ…") && shifted.len() == MAX_TEXT_BYTES - 1 + "…".len(), "{}", shifted.len());
         assert_eq!(latin1(&vec![0xb5; MAX_TEXT_BYTES + 1]), "µ".repeat(MAX_TEXT_BYTES) + "…");

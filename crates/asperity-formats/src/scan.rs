@@ -1,4 +1,4 @@
-//! What a file of a measured surface says.
+//! Height map of a file, and its checks.
 
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -11,42 +11,42 @@ use crate::selection::some_of;
 use crate::unit::{in_words, per_metre};
 use crate::{Format, FormatError, Location, ReadOptions};
 
-/// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
+/// Maximum number of heights of one map: 16384 × 16384, or 2 GiB as `f64`.
 pub const MAX_POINTS: u64 = 1 << 28;
 
-/// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
+/// Range of plausible pitches in metre: no instrument resolves a picometre or steps by a metre.
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
-/// The most characters of a warning: some repeat what the file says.
+/// Maximum number of characters of a warning, which may quote the file.
 const WARNING_CHARS: usize = 1000;
-/// Ratio of the two pitches above which the map is doubted.
+/// Ratio of the two pitches above which a warning is issued.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 
 /// Number of rows and number of columns of a map.
 pub(crate) type Shape = (usize, usize);
 
-/// One measured height map as a file states it.
+/// Measured height map as stated in a file.
 #[derive(Debug, Clone)]
 pub struct Scan {
-    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN where the instrument recorded nothing.
+    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN for missing points.
     pub heights_m: Array2<f64>,
-    /// Distance between points along (x, y) in metre, where the file states it.
+    /// Distance between points along (x, y) in metre; `None` if the file does not state it.
     pub pitch_m: Option<(f64, f64)>,
-    /// What else the file says, by its own field names.
+    /// Further information in the file, by its field names.
     pub metadata: BTreeMap<String, String>,
-    /// Doubts about the content, in words for the user.
+    /// Warnings about the content, for the user.
     pub warnings: Vec<String>,
-    /// Names of all height maps in the file, in its order; empty for formats that hold just one.
+    /// Names of all height maps in the file, in its order; empty for formats with a single map.
     pub channels: Vec<String>,
-    /// The place in `channels` of the map that was read.
+    /// Index in `channels` of the map that was read.
     pub channel: usize,
-    /// The format that was read, `None` for a scan that comes from no file.
+    /// Format that was read; `None` for a scan that is not from a file.
     pub format: Option<Format>,
-    /// The unit in which the file states its heights, `None` where it states none; its numbers then count as metre.
+    /// Unit of the heights in the file; `None` if the file states none, and its numbers count as metre.
     pub height_unit: Option<String>,
 }
 
 impl Scan {
-    /// A scan that says nothing but its heights and pitch.
+    /// Creates a scan from heights and pitch.
     pub fn new(heights_m: Array2<f64>, pitch_m: Option<(f64, f64)>) -> Self {
         Self {
             heights_m,
@@ -60,7 +60,7 @@ impl Scan {
         }
     }
 
-    /// The scan with the names of all maps of its file.
+    /// Adds the names of all maps of the file.
     pub(crate) fn with_channels(self, channels: Vec<String>, channel: usize) -> Self {
         Self { channels, channel, ..self }
     }
@@ -68,8 +68,8 @@ impl Scan {
     /// Returns the shape and the pixel size of a scan that is to be stored in `format`.
     ///
     /// # Errors
-    /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with a pixel
-    /// size that is not positive.
+    /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
+    /// a pixel size that is not positive.
     pub(crate) fn to_store(&self, format: Format) -> Result<(Shape, (f64, f64))> {
         let (dx_m, dy_m) = self.pitch_m.ok_or(FormatError::NoPitch { format })?;
         let (ny, nx) = self.heights_m.dim();
@@ -84,17 +84,17 @@ impl Scan {
         Ok(((ny, nx), (dx_m, dy_m)))
     }
 
-    /// The name of the height map that was read, `None` for formats that hold just one.
+    /// Returns the name of the map that was read; `None` for formats with a single map.
     pub fn channel_name(&self) -> Option<&str> {
         self.channels.get(self.channel).map(String::as_str)
     }
 
-    /// Number of heights that are missing.
+    /// Returns the number of missing heights.
     pub fn missing_points(&self) -> usize {
         self.heights_m.iter().filter(|z| !z.is_finite()).count()
     }
 
-    /// Lowest and highest height in metre, `None` when all are missing.
+    /// Returns the lowest and the highest height in metre; `None` if all are missing.
     pub(crate) fn height_range_m(&self) -> Option<(f64, f64)> {
         let present = self.heights_m.iter().copied().filter(|z| z.is_finite());
         present.fold(None, |range, z| match range {
@@ -103,7 +103,7 @@ impl Scan {
         })
     }
 
-    /// The scan with its numbers in the unit that `options` state, if they do.
+    /// Converts the heights to the unit in `options`, if there is one.
     pub(crate) fn in_stated_unit(mut self, options: &ReadOptions) -> Self {
         let Some(unit) = &options.height_unit else { return self };
         let replaced = self.height_unit.replace(unit.name().to_owned());
@@ -120,7 +120,7 @@ impl Scan {
         self
     }
 
-    /// The scan with the pixel size that `options` state, if they do.
+    /// Sets the pixel size in `options`, if there is one.
     pub(crate) fn with_stated_pitch(mut self, options: &ReadOptions) -> Self {
         let Some((dx_m, dy_m)) = options.pitch_m else { return self };
         if let Some((x_m, y_m)) = self.pitch_m.replace((dx_m, dy_m)).filter(|&pitch_m| pitch_m != (dx_m, dy_m)) {
@@ -130,8 +130,8 @@ impl Scan {
         self
     }
 
-    /// The scan as it leaves a reader: every height that is not finite is NaN, a pitch that is none is left out, and
-    /// implausible sizes are named in the warnings.
+    /// Completes a scan after reading: sets heights that are not finite to NaN, removes an invalid pitch, and adds
+    /// warnings about implausible sizes.
     pub(crate) fn checked(mut self, options: &ReadOptions) -> Self {
         if options.channel.is_none()
             && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
@@ -171,7 +171,7 @@ impl Scan {
     }
 }
 
-/// Makes NaN of every height that is not finite; the lowest and the highest of the others, `None` when there are none.
+/// Sets heights that are not finite to NaN. Returns the lowest and the highest other height; `None` if there is none.
 fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
     let pieces = match heights_m.as_slice_memory_order_mut() {
         Some(values) => large::pass(values, range),
@@ -182,16 +182,16 @@ fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
     (low <= high).then_some((low, high))
 }
 
-/// As [`tidy`] for a part of the heights; an empty range where there are none.
+/// Does the work of [`tidy`] for a part of the heights. Returns an empty range if all are missing.
 fn range(values: &mut [f64]) -> (f64, f64) {
-    /// Ranges that grow side by side: one alone would wait for its last comparison.
+    /// Number of independent ranges: with a single one, each comparison would wait for the previous.
     const LANES: usize = 8;
 
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     for values in values.chunks_mut(LANES) {
         for ((z, low), high) in values.iter_mut().zip(&mut low).zip(&mut high) {
             *z = if z.is_finite() { *z } else { f64::NAN };
-            // Comparisons with NaN keep what was there.
+            // Comparisons with NaN keep the previous value.
             *low = if *z < *low { *z } else { *low };
             *high = if *z > *high { *z } else { *high };
         }
@@ -199,7 +199,7 @@ fn range(values: &mut [f64]) -> (f64, f64) {
     (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Checks the dimensions that a file declares for a map, each with the name and place of its field.
+/// Checks the dimensions that a file declares for a map, each with the name and the place of its field.
 ///
 /// # Errors
 /// A dimension below 1, or a product above [`MAX_POINTS`].
