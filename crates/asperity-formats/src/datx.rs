@@ -1,20 +1,20 @@
-//! Zygo DATX, written by Mx: an HDF5 file with one dataset per map and a table that says which is which.
+//! Zygo DATX, written by Mx: an HDF5 file with one dataset per map and a table of links between them.
 //!
-//! Maps are the datasets `/Data/{kind}/{identifier}`. The kinds are Surface, and by method of measurement Bottom Surface,
-//! Thickness, Intensity, Quality and others; those in a unit of length or whose `Z Converter` is of the category
-//! `HeightCat` are heights. `/MetaData` is a table of links (source, link, destination); the chain Root, Measurement,
-//! Surface, Path leads to the map that was measured.
+//! Maps are the datasets `/Data/{kind}/{identifier}`. The kinds are Surface and, depending on the measurement, Bottom Surface,
+//! Thickness, Intensity, Quality and others. Heights are the maps in a unit of length, and those whose `Z Converter` has the
+//! category `HeightCat`. `/MetaData` is a table of links (source, link, destination); the chain Root, Measurement, Surface,
+//! Path leads to the measured map.
 //!
 //! A stored number n is a height in the `Unit` of the dataset. In `Fringes` it is the height n·W·S·O in metre, with the
 //! wavelength W, the interferometric scale factor S and the obliquity factor O, which are attributes of the dataset and
-//! the parameters 1 to 3 of its `Z Converter`. Readers that look at neither unit nor factors are off by the wavelength.
+//! the parameters 1 to 3 of its `Z Converter`. Readers that ignore unit and factors are wrong by the wavelength.
 //!
-//! The shape of a dataset is (height, width) of the camera window, row 0 at the top; parameter 1 of the `X Converter` is
-//! the distance between columns in metre, that of the `Y Converter` the distance between rows. (Some readers take the
-//! first index for x, which shows on maps that are not square. Others turn the rows over to let y point upwards.)
+//! The shape of a dataset is (height, width) of the camera window, row 0 at the top. Parameter 1 of the `X Converter` is
+//! the distance between columns in metre, parameter 1 of the `Y Converter` the distance between rows. (Some readers take
+//! the first index for x, which shows on maps that are not square. Others reverse the rows to let y point upwards.)
 //!
 //! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
-//! Numbers beyond it, and as far below zero, are no heights either.
+//! Numbers beyond it, of either sign, are not heights either.
 
 use crate::error::Result;
 use std::collections::{BTreeMap, HashSet};
@@ -49,18 +49,19 @@ pub(crate) const CODEC: Codec = Codec {
 /// Names in the root of a DATX file.
 const TABLE: &str = "MetaData";
 const DATA: &str = "Data";
-/// Where the map that was measured is found when the table does not say.
+/// Kind of the measured map if the table does not name it.
 const MAIN_KIND: &str = "Surface";
-/// The unit that needs the wavelength.
+/// Unit that needs the wavelength.
 const FRINGES: &str = "Fringes";
-/// Datasets that are looked at.
+/// Maximum number of datasets.
 const MAX_MAPS: usize = 4096;
-/// Entries of metadata that are kept.
+/// Maximum number of entries of metadata.
 const MAX_METADATA: usize = 4096;
-/// Relative difference above which two statements of one quantity contradict each other.
+/// Relative difference above which two values of one quantity contradict each other.
 const TOLERANCE: f64 = 1e-6;
 
-/// HDF5 files of other programs have other names in their root; one that cannot be looked into is taken for damaged.
+/// Returns whether an HDF5 file is a DATX file by the names in its root. A file whose root cannot be read counts as a
+/// damaged DATX file.
 fn detect(bytes: &[u8]) -> bool {
     let has_names = |file: File| {
         let names = file.names()?;
@@ -69,7 +70,7 @@ fn detect(bytes: &[u8]) -> bool {
     File::is_one(bytes) && File::open(Format::Datx, bytes).and_then(has_names).unwrap_or(true)
 }
 
-/// What the attributes of a dataset say of its numbers.
+/// Attributes of a dataset that define its numbers.
 #[derive(Default)]
 struct Meaning {
     unit: Option<String>,
@@ -82,7 +83,7 @@ struct Meaning {
     z: Option<Converter>,
 }
 
-/// How numbers or places are turned into lengths.
+/// Conversion of numbers or positions to lengths.
 struct Converter {
     category: String,
     unit: String,
@@ -120,13 +121,13 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(scan.with_channels(names, chosen))
 }
 
-/// The datasets of heights, that of the measurement first.
+/// Returns the names and places of the datasets of heights, the measurement first.
 ///
 /// # Errors
-/// What is wrong with the first dataset when none can be read; other datasets than heights alone.
+/// The error of the first dataset if none can be read; a file without heights.
 fn maps(file: &File, input: &Input) -> Result<(Vec<String>, Vec<usize>)> {
     let main = file.aside(|| main(file)).flatten();
-    // What is linked twice counts once, under its first name.
+    // A dataset with two links counts once, under its first name.
     let (mut objects, mut known) = (Vec::new(), HashSet::new());
     if let Some(data) = file.find(DATA)? {
         for kind in file.links(&data)? {
@@ -145,7 +146,7 @@ fn maps(file: &File, input: &Input) -> Result<(Vec<String>, Vec<usize>)> {
     if let Some(main) = main.filter(|main| !known.contains(main)) {
         objects.push((MAIN_KIND.into(), main));
     }
-    // A stable order: the main map, then the surfaces, then the rest as in the file.
+    // Stable order: the main map, then the surfaces, then the rest as in the file.
     objects.sort_by_key(|(kind, at)| (Some(*at) != main, kind != MAIN_KIND));
     let (mut kinds, mut places, mut first_error) = (Vec::new(), Vec::new(), None);
     for (kind, at) in objects {
@@ -165,7 +166,7 @@ fn maps(file: &File, input: &Input) -> Result<(Vec<String>, Vec<usize>)> {
     }
 }
 
-/// The dataset that the table of links states for the surface of the measurement.
+/// Returns the dataset of the measured surface from the table of links.
 fn main(file: &File) -> Result<Option<usize>> {
     let Some(dataset) = file.find(TABLE)?.map(|table| file.dataset(&table)).transpose()?.flatten() else {
         return Ok(None);
@@ -183,7 +184,7 @@ fn main(file: &File) -> Result<Option<usize>> {
     Ok(file.find(&String::from_utf8_lossy(&node))?.map(|object| object.at))
 }
 
-/// Whether an object is a map of heights.
+/// Returns whether an object is a map of heights.
 fn is_height(file: &File, object: &Object) -> Result<bool> {
     let is_map = |dataset: Dataset| dataset.shape.len() == 2 && dataset.sample().is_some();
     if !file.dataset(object)?.is_some_and(is_map) {
@@ -221,19 +222,19 @@ fn converter(value: Value) -> Result<Option<Converter>> {
     Ok(Some(Converter { category, unit, parameters }))
 }
 
-/// How often a unit as Mx spells it goes into a metre: NanoMeters, MicroMeters, ….
+/// Returns the number of units per metre for a unit as spelt by Mx: NanoMeters, MicroMeters, ….
 fn length_unit(unit: &str) -> Option<f64> {
     per_metre(unit).or_else(|| per_metre(&unit.to_lowercase()))
 }
 
 impl Meaning {
-    /// The unit of the numbers: that of the dataset, else the one its converter starts from.
+    /// Returns the unit of the numbers from the dataset, or else from its converter.
     fn unit(&self) -> Option<&str> {
         let base = self.z.as_ref().map(|z| z.unit.as_str()).filter(|unit| !unit.is_empty());
         self.unit.as_deref().filter(|unit| !unit.is_empty()).or(base)
     }
 
-    /// How a stored number becomes a height in metre.
+    /// Returns the conversion of a stored number to a height in metre.
     fn to_metre(&self, input: &Input, at: usize, warnings: &mut Vec<String>) -> Result<Box<dyn Fn(f64) -> f64>> {
         let unit = self.unit().ok_or_else(|| input.missing("Unit", at, "Fringes or a unit of length"))?;
         if let Some(z) = self.z.as_ref().filter(|z| !z.unit.is_empty() && z.unit != unit) {
@@ -269,7 +270,8 @@ impl Meaning {
         Ok(Box::new(move |z| z * height_m))
     }
 
-    /// The distance between points, by the converters, else by the lateral resolution of the measurement.
+    /// Returns the distance between points from the converters, or else from the lateral resolution of the
+    /// measurement.
     fn pitch_m(&self, lateral_m: Option<f64>, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
         let is_length = |length: &f64| length.is_finite() && *length > 0.0;
         let along = |converter: &Option<Converter>| {
@@ -284,7 +286,7 @@ impl Meaning {
     }
 }
 
-/// Keeps what the groups under `/Attributes` say; the lateral resolution in metre.
+/// Adds the attributes of the groups under `/Attributes`. Returns the lateral resolution in metre.
 fn attributes_group(file: &File, metadata: &mut BTreeMap<String, String>) -> Option<f64> {
     let group = file.find("Attributes").ok().flatten()?;
     let mut lateral_m = None;
@@ -296,7 +298,7 @@ fn attributes_group(file: &File, metadata: &mut BTreeMap<String, String>) -> Opt
     lateral_m
 }
 
-/// Keeps the attributes of an object; the lateral resolution among them. What cannot be read is left out.
+/// Adds the readable attributes of an object. Returns the lateral resolution among them.
 fn describe(file: &File, object: &Object, metadata: &mut BTreeMap<String, String>) -> Option<f64> {
     let mut lateral_m = None;
     for attribute in file.attributes(object).unwrap_or_default() {

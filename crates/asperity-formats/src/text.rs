@@ -1,17 +1,17 @@
-//! A matrix of numbers as text: one row of heights per line, in metre where no header names another unit.
+//! Matrix of numbers as text: one row of heights per line, in metre unless a header names another unit.
 //!
-//! Values are separated by semicolons, tabs, commas or spaces, whichever of these, in this order, the first row holds.
-//! The decimal sign is the point, or a comma between digits where commas separate nothing. `#` and `%` start a comment.
-//! What comments and lines `key: value` or `key = value` before the first row say of units, pixel size and missing
-//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD` and `No Data` are
-//! missing heights, as are the errors of spreadsheets (`#N/A`) and what C libraries write for no number (`1.#QNAN`,
-//! `-nan(ind)`). Text may be UTF-8, UTF-16 with a mark, or Latin-1.
+//! The separator is the first of semicolon, tab, comma and space that occurs in the first row. The decimal sign is
+//! the point, or a comma between digits if commas are not separators. `#` and `%` start a comment. Comments and lines
+//! `key: value` or `key = value` before the first row become metadata, and may state units, pixel size and missing
+//! points (see [`header`]). Missing heights are empty fields, `nan`, `inf`, `BAD` and `No Data`, errors of
+//! spreadsheets (`#N/A`), and special numbers of C libraries (`1.#QNAN`, `-nan(ind)`). Text may be UTF-8, UTF-16 with
+//! a byte-order mark, or Latin-1.
 //!
-//! A first row and a first column that step evenly from an empty corner are labels, which spreadsheets and data frames
-//! export; they are left out with a warning.
+//! A first row and a first column of equal steps after an empty corner are labels, which spreadsheets and data frames
+//! export. They are left out with a warning.
 //!
-//! Some programs put the matrices of several channels into one file, each below a comment `Channel: name`; those whose
-//! unit is no length are left out.
+//! Some programs write the matrices of several channels into one file, each after a comment `Channel: name`. Channels
+//! whose unit is not a length are left out.
 
 pub(crate) mod header;
 pub(crate) mod rows;
@@ -49,26 +49,26 @@ pub(crate) const CODEC: Codec = Codec {
     write: Some(|scan| Ok(write_text(scan, Separator::Space))),
 };
 
-/// Bytes that are looked at to tell text from binary data.
+/// Number of bytes that are examined to distinguish text from binary data.
 pub(crate) const TEXT_PROBE: usize = 4096;
 
-/// Whether bytes start without control characters.
+/// Returns whether bytes start without control characters.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
     let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
     let is_text = |&byte: &u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
     !probe.is_empty() && probe.iter().all(is_text)
 }
 
-/// Rows from which three columns look like points rather than like a map.
+/// Number of rows from which three columns look like points rather than a map.
 const POINT_LIST_ROWS: usize = 16;
-/// Part of a step by which labels may be off, as coordinates with few digits are.
+/// Tolerance of labels as a fraction of a step, for coordinates with few digits.
 const LABEL_TOLERANCE: f64 = 1e-3;
-/// Matrices in one file that are told apart.
+/// Maximum number of matrices in one file.
 const MAX_CHANNELS: usize = 256;
-/// Signs that start a comment.
+/// Characters that start a comment.
 pub(crate) const COMMENT: &[u8] = b"#%";
 
-/// What stands between two values.
+/// Separator of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Separator {
     /// One or more spaces or tabs.
@@ -82,9 +82,9 @@ pub enum Separator {
 }
 
 impl Separator {
-    /// The separator of a row.
+    /// Detects the separator of a row.
     ///
-    /// In `1,5 2,5` commas are decimal signs: as separators they would leave two numbers between them.
+    /// In `1,5 2,5` the commas are decimal signs: as separators they would leave two numbers between them.
     pub(crate) fn of(row: &[u8]) -> Self {
         let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let is_number = |word: &[u8]| {
@@ -112,30 +112,30 @@ impl Separator {
     }
 }
 
-/// The bytes of a text in UTF-8, or as they are where no mark says that it is UTF-16.
+/// Converts a text to UTF-8 if a mark declares it as UTF-16; returns other bytes unchanged.
 pub(crate) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     utf16(bytes).map_or(Cow::Borrowed(bytes), |text| Cow::Owned(text.into_bytes()))
 }
 
-/// The text without the mark that some programs put before UTF-8, and the byte that ends its lines.
+/// Removes the byte-order mark of UTF-8. Returns the text and the byte that ends its lines.
 pub(crate) fn lines(bytes: &[u8]) -> (&[u8], u8) {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     (bytes, if bytes.contains(&b'\n') { b'\n' } else { b'\r' })
 }
 
-/// What stands before the first row of numbers.
+/// Text before the first row of numbers.
 pub(crate) struct Head {
     pub(crate) header: Header,
-    /// Where the first row starts, and how many lines stand before it.
+    /// Offset of the first row, and number of lines before it.
     pub(crate) start: usize,
     pub(crate) lines: usize,
-    /// The first row without a comment.
+    /// First row without comment.
     pub(crate) first_row: Vec<u8>,
 }
 
 impl Head {
-    /// Reads lines up to the first row. Without a comment sign, only `key: value`, `key = value` and the keys of an ESRI
-    /// grid are header; `free` text is where the format allows any words.
+    /// Reads lines up to the first row. Without a comment sign, only `key: value`, `key = value` and the keys of an
+    /// ESRI grid belong to the header. With `free`, all words do.
     pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool) -> Self {
         let (mut head, mut lines) = (Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new() }, 0);
         for line in bytes.split(|&byte| byte == line_end) {
@@ -162,7 +162,7 @@ impl Head {
         head
     }
 
-    /// Adds a line without a comment sign if it clearly is a key with its value.
+    /// Adds a line without a comment sign if it is a key with its value.
     fn take_key(&mut self, line: &str) -> bool {
         if let Some((key, value)) = line.trim().split_once([' ', '\t']).filter(|(key, _)| is_esri_key(key)) {
             self.header.insert(key, value.trim());
@@ -183,7 +183,7 @@ fn is_esri_key(key: &str) -> bool {
 /// Reads a matrix of heights.
 ///
 /// # Errors
-/// A field that is no number, rows of different length (naming the line), or no row at all.
+/// A field that is not a number, rows of different length (with the line), or no row.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
@@ -206,12 +206,12 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(read_block(block, line_end, lines, head, options)?.with_channels(names, channel))
 }
 
-/// Where the matrices of a file with several channels start and end, and the lines before each; empty for other files.
+/// Returns start, line number and end of each matrix of a file with several channels; empty for other files.
 fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
     let is_start = |line: &[u8]| line.strip_prefix(b"#").is_some_and(Header::names_channel);
     let (mut blocks, mut place): (Vec<(usize, usize, usize)>, usize) = (Vec::new(), 0);
     for (index, line) in bytes.split(|&byte| byte == line_end).enumerate() {
-        // Only a file that starts with a channel is looked through.
+        // Only files that start with a channel are searched.
         if line.first() == Some(&b'#') && blocks.len() < MAX_CHANNELS && is_start(line) {
             if let Some(last) = blocks.last_mut() {
                 last.2 = place;
@@ -264,7 +264,7 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, meaning.pitch_m) })
 }
 
-/// The shape of a table, without columns and rows that are not heights.
+/// Returns the shape of a table after removing columns and rows that are not heights.
 fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<String>) -> Result<(usize, usize)> {
     if table.values.is_empty() {
         return Err(nothing());
@@ -300,11 +300,11 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
     Ok((rows, columns))
 }
 
-/// Whether the first row and the first column step evenly, behind the corner.
+/// Returns whether the first row and the first column have equal steps after the corner.
 fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
     let steps_evenly = |labels: &[f64]| match labels {
         [] | [_] => false,
-        // Any two numbers do.
+        // Any two numbers have equal steps.
         [first, second] => matches!((*first, *second), (0.0, 1.0) | (1.0, 2.0)),
         [first, second, ..] => {
             let (step, tolerance) = (second - first, LABEL_TOLERANCE * (second - first).abs());
@@ -316,12 +316,12 @@ fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
     rows > 2 && columns > 2 && steps_evenly(&values[1..columns]) && steps_evenly(&column)
 }
 
-/// The values without the first row and the first column.
+/// Returns the values without the first row and the first column.
 fn unlabelled(values: &[f64], (_, columns): (usize, usize)) -> Vec<f64> {
     values.chunks_exact(columns).skip(1).flat_map(|row| &row[1..]).copied().collect()
 }
 
-/// The error for a conversion factor that gives no heights, in a text that starts behind so many lines.
+/// Returns the error for an invalid conversion factor in a text that starts after `lines` lines.
 fn wrong_factor(bytes: &[u8], line_end: u8, lines: usize, key: &str, value: &str) -> FormatError {
     let states = |line: &[u8]| {
         let line = utf8_or_latin1(line);
@@ -337,7 +337,7 @@ fn nothing() -> FormatError {
 }
 
 impl Meaning {
-    /// Turns numbers into heights in metre.
+    /// Converts numbers to heights in metre.
     fn apply(&self, values: &mut [f64]) {
         let Self { factor, per_metre, no_data, .. } = *self;
         if let Some(no_data) = no_data {

@@ -1,4 +1,4 @@
-//! Groups: which objects they hold, under which names.
+//! Groups: names and addresses of their objects.
 
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
 use super::piece::Piece;
@@ -6,22 +6,21 @@ use super::tree::Keys;
 use super::{File, MAX_ENTRIES, Object};
 use crate::error::Result;
 
-/// Keys of a symbol table's tree: offsets of names.
+/// Keys of the tree of a symbol table: offsets of names.
 const NAMES: Keys = Keys { kind: 0, bytes: 8 };
 /// Kind of a soft link in a symbol table entry.
 const SOFT_ENTRY: u32 = 2;
-/// Bytes of a heap identifier behind the hash of a name.
+/// Size in bytes of the hash of a name before a heap identifier.
 const HASH_BYTES: usize = 4;
 
-/// A hard link. Soft and external links are passed over: what they lead to has a hard link of its own, or is not in
-/// the file.
+/// Hard link. Soft and external links are skipped: their targets have hard links of their own or are not in the file.
 pub(crate) struct Link<'a> {
     pub(crate) name: &'a [u8],
     pub(crate) address: usize,
 }
 
 impl<'a> File<'a> {
-    /// The links of a group, none for a dataset.
+    /// Returns the links of a group; none for a dataset.
     pub(crate) fn links(&self, object: &Object) -> Result<Vec<Link<'a>>> {
         let mut links = Vec::new();
         let mut push = |link: Option<Link<'a>>| {
@@ -64,7 +63,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// The link in a link message, `None` for soft and external ones.
+/// Returns the link in a link message; `None` for soft and external links.
 fn link(mut message: Piece) -> Result<Option<Link>> {
     message.version(&[1])?;
     let flags = message.u8("flags")?;

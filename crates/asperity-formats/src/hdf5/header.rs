@@ -17,23 +17,23 @@ pub(super) const SYMBOL_TABLE: u16 = 0x11;
 pub(super) const ATTRIBUTE_INFO: u16 = 0x15;
 const CONTINUATION: u16 = 0x10;
 
-/// First bytes of a version 2 header; version 1 has none.
+/// First bytes of a version 2 header; version 1 has no signature.
 const SIGNATURE: &[u8] = b"OHDR";
-/// Pieces that the header of one object may be scattered over.
+/// Maximum number of blocks of one object header.
 const MAX_BLOCKS: usize = 1024;
 
-/// A group or a dataset.
+/// Group or dataset.
 pub(crate) struct Object {
-    /// Where its header starts.
+    /// Offset of its header.
     pub(crate) at: usize,
     messages: Vec<Message>,
 }
 
-/// Where a message stands.
+/// Place of a message.
 #[derive(Clone, Copy)]
 pub(super) struct Message {
     kind: u16,
-    /// Whether the content is kept elsewhere.
+    /// Whether the content is stored elsewhere.
     pub(super) shared: bool,
     pub(super) at: usize,
     pub(super) length: usize,
@@ -67,7 +67,7 @@ impl<'a> File<'a> {
                 if message.kind == CONTINUATION {
                     let mut place = self.message(message, "continuation message")?;
                     let (start, length) = (place.address("address")?, place.size("length", 8)?);
-                    // New blocks have a signature before their messages and a checksum behind.
+                    // New blocks have a signature before their messages and a checksum after them.
                     blocks.push(if is_old { (start, length) } else { (start + 4, length.saturating_sub(8)) });
                 }
                 messages.push(message);
@@ -79,7 +79,7 @@ impl<'a> File<'a> {
         Ok(Object { at, messages })
     }
 
-    /// Where the messages of a version 1 header stand.
+    /// Returns the place of the messages of a version 1 header.
     fn old_header(&self, at: usize) -> Result<(Style, (usize, usize))> {
         let mut header = self.piece("object header", at, 16)?;
         header.version(&[1])?;
@@ -88,7 +88,7 @@ impl<'a> File<'a> {
         Ok(((2, 3), (at + 16, header.size("size", 4)?)))
     }
 
-    /// Where the messages of a version 2 header stand.
+    /// Returns the place of the messages of a version 2 header.
     fn new_header(&self, at: usize) -> Result<(Style, (usize, usize))> {
         let longest = 4 + 1 + 1 + 16 + 4 + 8;
         let mut header = self.piece("object header", at, self.input.len().saturating_sub(at).min(longest))?;
@@ -107,13 +107,13 @@ impl<'a> File<'a> {
         Ok(((1, order_bytes), (header.at(), length)))
     }
 
-    /// The content of a message.
+    /// Returns the content of a message.
     pub(super) fn message(&self, message: Message, name: &'static str) -> Result<Piece<'a>> {
         self.piece(name, message.at, message.length)
     }
 }
 
-/// The next message of a block, `None` where the rest is too short for one.
+/// Reads the next message of a block; `None` if the rest is too short.
 fn next_message(block: &mut Piece, (kind_bytes, behind_flags): Style) -> Result<Option<Message>> {
     if block.left() < kind_bytes + 2 + 1 + behind_flags {
         return Ok(None);

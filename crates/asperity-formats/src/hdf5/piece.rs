@@ -1,13 +1,13 @@
-//! A structure of the file, read field by field from its start to its end.
+//! Sequential reading of the fields of a structure.
 
 use crate::FormatError;
 use crate::error::Result;
 use crate::input::Input;
 
-/// What stands for an address where there is nothing.
+/// Address that marks an absent object.
 const UNDEFINED: u64 = u64::MAX;
 
-/// The part of a structure that is not read yet. Numbers are little-endian.
+/// Unread part of a structure. Numbers are little-endian.
 #[derive(Clone, Copy)]
 pub(super) struct Piece<'a> {
     input: Input<'a>,
@@ -17,19 +17,21 @@ pub(super) struct Piece<'a> {
 }
 
 impl<'a> Piece<'a> {
+    /// Creates a piece of `length` bytes.
+    ///
     /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before.
+    /// [`FormatError::Truncated`] if the file ends early.
     pub(super) fn new(input: Input<'a>, name: &'static str, at: usize, length: usize) -> Result<Self> {
         input.take(name, at, length)?;
         Ok(Self { input, name, at, end: at + length })
     }
 
-    /// Where the next field stands in the file.
+    /// Returns the offset of the next field in the file.
     pub(super) fn at(&self) -> usize {
         self.at
     }
 
-    /// Bytes that are left.
+    /// Returns the number of unread bytes.
     pub(super) fn left(&self) -> usize {
         self.end - self.at
     }
@@ -44,7 +46,7 @@ impl<'a> Piece<'a> {
         Ok(bytes)
     }
 
-    /// All bytes that are left.
+    /// Returns all unread bytes.
     pub(super) fn rest(mut self) -> Result<&'a [u8]> {
         self.take("bytes", self.left())
     }
@@ -53,7 +55,7 @@ impl<'a> Piece<'a> {
         self.take(field, length).map(|_| ())
     }
 
-    /// A number of at most 8 bytes.
+    /// Reads a number of at most 8 bytes.
     pub(super) fn number(&mut self, field: &str, width: usize) -> Result<u64> {
         let bytes = self.take(field, width)?;
         Ok(bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
@@ -75,14 +77,14 @@ impl<'a> Piece<'a> {
         self.number(field, 8)
     }
 
-    /// A number of at most 8 bytes that counts things in the file.
+    /// Reads a size of at most 8 bytes.
     pub(super) fn size(&mut self, field: &str, width: usize) -> Result<usize> {
         let at = self.at;
         let found = self.number(field, width)?;
         usize::try_from(found).map_err(|_| self.wrong(field, at, found, "a size within the file"))
     }
 
-    /// An address, `None` where there is nothing.
+    /// Reads an address; `None` if it is undefined.
     pub(super) fn optional_address(&mut self, field: &str) -> Result<Option<usize>> {
         let at = self.at;
         match self.u64(field)? {
@@ -95,13 +97,13 @@ impl<'a> Piece<'a> {
         }
     }
 
-    /// An address where something must be.
+    /// Reads a required address.
     pub(super) fn address(&mut self, field: &str) -> Result<usize> {
         let at = self.at;
         self.optional_address(field)?.ok_or_else(|| self.wrong(field, at, "undefined", "a byte within the file"))
     }
 
-    /// Bytes that every structure of a kind starts with.
+    /// Checks a signature.
     pub(super) fn expect(&mut self, field: &str, wanted: &[u8]) -> Result<()> {
         let at = self.at;
         let found = self.take(field, wanted.len())?;
@@ -111,7 +113,7 @@ impl<'a> Piece<'a> {
         Ok(())
     }
 
-    /// The number of a version that is read.
+    /// Reads a version and checks that it is supported.
     pub(super) fn version(&mut self, read: &[u8]) -> Result<u8> {
         let at = self.at;
         let version = self.u8("version")?;
@@ -122,14 +124,14 @@ impl<'a> Piece<'a> {
         Ok(version)
     }
 
-    /// The next `length` bytes as a structure of their own.
+    /// Splits off the next `length` bytes as a structure of their own.
     pub(super) fn split(&mut self, name: &'static str, length: usize) -> Result<Self> {
         let at = self.at;
         self.skip(name, length)?;
         Ok(Self { name, at, end: at + length, ..*self })
     }
 
-    /// Text up to a zero, which is passed over; up to the end where there is none.
+    /// Reads text up to a zero, which is skipped, or up to the end.
     pub(super) fn text(&mut self, field: &str) -> Result<&'a [u8]> {
         let rest = self.rest()?;
         let length = rest.iter().position(|&byte| byte == 0).unwrap_or(rest.len());
@@ -137,18 +139,18 @@ impl<'a> Piece<'a> {
         Ok(&rest[..length])
     }
 
-    /// Passes over the bytes up to a multiple of 8 after `start`.
+    /// Skips the bytes up to a multiple of 8 after `start`.
     pub(super) fn align(&mut self, start: usize) -> Result<()> {
         let padding = (self.at - start).next_multiple_of(8) - (self.at - start);
         self.skip("padding", padding.min(self.left()))
     }
 
-    /// The error for a field whose value cannot be right.
+    /// Returns the error for a field whose value is invalid.
     pub(super) fn wrong(&self, field: &str, at: usize, found: impl ToString, wanted: &str) -> FormatError {
         self.input.wrong(&format!("{}, {field}", self.name), at, found, wanted)
     }
 
-    /// The error for something that the format allows and this reader does not read.
+    /// Returns the error for a valid feature that is not supported.
     pub(super) fn unsupported(&self, found: impl std::fmt::Display, wanted: &'static str) -> FormatError {
         self.input.unsupported(format!("{found} ({}, byte {})", self.name, self.at), wanted)
     }

@@ -1,15 +1,15 @@
-//! B-trees: version 1 under symbol tables and chunks, version 2 under dense links and attributes.
+//! B-trees: version 1 for symbol tables and chunks, version 2 for dense links and attributes.
 
 use super::File;
 use super::piece::Piece;
 use crate::error::Result;
 
-/// Levels of a version 2 tree; each multiplies its records by ten and more.
+/// Maximum number of levels of a version 2 tree. Each level multiplies the records at least by ten.
 const MAX_DEPTH: u16 = 16;
-/// Bytes of an inner node of version 2 without records: signature, version, type, checksum.
+/// Size in bytes of an inner node of version 2 without records: signature, version, type, checksum.
 const NODE_BYTES: usize = 10;
 
-/// What a version 1 tree refers to: its number in the file, and the bytes of its keys.
+/// Keys of a version 1 tree: the number of their kind in the file, and their size in bytes.
 #[derive(Clone, Copy)]
 pub(super) struct Keys {
     pub(super) kind: u8,
@@ -20,19 +20,19 @@ pub(super) struct Keys {
 struct Nodes {
     node_bytes: usize,
     record_bytes: usize,
-    /// Bytes of the number of records in a child.
+    /// Size in bytes of the number of records in a child.
     count_bytes: usize,
-    /// For each level, bytes of the number of all records below a node of that level.
+    /// For each level, size in bytes of the number of all records below a node of that level.
     total_bytes: Vec<usize>,
 }
 
-/// Callback for a key and the address behind it.
+/// Callback for a key and its address.
 pub(super) type VisitKey<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<()> + 'v;
 /// Callback for a record or an object.
 pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>) -> Result<()> + 'v;
 
 impl<'a> File<'a> {
-    /// Hands every leaf of a version 1 tree to `visit`: its key and the address behind it.
+    /// Passes every leaf of a version 1 tree to `visit`: its key and its address.
     pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut VisitKey<'_, 'a>) -> Result<()> {
         self.visit_node(root, keys, None, visit)
     }
@@ -43,7 +43,7 @@ impl<'a> File<'a> {
         node.expect("type", &[keys.kind])?;
         let level_at = node.at();
         let level = node.u8("level")?;
-        // Levels fall towards the leaves, which bounds the depth.
+        // Levels decrease towards the leaves, which limits the depth.
         if wanted_level.is_some_and(|wanted| wanted != level) {
             return Err(node.wrong("level", level_at, level, "one less than that of the node above"));
         }
@@ -83,7 +83,7 @@ impl<'a> File<'a> {
         })
     }
 
-    /// Hands every record of a version 2 tree to `visit`.
+    /// Passes every record of a version 2 tree to `visit`.
     fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<()> {
         let mut head = self.piece("B-tree header", header, 4 + 1 + 1 + 4 + 2 + 2 + 2 + 8 + 2)?;
         head.expect("signature", b"BTHD")?;
@@ -141,7 +141,7 @@ impl<'a> File<'a> {
 }
 
 impl Nodes {
-    /// The widths of numbers follow from the most records that the nodes of each level can hold.
+    /// Computes the widths of numbers from the maximum number of records in the nodes of each level.
     fn new(node_bytes: usize, record_bytes: usize, depth: u16) -> Self {
         let in_leaf = ((node_bytes - NODE_BYTES) / record_bytes) as u64;
         let count_bytes = width(in_leaf);
@@ -156,7 +156,7 @@ impl Nodes {
     }
 }
 
-/// Bytes that hold numbers up to `limit`.
+/// Returns the number of bytes of numbers up to `limit`.
 pub(super) fn width(limit: u64) -> usize {
     limit.max(1).ilog2() as usize / 8 + 1
 }

@@ -1,7 +1,7 @@
-//! The classic formats: a header of dimensions, attributes and variables, then their numbers, big-endian.
+//! Classic formats: a header of dimensions, attributes and variables, then the numbers, big-endian.
 //!
-//! Variables whose first dimension is that of the records lie behind the others, record by record.
-//! Layout: NetCDF Classic, 64-bit Offset and 64-bit Data Format Specifications.
+//! Variables with the record dimension follow the others, record by record. Layout: NetCDF Classic, 64-bit Offset and
+//! 64-bit Data Format Specifications.
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
 use crate::Format;
@@ -15,14 +15,14 @@ use crate::scan::Shape;
 const DIMENSIONS: u32 = 0x0a;
 const VARIABLES: u32 = 0x0b;
 const ATTRIBUTES: u32 = 0x0c;
-/// Parts of a file start at multiples of this many bytes.
+/// Alignment of the parts of a file in bytes.
 const ALIGNMENT: usize = 4;
-/// The most dimensions of a variable that is looked at.
+/// Maximum number of dimensions of a variable that is used.
 const MAX_RANK: usize = 32;
-/// The longest name, by the library of the format.
+/// Maximum size of a name in bytes in the netCDF library.
 const MAX_NAME_BYTES: usize = 256;
 
-/// The version of a classic file: 1, 2 (64-bit offset) or 5 (64-bit data).
+/// Returns the version of a classic file: 1, 2 (64-bit offset) or 5 (64-bit data).
 pub(super) fn version(bytes: &[u8]) -> Option<u8> {
     match bytes {
         [b'C', b'D', b'F', version @ (1 | 2 | 5), ..] => Some(*version),
@@ -57,7 +57,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
     let pads = in_records.len() > 1;
     let record_bytes = in_records.iter().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
     let records = match records {
-        // A file that is still being written does not state the number of records: count them up to the end of the file.
+        // A file that is still being written does not state the number of records. They are counted up to the end of
+        // the file.
         None => {
             let start = in_records.iter().map(|variable| variable.at).min().unwrap_or(input.len());
             input.len().saturating_sub(start).checked_div(record_bytes).unwrap_or(0)
@@ -75,7 +76,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
     Ok((input, contents))
 }
 
-/// Bytes of one record of a variable, `None` for a variable without records. A single variable is not padded.
+/// Returns the size in bytes of one record of a variable; `None` for a variable without records. A single variable is
+/// not padded.
 fn slab(variable: &Variable, pads: bool) -> Option<usize> {
     variable.record_bytes?;
     let size = variable.sample.map_or(1, Sample::size);
@@ -83,7 +85,7 @@ fn slab(variable: &Variable, pads: bool) -> Option<usize> {
     Some(if pads { bytes.checked_next_multiple_of(ALIGNMENT).unwrap_or(usize::MAX) } else { bytes })
 }
 
-/// The numbers of a variable in row order.
+/// Returns the numbers of a variable in row order.
 pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample else { return Ok(Vec::new()) };
     let count = variable.shape.iter().copied().fold(1, usize::saturating_mul);
@@ -95,7 +97,7 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
     if count == 0 {
         return Ok(Vec::new());
     }
-    // Memory is taken when the last record is there.
+    // Memory is allocated only if the last record is present.
     input.take(&variable.name, variable.at.saturating_add(record_bytes.saturating_mul(records - 1)), bytes)?;
     let mut values = large::with_capacity(count);
     for record in 0..records {
@@ -105,7 +107,7 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// The numbers of a map of so many rows and columns in the order of its columns.
+/// Returns the numbers of a map in column order.
 pub(super) fn columns(input: &Input, variable: &Variable, shape: Shape) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
         return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
@@ -115,12 +117,12 @@ pub(super) fn columns(input: &Input, variable: &Variable, shape: Shape) -> Resul
     Ok(sample.decode_columns(ByteOrder::Big, bytes, (columns, rows)))
 }
 
-/// The header, read from its start to its end.
+/// Header with the current offset.
 struct Header<'a> {
     input: Input<'a>,
     at: usize,
     version: u8,
-    /// Dimensions, attributes and variables that the file may still have.
+    /// Number of further dimensions, attributes and variables that are allowed.
     room: usize,
 }
 
@@ -131,7 +133,7 @@ impl Header<'_> {
         Ok(found)
     }
 
-    /// A count as it stands, `None` where all its bits are set.
+    /// Reads a count; `None` if all its bits are set.
     fn raw_count(&mut self, field: &str) -> Result<Option<u64>> {
         if self.version == 5 {
             let found = self.input.u64(field, self.at)?;
@@ -150,10 +152,10 @@ impl Header<'_> {
         count.ok_or_else(|| self.input.wrong(field, at, found.unwrap_or(u64::MAX), "no negative number"))
     }
 
-    /// Bytes and the padding behind them.
+    /// Reads bytes and skips their padding.
     fn padded(&mut self, field: &str, length: usize) -> Result<&[u8]> {
         let bytes = self.input.take(field, self.at, length)?;
-        // The padding may be left out at the end of a file.
+        // The padding may be absent at the end of a file.
         self.at = (self.at + length).next_multiple_of(ALIGNMENT);
         Ok(bytes)
     }
@@ -168,7 +170,7 @@ impl Header<'_> {
         Ok(text(self.padded(field, length)?))
     }
 
-    /// The number of entries of a list; an absent one has the tag 0.
+    /// Reads the number of entries of a list. An absent list has the tag 0.
     fn list(&mut self, field: &str, wanted: u32) -> Result<usize> {
         let at = self.at;
         let tag = self.u32(field)?;
@@ -183,7 +185,7 @@ impl Header<'_> {
         Ok(count)
     }
 
-    /// What numbers of a type are, `None` for characters.
+    /// Reads a number type; `None` for characters.
     fn sample(&mut self, field: &str) -> Result<Option<Sample>> {
         let at = self.at;
         Ok(Some(match self.u32(field)? {
@@ -240,7 +242,7 @@ impl Header<'_> {
         }
         let attributes = self.attributes()?;
         let sample = self.sample("type of a variable")?;
-        // The size follows from the dimensions, and does not fit its field for large variables.
+        // The size follows from the dimensions. Its field is too small for large variables.
         self.raw_count("size of a variable")?;
         let at = self.at;
         let begin = if self.version == 1 { self.u32("begin")?.into() } else { self.input.u64("begin", at)? };
@@ -252,7 +254,7 @@ impl Header<'_> {
             Some(Value::Text(text)) if text == "true"
         );
         let sample = sample.filter(|_| rank <= MAX_RANK);
-        // The classic formats have no unsigned types beside bytes of characters.
+        // The classic formats have no unsigned types except characters.
         let unsigned = |sample: Sample| Sample::integer(8 * sample.size() as u64, false).filter(|_| !sample.is_float());
         let sample = if is_unsigned { sample.map(|sample| unsigned(sample).unwrap_or(sample)) } else { sample };
         let record_bytes = has_records.then_some(0);
@@ -260,7 +262,7 @@ impl Header<'_> {
     }
 }
 
-/// UTF-8, or Latin-1 where it is none; without zeros at the end.
+/// Decodes UTF-8, or else Latin-1, without zeros at the end.
 fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let bytes = &bytes[..end];

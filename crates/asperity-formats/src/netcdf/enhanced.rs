@@ -1,4 +1,4 @@
-//! NetCDF-4: variables are HDF5 datasets, dimensions are those of them that are dimension scales.
+//! NetCDF-4: variables are HDF5 datasets, and dimensions are datasets that are dimension scales.
 
 use crate::error::Result;
 use std::collections::HashMap;
@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
 use crate::hdf5::{File, Object, shown_name};
 
-/// Attributes that tie datasets together and say nothing to the user.
+/// Attributes that connect datasets and are not shown to the user.
 const HIDDEN: [&[u8]; 7] = [
     b"CLASS",
     b"NAME",
@@ -17,7 +17,7 @@ const HIDDEN: [&[u8]; 7] = [
     b"_NCProperties",
 ];
 
-/// Start of the NAME of a dataset that is a dimension and no variable.
+/// Start of the NAME of a dataset that is a dimension but not a variable.
 const NO_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
 
 /// Reads the variables of the root group.
@@ -33,7 +33,7 @@ pub(super) fn read(file: &File) -> Result<Contents> {
         let dataset = match file.dataset(&object) {
             Ok(Some(dataset)) => dataset,
             Ok(None) => continue,
-            // A dataset of a kind that is not read is no map; others may be.
+            // A dataset of an unsupported kind is not a map; other datasets may be.
             Err(error) => {
                 contents.first_error = contents.first_error.or(Some(error));
                 continue;
@@ -80,7 +80,7 @@ pub(super) fn read(file: &File) -> Result<Contents> {
     Ok(contents)
 }
 
-/// The attributes of an object as far as there is room.
+/// Returns the attributes of an object up to the limit.
 fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attribute>> {
     let mut attributes = Vec::new();
     for attribute in file.attributes(object)? {
@@ -93,7 +93,7 @@ fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attr
                 None => Value::Numbers(value.numbers(MAX_NUMBERS)?),
             }))
         });
-        // What cannot be read is no unit and no fill value.
+        // An attribute that cannot be read is neither a unit nor a fill value.
         if let Ok(Some(value)) = value {
             *room -= 1;
             attributes.push(Attribute { name: shown_name(attribute.name), value });
@@ -102,7 +102,7 @@ fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attr
     Ok(attributes)
 }
 
-/// The numbers of a variable in row order.
+/// Returns the numbers of a variable in row order.
 pub(super) fn numbers(file: &File, variable: &Variable) -> Result<Vec<f64>> {
     let dataset = file.dataset(&file.object(variable.at)?)?;
     let numbers = dataset.map(|dataset| file.numbers(&dataset)).transpose()?.flatten();

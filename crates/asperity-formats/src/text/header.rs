@@ -1,12 +1,13 @@
-//! What the comments and the header of a text say of its numbers: units, pixel size, missing points.
+//! Headers of texts: units, pixel size and missing points.
 //!
-//! Programs name the same thing differently. Known here are the headers of Gwyddion's text export (also in German,
-//! French, Italian, Spanish and Czech), of SPIP, Attocube and Nova, of ESRI grids, and plain keys such as `unit`,
-//! `pixel size`, `dx` and `size`. A length without a unit is in metre where no key names the unit.
+//! Programs use different keys. The reader supports the headers of Gwyddion's text export (also in German, French,
+//! Italian, Spanish and Czech), of SPIP, Attocube and Nova, of ESRI grids, and plain keys such as `unit`, `pixel
+//! size`, `dx` and `size`. A length without a unit is in metre unless a key names the unit.
 //!
-//! A conversion factor of heights comes before their unit: Koala (Lyncée Tec) states `data unit=rad` and `height conversion
-//! factor (-> m)=2.1e-07`. It leaves numbers alone that are in the target unit of the factor already (`data unit=m`). The units
-//! may also stand as `(V -> nm)`, as `[nm/V]`, or behind the number (`25 nm/V`). A factor that is not applied is a warning.
+//! A conversion factor of heights takes precedence over their unit: Koala (Lyncée Tec) states `data unit=rad` and
+//! `height conversion factor (-> m)=2.1e-07`. The factor is not applied to numbers that are already in its target
+//! unit (`data unit=m`). The units may also be given as `(V -> nm)`, as `[nm/V]`, or after the number (`25 nm/V`). A
+//! factor that is not applied gives a warning.
 
 use std::collections::BTreeMap;
 
@@ -16,40 +17,41 @@ use crate::scan::Shape;
 use crate::text::rows::decimal_comma;
 use crate::unit::per_metre;
 
-/// A key with its value, and a unit that stood in brackets behind the key.
+/// Key with its value, and the unit in brackets after the key.
 struct Pair {
     key: String,
-    /// In small letters, without a unit, and with single spaces between words.
+    /// Key in small letters, without unit, with single spaces between words.
     name: String,
     unit: Option<f64>,
     value: String,
 }
 
-/// The pairs of keys and values that a header holds.
+/// Pairs of keys and values of a header.
 #[derive(Default)]
 pub(crate) struct Header {
     pairs: Vec<Pair>,
-    /// Room for further pairs; what comes after is left out.
+    /// Limit of further pairs.
     room: Room,
 }
 
-/// What a header says of the numbers below it.
+/// Interpretation of a header.
 pub(crate) struct Meaning {
-    /// Distance between points along x and y.
+    /// Distance between points along x and y in metre.
     pub(crate) pitch_m: Option<(f64, f64)>,
-    /// What turns a number into a height: first multiplied, then divided, so that units stay exact.
+    /// Conversion of numbers to heights: multiplication by `factor`, then division by `per_metre`, so that units stay
+    /// exact.
     pub(crate) factor: f64,
     pub(crate) per_metre: f64,
-    /// What the numbers were converted from where they are not metre.
+    /// Original unit or factor of converted numbers; `None` if they are in metre.
     pub(crate) converted: Option<String>,
-    /// The unit that the header states for the heights, after a factor.
+    /// Unit of the heights in the header, after a factor.
     pub(crate) unit: Option<String>,
-    /// The number that marks a missing point.
+    /// Number that marks a missing point.
     pub(crate) no_data: Option<f64>,
     pub(crate) warnings: Vec<String>,
 }
 
-/// Keys of one meaning, separated by bars.
+/// Keys with one meaning, separated by bars.
 const HEIGHT_UNIT: &str =
     "value units|value unit|z unit|z units|zunit|height unit|height units|unit z|data unit|data units|unit data";
 const ANY_UNIT: &str = "unit|units";
@@ -64,46 +66,46 @@ const HEIGHT: &str = "height|y length|ylength|y size|size y|y range|höhe|hauteu
 const COLUMNS: &str = "x pixels|ncols|nx";
 const ROWS: &str = "y pixels|nrows|ny";
 const CHANNEL: &str = "channel|kanal|canal|canale|kanál";
-/// Bytes of the longest of them.
+/// Maximum number of bytes of these keys.
 const MAX_CHANNEL_KEY: usize = 8;
 const BIT_TO_NM: &str = "bit2nm";
 const FACTOR: &str = "conversion factor";
-/// Words that may stand beside it where it converts heights.
+/// Words beside it in keys that convert heights.
 const OF_HEIGHTS: &str = "height|heights|z|data|value|values";
-/// Factors that warnings quote.
+/// Maximum number of factors that warnings quote.
 const QUOTED_FACTORS: usize = 8;
-/// Key of a note that all decimal signs are commas.
+/// Key of the note that all decimal signs are commas.
 pub(super) const DECIMAL_SIGN: &str = "decimal sign";
-/// Key of a comment without a sign between key and value.
+/// Key of comments without a key.
 const COMMENT: &str = "comment";
 const NO_DATA: &str = "nodata value|no data value|nodata|no data|missing value|fill value";
-/// The keys of an ESRI grid, which stand before their values without a sign between.
+/// Keys of an ESRI grid, which precede their values without a sign between.
 pub(super) const ESRI: &[&str] =
     &["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
-/// What marks missing points in an ESRI grid that does not say.
+/// Default mark of missing points in an ESRI grid.
 const ESRI_NO_DATA: f64 = -9999.0;
 
-/// What turns numbers into heights.
+/// Conversion factor of heights.
 #[derive(Clone, Copy)]
 struct Factor<'a> {
     pair: &'a Pair,
     value: f64,
-    /// The unit that it leads from, where the header names it.
+    /// Unit before the conversion, if the header names it.
     source: Option<&'a str>,
-    /// The unit that it leads to and how often that goes into a metre, where the header names it.
+    /// Unit after the conversion and its number per metre, if the header names it.
     target: Option<(&'a str, Option<f64>)>,
 }
 
-/// The conversion factors of a header.
+/// Conversion factors of a header.
 struct Factors<'a> {
-    /// The factor to apply.
+    /// Factor to apply.
     used: Option<Factor<'a>>,
-    /// Statements about factors that are not applied.
+    /// Pairs with factors that are not applied.
     unused: Vec<&'a Pair>,
 }
 
 impl Pair {
-    /// The key and the value, for a message.
+    /// Returns the key and the value for a message.
     fn quoted(&self) -> String {
         match self.name.as_str() {
             COMMENT => format!("`{}`", shown(&self.value)),
@@ -111,14 +113,14 @@ impl Pair {
         }
     }
 
-    /// Whether this is a statement about a conversion factor.
+    /// Returns whether this pair states a conversion factor.
     fn is_factor(&self) -> bool {
         self.name == BIT_TO_NM
             || self.name.contains(FACTOR)
             || self.name == COMMENT && self.value.to_lowercase().contains(FACTOR)
     }
 
-    /// The factor for heights; `None` for another factor. The value is NaN where it is no number.
+    /// Returns the factor for heights; `None` for another factor. Its value is NaN if it is not a number.
     fn factor(&self, has_decimal_commas: bool) -> Option<Factor<'_>> {
         let (value, behind) = factor_value(&self.value, has_decimal_commas).unwrap_or((f64::NAN, ""));
         if self.name == BIT_TO_NM {
@@ -131,7 +133,7 @@ impl Pair {
         let bracket = self.key.split_once(['(', '[']).map_or("", |(_, bracket)| bracket);
         let (stated, other) = (units_of_factor(bracket), units_of_factor(behind));
         let target = match [stated.1, other.1].map(|name| name.map(|name| (name, unit(name)))) {
-            // Two units that contradict each other are none.
+            // Units that contradict each other are ignored.
             [Some((name, per_metre)), Some((_, other))] => Some((name, per_metre.filter(|_| per_metre == other))),
             [target, other] => target.or(other),
         };
@@ -139,8 +141,8 @@ impl Pair {
     }
 }
 
-/// The number at the start of a text and the text behind it. A comma between digits is the decimal sign, unless it may as
-/// well separate thousands.
+/// Returns the number at the start of a text and the text after it. A comma between digits is the decimal sign unless
+/// it may separate thousands.
 fn factor_value(text: &str, has_decimal_commas: bool) -> Option<(f64, &str)> {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let sign = usize::from(text.starts_with(['+', '-']));
@@ -162,7 +164,7 @@ fn factor_value(text: &str, has_decimal_commas: bool) -> Option<(f64, &str)> {
     (!behind.starts_with([',', '.'])).then(|| (value, behind.trim()))
 }
 
-/// The units that a factor leads from and to: `V -> nm`, `-> nm`, `nm/V` or `nm`.
+/// Returns the units before and after a conversion: `V -> nm`, `-> nm`, `nm/V` or `nm`.
 fn units_of_factor(text: &str) -> (Option<&str>, Option<&str>) {
     let arrow = ["->", "→"].into_iter().find_map(|arrow| text.split_once(arrow));
     let (source, target) = match (arrow, text.split_once('/')) {
@@ -173,23 +175,23 @@ fn units_of_factor(text: &str) -> (Option<&str>, Option<&str>) {
     (named(source), named(target))
 }
 
-/// Returns whether a name is one of several, which bars separate.
+/// Returns whether a name is one of several that bars separate.
 fn is_one_of(names: &str, name: &str) -> bool {
     names.split('|').any(|one| one == name)
 }
 
-/// Whether two units are the same.
+/// Returns whether two units are equal.
 fn is_same_unit(one: &str, other: &str) -> bool {
     bare(one).eq_ignore_ascii_case(bare(other)) || unit(one).is_some_and(|one| unit(other) == Some(one))
 }
 
-/// The unit in a bracket, `m)` or `-> m)`.
+/// Returns the unit in a bracket, `m)` or `-> m)`.
 fn target(bracket: &str) -> &str {
     bracket.trim_end_matches([')', ']']).trim_start_matches(['-', '>', ' '])
 }
 
 impl Header {
-    /// Adds what a comment or a line of the header says.
+    /// Adds a comment or a line of the header.
     pub(crate) fn add(&mut self, line: &str) {
         let pair = line.split_once([':', '=']).map(|(key, value)| (key.trim(), value.trim()));
         let (key, value) =
@@ -197,7 +199,7 @@ impl Header {
         self.insert(key, value);
     }
 
-    /// Whether further pairs are kept.
+    /// Returns whether further pairs are allowed.
     pub(crate) fn has_room(&self) -> bool {
         self.room.is_left()
     }
@@ -217,7 +219,7 @@ impl Header {
         self.pairs.push(Pair { key: key.into(), name, unit, value: value.into() });
     }
 
-    /// Returns the pair of the first of several keys that is there.
+    /// Returns the pair of the first key that is present.
     fn find(&self, names: &str) -> Option<&Pair> {
         names.split('|').find_map(|name| self.pairs.iter().find(|pair| pair.name == name))
     }
@@ -227,52 +229,52 @@ impl Header {
         self.pairs.iter().find(|pair| pair.key.eq_ignore_ascii_case(key)).map(|pair| pair.value.as_str())
     }
 
-    /// Whether a comment names a map.
+    /// Returns whether a comment names a channel.
     pub(crate) fn names_channel(comment: &[u8]) -> bool {
         let Some(end) = comment.iter().position(|byte| matches!(byte, b':' | b'=')) else { return false };
         let (key, value) = (comment[..end].trim_ascii(), comment[end + 1..].trim_ascii());
         key.len() <= MAX_CHANNEL_KEY && !value.is_empty() && is_one_of(CHANNEL, &utf8_or_latin1(key).to_lowercase())
     }
 
-    /// The name of the map, where the header gives one.
+    /// Returns the name of the channel.
     pub(crate) fn channel(&self) -> Option<&str> {
         self.find(CHANNEL).map(|pair| pair.value.as_str())
     }
 
-    /// Whether the header states a pixel size, which no list of points needs.
+    /// Returns whether the header states a pixel size, which lists of points lack.
     pub(crate) fn states_pixels(&self) -> bool {
         self.find(PIXEL_SIZE).is_some()
     }
 
-    /// Whether this is the header of an ESRI grid, whose rows may be broken into lines anywhere.
+    /// Returns whether this is the header of an ESRI grid, whose rows may be broken into lines anywhere.
     pub(crate) fn is_esri(&self) -> bool {
         ["ncols", "nrows", "cellsize"].iter().all(|name| self.find(name).is_some())
     }
 
-    /// The shape `(rows, columns)` that the header states.
+    /// Returns the shape in the header.
     pub(crate) fn shape(&self) -> Option<(usize, usize)> {
         let count = |names| self.find(names)?.value.parse().ok();
         count(ROWS).zip(count(COLUMNS))
     }
 
-    /// Whether a map of voids of the same shape follows the heights: ones where points are missing.
+    /// Returns whether a map of voids with the same shape follows the heights: 1 marks a missing point.
     pub(crate) fn has_voids(&self) -> bool {
         self.find("voidpixels").and_then(|pair| pair.value.parse::<f64>().ok()).is_some_and(|voids| voids != 0.0)
     }
 
-    /// The unit of heights as the header spells it, and how often it goes into a metre; `None` where nothing is said.
+    /// Returns the key and the unit of the heights, and its number per metre; `None` if the header states no unit.
     pub(crate) fn height_unit(&self) -> Option<(&str, &str, Option<f64>)> {
         let pair = self.find(HEIGHT_UNIT).or_else(|| self.find(ANY_UNIT))?;
         Some((&pair.key, &pair.value, unit(&pair.value)))
     }
 
-    /// Whether the numbers can be heights: they have a conversion factor, a unit of length or no unit.
+    /// Returns whether the numbers can be heights: they have a conversion factor, a unit of length or no unit.
     pub(crate) fn may_be_heights(&self) -> bool {
         self.factors().is_ok_and(|factors| factors.used.is_some())
             || self.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some())
     }
 
-    /// How often the units of x, y and z that the header names go into a metre.
+    /// Returns the number of units per metre for x, y and z.
     pub(crate) fn units(&self) -> [Option<f64>; 3] {
         let named = |names| self.find(names).and_then(|pair: &Pair| unit(&pair.value));
         let any = named(ANY_UNIT);
@@ -280,11 +282,11 @@ impl Header {
         [x, named(Y_UNIT).or(x), named(HEIGHT_UNIT).or(any)]
     }
 
-    /// Interprets the header of a matrix of `columns` × `rows` numbers. Where the unit `is_stated` by the user, unknown units
-    /// are not doubted, and no factor is applied.
+    /// Interprets the header of a matrix of `columns` × `rows` numbers. If the user stated the unit (`is_stated`),
+    /// unknown units give no warning and no factor is applied.
     ///
     /// # Errors
-    /// The key and the value of a conversion factor that is no number or 0, where no unit of length is stated.
+    /// The key and the value of a conversion factor that is not a number or is 0, if no unit of length is stated.
     pub(crate) fn meaning(&self, (rows, columns): Shape, is_stated: bool) -> Result<Meaning, (&str, &str)> {
         let mut warnings = Vec::new();
         let pitch_m = self.pitch((rows, columns), &mut warnings);
@@ -352,13 +354,14 @@ impl Header {
         self.pairs.iter().find(|pair| is_height_unit(&pair.name) && pair.value != "m")
     }
 
-    /// The factor that turns numbers into heights, and the statements about factors that do not.
+    /// Returns the factor that converts numbers to heights, and the pairs of other factors.
     ///
-    /// `Bit2nm` of SPIP leads to nanometre, `height conversion factor (-> m)` to any unit, unless the numbers are in it already.
-    /// A factor without a unit leads to metre where it is the only one and no unit of length is stated.
+    /// `Bit2nm` of SPIP converts to nanometre, `height conversion factor (-> m)` to any unit, unless the numbers are
+    /// already in it. A factor without a unit converts to metre if it is the only one and no unit of length is
+    /// stated.
     ///
     /// # Errors
-    /// A factor that is no number or 0, where no unit of length is stated.
+    /// A factor that is not a number or is 0, if no unit of length is stated.
     fn factors(&self) -> Result<Factors<'_>, &Pair> {
         let stated = self.height_unit();
         let length = stated.and_then(|(_, _, per_metre)| per_metre);
@@ -371,7 +374,7 @@ impl Header {
             };
             let is_bit = pair.name == BIT_TO_NM;
             let leads_nowhere = matches!(factor.target, Some((_, None)));
-            // Koala states the factor of phases also above heights.
+            // Koala states the factor of phases also for heights.
             let is_done =
                 length.is_some() && !is_bit && factor.target.map_or(Some(1.0), |(_, target)| target) == length;
             let is_of_other_unit =
@@ -402,7 +405,7 @@ impl Header {
         stated.or_else(|| self.is_esri().then_some(ESRI_NO_DATA))
     }
 
-    /// The pixel size by the first statement that names it.
+    /// Returns the pixel size from the first key that states it.
     fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
         let [x_unit, y_unit, _] = self.units();
         let is_spip = || self.find("file format").is_some_and(|pair| pair.value == "ASCII");
@@ -418,10 +421,11 @@ impl Header {
         if let Some(cell) = self.find("cellsize").and_then(|pair| steps(pair, x_unit)) {
             return Some((cell.metre[0], cell.metre[0]));
         }
-        // Numbers that equal those of the points count them, unless a unit of their own or a lateral one makes them lengths.
+        // Numbers equal to the numbers of points are counts, unless they have a unit or the header names a lateral
+        // unit.
         let has_lateral = self.find(X_UNIT).is_some_and(|pair| unit(&pair.value).is_some());
         let is_length = |pair: &Pair| has_lateral || steps(pair, None).is_some_and(|lengths| lengths.has_unit);
-        // Sizes are those of all points: columns · dx, as Gwyddion and SPIP count them.
+        // Sizes cover all points: columns · dx, as in Gwyddion and SPIP.
         let pitch = |(width_m, height_m): (f64, f64)| (width_m / columns as f64, height_m / rows as f64);
         if let Some((pair, size)) = self.find(SIZE).and_then(|pair| Some((pair, steps(pair, x_unit)?)))
             && size.has_unit
@@ -448,7 +452,7 @@ impl Header {
         are_lengths.then(|| pitch((width.metre[0], height.metre[0])))
     }
 
-    /// The pairs as metadata; values of one key are joined.
+    /// Returns the pairs as metadata. Values of equal keys are joined.
     pub(crate) fn metadata(self) -> BTreeMap<String, String> {
         let mut metadata: BTreeMap<String, String> = BTreeMap::new();
         for Pair { key, value, .. } in self.pairs {
@@ -466,17 +470,17 @@ fn doubt(key: &str, unit: &str) -> String {
     format!("a comment states `{}: {}`; heights were taken as metre", shown(key), shown(unit))
 }
 
-/// How often a unit goes into a metre, whatever brackets stand around it.
+/// Returns the number of units per metre. Brackets around the unit are ignored.
 pub(crate) fn unit(text: &str) -> Option<f64> {
     per_metre(bare(text))
 }
 
-/// A unit without the brackets around it.
+/// Returns a unit without the brackets around it.
 fn bare(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')', '"', '\'']).trim()
 }
 
-/// One length or two.
+/// One or two lengths.
 struct Lengths {
     metre: Vec<f64>,
     stated: Vec<f64>,
@@ -484,8 +488,8 @@ struct Lengths {
 }
 
 impl Lengths {
-    /// Lengths such as `0.5 um x 0.25 um`, `1 2 mm` or `(3, 4)`. A unit counts for the numbers before it; those without
-    /// one are in `unit`, or else in metre.
+    /// Parses lengths such as `0.5 um x 0.25 um`, `1 2 mm` or `(3, 4)`. A unit applies to the numbers before it.
+    /// Numbers without a unit are in `unit`, or else in metre.
     fn parse(text: &str, unit: Option<f64>) -> Option<Self> {
         let mut lengths = Self { metre: Vec::new(), stated: Vec::new(), has_unit: true };
         let (mut scaled, mut rest) = (0, text);
@@ -520,7 +524,7 @@ impl Lengths {
         &self.stated
     }
 
-    /// Along x and y; a single length counts for both.
+    /// Returns the lengths along x and y. A single length applies to both.
     fn pair(&self, warnings: &mut Vec<String>) -> (f64, f64) {
         if !self.has_unit {
             warnings.push("the header states a pixel size without a unit; it was taken as metre".into());
@@ -529,7 +533,7 @@ impl Lengths {
     }
 }
 
-/// The number at the start of a text and its length; `1,5` counts as one number.
+/// Returns the number at the start of a text and its length; `1,5` is one number.
 fn leading_number(text: &str) -> Option<(f64, usize)> {
     let comma = text.find(|c: char| !c.is_ascii_digit() && c != ',').unwrap_or(text.len());
     match decimal_comma(&text.as_bytes()[..comma]) {
