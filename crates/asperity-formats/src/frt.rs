@@ -1,6 +1,6 @@
-//! FRT MicroProf: a magic word, then blocks of a tag, a size and that many bytes.
+//! FRT MicroProf: a magic word, then blocks of a tag, a size and data.
 //!
-//! Numbers are little-endian. Sizes of blocks are u32 in version 1.00 and u64 in 1.01. What counts here:
+//! Numbers are little-endian. Sizes of blocks are u32 in version 1.00 and u64 in 1.01. These blocks define the heights:
 //!
 //! | tag | block |
 //! |---|---|
@@ -11,13 +11,13 @@
 //! | 0x0070 | lowest and highest valid number |
 //! | 0x007d | all images, each with type, points along x and y, bits per point |
 //!
-//! Where block 0x007d holds images, block 0x000b repeats one of them, of whichever type, so it is left alone.
+//! If block 0x007d holds images, block 0x000b repeats one of them, of any type, and is ignored.
 //!
-//! The number 1 marks a point that was not measured. That stands nowhere in the file, but the published readers that
-//! know of missing points agree on it. Numbers outside of the valid range are missing as well.
+//! The number 1 marks a missing point. Files do not state this mark, but the published readers that support missing
+//! points agree on it. Numbers outside of the valid range are missing as well.
 //!
-//! A range is the number of points times their distance: published files of 500 points on 12 mm, 150 on 30 mm and 300
-//! on 60 mm have round distances only so.
+//! A range is the number of points times their distance: only then have published files of 500 points on 12 mm, 150 on
+//! 30 mm and 300 on 60 mm round distances.
 
 mod blocks;
 mod image;
@@ -58,17 +58,17 @@ pub(crate) const CODEC: Codec = Codec {
 
 /// First bytes of every file, before the version.
 const SIGNATURE: &[u8] = b"FRTM_GLIDERV";
-/// Bytes of the version, such as `1.00`.
+/// Size in bytes of the version, such as `1.00`.
 const VERSION_BYTES: usize = 4;
-/// Where the number of blocks stands, and blocks start after it.
+/// Offset of the number of blocks, before the first block.
 const BLOCK_COUNT: usize = SIGNATURE.len() + VERSION_BYTES;
-/// The number that marks a missing point.
+/// Number that marks a missing point.
 const VOID: f64 = 1.0;
 
 /// Reads an image of heights.
 ///
 /// # Errors
-/// Other versions, profiles, files of other images than heights, and blocks that the bytes cannot bear out.
+/// Other versions, profiles, files without images of heights, and blocks beyond the end of the file.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Frt, bytes);
     let size_bytes = match input.take("the version", SIGNATURE.len(), VERSION_BYTES)? {
@@ -101,7 +101,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(scan.with_channels(names, channel))
 }
 
-/// The image of block 0x000b.
+/// Reads the image of block 0x000b.
 fn single_image<'a>(input: Input<'a>, blocks: &Blocks<'a>, warnings: &mut Vec<String>) -> Result<Image<'a>> {
     let missing = |what: &str| input.missing(what, BLOCK_COUNT + 2, "an image");
     let numbers = *blocks.get(&CURRENT_IMAGE).ok_or_else(|| missing("block 0x000b or an image in block 0x007d"))?;
@@ -114,7 +114,7 @@ fn single_image<'a>(input: Input<'a>, blocks: &Blocks<'a>, warnings: &mut Vec<St
     Ok(image)
 }
 
-/// The names of all images of heights, the place of the one to read among them, and that image.
+/// Returns the names of all images of heights, the index of the selected one, and this image.
 fn choose<'a>(
     input: Input<'a>,
     images: &[Image<'a>],
@@ -132,7 +132,7 @@ fn choose<'a>(
     Ok((names, channel, image))
 }
 
-/// Turns stored numbers into metre, NaN where the point was not measured.
+/// Converts stored numbers to metre; NaN for missing points.
 fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let sensor = blocks
         .get(&SENSOR)
@@ -144,7 +144,7 @@ fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], war
     let valid = blocks.get(&VALID_VALUES).and_then(|block| {
         let limit = |offset| block.u32("valid value", offset).ok();
         let (first, last) = (limit(0)?, limit(4)?);
-        // As wide and as signed as the numbers that they limit.
+        // The limits have the width and sign of the numbers.
         let range = match sample {
             Sample::I32 => (f64::from(first as i32), f64::from(last as i32)),
             _ => (f64::from(first), f64::from(last)),
@@ -171,9 +171,9 @@ fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], war
     Ok(())
 }
 
-/// A scale or offset in block 0x00ab that differs from the common ones.
+/// Describes a scale or offset in block 0x00ab that differs from the common ones.
 ///
-/// What the buffers' aliases stand for is not known, so none can be applied.
+/// The meaning of the aliases of buffers is unknown, so none can be applied.
 fn own_scale(buffers: &Input, scale_m: f64) -> Option<String> {
     let count = buffers.u32("number of buffers", 0).ok()?;
     for buffer in 0..usize::try_from(count).ok()? {
@@ -187,7 +187,7 @@ fn own_scale(buffers: &Input, scale_m: f64) -> Option<String> {
     None
 }
 
-/// The distance of points in metre.
+/// Returns the distance between points in metre.
 fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some(size) = blocks.get(&SCAN_SIZE) else {
         warnings.push("block 0x0067 (scan size) is missing; no pixel size was read".into());
@@ -202,7 +202,7 @@ fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result
     Ok(Some((x_m.abs() / nx as f64, y_m.abs() / ny as f64)))
 }
 
-/// Doubts whether the axes are lengths.
+/// Warns if the axes may not be lengths.
 fn doubt(blocks: &Blocks, warnings: &mut Vec<String>) {
     if blocks.get(&ROUNDNESS).is_some_and(|block| block.u32("roundness", 0).is_ok_and(|flag| flag != 0)) {
         warnings.push("the file states a measurement of roundness; its axes were taken for lengths".into());

@@ -1,9 +1,9 @@
-//! TIFF with one number per point: grey images, of which every page is a map.
+//! TIFF with one number per point: grey images. Every page is a map.
 //!
-//! Floating-point numbers are heights in metre. Integers are counts, which have no unit: they are taken in metre, with a
-//! warning. Where ImageJ's description states a unit of the values (`vunit`) it holds, with the straight line of the
-//! calibration (`cf=0`, `c0`, `c1`). The numbers are taken as they stand, whichever of black and white
-//! PhotometricInterpretation calls zero: that is about showing them.
+//! Floating-point numbers are heights in metre. Integers are counts without a unit; they count as metre, with a
+//! warning. If ImageJ's description states a unit of the values (`vunit`), that unit applies, with the straight line
+//! of the calibration (`cf=0`, `c0`, `c1`). PhotometricInterpretation has no effect on the numbers: it only defines
+//! whether zero is shown black or white.
 //!
 //! The distance between points comes from the first of: OME-XML (`PhysicalSizeX`, `PhysicalSizeXUnit`), ImageJ's
 //! description (`unit`) with XResolution as points per unit, XResolution with ResolutionUnit inch or centimetre.
@@ -37,7 +37,7 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// The fields that are read, by their names in the specification.
+/// Supported fields, by their names in the specification.
 mod tag {
     use super::directory::Tag;
 

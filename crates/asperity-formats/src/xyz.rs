@@ -1,17 +1,18 @@
 //! Points x, y, z on a grid as text, one point per line, and the XYZ files of Zygo.
 //!
-//! Points follow each other along x or along y, in either direction. The grid is found from the coordinates: a point
-//! may lie beside its grid point by [a quarter of a step](grid::TOLERANCE), which leaves room for the rounding of
-//! coarse digits and for the jitter of a stage. Grid points without a point are missing, as are heights `nan`, `BAD`
-//! and `No Data`; points that would leave three of four grid points empty are refused, as two points in one place are.
+//! Points follow each other along x or along y, in either direction. The reader determines the grid from the
+//! coordinates. A point may differ from its grid point by [a quarter of a step](grid::TOLERANCE), which allows for
+//! the rounding of coarse digits and for the jitter of a stage. Missing are grid points without a point, and heights
+//! `nan`, `BAD` and `No Data`. Lists that leave three of four grid points empty are refused, and so are two points on
+//! one grid point.
 //!
-//! y points down, as in SUR files and in those of Zygo: the smallest y is row 0. Units stand in a header: `x [mm] y [mm] z [um]`, `mm, mm, um`, or keys such
-//! as `unit: um` and `z unit: nm`. Without one, all coordinates are in metre, which a spacing beyond a millimetre makes
-//! doubtful.
+//! y points down, as in SUR and Zygo files: the smallest y is row 0. Units are in a header: `x [mm] y [mm] z [um]`,
+//! `mm, mm, um`, or keys such as `unit: um` and `z unit: nm`. Without units, all coordinates are in metre, with a
+//! warning for a spacing above a millimetre.
 //!
 //! A Zygo file starts with 13 lines and `#`. Its x and y count pixels from the upper left corner, heights are in
-//! micrometre, and the header states the pixel size in metre.
-//! (Zygo, *MetroPro Reference Guide* OMP-0347, appendix B.)
+//! micrometre, and the header states the pixel size in metre. (Zygo, *MetroPro Reference Guide* OMP-0347, appendix
+//! B.)
 
 mod grid;
 
@@ -48,19 +49,19 @@ pub(crate) const CODEC: Codec = Codec {
 const XYZ: [&str; 3] = ["x", "y", "z"];
 /// First bytes of a Zygo file.
 const ZYGO: &[u8] = b"Zygo XYZ Data File";
-/// Steps between lines are longer than so many usual steps across a line, which are jitter or none.
+/// Ratio of a step between lines to the usual step across a line, which is jitter or zero.
 const JITTER: f64 = 4.0;
-/// Steps along a line that outweigh one that breaks the grid.
+/// Number of steps along a line that outweigh one against the grid.
 const AGAINST: usize = 4;
-/// Points of the probe that must step along a line where no second line is in sight.
+/// Minimum number of steps along a line if the probe contains no second line.
 const MIN_STEPS: usize = 8;
-/// Spacing beyond which coordinates are not likely to be metre.
+/// Spacing above which coordinates are unlikely to be in metre.
 const MAX_PLAUSIBLE_M: f64 = 1e-3;
 
-/// Whether the header names three columns x, y and z, or the first lines are points of a grid: along the lines one of the
-/// first two values steps and the other stays.
+/// Returns whether the header names three columns x, y and z, or the first lines are points of a grid: along a line
+/// one of the first two values changes in steps and the other stays constant.
 ///
-/// A map with three columns of heights does not do that.
+/// Maps with three columns of heights do not have this pattern.
 fn detect(bytes: &[u8]) -> bool {
     if bytes.starts_with(ZYGO) {
         return true;
@@ -71,7 +72,7 @@ fn detect(bytes: &[u8]) -> bool {
     let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
     let (probe, line_end) = lines(&probe);
     let whole = bytes.len() <= TEXT_PROBE;
-    // The last line of a longer text is cut.
+    // The last line of a longer text is incomplete.
     let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
     let head = Head::read(&probe[..end], line_end, true);
     let layout = layout(&head.first_row, line_end);
@@ -82,7 +83,8 @@ fn detect(bytes: &[u8]) -> bool {
     names_points(before) || rows::read(points, &layout, 0).is_ok_and(|table| steps_like_a_grid(&table.values, whole))
 }
 
-/// Whether a line of a header names the columns x, y and z, with or without units: `x [um] y [um] z [um]` or `X;Y;Z`.
+/// Returns whether a line of the header names the columns x, y and z, with or without units: `x [um] y [um] z [um]`
+/// or `X;Y;Z`.
 fn names_points(head: &[u8]) -> bool {
     utf8_or_latin1(head).lines().any(|line| {
         let words = line.split([' ', '\t', ',', ';', ':', '#', '%', '"']).filter(|word| unit(word).is_none());
@@ -115,7 +117,7 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
             continue;
         }
         let goes_on = fast_step.abs() >= 0.5 * usual[fast] && fast_step * direction >= 0.0 && fast_step != 0.0;
-        // Where lines lie closer than the points on them, only the turn tells that a new one starts.
+        // If lines are closer than the points on them, only a change of direction shows the start of a new line.
         let is_far = slow_step.abs() > TOLERANCE * usual[fast];
         if is_far || !goes_on && slow_step.abs() > JITTER * usual[1 - fast] {
             between += 1;
@@ -124,7 +126,7 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
             along += 1;
             direction = fast_step;
         } else {
-            // Back to where a point was.
+            // A return to an earlier position.
             against += 1;
             direction = 0.0;
         }
@@ -166,7 +168,7 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
 }
 
-/// Whether a point has the coordinates of one before it.
+/// Returns whether a point has the coordinates of an earlier one.
 fn repeats_a_point(reason: &NoGrid, values: &[f64]) -> bool {
     let NoGrid::Twice { point } = *reason else { return false };
     let place = |point: &[f64]| (point[0], point[1]);
@@ -179,7 +181,8 @@ fn map(grid: Grid) -> Result<Array2<f64>> {
     Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
 }
 
-/// How often the units of x, y and z go into a metre: from keys, or from words in brackets or columns of the header.
+/// Returns the number of units per metre for x, y and z: from keys, or from words in brackets or columns of the
+/// header.
 fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
     let keyed = header.units();
     if keyed.iter().any(Option::is_some) {
@@ -205,10 +208,10 @@ fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
     }
 }
 
-/// The lines of points in a text.
+/// Lines of points in a text.
 struct List<'a> {
     bytes: &'a [u8],
-    /// Lines before the first point.
+    /// Number of lines before the first point.
     lines: usize,
     layout: Layout,
     line_end: u8,
@@ -225,7 +228,7 @@ impl List<'_> {
         if table.rows == 0 { Err(nothing(self.lines + 1)) } else { Ok(table) }
     }
 
-    /// The line of a point, counted from 1.
+    /// Returns the line of a point, counted from 1.
     fn line(&self, point: usize) -> usize {
         let mut rows = self
             .bytes
@@ -264,7 +267,7 @@ fn unsupported(found: String) -> FormatError {
     FormatError::unsupported(Format::Xyz, found, wanted)
 }
 
-/// The error for points that lie anywhere.
+/// Returns the error for points without a grid.
 pub(crate) fn no_grid() -> FormatError {
     unsupported("the three columns are points x, y, z that lie on no regular grid".into())
 }
@@ -273,13 +276,13 @@ fn nothing(line: usize) -> FormatError {
     FormatError::missing(Format::Xyz, "a line of x, y and z", Location::Line(line), "one point per line")
 }
 
-/// Lines of a Zygo header before the one that ends it, and what is kept of them.
+/// Number of lines of a Zygo header before its end, and the lines that become metadata.
 const ZYGO_LINES: usize = 13;
 const ZYGO_NOTES: [(usize, &str); 5] =
     [(1, "software"), (4, "comment"), (5, "part serial number"), (6, "part number"), (8, "system")];
-/// The line and the place in it of the pixel size.
+/// Line of the pixel size, and its index among the words.
 const CAMERA_RESOLUTION: (usize, usize) = (7, 6);
-/// Heights of Zygo files in a metre: they are in micrometre.
+/// Number of height units of Zygo files per metre: heights are in micrometre.
 const ZYGO_PER_METRE: f64 = 1e6;
 
 fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {

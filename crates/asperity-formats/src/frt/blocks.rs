@@ -1,4 +1,4 @@
-//! The blocks of an FRT file.
+//! Blocks of an FRT file.
 
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -16,13 +16,13 @@ pub(super) const ROUNDNESS: u16 = 0x009b;
 pub(super) const Z_UNIT: u16 = 0x009f;
 pub(super) const BUFFERS: u16 = 0x00ab;
 
-/// Tags of which a second block would change the heights.
+/// Tags whose blocks must be unique, because they define the heights.
 const ONCE: [u16; 5] = [CURRENT_IMAGE, IMAGE_SIZE, SCAN_SIZE, SENSOR, IMAGES];
 
-/// The blocks of a file by their tags.
+/// Blocks of a file by tag.
 pub(super) type Blocks<'a> = BTreeMap<u16, Input<'a>>;
 
-/// All blocks up to the end of the file.
+/// Returns all blocks up to the end of the file.
 pub(super) fn blocks<'a>(input: Input<'a>, size_bytes: usize, warnings: &mut Vec<String>) -> Result<Blocks<'a>> {
     let mut blocks = Blocks::new();
     let mut place = BLOCK_COUNT + 2;

@@ -1,25 +1,25 @@
-//! The images of an FRT file.
+//! Images of an FRT file.
 
 use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
 use crate::scan::Shape;
 
-/// Bytes before the first image of block 0x007d: what the current image is.
+/// Size in bytes of the description of the current image, before the first image of block 0x007d.
 const IMAGES_HEADER_BYTES: usize = 8;
-/// Bytes before the numbers of an image in block 0x007d.
+/// Size in bytes of the header of an image in block 0x007d.
 const IMAGE_HEADER_BYTES: usize = 16;
-/// The lower bits of a type that stand for a topography.
+/// Lower bits of the type of a topography.
 pub(super) const TOPOGRAPHY: u32 = 0x0004;
-/// What an image shows, by the lower bits of its type.
+/// Content of an image by the lower bits of its type.
 const KINDS: [(u32, &str); 4] =
     [(TOPOGRAPHY, "Topography"), (0x0080, "Thickness"), (0x0800, "Sample thickness"), (0x1000, "AFM")];
-/// The bits of a type that say what the image shows.
+/// Bits of a type that define the content.
 const KIND_MASK: u32 = 0xffdf;
 /// Flags of a type.
 const FLAGS: [(u32, &str); 3] = [(0x1_0000, "extended"), (0x2_0000, "computed"), (0x20, "filtered")];
 
-/// An image and where its numbers stand.
+/// Image and the place of its numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Image<'a> {
     kind: u32,
@@ -43,17 +43,17 @@ impl<'a> Image<'a> {
         Ok(image)
     }
 
-    /// Bytes of its numbers.
+    /// Returns the size of the numbers in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.shape.0 * self.shape.1 * self.sample.size()
     }
 
-    /// Whether it shows a topography.
+    /// Returns whether the image is a topography.
     pub(super) fn is_topography(&self) -> bool {
         self.kind & KIND_MASK == TOPOGRAPHY
     }
 
-    /// Its name; `None` where it shows no lengths.
+    /// Returns the name of the image; `None` if its values are not lengths.
     pub(super) fn name(&self) -> Option<String> {
         let (_, kind) = KINDS.into_iter().find(|(kind, _)| self.kind & KIND_MASK == *kind)?;
         let sensor = match self.kind >> 28 & 3 {
@@ -67,10 +67,10 @@ impl<'a> Image<'a> {
     }
 }
 
-/// The most images of a file; sensors have at most sixteen buffers.
+/// Maximum number of images of a file. Sensors have at most sixteen buffers.
 const MAX_IMAGES: usize = 1 << 12;
 
-/// The images of block 0x007d, whatever they show.
+/// Returns all images of block 0x007d.
 pub(super) fn images<'a>(block: Input<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>> {
     let mut images = Vec::new();
     let mut offset = IMAGES_HEADER_BYTES;

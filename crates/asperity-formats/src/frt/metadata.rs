@@ -1,4 +1,4 @@
-//! What an FRT file says besides its heights.
+//! Metadata of an FRT file.
 
 use std::collections::BTreeMap;
 
@@ -6,16 +6,16 @@ use super::blocks::{Blocks, Z_UNIT};
 use crate::date::utc;
 use crate::input::{self, Input, latin1};
 
-/// How a field is stored and shown.
+/// Type of a field.
 #[derive(Clone, Copy)]
 enum Kind {
     U32,
     F64,
-    /// Seconds since 1970-01-01, unset as 0 or with all bits.
+    /// Seconds since 1970-01-01; 0 and all bits set mean unknown.
     Time,
-    /// Text of at most that many bytes.
+    /// Text of at most this many bytes.
     Text(usize),
-    /// Text after its length as u32, after so many other such texts.
+    /// Text after its length as u32, after this many other such texts.
     Counted(usize),
 }
 
@@ -60,7 +60,7 @@ const FIELDS: [(u16, usize, &str, Kind); 37] = [
     (0x00ac, 0, "user description", Kind::Counted(1)),
 ];
 
-/// The fields that are there; whatever a block is too short for is left out.
+/// Returns the fields that are present. Fields beyond the end of a block are left out.
 pub(super) fn metadata(blocks: &Blocks) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::new();
     for (tag, offset, name, kind) in FIELDS {
@@ -90,13 +90,13 @@ fn value(block: &Input, name: &str, offset: usize, kind: Kind) -> Option<String>
     }
 }
 
-/// A text after its length.
+/// Returns a text after its length.
 fn counted<'a>(block: &Input<'a>, name: &str, offset: usize) -> Option<&'a [u8]> {
     let length = usize::try_from(block.u32(name, offset).ok()?).ok()?;
     block.take(name, offset + 4, length).ok()
 }
 
-/// The unit of z in block 0x009f, a text after its length as u16.
+/// Returns the unit of z in block 0x009f, a text after its length as u16.
 pub(super) fn z_unit(block: &Input) -> Option<String> {
     let length = block.u16("z unit", 0).ok()?;
     block.latin1("z unit", 2, length.into()).ok().filter(|text| !text.is_empty())

@@ -1,30 +1,30 @@
-//! Serialised objects: where their components lie.
+//! Serialised objects and their components.
 
 use crate::error::{Result, shown};
 use std::borrow::Cow;
 
 use crate::input::{Input, MAX_TEXT_BYTES};
 
-/// A serialised object.
+/// Serialised object.
 #[derive(Clone, Copy)]
 pub(super) struct Object<'a> {
     input: Input<'a>,
-    /// Where the name of its type starts.
+    /// Offset of the name of its type.
     offset: usize,
-    /// Where its components start and end.
+    /// Start and end of its components.
     content: (usize, usize),
 }
 
-/// A component of an object.
+/// Component of an object.
 pub(super) struct Component<'a> {
     pub(super) name: Cow<'a, str>,
-    /// The letter of its type.
+    /// Letter of its type.
     pub(super) kind: u8,
-    /// Where its value starts and ends.
+    /// Start and end of its value.
     pub(super) value: (usize, usize),
 }
 
-/// The place behind the next zero before `limit`.
+/// Returns the offset after the next zero before `limit`.
 fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize> {
     let bytes = input.bytes().get(offset..limit).unwrap_or_default();
     let length = bytes.iter().position(|&byte| byte == 0);
@@ -32,14 +32,15 @@ fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Resul
     length.map(|length| offset + length + 1).ok_or_else(wrong)
 }
 
-/// The text that ends with the next zero before `limit`, as far as it is kept, and the place behind the zero.
+/// Reads the text up to the next zero before `limit`, cut to [`MAX_TEXT_BYTES`]. Returns it with the offset after the
+/// zero.
 fn string<'a>(input: &Input<'a>, field: &str, offset: usize, limit: usize) -> Result<(Cow<'a, str>, usize)> {
     let end = behind_text(input, field, offset, limit)?;
     let kept = &input.bytes()[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
     Ok((String::from_utf8_lossy(kept), end))
 }
 
-/// Where `length` bytes from `offset` end, if that is before `limit`.
+/// Returns the end of `length` bytes from `offset` on, checked against `limit`.
 fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> Result<usize> {
     let room = limit.saturating_sub(offset);
     match usize::try_from(length) {
@@ -49,7 +50,7 @@ fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> 
 }
 
 impl<'a> Object<'a> {
-    /// The object at `offset`, which ends before `limit`.
+    /// Opens the object at `offset`, which ends before `limit`.
     ///
     /// # Errors
     /// A size beyond `limit`.
@@ -60,7 +61,7 @@ impl<'a> Object<'a> {
         Ok(Self { input, offset, content: (start, content_end) })
     }
 
-    /// The object that a component holds.
+    /// Opens the object in a component.
     pub(super) fn of(input: Input<'a>, component: &Component) -> Result<Self> {
         Self::at(input, &component.name, component.value.0, component.value.1)
     }
@@ -71,18 +72,18 @@ impl<'a> Object<'a> {
         if found == kind { Ok(()) } else { Err(self.input.wrong("type of the object", self.offset, found, kind)) }
     }
 
-    /// Where the object's components start.
+    /// Returns the start of the components.
     pub(super) fn start(&self) -> usize {
         self.content.0
     }
 
-    /// The components in their order; objects inside are stepped over by their size.
+    /// Returns the components in order. Nested objects are skipped by their size.
     pub(super) fn components(&self) -> impl Iterator<Item = Result<Component<'a>>> + use<'a> {
         let (input, (mut offset, limit)) = (self.input, self.content);
         std::iter::from_fn(move || {
             (offset < limit).then(|| {
                 let component = component(&input, offset, limit);
-                // Nothing can be said of what follows damage.
+                // The components after a damaged one cannot be located.
                 offset = component.as_ref().map_or(limit, |component| component.value.1);
                 component
             })
@@ -90,7 +91,7 @@ impl<'a> Object<'a> {
     }
 }
 
-/// The component at `offset`.
+/// Reads the component at `offset`.
 fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Component<'a>> {
     let (name, kind_at) = string(input, "name of a component", offset, limit)?;
     let start = end(input, &name, kind_at, 1, limit)?;
@@ -108,7 +109,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
                 b'C' => end(input, &name, items, count.into(), limit)?,
                 b'I' => end(input, &name, items, 4 * u64::from(count), limit)?,
                 b'Q' | b'D' => end(input, &name, items, 8 * u64::from(count), limit)?,
-                // Every text takes a byte and every object five, so that the count is bounded by the bytes.
+                // Every text takes a byte and every object five, so the size of the file limits the count.
                 b'S' => (0..count).try_fold(items, |at, _| behind_text(input, &name, at, limit))?,
                 _ => (0..count).try_fold(items, |at, _| Ok(Object::at(*input, &name, at, limit)?.content.1))?,
             }
@@ -132,7 +133,7 @@ impl Component<'_> {
         Err(input.wrong(&field, self.value.0 - 1, self.kind as char, &(kind as char).to_string()))
     }
 
-    /// The value as text: of a text, a number or a truth value.
+    /// Returns the value of a text, a number or a truth value as text.
     pub(super) fn text(&self, input: &Input) -> Result<Option<String>> {
         let (start, end) = self.value;
         Ok(Some(match self.kind {

@@ -1,4 +1,4 @@
-//! From a tree of objects to a scan.
+//! Reader of Gwyddion files.
 
 use crate::error::{Result, shown};
 use std::collections::{BTreeMap, HashMap};
@@ -11,14 +11,14 @@ use crate::selection::{some_of, unique};
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// Images that one file may hold.
+/// Maximum number of images of one file.
 const MAX_IMAGES: usize = 1 << 16;
-/// The most bytes of a title, which is the name of its image.
+/// Maximum size in bytes of a title, which is the name of its image.
 const MAX_TITLE_BYTES: usize = 256;
-/// Mask values above mark a point.
+/// Mask value above which a point is masked.
 const MASKED: f64 = 0.5;
 
-/// Where the parts of an image lie in the file.
+/// Offsets of the parts of an image.
 #[derive(Default)]
 struct Parts {
     data: Option<usize>,
@@ -27,10 +27,10 @@ struct Parts {
     meta: Option<usize>,
 }
 
-/// Reads the chosen image.
+/// Reads the selected image.
 ///
 /// # Errors
-/// Files of Gwyddion 1, trees that the bytes cannot bear out, files without an image of lengths.
+/// Files of Gwyddion 1, objects beyond the end of the file, files without an image of lengths.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Gwy, bytes);
     if bytes.starts_with(MAGIC_1) {
@@ -83,7 +83,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(scan.with_channels(names, place))
 }
 
-/// The images by number, and the name under which the file was saved.
+/// Returns the images by number, and the name of the saved file.
 fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<String>)> {
     let (mut images, mut file_name) = (BTreeMap::<u32, Parts>::new(), None);
     for component in root.components() {
@@ -109,26 +109,26 @@ fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<
     Ok((images, file_name))
 }
 
-/// The number and the rest of `/0/data` and the like.
+/// Splits a key such as `/0/data` into the number and the rest.
 fn image_key(key: &str) -> Option<(u32, &str)> {
     let (number, rest) = key.strip_prefix('/')?.split_once('/')?;
     let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
     Some((number.parse().ok().filter(|_| is_number)?, rest))
 }
 
-/// An object whose place the walk through the root has found.
+/// Opens an object whose offset is known from the root.
 fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a>> {
     Object::at(*input, field, offset, input.len())
 }
 
-/// A title whose place the walk through the root has found.
+/// Reads a title whose offset is known from the root.
 fn title(input: &Input, offset: usize) -> String {
     let bytes = input.bytes().get(offset..).unwrap_or_default();
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end.min(MAX_TITLE_BYTES)]).into_owned()
 }
 
-/// The units of an image, empty where none is stated.
+/// Units of an image; empty if they are not stated.
 struct Units {
     xy: String,
     z: String,
@@ -159,7 +159,7 @@ impl Units {
         Ok(units)
     }
 
-    /// How often the unit of the values goes into a metre, `None` where they are no lengths.
+    /// Returns the number of height units per metre; `None` if the values are not lengths.
     fn per_metre_z(&self) -> Option<f64> {
         if self.states_none() { Some(1.0) } else { per_metre(&self.z) }
     }
@@ -187,7 +187,7 @@ impl Units {
     }
 }
 
-/// The fields of a `GwyDataField`.
+/// Returns the fields of a `GwyDataField`.
 fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, Component<'a>>> {
     let mut fields = HashMap::new();
     for component in field.components() {
@@ -204,7 +204,7 @@ fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, C
     Ok(fields)
 }
 
-/// Rows, columns and the place of the first number.
+/// Returns rows, columns and the offset of the first number.
 fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) -> Result<(usize, usize, usize)> {
     let required = |name: &str| {
         let component = fields.get(name).ok_or_else(|| input.missing(name, field.start(), "xres, yres and data"))?;
@@ -221,7 +221,7 @@ fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) ->
     Ok((ny, nx, data_at + 4))
 }
 
-/// The heights and the pitch of an image.
+/// Reads the heights and the pitch of an image.
 fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
     let fields = fields(input, field)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
@@ -248,7 +248,7 @@ fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
     Ok(scan)
 }
 
-/// Takes out the heights that the mask marks.
+/// Sets masked heights to NaN.
 fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
     mask.expect(DATA_FIELD)?;
     let (ny, nx, data_at) = layout(input, mask, &fields(input, mask)?)?;

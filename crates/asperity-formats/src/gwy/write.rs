@@ -1,4 +1,4 @@
-//! From a scan to a tree of objects.
+//! Writer of Gwyddion files.
 
 use crate::error::Result;
 use std::mem::size_of;
@@ -6,10 +6,10 @@ use std::mem::size_of;
 use super::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
 use crate::{Format, FormatError, Scan};
 
-/// The title of a scan that has none.
+/// Title of a scan without a title.
 const TITLE: &str = "Height";
 
-/// A file in the making.
+/// Buffer of the file.
 struct Writer(Vec<u8>);
 
 impl Writer {
@@ -38,7 +38,7 @@ impl Writer {
         self.0.extend(value.to_le_bytes());
     }
 
-    /// An object: its type, its size, and what `content` writes.
+    /// Writes an object: its type, its size, and the output of `content`.
     fn object(&mut self, kind: &str, content: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.text(kind);
         let size_at = self.0.len();
@@ -59,7 +59,7 @@ impl Writer {
         })
     }
 
-    /// An image or mask of the scan's points.
+    /// Writes an image or mask of the points of the scan.
     fn field(
         &mut self,
         name: &str,
@@ -90,14 +90,14 @@ impl Writer {
     }
 }
 
-/// The scan as a Gwyddion file with one image. Equal scans give equal bytes.
+/// Writes a scan as a Gwyddion file with one image. Equal scans give equal bytes.
 ///
-/// Missing points are masked and have the mean of the others, as Gwyddion does it. The title is the metadata field
-/// `title`; all other fields become the image's metadata.
+/// Missing points are masked and hold the mean of the others, as in Gwyddion. The title is the metadata field
+/// `title`; all other fields become metadata of the image.
 ///
 /// # Errors
-/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with a pixel
-/// size that is none, or of 4 GiB and more.
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with an
+/// invalid pixel size, or of 4 GiB and more.
 pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Gwy)?;
     let sizes_m = (nx as f64 * dx_m, ny as f64 * dy_m);
@@ -124,7 +124,7 @@ pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     Ok(writer.0)
 }
 
-/// The mean of the heights that are not missing; the format allows no number that is not finite.
+/// Returns the mean of the heights that are not missing. The format allows finite numbers only.
 fn mean(scan: &Scan) -> f64 {
     let count = scan.heights_m.len() - scan.missing_points();
     let mean = scan.heights_m.iter().filter(|z| z.is_finite()).sum::<f64>() / count as f64;

@@ -1,4 +1,4 @@
-//! The header of an object: its fields and what they say of the axes.
+//! Header of an object: fields, axes and metadata.
 
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -8,9 +8,9 @@ use crate::input::{Field, Input, Kind};
 use crate::sample::{ByteOrder, Sample};
 use crate::unit::per_metre;
 
-/// Bytes of the header.
+/// Size of the header in bytes.
 pub(super) const HEADER_BYTES: usize = 512;
-/// Value of the format field in files of big-endian machines, which reads the same in either order.
+/// Value of the format field in files of big-endian machines. It is the same in either byte order.
 const BIG_ENDIAN: i16 = 257;
 /// Relative difference above which a unit ratio contradicts the units.
 const RATIO_TOLERANCE: f64 = 1e-3;
@@ -44,7 +44,7 @@ const NOTES: [(&str, usize, Kind); 8] = [
     (INVERTED.0, INVERTED.1, Kind::I16),
     ("levelled", 292, Kind::I16),
 ];
-/// Axis of a series, which its name marks.
+/// Fields of the axis of a series. An empty name means that there is none.
 const SERIES_NOTES: [(&str, usize, Kind); 4] = [
     ("t axis name", 486, Kind::Text(13)),
     ("t step unit", 499, Kind::Text(13)),
@@ -52,7 +52,7 @@ const SERIES_NOTES: [(&str, usize, Kind); 4] = [
     ("t offset", 482, Kind::F32),
 ];
 
-/// What the header says about one axis.
+/// Fields of one axis.
 #[derive(Clone, Copy)]
 pub(super) struct Axis {
     pub(super) spacing: Field,
@@ -83,16 +83,16 @@ pub(super) const Y: Axis =
     Axis::new(1, ["y spacing", "y axis name", "y step unit", "y length unit", "y unit ratio", "y offset"]);
 pub(super) const Z: Axis =
     Axis::new(2, ["z spacing", "z axis name", "z step unit", "z length unit", "z unit ratio", "z offset"]);
-/// Bytes of an axis name or unit, and of the client zone.
+/// Size in bytes of an axis name or unit, and of the client zone.
 pub(super) const AXIS_TEXT_BYTES: usize = 16;
 pub(super) const CLIENT_ZONE_BYTES: usize = 128;
-/// Bytes of the names of object and operator.
+/// Size in bytes of the names of object and operator.
 pub(super) const NAME_BYTES: usize = 30;
 
 /// Header of an object.
 #[derive(Clone, Copy)]
 pub(super) struct Header<'a> {
-    /// The file from the header on.
+    /// File from the header on.
     pub(super) input: Input<'a>,
     pub(super) order: ByteOrder,
 }
@@ -125,7 +125,7 @@ impl<'a> Header<'a> {
         self.input.latin1(name, at, length)
     }
 
-    /// A unit, without the brackets that some writers put around it.
+    /// Returns a unit without the brackets that some writers put around it.
     pub(super) fn unit(&self, field: Field) -> Result<String> {
         let text = self.text(field, AXIS_TEXT_BYTES)?;
         Ok(text.trim_matches(['(', ')', '[', ']', ' ']).to_owned())
@@ -135,14 +135,14 @@ impl<'a> Header<'a> {
         self.input.wrong(name, at, found, wanted)
     }
 
-    /// Type of the stored numbers.
+    /// Returns the type of the stored numbers.
     pub(super) fn sample(&self) -> Result<Sample> {
         let bits = self.i16(BITS_PER_POINT)?;
         let sample = if matches!(bits, 16 | 32) { Sample::integer(bits as u64, true) } else { None };
         sample.ok_or_else(|| self.wrong(BITS_PER_POINT, bits, "16 or 32"))
     }
 
-    /// Checked lines and points per line.
+    /// Returns the checked numbers of lines and points per line.
     pub(super) fn shape(&self) -> Result<(usize, usize)> {
         let [lines, columns] = [LINES, POINTS_PER_LINE].map(|field| Ok((field.0, field.1, self.i32(field)?)));
         let (ny, nx) = self.input.shape(lines?, columns?)?;
@@ -153,20 +153,20 @@ impl<'a> Header<'a> {
         Ok((ny, nx))
     }
 
-    /// A doubt where the units of steps and lengths and the ratio between them disagree.
+    /// Returns a warning if the units of steps and lengths and the ratio between them disagree.
     pub(super) fn ratio_warning(&self, axis: Axis) -> Result<Option<String>> {
         let (step, length) = (self.unit(axis.step_unit)?, self.unit(axis.length_unit)?);
         let ratio = f64::from(self.f32(axis.unit_ratio)?);
         let Some((per_step, per_length)) = per_metre(&step).zip(per_metre(&length)) else { return Ok(None) };
         let units = per_step / per_length;
         let agrees = |ratio: f64| (ratio / units - 1.0).abs() < RATIO_TOLERANCE;
-        // Writers disagree on which of the two units is divided by the other.
+        // Writers disagree on the direction of the ratio.
         Ok((ratio > 0.0 && !agrees(ratio) && !agrees(1.0 / ratio)).then(|| {
             format!("the {} is {ratio}, but 1 {length} is {units} {step}; the step unit was used", axis.unit_ratio.0)
         }))
     }
 
-    /// Day and time of the measurement, empty when no day is stated.
+    /// Returns date and time of the measurement; empty if no day is stated.
     fn date(&self) -> Result<String> {
         let part = |place: usize| self.input.i16(DATE.0, DATE.1 + 2 * place);
         let (second, minute, hour, day, month, year) = (part(0)?, part(1)?, part(2)?, part(3)?, part(4)?, part(5)?);
@@ -174,7 +174,7 @@ impl<'a> Header<'a> {
         Ok(if day > 0 && month > 0 { text() } else { String::new() })
     }
 
-    /// What else the header says.
+    /// Returns further fields of the header.
     pub(super) fn metadata(&self) -> Result<BTreeMap<String, String>> {
         let mut metadata = self.input.values(&NOTES)?;
         for axis in [X, Y, Z] {

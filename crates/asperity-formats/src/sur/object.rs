@@ -1,4 +1,4 @@
-//! An object: where its parts lie, and its numbers.
+//! Objects of a file: their parts and numbers.
 
 use std::cmp::Ordering;
 use std::io::Read;
@@ -13,13 +13,13 @@ use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
 
-/// The most streams of one object; writers use one, or one per processor.
+/// Maximum number of streams of one object. Writers use one, or one per processor.
 const MAX_STREAMS: u32 = 1 << 10;
-/// Bytes of the number of streams, and of the sizes of one.
+/// Size in bytes of the number of streams, and of the sizes of one.
 const COUNT_BYTES: usize = 4;
 const SIZES_BYTES: usize = 8;
 
-/// What an object type says, by the published numbering.
+/// Returns the published name of an object type: `Ok` for surfaces, `Err` for other types.
 pub(super) fn kind(code: i16) -> Result<&'static str, &'static str> {
     match code {
         0 => Ok("an object of unknown type"),
@@ -46,12 +46,12 @@ pub(super) fn kind(code: i16) -> Result<&'static str, &'static str> {
     }
 }
 
-/// Whether an object of a type is a surface with images of it in the objects that follow.
+/// Returns whether an object of a type is a surface with images of it in the following objects.
 pub(super) fn is_followed_by_images(code: i16) -> bool {
     matches!(code, 11 | 13 | 16)
 }
 
-/// An object of a file.
+/// Object of a file.
 pub(super) struct Object<'a> {
     pub(super) header: Header<'a>,
     pub(super) code: i16,
@@ -61,9 +61,9 @@ pub(super) struct Object<'a> {
     /// Offsets of the private zone and of the numbers from the start of the object.
     private_start: usize,
     data_start: usize,
-    /// Number of zlib streams, `None` for numbers as they are.
+    /// Number of zlib streams; `None` for plain numbers.
     streams: Option<usize>,
-    /// Bytes of all streams, unpacked and packed.
+    /// Sizes of all streams in bytes, unpacked and packed.
     raw: u64,
     packed: u64,
     /// Size of the object in bytes.
@@ -71,7 +71,7 @@ pub(super) struct Object<'a> {
 }
 
 impl<'a> Object<'a> {
-    /// The object that starts at a byte; all of its bytes are there.
+    /// Opens an object and checks that all of its bytes are present.
     fn open(header: Header<'a>) -> Result<Self> {
         let input = header.input;
         let sample = header.sample()?;
@@ -87,7 +87,7 @@ impl<'a> Object<'a> {
         Ok(Self { end: data_start + data.len(), ..object })
     }
 
-    /// The object with what the directory of its streams says.
+    /// Adds the directory of the streams.
     fn with_directory(self) -> Result<Self> {
         let input = self.header.input;
         let count = input.u32("number of streams", self.data_start)?;
@@ -106,12 +106,12 @@ impl<'a> Object<'a> {
         Ok(object)
     }
 
-    /// The byte behind the directory of so many streams.
+    /// Returns the offset of the first stream.
     fn streams_start(&self, streams: usize) -> usize {
         self.data_start + COUNT_BYTES + SIZES_BYTES * streams
     }
 
-    /// Size of an unpacked stream, and its packed bytes, which start at `start`.
+    /// Returns the unpacked size of a stream, and its packed bytes, which start at `start`.
     fn stream(&self, number: usize, start: usize) -> Result<(u64, &'a [u8])> {
         let input = self.header.input;
         let sizes = self.data_start + COUNT_BYTES + SIZES_BYTES * number;
@@ -121,12 +121,12 @@ impl<'a> Object<'a> {
         Ok((raw.into(), input.take("the bytes of a stream", start, packed)?))
     }
 
-    /// The comment.
+    /// Returns the comment.
     pub(super) fn comment(&self) -> Result<String> {
         self.header.input.latin1("comment", HEADER_BYTES, self.private_start - HEADER_BYTES)
     }
 
-    /// The stored numbers.
+    /// Returns the stored numbers.
     pub(super) fn numbers(&self) -> Result<Vec<f64>> {
         let count = self.nx * self.ny;
         let Some(streams) = self.streams else {
@@ -152,9 +152,9 @@ impl<'a> Object<'a> {
     }
 }
 
-/// Appends the content of a zlib stream that should unpack to `size` bytes, or returns what is wrong with it.
+/// Appends the content of a zlib stream that should unpack to `size` bytes. An error describes the damage.
 fn unpack(stream: &[u8], size: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
-    // One more byte shows surplus bytes, and makes the decoder compare the checksum at the end.
+    // One more byte reveals surplus bytes, and makes the decoder compare the checksum at the end.
     let unpacked = ZlibDecoder::new(stream).take(size + 1).read_to_end(bytes).map_err(|error| damage(&error))?;
     match (unpacked as u64).cmp(&size) {
         Ordering::Less => Err(format!("it unpacks to {unpacked} bytes, not to the stated {size}")),
@@ -163,11 +163,12 @@ fn unpack(stream: &[u8], size: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
     }
 }
 
-/// The objects of a file, and what ended them before the end of the file.
+/// Returns the objects of a file, and a warning if bytes remain after them.
+///
+/// `check` checks the first header before the rest of the object is read.
 ///
 /// # Errors
-/// What is wrong with the first; later objects that are damaged end the list. `check` judges the first header before
-/// anything else of it is taken.
+/// The error of the first object. A later damaged object ends the list.
 pub(super) fn objects<'a>(
     input: Input<'a>,
     check: impl Fn(&Header) -> Result<()>,
@@ -177,7 +178,7 @@ pub(super) fn objects<'a>(
     let first = Object::open(header)?;
     let mut end = first.end;
     let mut objects = vec![first];
-    // `end` grows by a header at least, and is within the file.
+    // `end` grows by at least a header and stays within the file.
     while is_object(&input.bytes()[end..]) {
         match Header::open(input.from(end)).and_then(Object::open) {
             Ok(object) => {

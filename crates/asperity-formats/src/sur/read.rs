@@ -1,4 +1,4 @@
-//! From a file to a scan.
+//! Reader of SUR.
 
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -13,14 +13,14 @@ use crate::large;
 use crate::unit::per_metre;
 use crate::{Format, ReadOptions, Scan};
 
-/// Object types that surfaces may go by as well.
+/// Object types that some writers use for surfaces.
 const UNKNOWN: i16 = 0;
 const PROFILE: i16 = 1;
 
-/// Reads a surface, the first unless told.
+/// Reads the selected surface, by default the first.
 ///
 /// # Errors
-/// Objects that are no surface, damaged streams, and headers that the bytes cannot bear out.
+/// Objects that are not surfaces, damaged streams, and sizes beyond the end of the file.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (objects, left_out) = objects(Input::new(Format::Sur, bytes), check_kind)?;
     let mut warnings: Vec<String> = left_out.into_iter().collect();
@@ -40,7 +40,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     for axis in [X, Y, Z] {
         warnings.extend(object.header.ratio_warning(axis)?);
     }
-    // Writers describe the measurement in the first object only.
+    // Writers describe the measurement only in the first object.
     let mut metadata = BTreeMap::new();
     for object in [first, object] {
         metadata.extend(object.header.metadata()?);
@@ -54,7 +54,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
-/// Refuses files that hold no surface.
+/// Refuses files without a surface.
 fn check_kind(header: &Header) -> Result<()> {
     let unsupported = |kind: &str| Err(header.input.unsupported(format!("the file holds {kind}"), "a surface"));
     match (header.i16(OBJECT_TYPE)?, header.i32(LINES)?) {
@@ -63,9 +63,9 @@ fn check_kind(header: &Header) -> Result<()> {
     }
 }
 
-/// Doubts surfaces that call themselves something else.
+/// Warns about surfaces with another object type.
 fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
-    // Gwyddion calls the surfaces that it writes profiles.
+    // Gwyddion stores surfaces with the type of profiles.
     if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
         warnings.push(format!("the file calls itself {kind}; its {} lines were read as a surface", object.ny));
     }
@@ -75,9 +75,9 @@ fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// The objects that are height maps, with names of their own: those that they have, or their numbers.
+/// Returns the objects that are height maps with unique names: the names of the objects, or their numbers.
 ///
-/// Layers in other units, such as a phase, are no heights; nor are the images that belong to a surface.
+/// Layers in other units, such as a phase, are not heights, and neither are the images that belong to a surface.
 fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o Object<'a>>)> {
     let (mut names, mut surfaces, mut seen) = (Vec::new(), Vec::new(), BTreeMap::new());
     let only_first = is_followed_by_images(objects[0].code);
@@ -102,12 +102,13 @@ fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o O
     Ok((names, surfaces))
 }
 
-/// Turns stored integers into metre, NaN where the point was not measured.
+/// Converts stored integers to metre; NaN for missing points.
 fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let unit = header.unit(Z.step_unit)?;
     let per_metre = per_metre(&unit).ok_or_else(|| header.wrong(Z.step_unit, unit, "a unit of length"))?;
     let spacing_m = f64::from(header.f32(Z.spacing)?) / per_metre;
-    // Programs that divide the range of a flat map by the steps state 0: its one number is the offset.
+    // Programs that divide the range of a flat map by the number of steps state a spacing of 0. The height is then
+    // the offset.
     let is_flat = heights.iter().all(|z| Some(z) == heights.first());
     if !(spacing_m.is_finite() && (spacing_m != 0.0 || is_flat)) {
         return Err(header.wrong(Z.spacing, header.f32(Z.spacing)?, "a finite number other than 0"));
@@ -116,7 +117,7 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
     if !offset_m.is_finite() {
         return Err(header.wrong(Z.offset, header.f32(Z.offset)?, "a finite number"));
     }
-    // Integers of 32 bits and their neighbours are exact as f64.
+    // Integers of 32 bits are exact as f64.
     let (low, high) = (f64::from(header.i32(Z_MIN)?), f64::from(header.i32(Z_MAX)?));
     let void = low - f64::from(VOID_BELOW_MINIMUM);
     let marked = header.i16(SPECIAL_POINTS)? != 0;
@@ -142,7 +143,7 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
     Ok(())
 }
 
-/// The pitch in metre where both axes are lengths.
+/// Returns the pitch in metre if the units of both axes are lengths.
 fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let mut along = |axis: Axis| {
         let unit = header.unit(axis.step_unit)?;

@@ -1,4 +1,4 @@
-//! From an archive to a scan.
+//! Reader of X3P.
 
 use crate::error::{Result, shown};
 use md5::{Digest, Md5};
@@ -10,22 +10,22 @@ use crate::scan;
 use crate::xml::{Document, Value};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// The largest `main.xml`, in bytes: room for a data list of two million points.
+/// Largest `main.xml` in bytes: it holds a data list of two million points.
 const MAX_MAIN_BYTES: u64 = 1 << 26;
-/// The largest checksum file, in bytes.
+/// Largest checksum file in bytes.
 const MAX_CHECKSUM_BYTES: u64 = 1 << 12;
-/// Bytes that a validity file may have beyond those that its points need.
+/// Maximum number of surplus bytes in a validity file.
 const VALIDITY_PADDING: u64 = 1 << 12;
-/// The most layers of one file.
+/// Maximum number of layers of one file.
 const MAX_LAYERS: u64 = 1 << 12;
-/// The origin of files whose first line is at the top, where a file states one.
+/// Origin of files whose first line is at the top.
 const TOP_LEFT: &str = "NW";
-/// A program that takes the integers of the format for unsigned when it writes; it names itself as the manufacturer.
+/// Program that writes the integers as unsigned. It names itself as the manufacturer.
 const UNSIGNED_WRITER: &str = "SurfaceTopography";
-/// The only feature type that is a height map.
+/// Feature type of a height map.
 const SURFACE: &str = "SUR";
 
-/// The stored matrix and the layer of it that is read.
+/// Stored matrix and the selected layer.
 struct Matrix {
     ny: usize,
     nx: usize,
@@ -34,27 +34,27 @@ struct Matrix {
 }
 
 impl Matrix {
-    /// Points of one layer.
+    /// Returns the number of points of one layer.
     fn points(&self) -> usize {
         self.nx * self.ny
     }
 
-    /// Points before the layer. A few thousand layers of 2²⁸ points are far from the end of `u64`.
+    /// Returns the number of points before the layer. A few thousand layers of 2²⁸ points fit into `u64`.
     fn skipped(&self) -> u64 {
         self.layer * self.points() as u64
     }
 
-    /// Points of all layers.
+    /// Returns the number of points of all layers.
     fn total(&self) -> u64 {
         self.layers * self.points() as u64
     }
 }
 
-/// Reads a layer of a surface, the first unless told.
+/// Reads the selected layer of a surface, by default the first.
 ///
 /// # Errors
-/// Damaged archives and descriptions, records that are no surface on an incremental grid, and data that do not fill the
-/// stated dimensions. A checksum that does not fit is only a warning.
+/// Damaged archives and descriptions, records that are not surfaces on an incremental grid, and data that do not fill
+/// the stated dimensions. A wrong checksum only gives a warning.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::X3p, bytes)?;
     archive.enter_folder_of(MAIN)?;
@@ -91,7 +91,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
-/// Type of the stored numbers, and increment and offset that make them metre.
+/// Returns the type of the stored numbers, and the increment and offset that convert them to metre.
 fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f64, f64)> {
     let (type_path, increment_path) = (axis_path("CZ", "DataType"), axis_path("CZ", "Increment"));
     let letter = document.required(&type_path, "I, L, F or D")?;
@@ -106,7 +106,7 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
         _ => sample,
     };
     let increment = match document.number(&increment_path)? {
-        // The schema asks for an increment of integers only; a zero of floats can but mean that there is none.
+        // The schema requires an increment only for integers. An increment of 0 for floats means that there is none.
         Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),
         Some(increment) if increment != 0.0 => increment,
         found => {
@@ -136,7 +136,7 @@ fn check_main(archive: &mut Archive, main: &[u8], document: &Document, warnings:
         return Ok(());
     }
     let content = archive.read_whole(link, MAX_CHECKSUM_BYTES)?;
-    // Lines of the form `sum *file`; a sum alone can only mean main.xml.
+    // Lines have the form `sum *file`. A sum alone belongs to main.xml.
     let content = String::from_utf8_lossy(&content);
     let stated = content.lines().find_map(|line| {
         let (sum, file) = line.trim().split_once([' ', '\t']).unwrap_or((line.trim(), MAIN));
@@ -158,7 +158,7 @@ fn compare(file: &str, stated: &str, found: &str, warnings: &mut Vec<String>) {
     }
 }
 
-/// Refuses records that are no surface on an incremental grid.
+/// Refuses records that are not surfaces on an incremental grid.
 fn check_kind(document: &Document) -> Result<()> {
     let feature = document.required(path::FEATURE_TYPE, "SUR (a surface)")?;
     let is_list = document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none();
@@ -181,7 +181,7 @@ fn check_kind(document: &Document) -> Result<()> {
     Ok(())
 }
 
-/// Checked rows, columns and layers.
+/// Returns the checked numbers of rows, columns and layers.
 fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
     let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
     if document.text(path::SIZE_Z).is_none() {
@@ -197,7 +197,7 @@ fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
     }
 }
 
-/// The archive, its description, and the layer that is read.
+/// Archive, its description, and the selected layer.
 struct Record<'a> {
     archive: Archive<'a>,
     document: Document,
@@ -254,13 +254,15 @@ impl Record<'_> {
         }
     }
 
-    /// Takes out the heights that the validity file marks: one bit per point, the lowest bit first, 1 for a valid point.
+    /// Sets the heights that the validity file marks to NaN: one bit per point, the lowest bit first, 1 for a valid
+    /// point.
     ///
-    /// The file may unpack as far as it must: the points that it tells of have been unpacked, and are 16 times as many bits.
+    /// The unpacked size of this file is not limited: its points have already been unpacked, and take at least 16
+    /// times as many bits.
     fn mask(&mut self, heights: &mut [f64]) -> Result<()> {
         let Self { archive, document, matrix, warnings } = self;
         let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
-        // Layers follow each other without padding, so a layer may start within a byte.
+        // Layers have no padding between them, so a layer may start within a byte.
         let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
         let length = (shift + heights.len()).div_ceil(8);
         let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
