@@ -1,15 +1,15 @@
 //! BCR-STM and BCRF of Image Metrology: a header of lines `key = value`, then the heights row by row.
 //!
-//! The header has 2048 characters, or as many as `headersize` says; the `_unicode` variants write it in UTF-16.
-//! `bcrstm` holds 16-bit integers, which `bit2nm` turns into heights; `bcrf` holds 32-bit floats, which are heights
-//! already. Both are in `zunit`; units that are not named are nanometre. `intelmode = 0` marks big-endian numbers.
+//! The header has 2048 characters, or `headersize` characters. The `_unicode` variants store it in UTF-16. `bcrstm`
+//! holds 16-bit integers, which `bit2nm` converts to heights; `bcrf` holds heights as 32-bit floats. Both are in
+//! `zunit`; the default unit is nanometre. `intelmode = 0` declares big-endian numbers.
 //!
-//! `xlength` is the length of all points, columns · dx: in a file of an instrument with square pixels that makes the two
-//! pitches equal to the last digit of the lengths, and columns − 1 does not.
+//! `xlength` is the length of all points, columns · dx: in a file of an instrument with square pixels this makes the
+//! two pitches equal to the last digit of the lengths, and columns − 1 does not.
 //!
-//! 32767 and the largest floats mark missing points. `voidpixels` states their number, or in some files the mark; where
-//! it is 0 the integer 32767 is a height like any other. `zmin` repeats the least height of a file or moves the datum of
-//! one; heights are taken as they stand.
+//! 32767 and the largest floats mark missing points. `voidpixels` states their number, or in some files the mark; if
+//! it is 0, the integer 32767 is an ordinary height. `zmin` repeats the least height of some files and moves the
+//! datum of others; it is ignored.
 //!
 //! # References
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
@@ -43,14 +43,14 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Characters of a header that does not state its size, and the most that one may state.
+/// Default and maximum number of characters of a header.
 const HEADER_CHARACTERS: usize = 2048;
 const MAX_HEADER_CHARACTERS: usize = 1 << 20;
 /// Marks of missing points.
 const VOID_INTEGER: f64 = 32767.0;
 const VOID_FLOAT: f64 = 1.7e38;
 
-/// How the header is written.
+/// Encoding of the header.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Encoding {
     Ascii,
@@ -58,7 +58,7 @@ enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding in which bytes start with `fileformat = bcr`.
+    /// Returns the encoding in which bytes start with `fileformat = bcr`.
     fn of(bytes: &[u8]) -> Option<Self> {
         let encodings = [Self::Ascii, Self::Utf16(ByteOrder::Little), Self::Utf16(ByteOrder::Big)];
         encodings.into_iter().find(|encoding| {
@@ -68,7 +68,7 @@ impl Encoding {
         })
     }
 
-    /// Bytes of one character.
+    /// Returns the size of a character in bytes.
     fn width(self) -> usize {
         match self {
             Self::Ascii => 1,
@@ -76,7 +76,7 @@ impl Encoding {
         }
     }
 
-    /// Text without the mark of byte order.
+    /// Decodes text and removes the byte-order mark.
     fn text(self, bytes: &[u8]) -> String {
         let Self::Utf16(order) = self else { return bytes.iter().map(|&byte| char::from(byte)).collect() };
         let units = bytes.as_chunks().0.iter().map(|&unit| match order {
@@ -88,7 +88,7 @@ impl Encoding {
     }
 }
 
-/// The pairs of a header.
+/// Header of a file.
 struct Header<'a> {
     input: Input<'a>,
     notes: Notes,
@@ -109,22 +109,22 @@ impl<'a> Header<'a> {
         self.notes.value(key)
     }
 
-    /// A number, where the key is there.
+    /// Returns a number; `None` if the key is absent.
     ///
     /// # Errors
-    /// A value that is no number.
+    /// A value that is not a number.
     fn number(&self, key: &str) -> Result<Option<f64>> {
         let parse = |text: &str| text.parse().map_err(|_| self.input.wrong(key, 0, text, "a number"));
         self.get(key).map(parse).transpose()
     }
 
-    /// A count of points.
+    /// Returns a number of points.
     fn count(&self, key: &str) -> Result<i64> {
         let text = self.get(key).ok_or_else(|| self.input.missing(key, 0, "the number of points along the axis"))?;
         text.parse().map_err(|_| self.input.wrong(key, 0, text, "a whole number"))
     }
 
-    /// How often the unit of an axis goes into a metre.
+    /// Returns the number of units of an axis per metre, or the text of an unknown unit.
     fn per_metre(&self, key: &str) -> Result<f64, &str> {
         let unit = self.get(key).unwrap_or("nm");
         per_metre(unit.trim_matches(['[', ']'])).ok_or(unit)
@@ -134,8 +134,8 @@ impl<'a> Header<'a> {
 /// Reads the map.
 ///
 /// # Errors
-/// Force curves, other formats of the family, heights that are no lengths, a header without the number of points, and
-/// heights that end early.
+/// Force curves, other formats of the family, values that are not lengths, a header without the numbers of points,
+/// and heights that end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Bcr, bytes);
     let encoding = Encoding::of(bytes).unwrap_or(Encoding::Ascii);
@@ -190,7 +190,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     Ok(Scan { metadata: header.notes.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// What turns a number into a height in the unit of heights.
+/// Returns the factor from a number to a height in the unit of heights.
 fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Result<f64> {
     let scale = header.number("bit2nm")?;
     if sample == Sample::F32 {
@@ -206,7 +206,7 @@ fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Res
     }
 }
 
-/// The pitch in metre where the header states lengths.
+/// Returns the pitch in metre if the header states lengths.
 fn pitch(header: &Header<'_>, (rows, columns): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let mut along = |length_key, unit_key, points: usize| {
         let Some(length) = header.number(length_key)? else { return Ok(None) };

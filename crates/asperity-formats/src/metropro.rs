@@ -1,17 +1,17 @@
 //! Zygo MetroPro DAT: a header, intensities, and the connected phase, which is the height map.
 //!
 //! A stored phase p, `int32`, is the height p·W·S·O/R with the wavelength W, the interferometric scale factor S, the
-//! obliquity factor O and the counts R of a fringe. Zygo's *MetroPro Reference Guide* (OMP-0347, data file format)
-//! defines the header and gives this formula. Numbers are big-endian, but most of the header's second half is
-//! little-endian. Fields have the names of Zygo's own map of the header.
+//! obliquity factor O and the number R of counts per fringe. Zygo's *MetroPro Reference Guide* (OMP-0347, data file
+//! format) defines the header and this formula. Numbers are big-endian, except in most of the second half of the
+//! header. Fields have the names of Zygo's own map of the header.
 //!
-//! Readers differ on three points.
-//! - The code for the counts R is 0, 1, 2 by the guide; one reader takes 1, 2, 3 and so finds heights eight times too
-//!   high. A NewView file with code 1 whose scan covered 100 µm has heights of 51 µm, or of 410 µm by that reading.
-//! - Some turn the heights over where `sign` says that the data are inverted. The guide's formula has no sign: like the
-//!   fields around it, `sign` tells how the data were made. Heights are taken by the formula; a warning tells.
-//! - The intensities before the phase are skipped by their stated bytes or by their dimensions. The two agree in sound
-//!   files; else the size of the file decides.
+//! Readers differ on three points:
+//! - The code of R is 0, 1 or 2 by the guide. One reader takes 1, 2, 3 and obtains heights eight times too high. A
+//!   NewView file with code 1 whose scan covered 100 µm has heights of 51 µm, or of 410 µm by that reading.
+//! - Some readers invert the heights if `sign` declares inverted data. The guide's formula has no sign: like the
+//!   fields around it, `sign` describes how the data were made. This reader applies the formula and issues a warning.
+//! - The intensities before the phase are skipped by their declared size or by their dimensions. The two agree in
+//!   sound files; otherwise the size of the file decides.
 
 use crate::date::utc;
 use crate::error::Result;
@@ -41,7 +41,7 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// A kind of header.
+/// Kind of header.
 struct Header {
     magic: u32,
     format: u16,
@@ -54,11 +54,11 @@ const HEADERS: [Header; 3] = [
     Header { magic: 0x881b_0371, format: 3, bytes: 4096 },
 ];
 
-/// Phases from here on are no measurements.
+/// Lowest phase that marks a missing point.
 const INVALID: f64 = 2_147_483_640.0;
-/// Counts of a fringe by the code `phase_res`.
+/// Counts per fringe by the code `phase_res`.
 const COUNTS_PER_FRINGE: [f64; 3] = [4096.0, 32768.0, 131_072.0];
-/// Relative difference of the camera's pixel sides above which pixels are no squares.
+/// Relative difference of the sides of a camera pixel above which pixels are not square.
 const SQUARE_TOLERANCE: f32 = 1e-3;
 
 const BIG_ENDIAN_FIELDS: [(&str, usize, Kind); 39] = [
@@ -118,7 +118,7 @@ const LITTLE_ENDIAN_FIELDS: [(&str, usize, Kind); 10] = [
 /// Reads the connected phase as heights.
 ///
 /// # Errors
-/// Headers of other kinds, files without phase, factors that give no heights, and fewer phases than stated.
+/// Headers of other kinds, files without phase, invalid factors, and fewer phases than declared.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::MetroPro, bytes).with_order(ByteOrder::Big);
     let header_bytes = header_bytes(&input)?;
@@ -147,7 +147,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// Checked size of the header: the guide asks readers to check all three fields that tell its kind.
+/// Returns the checked size of the header. The guide requires readers to check all three fields that define its kind.
 fn header_bytes(input: &Input) -> Result<usize> {
     let magic = input.u32("magic_number", 0)?;
     let known = HEADERS.iter().find(|header| header.magic == magic);
@@ -164,7 +164,7 @@ fn header_bytes(input: &Input) -> Result<usize> {
     Ok(bytes)
 }
 
-/// The height of one count in metre.
+/// Returns the height of one count in metre.
 fn scale_m(input: &Input) -> Result<f64> {
     let code = input.u16("phase_res", 218)?;
     let counts = COUNTS_PER_FRINGE.get(usize::from(code));
@@ -181,7 +181,7 @@ fn scale_m(input: &Input) -> Result<f64> {
     Ok(factor("wavelength_in", 168)? * waves_per_fringe / counts)
 }
 
-/// Bytes of the intensities before the phase; `others` are the bytes of everything else.
+/// Returns the size of the intensities before the phase in bytes; `others` is the size of everything else.
 fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> Result<usize> {
     let stated = input.u32("ac_n_bytes", 60)? as usize;
     let mut counted = size_of::<u16>();
@@ -198,7 +198,8 @@ fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> 
     Ok(skipped)
 }
 
-/// The distance of points: what one pixel of the camera sees, by the guide the same along both axes.
+/// Returns the distance between points: the size of a camera pixel on the surface, by the guide equal along both
+/// axes.
 fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let lateral_res = input.f32("lateral_res", 184)?;
     if lateral_res == 0.0 {
@@ -215,7 +216,7 @@ fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>
     Ok(Some((lateral_res.into(), lateral_res.into())))
 }
 
-/// What else the header says; texts that are empty are left out.
+/// Returns further fields of the header.
 fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = input.values(&BIG_ENDIAN_FIELDS)?;
     metadata.extend(input.with_order(ByteOrder::Little).values(&LITTLE_ENDIAN_FIELDS)?);

@@ -1,11 +1,11 @@
 //! NanoFocus NMS of the program µsoft: a header of 3468 bytes, the heights as `u16`, and the intensities as bytes.
 //!
-//! A stored number n is the height `f_low` + (n − `n_low`) · (`f_high` − `f_low`) / (`n_high` − `n_low`) in µm, with all
-//! four from the header. Some readers divide by 65534 whatever the header says, or count from `f_high`: then the highest
+//! A stored number n is the height `f_low` + (n − `n_low`) · (`f_high` − `f_low`) / (`n_high` − `n_low`) in µm, with
+//! these four numbers from the header. Some readers always divide by 65534, or count from `f_high`: then the highest
 //! point, 65535, lies above `f_high`. Steps along x and y are in nm. A point of intensity 0 has no height.
 //!
-//! The vendor published no description. The layout agrees between readers of several authors and with files; fields
-//! that none of them knows are left out. Numbers are little-endian.
+//! The vendor published no description. Readers of several authors and files agree on the layout; fields of unknown
+//! meaning are left out. Numbers are little-endian.
 
 use crate::error::Result;
 
@@ -34,16 +34,16 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Bytes before the heights.
+/// Size of the header in bytes.
 const HEADER_BYTES: usize = 3468;
-/// What the version of every file starts with, and the version whose layout is known.
+/// Start of the version of every file, and the version of the known layout.
 const VERSION_START: &[u8] = b"OM_MS_";
 const KNOWN_VERSION: &str = "OM_MS_2.0";
-/// The data type of `u16`.
+/// Data type of `u16`.
 const UNSIGNED_SHORT: i32 = 2;
-/// The dimension type of an area.
+/// Dimension type of an area.
 const AREA: i32 = 1;
-/// Micrometres and nanometres in a metre: heights are in the one, steps in the other.
+/// Units per metre: heights are in micrometre, steps in nanometre.
 const MICROMETRES: f64 = 1e6;
 const NANOMETRES: f64 = 1e9;
 
@@ -61,7 +61,7 @@ const STEP_X: Field = Field("dx", 1376);
 const STEP_Y: Field = Field("dy", 1384);
 const HAS_INTENSITY: Field = Field("has intensity", 1416);
 
-/// The texts of the header with their widths in bytes.
+/// Texts of the header.
 const TEXTS: [(&str, usize, Kind); 4] = [
     (VERSION.0, VERSION.1, Kind::Text(VERSION_BYTES)),
     ("title", 52, Kind::Text(1024)),
@@ -93,13 +93,13 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     for (z, _) in heights.iter_mut().zip(intensity).filter(|&(_, &intensity)| intensity == 0) {
         *z = f64::NAN;
     }
-    // Steps between points: the field of view of 160 µm of a 100× objective is 512 of 312.5 nm.
+    // Steps between points: the field of view of 160 µm of a 100× objective is 512 steps of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
     let heights_m = input.matrix(COLUMNS.0, COLUMNS.1, (ny, nx), heights)?;
     Ok(Scan { metadata: input.values(&TEXTS)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// Refuses data that are no area of `u16`; doubts headers of another form.
+/// Refuses data other than areas of `u16`, and warns about headers of another form.
 fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
     let data_type = input.i32(DATA_TYPE.0, DATA_TYPE.1)?;
     if data_type != UNSIGNED_SHORT {
@@ -121,7 +121,7 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// Turns stored numbers into metre, NaN where they are outside of the stated range.
+/// Converts stored numbers to metre; NaN for numbers outside of the declared range.
 fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let (n_low, n_high) = (input.i32(N_LOW.0, N_LOW.1)?, input.i32(N_HIGH.0, N_HIGH.1)?);
     if n_low >= n_high {

@@ -1,11 +1,11 @@
 //! Sensofar PLU: a header of 500 bytes, then one or more layers of heights.
 //!
-//! A layer is the number of rows and of columns (both `u32`), the heights as `f32` in µm with 1000001 where the signal
-//! was lost, the lowest and the highest of them, and as many colour images of three bytes per point as the header
-//! states. Readers that take the heights from behind the header shift them by the two numbers of the shape. Numbers
-//! are little-endian.
+//! A layer consists of the numbers of rows and columns (both `u32`), the heights as `f32` in µm with 1000001 for a
+//! lost signal, the lowest and the highest height, and as many colour images of three bytes per point as the header
+//! states. Readers that expect the heights directly after the header shift them by the two numbers of the shape.
+//! Numbers are little-endian.
 //!
-//! The file has no signature. It starts with the date as the C function `ctime` writes it, in a field of 128 bytes.
+//! The file has no signature. It starts with the date in the form of the C function `ctime`, in a field of 128 bytes.
 
 mod names;
 
@@ -36,16 +36,16 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Bytes before the first layer.
+/// Size of the header in bytes.
 const HEADER_BYTES: usize = 500;
-/// Bytes of the shape before the heights of a layer, and of the range behind them.
+/// Sizes in bytes of the shape before the heights of a layer, and of the range after them.
 const SHAPE_BYTES: usize = 8;
 const RANGE_BYTES: usize = 8;
-/// Bytes per point of a colour image.
+/// Size in bytes of a point of a colour image.
 const COLOUR_BYTES: usize = 3;
-/// The height of a point whose signal was lost; exact as `f32`.
+/// Height of a point whose signal was lost; exact as `f32`.
 pub(crate) const LOST: f64 = 1_000_001.0;
-/// Micrometres in a metre.
+/// Number of micrometres per metre.
 const PER_METRE: f64 = 1e6;
 
 const ROWS: Field = Field("yres", 388);
@@ -72,7 +72,7 @@ const NOTES: [(&str, usize, Kind, &str); 7] = [
     ("z_0", 424, Kind::F32, " µm"),
     ("factor_delmacio", 496, Kind::U32, ""),
 ];
-/// Fields on the scan of the field of view. Other fields lie here if the area is given by coordinates.
+/// Fields on the scan of the field of view. Other fields have these offsets if the area is given by coordinates.
 const SCAN_NOTES: [(&str, usize, Kind, &str); 5] = [
     ("na", 464, Kind::U32, ""),
     ("incr_z", 468, Kind::F64, " µm"),
@@ -81,16 +81,17 @@ const SCAN_NOTES: [(&str, usize, Kind, &str); 5] = [
     ("tpc_umbral_F", 484, Kind::U32, " %"),
 ];
 
-/// `Fri Mar 10 16:35:59 2023`.
+/// Length of a date such as `Fri Mar 10 16:35:59 2023`.
 const CTIME_BYTES: usize = 24;
-/// The measurement type of a height map.
+/// Measurement type of a height map.
 const TOPOGRAPHY: u32 = 3;
-/// The area of measurements at points that the user chose.
+/// Area of measurements at points that the user selected.
 const COORDINATES: u32 = 6;
-/// Versions since 2006 count down from 255; 0 is the first one, of 2000.
+/// Versions since 2006 count down from 255. Version 0, of 2000, is the first.
 const NEW_VERSIONS: std::ops::RangeInclusive<u8> = 0xf0..=0xff;
 
-/// A date, and numbers that no text has: three of the four bytes of a small type are zero.
+/// Returns whether bytes start with a date and hold numbers that text cannot contain: three of the four bytes of a
+/// small type are zero.
 fn detect(bytes: &[u8]) -> bool {
     let input = Input::new(Format::Plu, bytes);
     bytes.len() >= HEADER_BYTES
@@ -100,7 +101,7 @@ fn detect(bytes: &[u8]) -> bool {
         && input.u8(VERSION.0, VERSION.1).is_ok_and(|version| version == 0 || NEW_VERSIONS.contains(&version))
 }
 
-/// Whether a text is a date such as `Fri Mar 10 16:35:59 2023`; the day of the month may start with a space.
+/// Returns whether a text is a date such as `Fri Mar 10 16:35:59 2023`. The day of the month may start with a space.
 fn is_ctime(text: &[u8; CTIME_BYTES]) -> bool {
     let Ok(text) = std::str::from_utf8(text) else { return false };
     let words: Vec<&str> = text.split_ascii_whitespace().collect();
@@ -117,7 +118,7 @@ fn is_ctime(text: &[u8; CTIME_BYTES]) -> bool {
         && digits(year, 9999)
 }
 
-/// Heights in the file.
+/// Layer of heights: offset, rows and columns.
 struct Layer {
     start: usize,
     ny: usize,
@@ -127,7 +128,7 @@ struct Layer {
 /// Reads a layer of a topography.
 ///
 /// # Errors
-/// Measurements of other types, and heights that the bytes do not hold.
+/// Measurements of other types, and heights beyond the end of the file.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Plu, bytes);
     input.take("the bytes of the header", 0, HEADER_BYTES)?;
@@ -151,7 +152,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     }
     let in_metre = |z| if z == LOST { f64::NAN } else { z / PER_METRE };
     let heights_m = input.heights("the heights", start, (ny, nx), Sample::F32, in_metre)?;
-    // Micrometres per pixel are the distance between points; the field of view is n of them.
+    // Micrometres per pixel are the distance between points; n of them make the field of view.
     let pitch_m = Some((
         f64::from(input.f32(PITCH_X.0, PITCH_X.1)?) / PER_METRE,
         f64::from(input.f32(PITCH_Y.0, PITCH_Y.1)?) / PER_METRE,
@@ -159,9 +160,9 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
-/// The layers that the bytes hold: the first one, and as many of the others as the header states.
+/// Returns the layers in the file: the first one, and the further ones that the header states.
 fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>> {
-    // Early files leave the number at zero.
+    // Early files leave this number at zero.
     let stated = input.u8(LAYERS.0, LAYERS.1)?.max(1);
     let images = usize::from(input.u8(IMAGES.0, IMAGES.1)?);
     let mut layers = vec![layer(input, HEADER_BYTES)?];
@@ -191,7 +192,7 @@ fn layer(input: &Input, at: usize) -> Result<Layer> {
     Ok(Layer { start, ny, nx })
 }
 
-/// What else the header says.
+/// Returns further fields of the header.
 fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = BTreeMap::new();
     let area = input.u32(AREA.0, AREA.1)?;

@@ -1,12 +1,12 @@
 //! Sensofar PLUX: a zip archive of `index.xml` and a file of heights per layer.
 //!
-//! Heights are little-endian `f32` in µm in rows of x, as many as `GENERAL/IMAGE_SIZE_X` × `IMAGE_SIZE_Y` state for all
-//! layers, NaN where nothing was measured. The links `LAYER_n/FILENAME_Z` name their files. Other files of the archive
+//! Heights are little-endian `f32` in µm in rows of x; `GENERAL/IMAGE_SIZE_X` × `IMAGE_SIZE_Y` is the shape of all
+//! layers, and NaN marks missing points. The links `LAYER_n/FILENAME_Z` name their files. Other files of the archive
 //! hold colour images, thumbnails and settings.
 //!
-//! `GENERAL/FOV_X` and `FOV_Y` are not the field of view, as their names say and some readers take them (in mm), but
-//! the distance between points in µm: a file of an S neox with a 50× objective states 0.138 for both axes with
-//! 2448 × 2048 points, which are 338 µm × 283 µm. The field of view is n of them.
+//! Despite their names, `GENERAL/FOV_X` and `FOV_Y` are not the field of view (some readers take them as such, in mm)
+//! but the distance between points in µm: a file of an S neox with a 50× objective states 0.138 for both axes with
+//! 2448 × 2048 points, which are 338 µm × 283 µm. The field of view is n times this distance.
 
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -38,20 +38,20 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// The file of the archive that describes all others.
+/// File of the archive that describes all others.
 const INDEX: &str = "index.xml";
-/// How the files of heights and of images end.
+/// Extension of files of heights and of images.
 const RAW: &str = ".raw";
-/// The largest `index.xml`, in bytes; those of instruments have some ten thousand.
+/// Largest `index.xml` in bytes. Files of instruments have about ten thousand.
 const MAX_INDEX_BYTES: u64 = 1 << 22;
-/// Bytes of `index.xml` in which the size of a map is looked for, and the name of its field.
+/// Number of bytes of `index.xml` that are searched for the size of a map, and the field of this size.
 const START_BYTES: usize = 1 << 14;
 const SIZE: &[u8] = b"<IMAGE_SIZE_X>";
-/// The format has no lists of numbers in XML: no path of an element ends with a slash.
+/// Path that matches no element, because the format has no lists of numbers in XML.
 const NO_LIST: &str = "/";
-/// Micrometres in a metre.
+/// Number of micrometres per metre.
 const PER_METRE: f64 = 1e6;
-/// Relative difference below which the ratio of the pixel's sides is that of the numbers of points.
+/// Relative difference below which the ratio of the sides of a pixel equals the ratio of the numbers of points.
 const RATIO_TOLERANCE: f64 = 1e-3;
 
 /// Paths of elements below the root of `index.xml`.
@@ -63,7 +63,8 @@ mod path {
     pub(super) const INFO: &str = "INFO/ITEM_";
 }
 
-/// `index.xml` is a common name: a file of heights stands beside it, or it states the size of a map.
+/// Returns whether a zip archive has an `index.xml`, which is a common name, with a file of heights or with the size
+/// of a map.
 fn detect(bytes: &[u8]) -> bool {
     let states_size = |archive: &mut Archive| {
         let start = archive.read_start(INDEX, START_BYTES).unwrap_or_default();
@@ -109,7 +110,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(scan.with_channels(channels, channel))
 }
 
-/// Numbers of the layers that have heights, and the links to them.
+/// Returns the numbers of the layers with heights, and their links.
 fn layers(document: &Document) -> Vec<(u64, &str)> {
     let mut layers: Vec<(u64, &str)> = document
         .values
@@ -123,7 +124,7 @@ fn layers(document: &Document) -> Vec<(u64, &str)> {
     layers
 }
 
-/// The distance between points in metre.
+/// Returns the distance between points in metre.
 fn pitch(document: &Document, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some((x, y)) = document.number(path::PITCH_X)?.zip(document.number(path::PITCH_Y)?) else {
         warnings.push(format!("{INDEX} states no {} or no {}; no pixel size was read", path::PITCH_X, path::PITCH_Y));
@@ -140,7 +141,7 @@ fn pitch(document: &Document, (ny, nx): Shape, warnings: &mut Vec<String>) -> Re
     Ok(Some((x / PER_METRE, y / PER_METRE)))
 }
 
-/// All texts by their paths, and the items of `INFO` by their own names.
+/// Returns all texts by their paths, and the items of `INFO` by their own names.
 fn metadata(document: &Document) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::new();
     for (path, value) in &document.values {

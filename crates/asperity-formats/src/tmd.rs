@@ -1,17 +1,17 @@
 //! TrueMap TMD: a title line, a comment, the size of the grid, and the heights as `float32`.
 //!
-//! Title and comment end with a zero byte. Then follow, little-endian, the numbers of columns and rows (`uint32`), the
-//! lengths of both axes and, in version 2 only, the offsets of the map in the instrument's field of view (`float32`); the
-//! heights follow row by row. All lengths and all heights are in millimetre, as in the routines that GelSight
-//! publishes for the format, <https://github.com/gelsightinc/gsmatlab>.
+//! Title and comment end with a zero byte. Little-endian fields follow: the numbers of columns and rows (`uint32`),
+//! the lengths of both axes and, in version 2 only, the offsets of the map in the field of view of the instrument
+//! (`float32`). The heights follow row by row. All lengths and heights are in millimetre, as in the routines that
+//! GelSight publishes for the format, <https://github.com/gelsightinc/gsmatlab>.
 //!
-//! Some readers take micrometre. In a file of TrueMap v6 with a coin of 17.9 mm on 300 points, the axes are 18.96 long:
-//! these are millimetres, and so are the 0.35 of the coin's relief.
+//! Some readers assume micrometre. In a file of TrueMap v6 with a coin of 17.9 mm on 300 points, the axes are 18.96
+//! long: these are millimetres, and so is the relief of the coin, 0.35.
 //!
-//! Version 1 is known from another reader's description alone.
+//! The layout of version 1 is known only from the description of another reader.
 //!
-//! An axis is as long as its number of points times their distance: the file states the field of view, not the distance
-//! between the outermost points.
+//! The length of an axis is the number of points times their distance: the file states the field of view, not the
+//! distance between the outermost points.
 
 use crate::error::Result;
 
@@ -40,19 +40,19 @@ pub(crate) const CODEC: Codec = Codec {
 
 /// First bytes of the title in every version.
 const TITLE: &[u8] = b"Binary TrueMap Data File";
-/// What may follow in the title.
+/// Suffix of the title in version 2.
 const VERSION_2: &str = "v2.0";
-/// Bytes of the title in version 2, with the zero at its end.
+/// Size in bytes of the title in version 2, with the zero at its end.
 const TITLE_2_BYTES: usize = 32;
-/// The longest title that is looked for.
+/// Maximum size of the title in bytes.
 const MAX_TITLE_BYTES: usize = 64;
-/// Bytes of the comment where writers fill it up with zeros.
+/// Size in bytes of the comment if the writer fills it up with zeros.
 const FILLED_COMMENT_BYTES: usize = 24;
-/// The longest comment that GelSight's routines take.
+/// Maximum size of the comment in bytes in GelSight's routines.
 const MAX_COMMENT_BYTES: usize = 2048;
 const METRES_PER_MILLIMETRE: f64 = 1e-3;
 
-/// Where the fields after the comment stand.
+/// Place of the fields after the comment.
 #[derive(Clone, Copy)]
 struct Layout {
     columns: usize,
@@ -76,7 +76,7 @@ impl Layout {
         self.columns + if self.has_offsets { 24 } else { 16 }
     }
 
-    /// Bytes of the whole file by the stated numbers of columns and rows.
+    /// Returns the size of the whole file in bytes from the stated numbers of columns and rows.
     fn file_bytes(self, input: &Input) -> Result<u64> {
         let columns = u64::from(input.u32("the number of columns", self.columns)?);
         let rows = u64::from(input.u32("the number of rows", self.rows())?);
@@ -94,7 +94,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let version = latin1(bytes.get(TITLE.len()..title_end).unwrap_or_default());
     let is_version_2 = version == VERSION_2;
     if !is_version_2 && !version.is_empty() {
-        // Ambios files share the first words; what their second length means is not known.
+        // Ambios files start with the same words. The meaning of their second length is unknown.
         return Err(input.unsupported(format!("the title goes on with `{version}`"), "version 1 (nothing) or `v2.0`"));
     }
     let comment = if is_version_2 { TITLE_2_BYTES } else { title_end + 1 };
@@ -123,16 +123,17 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     Ok(scan)
 }
 
-/// Where the zero after a text stands.
+/// Returns the offset of the zero after a text.
 fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usize> {
     let bytes = input.bytes().get(start..).unwrap_or_default();
     let end = bytes.iter().take(limit).position(|&byte| byte == 0);
     end.map(|length| start + length).ok_or_else(|| input.missing(part, start, "a text that a zero byte ends"))
 }
 
-/// The fields after the comment.
+/// Returns the place of the fields after the comment.
 ///
-/// They follow its zero byte, but some writers fill the comment up to 24 bytes. The size of the file tells which.
+/// They follow its zero byte, but some writers fill the comment up to 24 bytes. The size of the file shows which
+/// applies.
 fn layout(input: &Input, comment: usize, comment_end: usize, has_offsets: bool) -> Result<Layout> {
     let plain = Layout { columns: comment_end + 1, has_offsets };
     let filled = Layout { columns: comment + FILLED_COMMENT_BYTES, has_offsets };

@@ -1,11 +1,11 @@
 //! Keyence VK3, VK4, VK6, VK7 of laser scanning microscopes.
 //!
-//! VK3 and VK4 are one layout ([`vk4`]). VK6 and VK7 are `VK6` or `VK7`, the size of a preview as u32, the preview as
-//! BMP, and a zip archive that holds a whole VK4 file under the name `Vk4File`.
+//! VK3 and VK4 share one layout ([`vk4`]). VK6 and VK7 consist of `VK6` or `VK7`, the size of a preview as u32, the
+//! preview as BMP, and a zip archive with a whole VK4 file under the name `Vk4File`.
 //!
-//! `Vk6ImageData` in that archive is an archive of its own. Its `ErrorImageData` marks points at which the instrument
-//! found no height. VK3 and VK4 have no such marks: programs that take 0 or the highest number for one contradict each
-//! other, so heights of 0 are told and kept.
+//! `Vk6ImageData` in that archive is another archive. Its `ErrorImageData` marks points at which the instrument found
+//! no height. VK3 and VK4 have no such marks: programs disagree on whether 0 or the highest number is one, so heights
+//! of 0 are kept, with a warning.
 
 mod conditions;
 mod metadata;
@@ -37,19 +37,19 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Where the size of the preview stands, after `VK6`.
+/// Offset of the size of the preview, after `VK6`.
 const PREVIEW_SIZE: usize = 3;
-/// Where the preview starts.
+/// Offset of the preview.
 const PREVIEW: usize = 7;
 /// First bytes of the preview.
 const BITMAP: &[u8] = b"BM";
-/// The file of the archive that holds the heights.
+/// File of the archive with the heights.
 const HEIGHTS: &str = "Vk4File";
-/// The file of the archive that is an archive of images.
+/// File of the archive that is an archive of images.
 const IMAGES: &str = "Vk6ImageData";
-/// The image of points without a height.
+/// Image of points without a height.
 const ERRORS: &str = "ErrorImageData";
-/// Bytes before the rows of such an image.
+/// Size in bytes of the header of such an image.
 const ERRORS_HEADER_BYTES: usize = 16;
 
 fn detect(bytes: &[u8]) -> bool {
@@ -60,7 +60,7 @@ fn detect(bytes: &[u8]) -> bool {
 /// Reads a layer of heights.
 ///
 /// # Errors
-/// Archives without a VK4 file, files without heights, and headers that the bytes cannot bear out.
+/// Archives without a VK4 file, files without heights, and sizes beyond the end of the file.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Vk, bytes);
     if vk4::detect(bytes) {
@@ -83,7 +83,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     Ok(scan)
 }
 
-/// Makes heights NaN where the image of errors is not 0; how many.
+/// Sets heights to NaN where the image of errors is not 0. Returns their number.
 fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<usize> {
     let images = archive.read_whole(IMAGES, u64::MAX)?;
     let mut images = Archive::open(Format::Vk, &images)?;
@@ -91,7 +91,7 @@ fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<us
         return Ok(0);
     }
     let (ny, nx) = heights_m.dim();
-    // No more than rows twice as long as they need to be.
+    // Rows may be up to twice as long as necessary.
     let limit = ERRORS_HEADER_BYTES as u64 + 2 * heights_m.len() as u64;
     let content = images.read_whole(ERRORS, limit)?;
     let input = Input::entry(Format::Vk, ERRORS, &content);

@@ -1,16 +1,16 @@
-//! The table of offsets and the measurement conditions of a VK4 file.
+//! Table of offsets and measurement conditions of a VK4 file.
 
 use crate::error::Result;
 use crate::input::{Field, Input};
 
-/// Where the table of offsets starts.
+/// Offset of the table of offsets.
 const OFFSETS: usize = 12;
-/// The entry of the table that leads to the conditions.
+/// Entry of the table for the conditions.
 const CONDITIONS_ENTRY: usize = 0;
 /// Picometre per metre.
 const PM_PER_METRE: f64 = 1e12;
 
-/// Returns the measurement conditions, the bytes that the first entry of the table leads to.
+/// Returns the measurement conditions, whose offset is in the first entry of the table.
 pub(super) fn conditions(input: Input) -> Result<Input> {
     let start = offset(input, "the measurement conditions", CONDITIONS_ENTRY)?
         .ok_or_else(|| input.missing("the offset of the measurement conditions", OFFSETS, "a value above 0"))?;
@@ -19,7 +19,7 @@ pub(super) fn conditions(input: Input) -> Result<Input> {
     Ok(input.up_to(end).from(start))
 }
 
-/// Reads a field of the measurement conditions. Its offset counts in numbers of 4 bytes.
+/// Reads a field of the measurement conditions. Its offset counts numbers of 4 bytes.
 pub(super) fn number(conditions: &Input, field: Field) -> Result<u32> {
     conditions.u32(field.0, 4 * field.1)
 }
@@ -29,7 +29,7 @@ pub(super) fn length_m(conditions: &Input, field: Field) -> Result<f64> {
     Ok(f64::from(number(conditions, field)?) / PM_PER_METRE)
 }
 
-/// The offset in an entry of the table, `None` where the part is not there.
+/// Returns the offset in an entry of the table; `None` if the part is absent.
 pub(super) fn offset(input: Input, part: &str, entry: usize) -> Result<Option<usize>> {
     let at = OFFSETS + 4 * entry;
     let found = input.u32(&format!("the offset of {part}"), at)?;

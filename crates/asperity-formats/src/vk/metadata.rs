@@ -1,13 +1,13 @@
-//! What a VK4 file says besides its heights.
+//! Metadata of a VK4 file.
 
 use std::collections::BTreeMap;
 
 use super::conditions::{number, offset};
 use crate::input::{Field, Input};
 
-/// Where the version of Keyence's library stands: four bytes, the main number last.
+/// Offset of the version of Keyence's library: four bytes, the main number last.
 const LIBRARY_VERSION: usize = 4;
-/// The entry of the table of offsets for title and name of the lens.
+/// Entry of the table of offsets for title and name of the lens.
 const STRINGS_ENTRY: usize = 16;
 
 /// Year, month, day, hour, minute, second.
@@ -16,7 +16,7 @@ const DATE: [Field; 6] =
 /// Minutes by which that time is ahead of UTC, signed.
 const UTC_OFFSET: Field = Field("difference from UTC", 7);
 
-/// Numbers of the measurement conditions, what they are divided by, and their unit.
+/// Numbers of the measurement conditions, their divisors and their units.
 const NUMBERS: [(Field, f64, &str); 27] = [
     (Field("image layers", 11), 1.0, ""),
     (Field("run mode", 12), 1.0, ""),
@@ -47,7 +47,7 @@ const NUMBERS: [(Field, f64, &str); 27] = [
     (Field("height effective bit depth", 75), 1.0, ""),
 ];
 
-/// The fields that are there.
+/// Returns the fields that are present.
 pub(super) fn metadata(input: Input, conditions: &Input) -> BTreeMap<String, String> {
     let in_words = |(field, divisor, unit): &(Field, f64, &str)| {
         let number = f64::from(number(conditions, *field).ok()?) / divisor;
@@ -65,7 +65,7 @@ pub(super) fn metadata(input: Input, conditions: &Input) -> BTreeMap<String, Str
     metadata
 }
 
-/// Day and time of the measurement with their distance from UTC.
+/// Returns date and time of the measurement with their offset from UTC.
 fn date(conditions: &Input) -> Option<String> {
     let number = |field| number(conditions, field).ok();
     let [year, month, day, hour, minute, second] = DATE.map(number);
@@ -84,14 +84,14 @@ fn date(conditions: &Input) -> Option<String> {
     ))
 }
 
-/// Title and name of the lens.
+/// Returns title and name of the lens.
 fn strings(input: Input) -> (Option<String>, Option<String>) {
     let Ok(Some(start)) = offset(input, "the strings", STRINGS_ENTRY) else { return (None, None) };
     let Some((title, end)) = string(input, start) else { return (None, None) };
     (Some(title), string(input, end).map(|(lens, _)| lens))
 }
 
-/// A text in UTF-16 after the number of its units, and where it ends.
+/// Returns a text in UTF-16 after the number of its units, and the offset of its end.
 fn string(input: Input, start: usize) -> Option<(String, usize)> {
     let units = usize::try_from(input.u32("a string's length", start).ok()?).ok()?;
     let bytes = input.take("a string", start + 4, 2 * units).ok()?;

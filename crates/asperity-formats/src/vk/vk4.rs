@@ -1,11 +1,12 @@
 //! VK3 and VK4: a header, a table of offsets, measurement conditions, and images at the offsets.
 //!
 //! All numbers are u32, little-endian. A stored height n is n · (z length per digit), unsigned; lengths are in
-//! picometre. The length per pixel is the distance between points: Keyence's programs state (n − 1) of them as the size
-//! of n points.
+//! picometre. The length per pixel is the distance between points: Keyence's programs state (n − 1) of them as the
+//! size of n points.
 //!
-//! VK3 lacks the last, reserved entry of the table; offsets count from the start of the file, so nothing else differs.
-//! The field for compression is set in some files whose heights are not compressed. Only the size in bytes tells.
+//! VK3 lacks the last, reserved entry of the table. Offsets count from the start of the file, so there is no other
+//! difference. Some files with uncompressed heights set the field for compression. Only the size in bytes shows
+//! compression.
 
 use crate::error::Result;
 use ndarray::Array2;
@@ -20,15 +21,15 @@ use crate::{Format, ReadOptions, Scan};
 
 /// First bytes of the two versions.
 const SIGNATURES: [&[u8]; 2] = [b"VK3_", b"VK4_"];
-/// Where the type of the file stands, after the version of Keyence's library.
+/// Offset of the type of the file, after the version of Keyence's library.
 const FILE_TYPE: usize = 8;
 /// Entries of the table of offsets.
 const HEIGHT_ENTRIES: [usize; 3] = [6, 7, 8];
-/// Fields of the measurement conditions by their place, counted in numbers.
+/// Fields of the measurement conditions; offsets count numbers of 4 bytes.
 const X_LENGTH: Field = Field("x length per pixel", 42);
 const Y_LENGTH: Field = Field("y length per pixel", 43);
 const Z_LENGTH: Field = Field("z length per digit", 44);
-/// Bytes before the heights of an image: 7 numbers and a palette.
+/// Size in bytes of the header of an image: 7 numbers and a palette.
 const IMAGE_HEADER_BYTES: usize = 7 * 4 + 768;
 pub(super) fn detect(bytes: &[u8]) -> bool {
     SIGNATURES.iter().any(|signature| bytes.starts_with(signature))
@@ -37,7 +38,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 /// Reads a layer of heights.
 ///
 /// # Errors
-/// Files without heights, and headers that the bytes cannot bear out.
+/// Files without heights, and sizes beyond the end of the file.
 pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan> {
     let mut warnings = Vec::new();
     let file_type = input.u32("file type", FILE_TYPE)?;
