@@ -142,7 +142,7 @@ impl<'a> Header<'a> {
             None | Some((0, _)) => Ok(None),
             Some((offset, at)) => {
                 let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
-                let wanted = || format!("0 or a byte behind the tags, {} or more", self.end);
+                let wanted = || format!("0 or a byte after the tags, {} or more", self.end);
                 behind_tags.map(Some).ok_or_else(|| self.input.wrong(key, at, offset, &wanted()))
             }
         }

@@ -170,7 +170,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
 
     let mut warnings = Vec::new();
     let per_metre = header.per_metre("zunit").map_err(|unit| {
-        input.unsupported(format!("the values are in {}, which is no length", crate::error::shown(unit)), "heights")
+        input.unsupported(format!("the values are in {}, which is not a length", crate::error::shown(unit)), "heights")
     })?;
     let scale = scale(&header, sample, &mut warnings)?;
     let keeps_code = sample == Sample::I16 && header.number("voidpixels")? == Some(0.0);
@@ -214,7 +214,7 @@ fn pitch(header: &Header<'_>, (rows, columns): Shape, warnings: &mut Vec<String>
             Ok(per_metre) => Some(length / points as f64 / per_metre),
             Err(unit) => {
                 let unit = crate::error::shown(unit);
-                warnings.push(format!("{unit_key} is `{unit}`, which is no unit of length; no pixel size was read"));
+                warnings.push(format!("{unit_key} is `{unit}`, which is not a unit of length; no pixel size was read"));
                 None
             }
         })

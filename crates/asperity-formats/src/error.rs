@@ -81,12 +81,12 @@ pub enum FormatError {
         known: String,
     },
     /// The content is in a known format that this crate does not read.
-    #[error("this is {name}, which is not read; {way_out}")]
+    #[error("this is {name}, which is not read; {advice}")]
     NotRead {
         /// Format with its article.
         name: &'static str,
         /// Advice to the user.
-        way_out: &'static str,
+        advice: &'static str,
     },
     /// A text is not a unit of length.
     #[error("`{}` is not a unit of length; wanted m, mm, um, nm, pm, angstrom or in", shown(unit))]
@@ -199,7 +199,7 @@ pub enum FormatError {
         wanted: usize,
     },
     /// The format needs the distance between points, and the scan has none.
-    #[error("{}: the scan carries no pixel size, and the format cannot do without one", format.name())]
+    #[error("{}: the scan has no pixel size, and the format requires one", format.name())]
     NoPitch {
         /// Format.
         format: Format,
@@ -298,7 +298,7 @@ fn unknown(length: u64, start: &str) -> String {
 
 fn unwritten(extension: &str) -> String {
     match extension {
-        "" => "the name has no extension, which chooses the format".into(),
+        "" => "the name has no extension to choose the format".into(),
         _ => format!("no format is written as `.{}`", shown(extension)),
     }
 }
@@ -342,7 +342,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_from_files_are_short_and_steer_no_terminal() {
+    fn texts_from_files_are_short_and_do_not_control_a_terminal() {
         assert_eq!(shown("\u{1b}[2Jgap\n\u{9b}1A"), "\\u{1b}[2Jgap\\n\\u{9b}1A");
         assert_eq!(shown(&"é".repeat(61)), "é".repeat(60) + "…");
     }

@@ -132,7 +132,7 @@ pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
         Words(words) => crate::text::is_text(bytes) && words.iter().all(|word| holds(head, word)),
         Test(is_it) => is_it(bytes, size),
     };
-    FOREIGN.iter().find(is_known).map(|&Foreign(name, _, way_out)| FormatError::NotRead { name, way_out })
+    FOREIGN.iter().find(is_known).map(|&Foreign(name, _, advice)| FormatError::NotRead { name, advice })
 }
 
 /// Returns the error for a zip archive that no reader recognises.
@@ -143,11 +143,11 @@ pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
     let Ok(archive) = Archive::open(crate::Format::X3p, bytes) else {
         return Some(FormatError::NotRead {
             name: "a zip archive without a valid directory at its end",
-            way_out: CUT_OFF,
+            advice: CUT_OFF,
         });
     };
     let is_known = |zipped: &&Zipped| archive.names().iter().any(|name| zipped.1(name));
-    ZIPPED.iter().find(is_known).map(|&Zipped(name, _, way_out)| FormatError::NotRead { name, way_out })
+    ZIPPED.iter().find(is_known).map(|&Zipped(name, _, advice)| FormatError::NotRead { name, advice })
 }
 
 /// Returns whether bytes contain a word, ignoring the case of ASCII letters.

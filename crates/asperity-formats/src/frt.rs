@@ -196,7 +196,7 @@ fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result
     let (x_m, y_m) = (size.f64("x range", 0)?, size.f64("y range", 8)?);
     for (axis, range_m) in [("x", x_m), ("y", y_m)] {
         if range_m < 0.0 {
-            warnings.push(format!("the {axis} range is {range_m} m; its magnitude was taken"));
+            warnings.push(format!("the {axis} range is {range_m} m; its magnitude was used"));
         }
     }
     Ok(Some((x_m.abs() / nx as f64, y_m.abs() / ny as f64)))
@@ -205,13 +205,13 @@ fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result
 /// Warns if the axes may not be lengths.
 fn doubt(blocks: &Blocks, warnings: &mut Vec<String>) {
     if blocks.get(&ROUNDNESS).is_some_and(|block| block.u32("roundness", 0).is_ok_and(|flag| flag != 0)) {
-        warnings.push("the file states a measurement of roundness; its axes were taken for lengths".into());
+        warnings.push("the file states a measurement of roundness; its axes count as lengths".into());
     }
     if let Some(unit) = blocks.get(&Z_UNIT).and_then(metadata::z_unit)
         && crate::unit::per_metre(&unit).is_none()
     {
         warnings.push(format!(
-            "the z unit is `{}`, which is no length; heights were taken for metre",
+            "the z unit is `{}`, which is not a length; heights count as metre",
             crate::error::shown(&unit)
         ));
     }

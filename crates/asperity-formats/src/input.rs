@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_beyond_the_end_is_told_by_name_and_place() {
+    fn a_field_beyond_the_end_is_reported_by_name_and_place() {
         let input = Input::entry(Format::Text, "a.bin", &[1, 2, 3]);
         let message = input.u32("width", 1).unwrap_err().to_string();
         assert_eq!(message, "text: width (a.bin, byte 1) stop after 2 bytes; wanted 4");

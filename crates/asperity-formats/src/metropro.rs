@@ -141,7 +141,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         warnings.push(format!("{surplus} bytes follow the connected phase and were not read"));
     }
     if input.i16("sign", 232)? != 0 {
-        warnings.push("the file states that its data are inverted; heights were taken as they stand".into());
+        warnings.push("the file states that its data are inverted; heights were not inverted".into());
     }
     let pitch_m = pitch(&input, &mut warnings)?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })

@@ -154,7 +154,7 @@ impl Source<'_> {
             true => "a 4D Technology HDF5 file",
             false => "an HDF5 file that is neither DATX nor netCDF",
         };
-        Some(FormatError::NotRead { name, way_out: TO_MATRIX })
+        Some(FormatError::NotRead { name, advice: TO_MATRIX })
     }
 
     fn numbers(&self, variable: &Variable) -> Result<Vec<f64>> {
@@ -206,7 +206,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     // Heights without a unit are in the unit of the positions.
     let unit = map.unit().or_else(|| [&slow, &fast].iter().find_map(|axis| axis.positions.and_then(Variable::unit)));
     if unit.is_none() {
-        warnings.push("the file states no unit; heights and positions were taken for metre".into());
+        warnings.push("the file states no unit; heights and positions count as metre".into());
     }
     let is_turned = slow.is_named("x") || fast.is_named("y");
     let numbers = |variable: &Variable| source.map(variable, (rows, columns), is_turned);
@@ -330,7 +330,7 @@ impl<'c> Axis<'c> {
         let name = &variable.name;
         let unit = variable.unit().or(default_unit).unwrap_or_default();
         let Some(per_metre) = per_metre(unit) else {
-            warnings.push(format!("the unit of {name} is `{unit}`, which is no length; no pixel size was read"));
+            warnings.push(format!("the unit of {name} is `{unit}`, which is not a length; no pixel size was read"));
             return Ok(None);
         };
         let stated = variable.numbers("length").first().map(|length| length / self.length as f64);
@@ -347,7 +347,7 @@ impl<'c> Axis<'c> {
         }
         if let Some(stated) = stated.filter(|&stated| is_off(stated)) {
             warnings.push(format!(
-                "the length of {name} means pixels of {stated} {unit}, its positions such of {pitch}; the latter were used"
+                "the length of {name} gives pixels of {stated} {unit}, its positions {pitch} {unit}; the positions were used"
             ));
         }
         Ok(Some(pitch / per_metre))

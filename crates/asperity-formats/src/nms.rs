@@ -140,8 +140,7 @@ fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Resu
         is_outside
     });
     if outside > 0 {
-        warnings
-            .push(format!("{outside} numbers are outside of {n_low} to {n_high} and were taken for missing points"));
+        warnings.push(format!("{outside} numbers are outside of {n_low} to {n_high} and count as missing"));
     }
     Ok(())
 }

@@ -151,7 +151,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     };
     let mut warnings = Vec::new();
     if options.channel.is_none() && !others.is_empty() {
-        warnings.push(format!("arrays that are no heights were left out: {}", some_of(&others)));
+        warnings.push(format!("arrays other than heights were left out: {}", some_of(&others)));
     }
     let pitch_m = pitch(&short, &mut warnings);
     let heights_m = heights(&mut archive, &maps[place])?;
@@ -198,7 +198,7 @@ fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Opti
     match (lengths("dx").as_deref(), lengths("dy").as_deref()) {
         (Some(&[dx]), Some(&[dy])) => Some((dx, dy)),
         (Some(&[dx]), None) => {
-            warnings.push("there is dx and no dy; the pixels were taken as square".into());
+            warnings.push("there is dx and no dy; square pixels were assumed".into());
             Some((dx, dx))
         }
         _ => None,

@@ -146,7 +146,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let stated = (input.u32(ROWS.0, ROWS.1)?, input.u32(COLUMNS.0, COLUMNS.1)?);
     if (stated.0 as usize, stated.1 as usize) != (ny, nx) {
         warnings.push(format!(
-            "the header states {} × {} points, the layer holds {nx} × {ny}; the pixel size may be another",
+            "the header states {} × {} points, the layer holds {nx} × {ny}; the pixel size may be wrong",
             stated.1, stated.0
         ));
     }
@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dates_are_told_from_other_texts() {
+    fn dates_are_distinguished_from_other_texts() {
         for (text, is_date) in [
             (b"Fri Mar 10 16:35:59 2023", true),
             (b"Sat Jan  1 00:00:00 2000", true),

@@ -252,13 +252,13 @@ mod tests {
     }
 
     #[test]
-    fn heights_beyond_the_field_of_view_are_doubted() {
+    fn heights_beyond_the_field_of_view_give_a_warning() {
         let found = warnings(array![[0.0, 5e-6], [0.0, 0.0]], (1e-6, 2e-6));
         assert!(matches!(found.as_slice(), [one] if one.contains("more than the field of view")), "{found:?}");
     }
 
     #[test]
-    fn pitches_beyond_a_picometre_and_a_metre_are_doubted() {
+    fn pitches_beyond_a_picometre_and_a_metre_give_a_warning() {
         for pitch_m in [0.9e-12, 1.1] {
             let found = warnings(array![[0.0, 0.0]], (pitch_m, pitch_m));
             assert_eq!(found.len(), 2, "{found:?}");
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_far_from_square_are_doubted() {
+    fn pixels_far_from_square_give_a_warning() {
         let found = warnings(array![[0.0, 0.0]], (1e-6, 1.1e-5));
         assert!(matches!(found.as_slice(), [one] if one.contains("far from square")), "{found:?}");
         assert!(warnings(array![[0.0, 0.0]], (1e-6, 0.9e-5)).is_empty());
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn the_map_that_was_read_is_told_with_the_first_of_the_others() {
+    fn the_map_that_was_read_is_reported_with_the_first_of_the_others() {
         let names = |count: usize| (1..=count).map(|number| format!("n{number}")).collect();
         let told = |count: usize, options: &ReadOptions| {
             Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).warnings
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn warnings_are_short_and_steer_no_terminal() {
+    fn warnings_are_short_and_do_not_control_a_terminal() {
         let long = ["\u{1b}]0;".to_owned() + &"x".repeat(10_000), "units\ncontradict".into()];
         let scan = Scan { warnings: long.to_vec(), ..Scan::new(array![[0.0]], None) };
         let scan =
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_that_are_not_finite_leave_as_nan() {
+    fn heights_that_are_not_finite_become_nan() {
         let scan =
             Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None).checked(&ReadOptions::default());
         assert_eq!(scan.missing_points(), 3);

@@ -289,7 +289,7 @@ fn read_text(bytes: &[u8]) -> Result<Scan> {
     let mut warnings = Vec::new();
     if found > wanted {
         numbers.truncate(wanted);
-        warnings.push(format!("{} numbers behind the last profile were left out", found - wanted));
+        warnings.push(format!("{} numbers after the last profile were left out", found - wanted));
     }
     let mut notes = Notes::default();
     let used = [&[POINTS, PROFILES, COMPRESSION, DATA_TYPE, CHECK_TYPE], &SCALES[..]].concat();

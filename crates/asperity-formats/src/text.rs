@@ -246,7 +246,7 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     if is_corner_empty && header.shape().is_none() && has_labels(&table.values, shape) {
         table.values = unlabelled(&table.values, shape);
         shape = (shape.0 - 1, shape.1 - 1);
-        warnings.push("the first row and the first column step evenly: they were taken for labels and left out".into());
+        warnings.push("the first row and the first column step evenly: they count as labels and were left out".into());
     }
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");
@@ -294,8 +294,7 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
         rows /= 2;
     }
     if columns == 3 && rows >= POINT_LIST_ROWS && !header.states_pixels() {
-        warnings
-            .push(format!("a map of 3 columns and {rows} rows; a list of points x y z is not what this format holds"));
+        warnings.push(format!("a map of 3 columns and {rows} rows; a list of points x y z needs the extension .xyz"));
     }
     Ok((rows, columns))
 }

@@ -75,7 +75,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if archive.contains(IMAGES) {
         let warning = match mark_missing(&mut archive, &mut scan.heights_m) {
             Ok(0) => None,
-            Ok(marked) => Some(format!("{marked} points are marked in {ERRORS}; they were taken for missing")),
+            Ok(marked) => Some(format!("{marked} points are marked in {ERRORS}; they count as missing")),
             Err(error) => Some(format!("{ERRORS} was left out: {error}")),
         };
         scan.warnings.extend(warning);

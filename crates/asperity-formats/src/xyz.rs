@@ -159,9 +159,8 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     let mut warnings = Vec::new();
     if units[0].is_none() && dx_m.max(dy_m) > MAX_PLAUSIBLE_M {
         let taken = if options.height_unit.is_some() { "x and y" } else { "x, y and z" };
-        warnings.push(format!(
-            "no unit is stated; {taken} were taken as metre, which makes pixels of {dx_m:e} × {dy_m:e} m"
-        ));
+        warnings
+            .push(format!("no unit is stated; {taken} count as metre, which gives pixels of {dx_m:e} × {dy_m:e} m"));
     }
     let heights_m = map(grid)?.mapv_into(|z| z / per_metre_z);
     let height_unit = units[2].and_then(crate::unit::name).map(str::to_owned);
@@ -296,7 +295,7 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
     }
     if head.len() < ZYGO_LINES || start >= bytes.len() {
         let (at, wanted) = (Location::Line(head.len() + 1), format!("{ZYGO_LINES} lines, `#`, and the points"));
-        return Err(FormatError::missing(Format::Xyz, "the line `#` behind the header", at, wanted));
+        return Err(FormatError::missing(Format::Xyz, "the line `#` after the header", at, wanted));
     }
     let layout = layout(b"", line_end);
     let list = List { bytes: &bytes[start..], lines: head.len() + 1, layout, line_end };

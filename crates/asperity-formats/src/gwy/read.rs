@@ -78,7 +78,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         scan.metadata.insert("filename".into(), file_name);
     }
     if options.channel.is_none() && !others.is_empty() {
-        scan.warnings.push(format!("images whose values are no lengths were left out: {}", some_of(&others)));
+        scan.warnings.push(format!("images without lengths were left out: {}", some_of(&others)));
     }
     Ok(scan.with_channels(names, place))
 }
@@ -174,14 +174,15 @@ impl Units {
 
     fn warnings(&self, warnings: &mut Vec<String>) {
         if self.states_none() {
-            warnings.push("the image states no units; its heights and sizes were taken in metre".into());
+            warnings.push("the image states no units; its heights and sizes count as metre".into());
         } else if self.per_metre_xy().is_none() {
             let unit = &self.xy;
-            warnings.push(format!("the lateral unit is `{unit}`, which is no unit of length; no pixel size was read"));
+            warnings
+                .push(format!("the lateral unit is `{unit}`, which is not a unit of length; no pixel size was read"));
         }
         for (unit, what) in [(&self.z, "heights"), (&self.xy, "sizes")] {
             if per_metre(unit).is_some_and(|per_metre| per_metre != 1.0) {
-                warnings.push(format!("{what} were taken in {unit}; Gwyddion itself leaves prefixes out of account"));
+                warnings.push(format!("{what} are in {unit}; Gwyddion itself ignores prefixes"));
             }
         }
     }
@@ -253,7 +254,7 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
     mask.expect(DATA_FIELD)?;
     let (ny, nx, data_at) = layout(input, mask, &fields(input, mask)?)?;
     if (ny, nx) != scan.heights_m.dim() {
-        scan.warnings.push(format!("the mask has {nx} × {ny} points, other than the image; it was left out"));
+        scan.warnings.push(format!("the mask has {nx} × {ny} points, unlike the image; it was left out"));
         return Ok(());
     }
     let values = input.samples("data of the mask", data_at, nx * ny, Sample::F64)?;

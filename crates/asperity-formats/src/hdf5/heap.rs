@@ -111,7 +111,7 @@ impl<'a> File<'a> {
             && width_of_table.is_power_of_two()
             && (1..=64).contains(&bits))
         {
-            return Err(heap.wrong("table of blocks", place, "a table without order", "powers of two below 2^32"));
+            return Err(heap.wrong("table of blocks", place, "an inconsistent table", "powers of two below 2^32"));
         }
         let longest = usize::try_from(largest_block_bytes.ilog2().div_ceil(8)).unwrap_or(4);
         Ok(FractalHeap {

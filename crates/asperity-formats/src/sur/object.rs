@@ -185,9 +185,9 @@ pub(super) fn objects<'a>(
                 end += object.end;
                 objects.push(object);
             }
-            Err(error) => return Ok((objects, Some(format!("what follows the objects was left out: {error}")))),
+            Err(error) => return Ok((objects, Some(format!("the bytes after the objects were left out: {error}")))),
         }
     }
     let left = input.len() - end;
-    Ok((objects, (left > 0).then(|| format!("{left} bytes behind the last object were left out"))))
+    Ok((objects, (left > 0).then(|| format!("{left} bytes after the last object were left out"))))
 }

@@ -27,7 +27,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let first = &objects[0];
     let announced = first.header.i16(OBJECTS)?;
     if usize::try_from(announced).is_ok_and(|announced| announced > objects.len()) {
-        warnings.push(format!("the header announces {announced} objects; the file holds {}", objects.len()));
+        warnings.push(format!("the header declares {announced} objects; the file holds {}", objects.len()));
     }
     let (channels, surfaces) = surfaces(&objects)?;
     let channel = options.choose(Format::Sur, &channels)?;
@@ -67,10 +67,10 @@ fn check_kind(header: &Header) -> Result<()> {
 fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
     // Gwyddion stores surfaces with the type of profiles.
     if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
-        warnings.push(format!("the file calls itself {kind}; its {} lines were read as a surface", object.ny));
+        warnings.push(format!("the type of the file is {kind}; its {} lines were read as a surface", object.ny));
     }
     if object.header.i16(INVERTED)? != 0 {
-        warnings.push("the file states that it holds an inverted surface; heights were taken as they stand".into());
+        warnings.push("the file states that it holds an inverted surface; heights were not inverted".into());
     }
     Ok(())
 }
@@ -149,7 +149,7 @@ fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64
         let unit = header.unit(axis.step_unit)?;
         let Some(per_metre) = per_metre(&unit) else {
             let field = axis.step_unit.0;
-            warnings.push(format!("the {field} is `{unit}`, which is no unit of length; no pixel size was read"));
+            warnings.push(format!("the {field} is `{unit}`, which is not a unit of length; no pixel size was read"));
             return Ok(None);
         };
         Ok(Some(f64::from(header.f32(axis.spacing)?) / per_metre))

@@ -467,7 +467,7 @@ impl Header {
 }
 
 fn doubt(key: &str, unit: &str) -> String {
-    format!("a comment states `{}: {}`; heights were taken as metre", shown(key), shown(unit))
+    format!("a comment states `{}: {}`; heights count as metre", shown(key), shown(unit))
 }
 
 /// Returns the number of units per metre. Brackets around the unit are ignored.
@@ -527,7 +527,7 @@ impl Lengths {
     /// Returns the lengths along x and y. A single length applies to both.
     fn pair(&self, warnings: &mut Vec<String>) -> (f64, f64) {
         if !self.has_unit {
-            warnings.push("the header states a pixel size without a unit; it was taken as metre".into());
+            warnings.push("the header states a pixel size without a unit; metre was assumed".into());
         }
         (self.metre[0], self.metre[self.metre.len() - 1])
     }

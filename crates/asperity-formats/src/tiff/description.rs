@@ -51,7 +51,7 @@ fn image_j(text: &str) -> Units {
         _ => None,
     };
     let doubt = (line_m.is_none() && value("cf").is_some()).then(|| {
-        "the calibration of ImageJ (cf, c0, c1, vunit) is no straight line to a length; it was left out".into()
+        "the calibration of ImageJ (cf, c0, c1, vunit) is not a linear conversion to a length; it was ignored".into()
     });
     Units { per_metre, line_m, warnings: doubt.into_iter().collect(), ..units }
 }

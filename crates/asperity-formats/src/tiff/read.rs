@@ -86,7 +86,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     scan.metadata.extend(units.metadata);
     scan.warnings.extend(units.warnings);
     if options.channel.is_none() && !others.is_empty() {
-        scan.warnings.push(format!("pages that are no heights were left out: {}", some_of(&others)));
+        scan.warnings.push(format!("pages other than heights were left out: {}", some_of(&others)));
     }
     Ok(scan.with_channels(names, place))
 }
@@ -115,7 +115,7 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
             || text(tag::MODEL)?.contains("LEXT");
         is_olympus.then_some("an Olympus LEXT file")
     };
-    Ok(name.map(|name| FormatError::NotRead { name, way_out: TO_GWY }))
+    Ok(name.map(|name| FormatError::NotRead { name, advice: TO_GWY }))
 }
 
 /// Returns the number type of a page with one number per point, or the reason why the page is not a map.
@@ -164,7 +164,7 @@ fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, option
             scan.height_unit = units.metadata.get("vunit").cloned();
         }
         None if is_integer && options.height_unit.is_none() => {
-            let doubt = "the numbers are integers, counts without a unit; they were taken as heights in metre";
+            let doubt = "the numbers are integers, counts without a unit; they count as heights in metre";
             scan.warnings.push(doubt.into());
         }
         None => (),

@@ -43,7 +43,7 @@ pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan> {
     let mut warnings = Vec::new();
     let file_type = input.u32("file type", FILE_TYPE)?;
     if file_type != 0 {
-        warnings.push(format!("the file type is {file_type}, not 0; the file was read all the same"));
+        warnings.push(format!("the file type is {file_type}, not 0; the file was still read"));
     }
     let conditions = conditions(input)?;
     let (mut names, mut offsets) = (Vec::new(), Vec::new());

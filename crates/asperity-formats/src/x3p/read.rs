@@ -100,7 +100,9 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
     let is_integer = matches!(sample, Sample::I16 | Sample::I32);
     let sample = match sample {
         Sample::I16 | Sample::I32 if document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER) => {
-            warnings.push(format!("{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read so"));
+            warnings.push(format!(
+                "{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read as unsigned"
+            ));
             if sample == Sample::I16 { Sample::U16 } else { Sample::U32 }
         }
         _ => sample,
@@ -217,9 +219,7 @@ impl Record<'_> {
             (None, _) if unpacked.length > wanted => {
                 warnings.push(format!("{link} is longer than the stated dimensions"))
             }
-            (None, _) => {
-                warnings.push(format!("{link} goes on beyond reason behind the layer and could not be verified"))
-            }
+            (None, _) => warnings.push(format!("{link} is too long after the layer and could not be verified")),
             (Some(found), stated) => {
                 if unpacked.length < wanted {
                     warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));

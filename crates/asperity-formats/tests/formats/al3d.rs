@@ -202,7 +202,7 @@ fn damaged_tags_of_the_repeatability_leave_all_depths() {
 }
 
 #[test]
-fn depths_that_do_not_reach_the_texture_are_doubted() {
+fn depths_that_do_not_reach_the_texture_give_a_warning() {
     let doubted = |bytes: &[u8]| {
         read_bytes(bytes).unwrap().warnings.iter().any(|warning| warning.contains("another image starts after"))
     };
@@ -255,6 +255,6 @@ fn damaged_tags_are_named() {
     assert!(with(place(b"Rows") + 20, b"999999999").contains("the limit is"));
     assert!(with(place(b"Cols"), b"cols").contains("Cols is missing"));
     assert!(with(place(b"PixelSizeX") + 20, b"fine").contains("wanted a finite number"));
-    assert!(with(place(b"DepthImageOffset") + 20, b"17\0").contains("a byte behind the tags"));
+    assert!(with(place(b"DepthImageOffset") + 20, b"17\0").contains("a byte after the tags"));
     assert!(with(place(b"DepthImageOffset") + 20, b"99999").contains("the depths (byte 99999) stop after 0 bytes"));
 }

@@ -171,7 +171,7 @@ fn numbers_outside_of_the_valid_range_are_missing() {
 }
 
 #[test]
-fn what_the_blocks_say_is_kept() {
+fn blocks_become_metadata() {
     let scan = reading(&Frt::single());
     for (field, text) in [
         ("description", "hob ground, µ = 0.1"),
@@ -247,7 +247,7 @@ fn blocks_may_come_in_any_order() {
 }
 
 #[test]
-fn scales_of_single_buffers_are_doubted_because_their_aliases_are_not_known() {
+fn scales_of_single_buffers_give_a_warning_because_their_aliases_are_not_known() {
     // Number of buffers; alias, scale, offset, absolute.
     let buffer = |scale: f64, offset: f64| [u32s(&[1, 0x24]), f64s(&[scale, offset]), u32s(&[0])].concat();
     for (scale, offset, doubted) in [(1e-8, 0.0, false), (1.0, 0.0, false), (2e-8, 0.0, true), (1e-8, 1e-6, true)] {
@@ -256,7 +256,7 @@ fn scales_of_single_buffers_are_doubted_because_their_aliases_are_not_known() {
 }
 
 #[test]
-fn roundness_and_units_of_no_length_are_doubted() {
+fn roundness_and_units_of_no_length_give_a_warning() {
     assert!(warns(&Frt::single().with(0x009b, u32s(&[1])), "the file states a measurement of roundness"));
     assert!(warns(&Frt::single().with(0x009f, b"\x01\x00V".to_vec()), "the z unit is `V`"));
     let micron = Frt::single().with(0x009f, b"\x02\x00\xb5m".to_vec());
@@ -265,7 +265,7 @@ fn roundness_and_units_of_no_length_are_doubted() {
 }
 
 #[test]
-fn a_count_of_blocks_that_does_not_fit_is_doubted() {
+fn a_count_of_blocks_that_does_not_fit_gives_a_warning() {
     let mut bytes = Frt::single().bytes();
     bytes[16] += 1;
     bytes.extend([0; 5]);
@@ -292,7 +292,7 @@ fn profiles_are_refused() {
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let sized = |size: [u32; 3]| read_bytes(&Frt::single().with(0x0066, u32s(&size)).bytes());
     assert!(matches!(sized([u32::MAX, u32::MAX, 16]), Err(FormatError::TooLarge { .. })));
     assert!(matches!(sized([16384, 16384, 32]), Err(FormatError::Truncated { wanted: 1_073_741_824, .. })));

@@ -217,7 +217,7 @@ fn an_unknown_lateral_resolution_leaves_no_pixel_size() {
 }
 
 #[test]
-fn a_camera_without_square_pixels_is_doubted() {
+fn a_camera_without_square_pixels_gives_a_warning() {
     let doubted = |file: MetroPro| {
         read_bytes(&file.bytes()).unwrap().warnings.iter().any(|warning| warning.contains("pixels of the camera"))
     };
@@ -299,7 +299,7 @@ fn headers_that_contradict_themselves_or_give_no_heights_are_errors() {
 }
 
 #[test]
-fn sizes_that_the_bytes_cannot_bear_out_are_errors() {
+fn sizes_that_exceed_the_file_are_errors() {
     let long = MetroPro { size: (16384, 16384), ..MetroPro::default() }.bytes();
     assert!(matches!(read_bytes(&long), Err(FormatError::Truncated { found: 24, wanted: 1_073_741_824, .. })));
     let huge = MetroPro { size: (u16::MAX, u16::MAX), ..MetroPro::default() }.bytes();
@@ -313,7 +313,7 @@ fn sizes_that_the_bytes_cannot_bear_out_are_errors() {
 }
 
 #[test]
-fn bytes_after_the_phase_are_doubted() {
+fn bytes_after_the_phase_give_a_warning() {
     let mut bytes = MetroPro::default().bytes();
     bytes.extend([0; 3]);
     let scan = read_bytes(&bytes).unwrap();

@@ -430,7 +430,7 @@ fn positions_go_before_the_stated_length_of_a_side() {
 }
 
 #[test]
-fn uneven_positions_are_doubted_and_falling_ones_are_not() {
+fn uneven_positions_give_a_warning_and_falling_ones_do_not() {
     let mut file = Classic::default();
     file.variables[2].4 = doubles(&[4.0, 2.0, 0.0]);
     let scan = file.read();
@@ -463,7 +463,7 @@ fn only_known_versions_are_claimed() {
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let huge = Classic { dimensions: vec![("x", 1 << 30), ("y", 1 << 30)], ..Classic::default() };
     assert!(matches!(read_bytes(&huge.bytes()), Err(FormatError::TooLarge { .. })));
     let long = Classic { dimensions: vec![("x", 1 << 14), ("y", 1 << 14)], ..Classic::default() };

@@ -168,7 +168,7 @@ fn arrays_that_are_no_numbers_or_no_maps_are_left_out() {
         ("readme.txt", b"no array".to_vec()),
     ]);
     assert_eq!(scan.channels, ["z"]);
-    assert_eq!(scan.warnings, ["arrays that are no heights were left out: name, valid, x, stack, none"]);
+    assert_eq!(scan.warnings, ["arrays other than heights were left out: name, valid, x, stack, none"]);
 }
 
 #[test]

@@ -191,7 +191,7 @@ fn every_mark_of_a_missing_float_is_known() {
 }
 
 #[test]
-fn pixels_are_in_millimetre_and_as_high_as_their_aspect_says() {
+fn pixels_are_in_millimetre_and_as_high_as_their_aspect() {
     let scan = read_bytes(&file(&new_file())).unwrap();
     let (dx_m, dy_m) = scan.pitch_m.unwrap();
     // 0.002 as float32.
@@ -261,7 +261,7 @@ fn texts_numbers_and_simple_objects_are_kept() {
 }
 
 #[test]
-fn blocks_that_are_lost_at_the_end_are_told() {
+fn blocks_that_are_lost_at_the_end_are_reported() {
     let bytes = file(&new_file());
     let scan = read_bytes(&bytes[..bytes.len() - 1]).unwrap();
     assert!(scan.warnings.iter().any(|warning| warning.contains("`ImageWidth`")), "{:?}", scan.warnings);

@@ -145,7 +145,7 @@ fn layers_follow_each_other_behind_range_and_images() {
 }
 
 #[test]
-fn a_layer_that_is_stated_and_not_there_is_doubted() {
+fn a_layer_that_is_stated_and_not_there_gives_a_warning() {
     let scan = read_bytes(&Plu { layers: 2, ..Plu::default() }.bytes()).unwrap();
     assert_eq!(scan.channels.len(), 1);
     let doubted = |layers| {
@@ -217,7 +217,7 @@ fn only_a_date_and_small_codes_make_the_format() {
 }
 
 #[test]
-fn shapes_that_the_bytes_cannot_bear_out_are_errors() {
+fn shapes_that_exceed_the_file_are_errors() {
     let of_shape = |shape| {
         let mut file = Plu::default();
         file.data[0].shape = shape;

@@ -58,7 +58,7 @@ fn int16_heights_are_scaled_shifted_and_voids_are_two_below_the_minimum() {
 }
 
 #[test]
-fn a_height_outside_of_the_stated_range_is_doubted() {
+fn a_height_outside_of_the_stated_range_gives_a_warning() {
     let scan = read_bytes(&Sur::default().bytes()).unwrap();
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights are outside")), "{:?}", scan.warnings);
 }
@@ -137,7 +137,7 @@ fn a_height_that_is_no_length_is_an_error_and_a_position_that_is_none_a_warning(
 }
 
 #[test]
-fn a_unit_ratio_that_contradicts_the_units_is_doubted() {
+fn a_unit_ratio_that_contradicts_the_units_gives_a_warning() {
     let mut bytes = Sur::default().bytes();
     let doubted = |bytes: &[u8]| read_bytes(bytes).unwrap().warnings.iter().any(|w| w.contains("x unit ratio"));
     assert!(!doubted(&bytes));
@@ -329,7 +329,7 @@ fn objects_that_are_no_heights_are_left_out_of_the_channels() {
 }
 
 #[test]
-fn what_follows_the_objects_and_what_is_missing_of_them_is_doubted() {
+fn surplus_bytes_and_missing_objects_give_a_warning() {
     let doubts = |bytes: &[u8]| {
         let scan = read_bytes(bytes).unwrap();
         assert_eq!(scan.channels.len(), 1);
@@ -337,8 +337,8 @@ fn what_follows_the_objects_and_what_is_missing_of_them_is_doubted() {
     };
     let mut trailing = Sur::default().bytes();
     trailing.extend([0; 7]);
-    assert!(doubts(&trailing).contains("7 bytes behind the last object were left out"));
-    assert!(doubts(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("announces 3 objects; the file holds 1"));
+    assert!(doubts(&trailing).contains("7 bytes after the last object were left out"));
+    assert!(doubts(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("declares 3 objects; the file holds 1"));
     let cut = [Sur::default().bytes(), Sur::default().bytes()].concat();
     let heights = cut.len() - 12;
     let wanted = format!("the heights (byte {heights}) stop after 11 bytes; wanted 12");
@@ -365,11 +365,11 @@ fn other_objects_are_refused_with_a_reason() {
 #[test]
 fn many_lines_called_a_profile_are_a_surface_with_a_warning() {
     let scan = read_bytes(&Sur { object_type: 1, ..Sur::default() }.bytes()).unwrap();
-    assert!(scan.warnings.iter().any(|warning| warning.contains("calls itself a profile")));
+    assert!(scan.warnings.iter().any(|warning| warning.contains("the type of the file is a profile")));
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let huge = Sur { size: (i32::MAX, i32::MAX), ..Sur::default() }.bytes();
     assert!(matches!(read_bytes(&huge), Err(FormatError::TooLarge { .. })));
     let long = Sur { size: (16384, 16384), ..Sur::default() }.bytes();

@@ -176,7 +176,7 @@ fn text_without_numbers_is_an_error() {
 }
 
 #[test]
-fn a_list_of_points_is_doubted() {
+fn a_list_of_points_gives_a_warning() {
     let list: String = (0..20).map(|i| format!("{i} {i} 0.5\n")).collect();
     let scan = read_bytes(list.as_bytes()).unwrap();
     assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("points x y z")), "{:?}", scan.warnings);
@@ -205,7 +205,7 @@ fn gwyddion_states_the_size_of_all_points() {
 }
 
 #[test]
-fn channels_of_one_file_are_told_apart() {
+fn channels_of_one_file_are_distinguished() {
     let text = two_channels();
     let scan = read_bytes(text.as_bytes()).unwrap();
     assert_heights(&scan, &HEIGHTS_M);
@@ -310,7 +310,7 @@ fn a_pixel_size_is_stated_in_many_ways() {
 }
 
 #[test]
-fn doubts_about_the_pixel_size_are_told() {
+fn doubts_about_the_pixel_size_are_reported() {
     let warnings = |header: &str| read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap().warnings;
     let found = warnings("# Width: 10 um");
     assert!(matches!(found.as_slice(), [one] if one.contains("a width but no height")), "{found:?}");
@@ -452,7 +452,7 @@ fn a_size_with_a_unit_of_its_own_is_a_length_whatever_its_number() {
 }
 
 #[test]
-fn a_unit_that_is_no_length_is_doubted() {
+fn a_unit_that_is_no_length_gives_a_warning() {
     for (header, shown) in [
         ("# Value units: V", "`Value units: V`"),
         // A current, and no Ångström.
@@ -479,7 +479,7 @@ fn a_header_without_comment_signs_must_be_keys_with_values() {
 }
 
 #[test]
-fn decimal_commas_are_read_where_commas_separate_nothing() {
+fn decimal_commas_are_read_if_commas_are_no_separators() {
     for text in [
         "1,5;2,25;-3\n0;1e-3;7,0E1",
         "1,5\t2,25\t-3\n0\t1e-3\t7,0E1",

@@ -182,7 +182,7 @@ fn numbers_of_every_width_are_unsigned() {
 }
 
 #[test]
-fn heights_of_0_are_told_and_kept() {
+fn heights_of_0_are_kept_with_a_warning() {
     let warned = |scan: &Scan| scan.warnings.iter().any(|warning| warning.starts_with("1 heights are 0"));
     assert!(warned(&reading(&Vk4::default())));
     let full = Layer { data: u32s(&[1, 2, 3, 4, 5, 6]), ..Layer::of_32_bits() };
@@ -275,7 +275,7 @@ fn points_of_the_image_of_errors_are_missing() {
 }
 
 #[test]
-fn an_image_of_errors_that_does_not_fit_is_left_out_and_told() {
+fn an_image_of_errors_that_does_not_fit_is_left_out_with_a_warning() {
     for (image, reason) in [
         (errors(2, 2, 1, 2, &[1; 4]), "width (ErrorImageData, byte 0) is `2`; wanted 3"),
         (errors(3, 3, 1, 3, &[1; 9]), "height (ErrorImageData, byte 4) is `3`; wanted 2"),
@@ -342,13 +342,13 @@ fn files_of_images_only_are_refused() {
 }
 
 #[test]
-fn another_file_type_is_told() {
+fn another_file_type_is_reported() {
     let scan = reading(&Vk4 { file_type: 2, ..Vk4::default() });
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("the file type is 2, not 0")));
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let sized = |size, bits| read_bytes(&layered(Layer { size, bits, ..Layer::of_32_bits() }).bytes());
     assert!(matches!(sized((u32::MAX, u32::MAX), 32), Err(FormatError::TooLarge { .. })));
     for (size, bits, wanted) in [((0, 2), 32, "width"), ((3, 0), 32, "height"), ((3, 2), 24, "bit depth")] {

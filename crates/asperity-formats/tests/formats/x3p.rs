@@ -442,7 +442,7 @@ fn a_zip_archive_is_known_by_main_xml() {
 }
 
 #[test]
-fn increments_that_say_nothing_are_doubted() {
+fn increments_of_zero_give_a_warning() {
     let file = |z_axis, data: Vec<u8>| X3p { z_axis, size: (2, 1, 1), data, ..X3p::default() }.bytes();
     let read = |bytes: &[u8], doubt: &str| {
         let scan = read_bytes(bytes).unwrap();
@@ -463,7 +463,7 @@ fn increments_that_say_nothing_are_doubted() {
 }
 
 #[test]
-fn the_first_line_is_the_top_one_and_another_origin_is_doubted() {
+fn the_first_line_is_the_top_one_and_another_origin_gives_a_warning() {
     let file = X3p { size: (1, 4, 1), ..X3p::default() };
     let with_origin = |origin: &str| {
         let main = file.main_xml().replace("</Axes>", &format!("<Origin>{origin}</Origin></Axes>"));

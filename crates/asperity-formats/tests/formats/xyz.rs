@@ -155,7 +155,7 @@ fn units_stand_in_the_header() {
 }
 
 #[test]
-fn wide_spacing_without_a_unit_is_doubted() {
+fn wide_spacing_without_a_unit_gives_a_warning() {
     let points = list(&by_rows(), " ");
     let scan = read(&points);
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("no unit is stated")), "{:?}", scan.warnings);
@@ -238,7 +238,7 @@ fn a_zygo_file_has_heights_in_micrometre_and_pixels_from_the_top() {
     assert_eq!(scan.pitch_m, None);
     assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("not calibrated")), "{:?}", scan.warnings);
     let cut = zygo("1e-05").replace("\n#\n", "\n");
-    assert!(read_bytes(cut.as_bytes()).unwrap_err().to_string().contains("the line `#` behind the header is missing"));
+    assert!(read_bytes(cut.as_bytes()).unwrap_err().to_string().contains("the line `#` after the header is missing"));
 }
 
 #[test]
