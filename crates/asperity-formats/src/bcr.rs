@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::scan::Shape;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Input, utf16_text};
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::text::header::Header as Notes;
@@ -79,12 +79,7 @@ impl Encoding {
     /// Decodes text and removes the byte-order mark.
     fn text(self, bytes: &[u8]) -> String {
         let Self::Utf16(order) = self else { return bytes.iter().map(|&byte| char::from(byte)).collect() };
-        let units = bytes.as_chunks().0.iter().map(|&unit| match order {
-            ByteOrder::Little => u16::from_le_bytes(unit),
-            ByteOrder::Big => u16::from_be_bytes(unit),
-        });
-        let text: String = char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-        text.trim_start_matches('\u{feff}').into()
+        utf16_text(bytes, order).trim_start_matches('\u{feff}').into()
     }
 }
 

@@ -53,6 +53,8 @@ const DATA: &str = "Data";
 const MAIN_KIND: &str = "Surface";
 /// Unit that needs the wavelength.
 const FRINGES: &str = "Fringes";
+/// Factors of a height in fringes: wavelength in metre, and two numbers.
+const FACTORS: [&str; 3] = ["Wavelength", "Interferometric Scale Factor", "Obliquity Factor"];
 /// Maximum number of datasets.
 const MAX_MAPS: usize = 4096;
 /// Maximum number of entries of metadata.
@@ -75,9 +77,8 @@ fn detect(bytes: &[u8]) -> bool {
 struct Meaning {
     unit: Option<String>,
     no_data: Option<f64>,
-    wavelength_m: Option<f64>,
-    scale_factor: Option<f64>,
-    obliquity: Option<f64>,
+    /// Values of the attributes in [`FACTORS`].
+    factors: [Option<f64>; 3],
     x: Option<Converter>,
     y: Option<Converter>,
     z: Option<Converter>,
@@ -203,13 +204,14 @@ fn meaning(file: &File, object: &Object) -> Result<Meaning> {
         match attribute.name {
             b"Unit" => meaning.unit = file.value(&attribute, |value| value.text())?,
             b"No Data" => meaning.no_data = number()?,
-            b"Wavelength" => meaning.wavelength_m = number()?,
-            b"Interferometric Scale Factor" => meaning.scale_factor = number()?,
-            b"Obliquity Factor" => meaning.obliquity = number()?,
             b"X Converter" => meaning.x = converter()?,
             b"Y Converter" => meaning.y = converter()?,
             b"Z Converter" => meaning.z = converter()?,
-            _ => (),
+            name => {
+                if let Some(place) = FACTORS.iter().position(|factor| factor.as_bytes() == name) {
+                    meaning.factors[place] = number()?;
+                }
+            }
         }
     }
     Ok(meaning)
@@ -249,12 +251,7 @@ impl Meaning {
             return Ok(Box::new(move |z| z / per_metre));
         }
         let mut height_m = 1.0;
-        let stated = [
-            ("Wavelength", self.wavelength_m),
-            ("Interferometric Scale Factor", self.scale_factor),
-            ("Obliquity Factor", self.obliquity),
-        ];
-        for (place, (name, attribute)) in stated.into_iter().enumerate() {
+        for (place, (name, attribute)) in FACTORS.into_iter().zip(self.factors).enumerate() {
             let parameter = self.z.as_ref().and_then(|z| z.parameters.get(place + 1).copied());
             let factor = attribute.or(parameter);
             let factor = factor.ok_or_else(|| input.missing(name, at, "a number that turns fringes into heights"))?;

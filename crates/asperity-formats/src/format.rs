@@ -55,42 +55,39 @@ impl Format {
     /// Returns the unit of the heights in files of this format if its reader does not name it; `None` if files may
     /// lack a unit.
     pub(crate) fn height_unit(self) -> Option<&'static str> {
-        match self {
-            Self::Text | Self::Xyz | Self::Npy | Self::Npz | Self::Tiff | Self::Gwy | Self::NetCdf => None,
-            Self::Plu | Self::Plux | Self::Nms => Some("um"),
-            Self::Opd | Self::Bcr => Some("nm"),
-            Self::Vk => Some("pm"),
-            Self::Tmd => Some("mm"),
-            _ => Some("m"),
-        }
+        self.name_and_unit().1
     }
 
     /// Returns the name for the user.
     pub fn name(self) -> &'static str {
+        self.name_and_unit().0
+    }
+
+    fn name_and_unit(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::X3p => "X3P",
-            Self::Sur => "SUR",
-            Self::Sdf => "SDF",
-            Self::Gwy => "GWY",
-            Self::Opd => "OPD",
-            Self::MetroPro => "MetroPro DAT",
-            Self::Datx => "DATX",
-            Self::Plu => "PLU",
-            Self::Plux => "PLUX",
-            Self::Al3d => "AL3D",
-            Self::Nms => "NMS",
-            Self::Frt => "FRT",
-            Self::Bcr => "BCR",
-            Self::Tmd => "TMD",
-            Self::Vk => "VK4/VK6",
-            Self::NetCdf => "NetCDF",
-            Self::Npy => "NPY",
-            Self::Npz => "NPZ",
-            Self::Tiff => "TIFF",
-            Self::Vtk => "VTK image",
-            Self::Xyz => "XYZ",
-            Self::Text => "text",
-            Self::Gzip => "gzip",
+            Self::X3p => ("X3P", Some("m")),
+            Self::Sur => ("SUR", Some("m")),
+            Self::Sdf => ("SDF", Some("m")),
+            Self::Gwy => ("GWY", None),
+            Self::Opd => ("OPD", Some("nm")),
+            Self::MetroPro => ("MetroPro DAT", Some("m")),
+            Self::Datx => ("DATX", Some("m")),
+            Self::Plu => ("PLU", Some("um")),
+            Self::Plux => ("PLUX", Some("um")),
+            Self::Al3d => ("AL3D", Some("m")),
+            Self::Nms => ("NMS", Some("um")),
+            Self::Frt => ("FRT", Some("m")),
+            Self::Bcr => ("BCR", Some("nm")),
+            Self::Tmd => ("TMD", Some("mm")),
+            Self::Vk => ("VK4/VK6", Some("pm")),
+            Self::NetCdf => ("NetCDF", None),
+            Self::Npy => ("NPY", None),
+            Self::Npz => ("NPZ", None),
+            Self::Tiff => ("TIFF", None),
+            Self::Vtk => ("VTK image", Some("m")),
+            Self::Xyz => ("XYZ", None),
+            Self::Text => ("text", None),
+            Self::Gzip => ("gzip", Some("m")),
         }
     }
 }

@@ -220,16 +220,23 @@ pub(crate) fn latin1(bytes: &[u8]) -> String {
 
 /// Decodes UTF-16 text after a byte-order mark. Returns `None` without a mark.
 pub(crate) fn utf16(bytes: &[u8]) -> Option<String> {
-    let (unit, rest): (fn([u8; 2]) -> u16, _) = match bytes {
-        [0xff, 0xfe, rest @ ..] => (u16::from_le_bytes, rest),
-        [0xfe, 0xff, rest @ ..] => (u16::from_be_bytes, rest),
-        _ => return None,
-    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => Some(utf16_text(rest, ByteOrder::Little)),
+        [0xfe, 0xff, rest @ ..] => Some(utf16_text(rest, ByteOrder::Big)),
+        _ => None,
+    }
+}
+
+/// Decodes UTF-16 text.
+pub(crate) fn utf16_text(bytes: &[u8], order: ByteOrder) -> String {
     // A unit takes at most three bytes. Growth by doubling would take more memory.
-    let mut text = String::with_capacity(rest.len() + rest.len() / 2);
-    let units = rest.as_chunks().0.iter().map(|&pair| unit(pair));
+    let mut text = String::with_capacity(bytes.len() + bytes.len() / 2);
+    let units = bytes.as_chunks().0.iter().map(|&unit| match order {
+        ByteOrder::Little => u16::from_le_bytes(unit),
+        ByteOrder::Big => u16::from_be_bytes(unit),
+    });
     text.extend(char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)));
-    Some(text)
+    text
 }
 
 /// Decodes text in UTF-8, or in Latin-1 if it is not valid UTF-8.

@@ -36,23 +36,13 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first stored line is row 0: positions count from the upper left corner of the camera",
         tested: Tested::InstrumentFiles,
     },
-    detect: |bytes| HEADERS.iter().any(|header| bytes.starts_with(&header.magic.to_be_bytes())),
+    detect: |bytes| HEADERS.iter().any(|(magic, ..)| bytes.starts_with(&magic.to_be_bytes())),
     read,
     write: None,
 };
 
-/// Kind of header.
-struct Header {
-    magic: u32,
-    format: u16,
-    bytes: u32,
-}
-
-const HEADERS: [Header; 3] = [
-    Header { magic: 0x881b_036f, format: 1, bytes: 834 },
-    Header { magic: 0x881b_0370, format: 2, bytes: 834 },
-    Header { magic: 0x881b_0371, format: 3, bytes: 4096 },
-];
+/// Kinds of headers: magic number, format number and size in bytes.
+const HEADERS: [(u32, u16, u32); 3] = [(0x881b_036f, 1, 834), (0x881b_0370, 2, 834), (0x881b_0371, 3, 4096)];
 
 /// Lowest phase that marks a missing point.
 const INVALID: f64 = 2_147_483_640.0;
@@ -150,14 +140,14 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
 /// Returns the checked size of the header. The guide requires readers to check all three fields that define its kind.
 fn header_bytes(input: &Input) -> Result<usize> {
     let magic = input.u32("magic_number", 0)?;
-    let known = HEADERS.iter().find(|header| header.magic == magic);
-    let header = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "that of a MetroPro file"))?;
+    let known = HEADERS.into_iter().find(|(known, ..)| *known == magic);
+    let known = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "the number of a MetroPro file"))?;
     let (format, bytes) = (input.u16("header_format", 4)?, input.u32("header_size", 6)?);
-    if format != header.format {
-        return Err(input.wrong("header_format", 4, format, &header.format.to_string()));
+    if format != known.1 {
+        return Err(input.wrong("header_format", 4, format, &known.1.to_string()));
     }
-    if bytes != header.bytes {
-        return Err(input.wrong("header_size", 6, bytes, &header.bytes.to_string()));
+    if bytes != known.2 {
+        return Err(input.wrong("header_size", 6, bytes, &known.2.to_string()));
     }
     let bytes = bytes as usize;
     input.take("the bytes of the header", 0, bytes)?;

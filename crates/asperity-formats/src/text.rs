@@ -13,7 +13,9 @@
 //! Some programs write the matrices of several channels into one file, each after a comment `Channel: name`. Channels
 //! whose unit is not a length are left out.
 
+mod factor;
 pub(crate) mod header;
+mod length;
 pub(crate) mod rows;
 mod write;
 

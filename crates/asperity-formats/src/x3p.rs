@@ -113,11 +113,7 @@ pub enum X3pData {
 impl X3pData {
     /// Returns the letter of the type in `main.xml`.
     fn letter(self) -> &'static str {
-        match self {
-            Self::Int16 => "I",
-            Self::Float32 => "F",
-            Self::Float64 => "D",
-        }
+        SAMPLES.iter().find(|(_, sample)| *sample == self.sample()).map_or("D", |(letter, _)| letter)
     }
 
     /// Returns the number type.
@@ -130,13 +126,10 @@ impl X3pData {
     }
 }
 
-/// Returns the number type of a letter in `main.xml`. Both integers are signed.
+/// Letters of the number types in `main.xml`. Both integers are signed.
+const SAMPLES: [(&str, Sample); 4] = [("I", Sample::I16), ("L", Sample::I32), ("F", Sample::F32), ("D", Sample::F64)];
+
+/// Returns the number type of a letter in `main.xml`.
 fn sample(letter: &str) -> Option<Sample> {
-    match letter {
-        "I" => Some(Sample::I16),
-        "L" => Some(Sample::I32),
-        "F" => Some(Sample::F32),
-        "D" => Some(Sample::F64),
-        _ => None,
-    }
+    SAMPLES.into_iter().find(|(known, _)| *known == letter).map(|(_, sample)| sample)
 }

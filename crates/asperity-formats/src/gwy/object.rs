@@ -2,6 +2,7 @@
 
 use crate::error::{Result, shown};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use crate::input::{Input, MAX_TEXT_BYTES};
 
@@ -75,6 +76,19 @@ impl<'a> Object<'a> {
     /// Returns the start of the components.
     pub(super) fn start(&self) -> usize {
         self.content.0
+    }
+
+    /// Returns the components with the given names, after a check of their types.
+    pub(super) fn fields(&self, kinds: &[(&str, u8)]) -> Result<HashMap<String, Component<'a>>> {
+        let mut fields = HashMap::new();
+        for component in self.components() {
+            let component = component?;
+            if let Some((name, kind)) = kinds.iter().find(|(name, _)| *name == component.name) {
+                component.expect(&self.input, *kind)?;
+                fields.insert((*name).to_owned(), component);
+            }
+        }
+        Ok(fields)
     }
 
     /// Returns the components in order. Nested objects are skipped by their size.

@@ -137,26 +137,16 @@ struct Units {
 impl Units {
     fn of(input: &Input, field: &Object) -> Result<Self> {
         field.expect(DATA_FIELD)?;
-        let mut units = Self { xy: String::new(), z: String::new() };
-        for component in field.components() {
-            let component = component?;
-            let unit = match &*component.name {
-                "si_unit_xy" => &mut units.xy,
-                "si_unit_z" => &mut units.z,
-                _ => continue,
-            };
-            component.expect(input, b'o')?;
-            let object = Object::of(*input, &component)?;
+        let fields = field.fields(&[("si_unit_xy", b'o'), ("si_unit_z", b'o')])?;
+        let unit = |name| -> Result<String> {
+            let Some(component) = fields.get(name) else { return Ok(String::new()) };
+            let object = Object::of(*input, component)?;
             object.expect(UNIT)?;
-            for part in object.components() {
-                let part = part?;
-                if part.name == "unitstr" {
-                    part.expect(input, b's')?;
-                    *unit = part.text(input)?.unwrap_or_default().trim().to_owned();
-                }
-            }
-        }
-        Ok(units)
+            let parts = object.fields(&[("unitstr", b's')])?;
+            let text = parts.get("unitstr").map_or(Ok(None), |part| part.text(input))?;
+            Ok(text.unwrap_or_default().trim().to_owned())
+        };
+        Ok(Self { xy: unit("si_unit_xy")?, z: unit("si_unit_z")? })
     }
 
     /// Returns the number of height units per metre; `None` if the values are not lengths.
@@ -188,22 +178,9 @@ impl Units {
     }
 }
 
-/// Returns the fields of a `GwyDataField`.
-fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, Component<'a>>> {
-    let mut fields = HashMap::new();
-    for component in field.components() {
-        let component = component?;
-        let kind = match &*component.name {
-            "xres" | "yres" => b'i',
-            "xreal" | "yreal" | "xoff" | "yoff" => b'd',
-            "data" => b'D',
-            _ => continue,
-        };
-        component.expect(input, kind)?;
-        fields.insert(component.name.to_string(), component);
-    }
-    Ok(fields)
-}
+/// Fields of a `GwyDataField` and their types.
+const FIELDS: [(&str, u8); 7] =
+    [("xres", b'i'), ("yres", b'i'), ("xreal", b'd'), ("yreal", b'd'), ("xoff", b'd'), ("yoff", b'd'), ("data", b'D')];
 
 /// Returns rows, columns and the offset of the first number.
 fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) -> Result<(usize, usize, usize)> {
@@ -224,7 +201,7 @@ fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) ->
 
 /// Reads the heights and the pitch of an image.
 fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
-    let fields = fields(input, field)?;
+    let fields = field.fields(&FIELDS)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
     let per_metre = units.per_metre_z().unwrap_or(1.0);
     let heights_m = input.heights("data", data_at, (ny, nx), Sample::F64, |z| z / per_metre)?;
@@ -252,7 +229,7 @@ fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
 /// Sets masked heights to NaN.
 fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
     mask.expect(DATA_FIELD)?;
-    let (ny, nx, data_at) = layout(input, mask, &fields(input, mask)?)?;
+    let (ny, nx, data_at) = layout(input, mask, &mask.fields(&FIELDS)?)?;
     if (ny, nx) != scan.heights_m.dim() {
         scan.warnings.push(format!("the mask has {nx} × {ny} points, unlike the image; it was left out"));
         return Ok(());

@@ -14,22 +14,23 @@ use std::collections::BTreeMap;
 use crate::error::shown;
 use crate::input::{MAX_TEXT_BYTES, Room, utf8_or_latin1};
 use crate::scan::Shape;
-use crate::text::rows::decimal_comma;
+use crate::text::factor::{Factor, Factors};
+use crate::text::length::Lengths;
 use crate::unit::per_metre;
 
 /// Key with its value, and the unit in brackets after the key.
-struct Pair {
-    key: String,
+pub(super) struct Pair {
+    pub(super) key: String,
     /// Key in small letters, without unit, with single spaces between words.
-    name: String,
+    pub(super) name: String,
     unit: Option<f64>,
-    value: String,
+    pub(super) value: String,
 }
 
 /// Pairs of keys and values of a header.
 #[derive(Default)]
 pub(crate) struct Header {
-    pairs: Vec<Pair>,
+    pub(super) pairs: Vec<Pair>,
     /// Limit of further pairs.
     room: Room,
 }
@@ -68,41 +69,18 @@ const ROWS: &str = "y pixels|nrows|ny";
 const CHANNEL: &str = "channel|kanal|canal|canale|kanál";
 /// Maximum number of bytes of these keys.
 const MAX_CHANNEL_KEY: usize = 8;
-const BIT_TO_NM: &str = "bit2nm";
-const FACTOR: &str = "conversion factor";
-/// Words beside it in keys that convert heights.
-const OF_HEIGHTS: &str = "height|heights|z|data|value|values";
 /// Maximum number of factors that warnings quote.
 const QUOTED_FACTORS: usize = 8;
 /// Key of the note that all decimal signs are commas.
 pub(super) const DECIMAL_SIGN: &str = "decimal sign";
 /// Key of comments without a key.
-const COMMENT: &str = "comment";
+pub(super) const COMMENT: &str = "comment";
 const NO_DATA: &str = "nodata value|no data value|nodata|no data|missing value|fill value";
 /// Keys of an ESRI grid, which precede their values without a sign between.
 pub(super) const ESRI: &[&str] =
     &["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
 /// Default mark of missing points in an ESRI grid.
 const ESRI_NO_DATA: f64 = -9999.0;
-
-/// Conversion factor of heights.
-#[derive(Clone, Copy)]
-struct Factor<'a> {
-    pair: &'a Pair,
-    value: f64,
-    /// Unit before the conversion, if the header names it.
-    source: Option<&'a str>,
-    /// Unit after the conversion and its number per metre, if the header names it.
-    target: Option<(&'a str, Option<f64>)>,
-}
-
-/// Conversion factors of a header.
-struct Factors<'a> {
-    /// Factor to apply.
-    used: Option<Factor<'a>>,
-    /// Pairs with factors that are not applied.
-    unused: Vec<&'a Pair>,
-}
 
 impl Pair {
     /// Returns the key and the value for a message.
@@ -112,77 +90,11 @@ impl Pair {
             _ => format!("`{}: {}`", shown(&self.key), shown(&self.value)),
         }
     }
-
-    /// Returns whether this pair states a conversion factor.
-    fn is_factor(&self) -> bool {
-        self.name == BIT_TO_NM
-            || self.name.contains(FACTOR)
-            || self.name == COMMENT && self.value.to_lowercase().contains(FACTOR)
-    }
-
-    /// Returns the factor for heights; `None` for another factor. Its value is NaN if it is not a number.
-    fn factor(&self, has_decimal_commas: bool) -> Option<Factor<'_>> {
-        let (value, behind) = factor_value(&self.value, has_decimal_commas).unwrap_or((f64::NAN, ""));
-        if self.name == BIT_TO_NM {
-            return Some(Factor { pair: self, value, source: None, target: Some(("nm", Some(1e9))) });
-        }
-        let (before, after) = self.name.split_once(FACTOR)?;
-        if !before.split_whitespace().chain(after.split_whitespace()).all(|word| is_one_of(OF_HEIGHTS, word)) {
-            return None;
-        }
-        let bracket = self.key.split_once(['(', '[']).map_or("", |(_, bracket)| bracket);
-        let (stated, other) = (units_of_factor(bracket), units_of_factor(behind));
-        let target = match [stated.1, other.1].map(|name| name.map(|name| (name, unit(name)))) {
-            // Units that contradict each other are ignored.
-            [Some((name, per_metre)), Some((_, other))] => Some((name, per_metre.filter(|_| per_metre == other))),
-            [target, other] => target.or(other),
-        };
-        Some(Factor { pair: self, value, source: stated.0.or(other.0), target })
-    }
-}
-
-/// Returns the number at the start of a text and the text after it. A comma between digits is the decimal sign unless
-/// it may separate thousands.
-fn factor_value(text: &str, has_decimal_commas: bool) -> Option<(f64, &str)> {
-    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
-    let sign = usize::from(text.starts_with(['+', '-']));
-    let comma = sign + digits(&text[sign..]);
-    let (value, length) = match text[comma..].strip_prefix(',') {
-        Some(rest) => {
-            let decimals = digits(rest);
-            let ends = !rest[decimals..].starts_with(['e', 'E', ',', '.']);
-            let may_be_thousands =
-                ends && decimals == 3 && (1..=3).contains(&(comma - sign)) && !text[sign..].starts_with('0');
-            if decimals == 0 || comma == sign || may_be_thousands && !has_decimal_commas {
-                return None;
-            }
-            fast_float2::parse_partial(text.replacen(',', ".", 1)).ok()?
-        }
-        None => fast_float2::parse_partial(text).ok()?,
-    };
-    let behind = &text[length..];
-    (!behind.starts_with([',', '.'])).then(|| (value, behind.trim()))
-}
-
-/// Returns the units before and after a conversion: `V -> nm`, `-> nm`, `nm/V` or `nm`.
-fn units_of_factor(text: &str) -> (Option<&str>, Option<&str>) {
-    let arrow = ["->", "→"].into_iter().find_map(|arrow| text.split_once(arrow));
-    let (source, target) = match (arrow, text.split_once('/')) {
-        (Some((source, target)), _) | (None, Some((target, source))) => (source, target),
-        (None, None) => ("", text),
-    };
-    let named = |unit| Some(bare(unit)).filter(|unit| !unit.is_empty());
-    (named(source), named(target))
 }
 
 /// Returns whether a name is one of several that bars separate.
-fn is_one_of(names: &str, name: &str) -> bool {
+pub(super) fn is_one_of(names: &str, name: &str) -> bool {
     names.split('|').any(|one| one == name)
-}
-
-/// Returns whether two units are equal.
-fn is_same_unit(one: &str, other: &str) -> bool {
-    bare(one).eq_ignore_ascii_case(bare(other)) || unit(one).is_some_and(|one| unit(other) == Some(one))
 }
 
 /// Returns the unit in a bracket, `m)` or `-> m)`.
@@ -220,7 +132,7 @@ impl Header {
     }
 
     /// Returns the pair of the first key that is present.
-    fn find(&self, names: &str) -> Option<&Pair> {
+    pub(super) fn find(&self, names: &str) -> Option<&Pair> {
         names.split('|').find_map(|name| self.pairs.iter().find(|pair| pair.name == name))
     }
 
@@ -354,52 +266,6 @@ impl Header {
         self.pairs.iter().find(|pair| is_height_unit(&pair.name) && pair.value != "m")
     }
 
-    /// Returns the factor that converts numbers to heights, and the pairs of other factors.
-    ///
-    /// `Bit2nm` of SPIP converts to nanometre, `height conversion factor (-> m)` to any unit, unless the numbers are
-    /// already in it. A factor without a unit converts to metre if it is the only one and no unit of length is
-    /// stated.
-    ///
-    /// # Errors
-    /// A factor that is not a number or is 0, if no unit of length is stated.
-    fn factors(&self) -> Result<Factors<'_>, &Pair> {
-        let stated = self.height_unit();
-        let length = stated.and_then(|(_, _, per_metre)| per_metre);
-        let has_decimal_commas = self.find(DECIMAL_SIGN).is_some();
-        let (mut known, mut unused) = (Vec::new(), Vec::new());
-        for pair in self.pairs.iter().filter(|pair| pair.is_factor()) {
-            let Some(factor) = pair.factor(has_decimal_commas) else {
-                unused.push(pair);
-                continue;
-            };
-            let is_bit = pair.name == BIT_TO_NM;
-            let leads_nowhere = matches!(factor.target, Some((_, None)));
-            // Koala states the factor of phases also for heights.
-            let is_done =
-                length.is_some() && !is_bit && factor.target.map_or(Some(1.0), |(_, target)| target) == length;
-            let is_of_other_unit =
-                stated.zip(factor.source).is_some_and(|((_, unit, _), source)| !is_same_unit(unit, source));
-            if is_done && !factor.source.is_some_and(|source| unit(source) == length) {
-                continue;
-            }
-            if leads_nowhere || is_of_other_unit || factor.target.is_none() && length.is_some() {
-                unused.push(pair);
-            } else if factor.value.is_finite() && factor.value != 0.0 {
-                known.push(factor);
-            } else if length.is_some() && !is_bit {
-                unused.push(pair);
-            } else {
-                return Err(pair);
-            }
-        }
-        let named = known.iter().position(|factor| factor.pair.name == BIT_TO_NM);
-        let named = named.or_else(|| known.iter().position(|factor| factor.target.is_some()));
-        let place = named.or_else(|| Some(0).filter(|_| known.len() == 1));
-        let used = place.map(|place| known.remove(place));
-        unused.extend(known.iter().map(|factor| factor.pair));
-        Ok(Factors { used, unused })
-    }
-
     fn no_data(&self) -> Option<f64> {
         let stated = self.find(NO_DATA).and_then(|pair| pair.value.parse().ok());
         stated.or_else(|| self.is_esri().then_some(ESRI_NO_DATA))
@@ -429,7 +295,7 @@ impl Header {
         let pitch = |(width_m, height_m): (f64, f64)| (width_m / columns as f64, height_m / rows as f64);
         if let Some((pair, size)) = self.find(SIZE).and_then(|pair| Some((pair, steps(pair, x_unit)?)))
             && size.has_unit
-            && (is_length(pair) || size.numbers() != [columns as f64, rows as f64])
+            && (is_length(pair) || size.stated != [columns as f64, rows as f64])
         {
             return Some(pitch(size.pair(warnings)));
         }
@@ -445,7 +311,7 @@ impl Header {
             }
             return None;
         };
-        let counts = [width.numbers(), height.numbers()].concat();
+        let counts = [&width.stated[..], &height.stated].concat();
         let are_counts =
             counts == [columns as f64, rows as f64] && nanometre.is_none() && !(is_length(x) && is_length(y));
         let are_lengths = width.has_unit && height.has_unit && !are_counts;
@@ -476,68 +342,6 @@ pub(crate) fn unit(text: &str) -> Option<f64> {
 }
 
 /// Returns a unit without the brackets around it.
-fn bare(text: &str) -> &str {
+pub(super) fn bare(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')', '"', '\'']).trim()
-}
-
-/// One or two lengths.
-struct Lengths {
-    metre: Vec<f64>,
-    stated: Vec<f64>,
-    has_unit: bool,
-}
-
-impl Lengths {
-    /// Parses lengths such as `0.5 um x 0.25 um`, `1 2 mm` or `(3, 4)`. A unit applies to the numbers before it.
-    /// Numbers without a unit are in `unit`, or else in metre.
-    fn parse(text: &str, unit: Option<f64>) -> Option<Self> {
-        let mut lengths = Self { metre: Vec::new(), stated: Vec::new(), has_unit: true };
-        let (mut scaled, mut rest) = (0, text);
-        loop {
-            rest = rest.trim_start_matches([' ', '\t', ',', ';', '(', ')', '[', ']', '*', '×']);
-            let Some(first) = rest.chars().next() else { break };
-            if lengths.stated.len() > 2 {
-                return None;
-            }
-            let times = rest.strip_prefix(['x', 'X']).filter(|after| !after.starts_with(char::is_alphabetic));
-            if first.is_ascii_digit() || matches!(first, '+' | '-' | '.') {
-                let (number, length) = leading_number(rest)?;
-                lengths.stated.push(number);
-                rest = &rest[length..];
-            } else if let Some(after) = times.or_else(|| rest.strip_prefix("by ")) {
-                rest = after;
-            } else {
-                let length = rest.find([' ', '\t', ',', ';', '(', ')', '[', ']', '*', '×']).unwrap_or(rest.len());
-                let (word, after) = rest.split_at(length);
-                rest = after;
-                let per_metre = per_metre(word)?;
-                lengths.metre.extend(lengths.stated[scaled..].iter().map(|number| number / per_metre));
-                scaled = lengths.stated.len();
-            }
-        }
-        lengths.has_unit = unit.is_some() || scaled == lengths.stated.len();
-        lengths.metre.extend(lengths.stated[scaled..].iter().map(|number| number / unit.unwrap_or(1.0)));
-        (1..=2).contains(&lengths.metre.len()).then_some(lengths)
-    }
-
-    fn numbers(&self) -> &[f64] {
-        &self.stated
-    }
-
-    /// Returns the lengths along x and y. A single length applies to both.
-    fn pair(&self, warnings: &mut Vec<String>) -> (f64, f64) {
-        if !self.has_unit {
-            warnings.push("the header states a pixel size without a unit; metre was assumed".into());
-        }
-        (self.metre[0], self.metre[self.metre.len() - 1])
-    }
-}
-
-/// Returns the number at the start of a text and its length; `1,5` is one number.
-fn leading_number(text: &str) -> Option<(f64, usize)> {
-    let comma = text.find(|c: char| !c.is_ascii_digit() && c != ',').unwrap_or(text.len());
-    match decimal_comma(&text.as_bytes()[..comma]) {
-        Some(number) => Some((number, comma)),
-        None => fast_float2::parse_partial(text).ok(),
-    }
 }

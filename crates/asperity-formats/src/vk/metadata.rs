@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::conditions::{number, offset};
-use crate::input::{Field, Input};
+use crate::input::{Field, Input, utf16_text};
+use crate::sample::ByteOrder;
 
 /// Offset of the version of Keyence's library: four bytes, the main number last.
 const LIBRARY_VERSION: usize = 4;
@@ -95,8 +96,7 @@ fn strings(input: Input) -> (Option<String>, Option<String>) {
 fn string(input: Input, start: usize) -> Option<(String, usize)> {
     let units = usize::try_from(input.u32("a string's length", start).ok()?).ok()?;
     let bytes = input.take("a string", start + 4, 2 * units).ok()?;
-    let (units, _) = bytes.as_chunks();
-    let units = units.iter().map(|&unit| u16::from_le_bytes(unit)).take_while(|&unit| unit != 0);
-    let text: String = char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-    Some((text.trim().to_owned(), start + 4 + bytes.len()))
+    let text = utf16_text(bytes, ByteOrder::Little);
+    let text = text.split('\0').next().unwrap_or_default().trim();
+    Some((text.to_owned(), start + 4 + bytes.len()))
 }

@@ -423,7 +423,7 @@ fn positions_go_before_the_stated_length_of_a_side() {
     file.variables[0].2[1].1 = Att::Double(1.5);
     let scan = file.read();
     assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
-    assert!(scan.warnings[0].starts_with("the length of x means pixels of 0.75 um"), "{:?}", scan.warnings);
+    assert!(scan.warnings[0].starts_with("the length of x gives pixels of 0.75 um"), "{:?}", scan.warnings);
     // Positions that were never written leave the length, of three points.
     file.variables[2].4 = doubles(&[9.969209968386869e36; 3]);
     assert_eq!(file.read().pitch_m, Some((1.5e-6, 2e-6)));

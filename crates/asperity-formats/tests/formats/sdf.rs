@@ -203,7 +203,7 @@ fn texts_of_other_programs_are_read() {
 fn more_numbers_than_points_give_a_warning() {
     let scan = read_bytes(TEXT.replace("NumProfiles = 2", "NumProfiles = 1").as_bytes()).unwrap();
     assert_eq!(scan.heights_m.dim(), (1, 3));
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.starts_with("3 numbers behind")), "{:?}", scan.warnings);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.starts_with("3 numbers after")), "{:?}", scan.warnings);
 }
 
 #[test]
