@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_of_a_file_is_found_behind_what_is_skipped() {
+    fn a_part_of_a_file_is_read_after_the_skipped_bytes() {
         let numbers: Vec<u8> = (0..200_000_u32).flat_map(u32::to_le_bytes).collect();
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
         zip.start_file("numbers", zip::write::SimpleFileOptions::default()).unwrap();

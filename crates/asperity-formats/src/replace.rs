@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failed_replacement_leaves_the_old_file_and_nothing_else() {
+    fn a_failed_replacement_leaves_only_the_old_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.npy");
         replace_file(&path, |file| file.write_all(b"old")).unwrap();

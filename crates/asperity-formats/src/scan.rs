@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pitch_that_is_none_is_left_out_with_a_warning() {
+    fn an_invalid_pitch_is_left_out_with_a_warning() {
         for pitch_m in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
             let scan = Scan::new(array![[0.0, 0.0]], Some((1e-6, pitch_m))).checked(&ReadOptions::default());
             assert_eq!(scan.pitch_m, None);

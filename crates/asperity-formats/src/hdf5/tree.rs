@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn widths_in_inner_nodes_follow_from_what_the_levels_below_can_hold() {
+    fn widths_in_inner_nodes_follow_from_the_capacity_of_the_levels_below() {
         // Nodes of 512 bytes with records of 17: 29 in a leaf; (512 − 10 − 9) / (17 + 9) = 18 above, with 19 · 29 + 18
         // = 569 records below; (512 − 10 − 11) / (17 + 11) = 17 above that.
         let nodes = Nodes::new(512, 17, 2);

@@ -157,13 +157,13 @@ mod tests {
     }
 
     #[test]
-    fn one_line_is_no_axis() {
+    fn one_line_is_not_an_axis() {
         assert_eq!(axis(&[2.0, 2.0, 2.0], 0.0), None);
         assert_eq!(axis(&[], 0.0), None);
     }
 
     #[test]
-    fn coordinates_beyond_all_range_are_no_axis() {
+    fn coordinates_beyond_the_range_of_f64_are_not_an_axis() {
         assert_eq!(axis(&[-1e308, 0.0, 1e308], 0.0), None);
     }
 }

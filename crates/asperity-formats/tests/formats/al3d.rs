@@ -7,7 +7,7 @@ const NAN: f64 = f64::NAN;
 /// The number next to 3e15 that `f32` has; its text in the file is rounded.
 const INVALID: f32 = 3e15;
 
-/// What a test says of an AL3D file; the rest is as MeasureSuite writes it.
+/// Variable parts of an AL3D file. The rest is as written by MeasureSuite.
 struct Al3d {
     /// Columns and rows.
     size: (usize, usize),
@@ -187,7 +187,7 @@ fn damaged_tags_of_the_repeatability_leave_all_depths() {
         ("DepthImageResPtr", "-1", "the number of a plane"),
         ("DepthResFilterVal", "1.#QNAN", "DepthResFilterVal"),
         ("DepthResShiftVal", "fine", "DepthResShiftVal"),
-        // A filter of 0 would leave nothing: there is none.
+        // A filter of 0 would exclude every depth, so there is no filter.
         ("DepthResFilterVal", "0", ""),
     ] {
         let mut file = Al3d::with_texture();

@@ -13,7 +13,7 @@ enum Text {
     Utf16Big,
 }
 
-/// A header of so many characters, in the encoding of the variant, filled up with spaces, and the data.
+/// Returns a header of `characters` characters in the encoding of the variant, filled up with spaces, and the data.
 fn file(lines: &[&str], text: Text, characters: usize, data: &[u8]) -> Vec<u8> {
     let mut header: String = lines.iter().flat_map(|line| [line, "\n"]).collect();
     if matches!(text, Text::Utf16Marked) {
@@ -172,7 +172,7 @@ fn a_pixel_size_needs_lengths() {
 }
 
 #[test]
-fn what_is_no_height_map_is_refused_with_its_reason() {
+fn records_other_than_height_maps_are_refused_with_the_reason() {
     assert_eq!(refused(&with("forcecurve = 1")), "BCR: the file holds force curves; wanted a height map");
     assert_eq!(refused(&with("zunit = V")), "BCR: the values are in V, which is not a length; wanted heights");
     assert!(refused(&with("fileformat = bcrz")).starts_with("BCR: fileformat (byte 0) is `bcrz`"));

@@ -242,7 +242,7 @@ fn chunked() -> Map {
     let shuffled: Vec<u8> = first.iter().step_by(2).chain(first.iter().skip(1).step_by(2)).copied().collect();
     let chunks = vec![
         ([0, 0], 0, zlib(&shuffled)),
-        // Elements beyond the edge are stored, and of no meaning; the mask leaves both filters out.
+        // Elements beyond the edge are stored without meaning. The mask skips both filters.
         ([0, 3], 0b11, chunk([4, -1, -1, 8, -1, -1])),
         ([2, 0], 0b11, chunk([9, -2, 11, -1, -1, -1])),
     ];
@@ -265,7 +265,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     ]
 }
 
-/// What Mx says of the instrument.
+/// Returns attributes of Mx on the instrument.
 fn system() -> Vec<Message> {
     let stamp =
         datatype::compound(&[("Seconds", 4, datatype::integer(4, false)), ("Zone", 4, datatype::integer(4, false))]);
@@ -295,7 +295,7 @@ fn the_x_converter_counts_along_columns_and_the_y_converter_along_rows() {
 }
 
 #[test]
-fn units_of_length_are_those_of_mx() {
+fn units_of_length_are_spelt_as_in_mx() {
     for (unit, height_m) in [("Meters", 100.0), ("MilliMeters", 0.1), ("MicroMeters", 1e-4), ("nm", 1e-7)] {
         let scan = read(Map { unit: Some(unit), ..Map::default() });
         assert_eq!(scan.heights_m[[0, 0]], height_m, "{unit}");
@@ -305,7 +305,7 @@ fn units_of_length_are_those_of_mx() {
 }
 
 #[test]
-fn the_unit_of_the_converter_counts_when_the_dataset_states_none() {
+fn the_unit_of_the_converter_applies_if_the_dataset_states_none() {
     let scan = read(Map { unit: None, ..Map::default() });
     assert_eq!(scan.heights_m[[0, 0]], 100e-9);
     let [x, y, _] = Map::default().converters;
@@ -508,6 +508,6 @@ fn hdf5_files_of_other_programs_are_not_claimed() {
     let root = other.group(&[("Results", 104)], &[]);
     assert_eq!(Format::detect(&other.finish(0, root)), Some(Format::NetCdf));
     assert_eq!(Format::detect(&one(Map::default())), Some(Format::Datx));
-    // A root that cannot be looked into is taken for damage.
+    // A root that cannot be read counts as damaged.
     assert_eq!(Format::detect(b"\x89HDF\r\n\x1a\n"), Some(Format::Datx));
 }

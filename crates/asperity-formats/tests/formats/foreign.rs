@@ -40,7 +40,7 @@ fn rhk(version: &str) -> Vec<u8> {
     [[0xaa, 0].as_slice(), &version, &[0; 64]].concat()
 }
 
-/// A Leica file: a block of XML in UTF-16 behind its size and the number of its letters.
+/// Returns a Leica file: a block of XML in UTF-16 after its size and the number of its letters.
 fn leica() -> Vec<u8> {
     let xml: Vec<u8> = "<LMSDataContainerHeader/>".encode_utf16().flat_map(u16::to_le_bytes).collect();
     let letters = (xml.len() as u32 / 2).to_le_bytes();
@@ -176,7 +176,7 @@ fn a_file_beyond_the_limit_is_refused_with_its_own_size() {
 
 #[test]
 fn archives_that_are_cut_off_are_described() {
-    // The name of the main file stands in the first half of the one, and only in the directory of the other.
+    // One archive has the name of the main file in its first half, the other only in the directory.
     let noise: Vec<u8> = (0..4000_u32).map(|n| (n.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     for (files, message) in [
         (

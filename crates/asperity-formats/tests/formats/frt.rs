@@ -69,7 +69,7 @@ impl Frt {
         let image =
             |kind: u32, nx: u32, ny: u32, bits: u32, numbers: Vec<u8>| [u32s(&[kind, nx, ny, bits]), numbers].concat();
         let images = [
-            // What the current buffer is, in four numbers.
+            // Description of the current buffer: four numbers.
             u16s(&[3, 0, 0, 0]),
             image(0x0000_0002, 2, 2, 16, u16s(&[9, 9, 9, 9])),
             // Second buffer of the bottom sensor: computed thickness.
@@ -147,7 +147,7 @@ fn a_range_is_the_number_of_points_times_their_distance() {
 }
 
 #[test]
-fn a_negative_range_counts_by_its_magnitude_and_one_of_0_is_none() {
+fn the_magnitude_of_a_negative_range_is_used_and_0_is_no_range() {
     let turned = Frt::single().with(0x0067, f64s(&[-3e-3, 4e-3]));
     assert_eq!(reading(&turned).pitch_m, Some((1e-3, 2e-3)));
     assert!(warns(&turned, "the x range is -0.003 m"));
@@ -217,7 +217,7 @@ fn numbers_of_32_bits_are_signed_and_ranges_span_every_image() {
 }
 
 #[test]
-fn images_that_show_no_heights_are_refused() {
+fn images_other_than_heights_are_refused() {
     let intensity = [u16s(&[1, 0, 0, 0]), u32s(&[2, 2, 2, 16]), u16s(&[9, 9, 9, 9])].concat();
     let message = error(&Frt::single().with(0x007d, intensity));
     assert_eq!(message, "FRT: the file holds no topography, only other images; wanted an image of heights");
@@ -256,7 +256,7 @@ fn scales_of_single_buffers_give_a_warning_because_their_aliases_are_not_known()
 }
 
 #[test]
-fn roundness_and_units_of_no_length_give_a_warning() {
+fn roundness_and_units_other_than_lengths_give_a_warning() {
     assert!(warns(&Frt::single().with(0x009b, u32s(&[1])), "the file states a measurement of roundness"));
     assert!(warns(&Frt::single().with(0x009f, b"\x01\x00V".to_vec()), "the z unit is `V`"));
     let micron = Frt::single().with(0x009f, b"\x02\x00\xb5m".to_vec());
@@ -275,7 +275,7 @@ fn a_count_of_blocks_that_does_not_fit_gives_a_warning() {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_parts_are_named() {
     for (tag, part) in
         [(0x000b, "block 0x000b"), (0x0066, "block 0x0066 (image size)"), (0x006c, "block 0x006c (sensor)")]
     {

@@ -164,7 +164,7 @@ fn a_file_without_any_unit_counts_as_metre_with_a_warning() {
 }
 
 #[test]
-fn lateral_units_that_are_no_lengths_give_no_pitch() {
+fn lateral_units_other_than_lengths_give_no_pitch() {
     for unit in ["", "px", "s", "A"] {
         let scan = read((unit, "m"));
         assert_eq!(scan.pitch_m, None);
@@ -173,7 +173,7 @@ fn lateral_units_that_are_no_lengths_give_no_pitch() {
 }
 
 #[test]
-fn values_that_are_no_lengths_are_refused() {
+fn values_other_than_lengths_are_refused() {
     // A is the ampere and not the ångström; no unit beside metres is a plain number.
     for unit in ["A", "deg", "V", ""] {
         let found = message(&file(&[image(0, "Current", ("m", unit))]));
@@ -290,7 +290,7 @@ fn written_files_follow_the_layout() {
 }
 
 #[test]
-fn what_is_written_is_read_again() {
+fn written_files_are_read_back() {
     let read = read_bytes(&write_gwy(&scan()).unwrap()).unwrap();
     assert_eq!(bits(&read), bits(&scan()));
     let (dx, dy) = read.pitch_m.unwrap();

@@ -28,7 +28,7 @@ fn a_gzip_stream_in_another_is_refused() {
 fn a_damaged_gzip_stream_is_reported() {
     let mut bytes = gzip(TEXT);
     let end = bytes.len();
-    // The checksum stands eight bytes before the end (RFC 1952).
+    // The checksum is eight bytes before the end (RFC 1952).
     bytes[end - 8] ^= 1;
     assert!(read_bytes(&bytes).unwrap_err().to_string().starts_with("gzip: stream: "));
 }

@@ -7,7 +7,7 @@ use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a file; the rest is as a NewView writes it.
+/// Variable parts of a file. The rest is as written by a NewView.
 struct MetroPro {
     magic: u32,
     format: u16,
@@ -227,7 +227,7 @@ fn a_camera_without_square_pixels_gives_a_warning() {
 }
 
 #[test]
-fn inverted_data_stay_as_they_are_with_a_warning() {
+fn inverted_data_are_not_changed_and_give_a_warning() {
     let plain = read_bytes(&MetroPro::default().bytes()).unwrap();
     let inverted = read_bytes(&MetroPro { sign: 1, ..MetroPro::default() }.bytes()).unwrap();
     assert_eq!(crate::bits(&plain), crate::bits(&inverted));

@@ -5,7 +5,7 @@ use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of an NMS file; the rest is as µsoft writes it.
+/// Variable parts of an NMS file. The rest is as written by µsoft.
 struct Nms {
     data_type: i32,
     dimension_type: i32,

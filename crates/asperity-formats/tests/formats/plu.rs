@@ -7,14 +7,14 @@ const NAN: f64 = f64::NAN;
 /// The height of a lost point.
 const LOST: f32 = 1_000_001.0;
 
-/// Rows, columns, heights in µm, and the bytes of the colour images behind them.
+/// Rows, columns, heights in µm, and the bytes of the colour images after them.
 struct Layer {
     shape: (u32, u32),
     heights_um: Vec<f32>,
     colours: Vec<u8>,
 }
 
-/// What a test says of a PLU file; the rest is as a DCM 3D writes it.
+/// Variable parts of a PLU file. The rest is as written by a DCM 3D.
 struct Plu {
     date: &'static [u8],
     shape: (u32, u32),

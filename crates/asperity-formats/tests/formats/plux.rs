@@ -5,7 +5,7 @@ use crate::fixture::{Content, Fixture};
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a PLUX file; the rest is as the program SensoSCAN writes it.
+/// Variable parts of a PLUX file. The rest is as written by the program SensoSCAN.
 struct Plux {
     size: (u32, u32),
     pitch: &'static str,
@@ -176,7 +176,7 @@ fn dimensions_that_exceed_the_file_are_errors() {
 }
 
 #[test]
-fn an_index_of_a_map_without_a_layer_is_refused_as_plux_and_any_other_index_is_none() {
+fn an_index_without_a_layer_is_refused_as_plux_and_other_indexes_are_not_plux() {
     let archive = |index: String| Content::Zip(vec![("index.xml".into(), index.into_bytes())]).bytes();
     let plux = archive(Plux { layers: "", ..Plux::default() }.index());
     assert_eq!(Format::detect(&plux), Some(Format::Plux));

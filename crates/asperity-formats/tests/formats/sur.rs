@@ -64,7 +64,7 @@ fn a_height_outside_of_the_stated_range_gives_a_warning() {
 }
 
 #[test]
-fn a_spacing_of_0_is_that_of_a_flat_map() {
+fn a_spacing_of_0_is_read_as_a_flat_map() {
     let flat = |numbers: [i16; 6]| {
         let data = numbers.iter().flat_map(|z| z.to_le_bytes()).collect();
         Sur { spacing: [1.0, 1.0, 0.0], special_points: 0, z_range: (0, 7), data, ..Sur::default() }.bytes()
@@ -128,7 +128,7 @@ fn units_are_lengths_in_several_spellings() {
 }
 
 #[test]
-fn a_height_that_is_no_length_is_an_error_and_a_position_that_is_none_a_warning() {
+fn heights_without_a_length_unit_are_an_error_and_positions_a_warning() {
     let error = read_bytes(&Sur { units: [b"mm", b"mm", b"V"], ..Sur::default() }.bytes()).unwrap_err();
     assert!(error.to_string().starts_with("SUR: z step unit (byte 212) is `V`; wanted a unit of length"), "{error}");
     let scan = read_bytes(&Sur { units: [b"s", b"mm", b"mm"], ..Sur::default() }.bytes()).unwrap();
@@ -178,7 +178,7 @@ fn comment_and_private_zone_are_skipped_by_their_sizes() {
 }
 
 #[test]
-fn compressed_heights_are_those_of_the_streams_one_after_the_other() {
+fn compressed_heights_are_the_joined_streams() {
     let plain = read_bytes(&int32(false).bytes()).unwrap();
     assert_heights(&plain, &[1020e-9, 141e-6, NAN, 400e-9]);
     // Whole numbers, a number across two streams, a stream without bytes.
@@ -193,7 +193,7 @@ fn compressed_heights_are_those_of_the_streams_one_after_the_other() {
 }
 
 #[test]
-fn streams_that_are_packed_in_earnest_are_read() {
+fn deflated_streams_are_read() {
     let heights: Vec<u8> = (0..100_000).flat_map(|n: i32| (n % 997 + 100).to_le_bytes()).collect();
     let file = Sur { bits: 32, size: (400, 250), z_range: (100, 1096), ..Sur::default() };
     let plain = Sur { data: heights.clone(), ..file.clone() }.bytes();
@@ -309,7 +309,7 @@ fn surfaces_of_a_series_are_channels_by_their_names() {
 }
 
 #[test]
-fn objects_that_are_no_heights_are_left_out_of_the_channels() {
+fn objects_other_than_heights_are_not_channels() {
     let layer = |name, unit| Sur { name, object_type: 8, objects: 3, units: [b"mm", b"mm", unit], ..Sur::default() };
     let layers = [layer(b"phase", b"deg"), layer(b"height", b"nm"), layer(b"potential", b"V")];
     let scan = read_bytes(&layers.map(|layer| layer.bytes()).concat()).unwrap();
@@ -363,7 +363,7 @@ fn other_objects_are_refused_with_a_reason() {
 }
 
 #[test]
-fn many_lines_called_a_profile_are_a_surface_with_a_warning() {
+fn a_profile_of_many_lines_is_a_surface_with_a_warning() {
     let scan = read_bytes(&Sur { object_type: 1, ..Sur::default() }.bytes()).unwrap();
     assert!(scan.warnings.iter().any(|warning| warning.contains("the type of the file is a profile")));
 }

@@ -7,7 +7,7 @@ use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a file.
+/// Variable parts of a file.
 struct Tmd {
     title: &'static [u8],
     comment: &'static [u8],

@@ -38,7 +38,7 @@ impl Layer {
     }
 }
 
-/// What a test says of a VK4 file.
+/// Variable parts of a VK4 file.
 #[derive(Clone)]
 struct Vk4 {
     signature: &'static [u8; 4],
@@ -319,12 +319,12 @@ fn archives_without_a_vk4_file_and_previews_beyond_the_file_are_refused() {
 }
 
 #[test]
-fn text_that_starts_with_vk6_is_no_vk6_file() {
+fn text_that_starts_with_vk6_is_not_a_vk6_file() {
     assert_eq!(Format::detect(b"VK6 sample\n1 2\n3 4\n"), Some(Format::Text));
 }
 
 #[test]
-fn compression_counts_by_the_size_in_bytes_only() {
+fn compression_is_detected_by_the_size_in_bytes_only() {
     let marked = Layer { compression: u32::from_le_bytes(*b"MC32"), ..Layer::of_32_bits() };
     assert_eq!(crate::bits(&reading(&layered(marked.clone()))), crate::bits(&reading(&Vk4::default())));
     let packed = Layer { data: vec![1; 20], ..marked };

@@ -139,7 +139,7 @@ fn main_xml_may_be_utf16_or_latin1() {
 }
 
 #[test]
-fn files_may_lie_in_a_folder_beside_what_desktops_leave() {
+fn files_may_be_in_a_folder_beside_files_of_desktops() {
     let file = X3p { folder: "land 1/", ..X3p::default() };
     let main = file.main_xml();
     let checksum = format!("{} *main.xml", md5(main.as_bytes()));
@@ -221,8 +221,8 @@ fn layer(text: &str) -> ReadOptions {
     ReadOptions { channel: Some(text.into()), ..ReadOptions::default() }
 }
 
-/// Three layers of 2 × 3 numbers in nanometre: hundreds tell the layer, tens the line, ones the column. Point (1, 0) of
-/// the second layer is not valid: bit 6 + 3, across a border of bytes.
+/// Returns three layers of 2 × 3 numbers in nanometre: the hundreds are the layer, the tens the line, the ones the
+/// column. Point (1, 0) of the second layer is not valid: bit 6 + 3, across a border of bytes.
 fn layered() -> X3p {
     let numbers = [11, 12, 13, 21, 22, 23].map(|point| [100, 200, 300].map(|layer| layer + point));
     X3p {

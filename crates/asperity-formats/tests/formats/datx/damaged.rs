@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Reads a file that is made to do harm, within the limits of time and memory.
+/// Reads a malicious file within the limits of time and memory.
 fn read_harmful(bytes: &[u8]) -> Result<Scan, FormatError> {
     let start = std::time::Instant::now();
     let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(bytes));
