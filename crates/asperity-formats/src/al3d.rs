@@ -223,7 +223,7 @@ struct Repeatability<'a> {
 impl<'a> Repeatability<'a> {
     /// Returns the repeatability; `None` if there is no such plane, no filter, or a filter of 0, which would exclude
     /// every depth.
-    fn of(header: &Header<'a>, texture: usize, (ny, nx): Shape) -> Result<Option<Self>> {
+    fn new(header: &Header<'a>, texture: usize, (ny, nx): Shape) -> Result<Option<Self>> {
         let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
         let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
         let stride = stride(nx, Sample::U8);
@@ -247,7 +247,7 @@ fn filter_by_repeatability(
     depths: &mut [f64],
     warnings: &mut Vec<String>,
 ) {
-    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::of(header, texture, (ny, nx)) {
+    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::new(header, texture, (ny, nx)) {
         Ok(Some(repeatability)) => repeatability,
         Ok(None) => return,
         Err(error) => return warnings.push(format!("no depth was left out for its repeatability: {error}")),

@@ -38,7 +38,7 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first stored line is row 0",
         tested: Tested::InstrumentFiles,
     },
-    detect: |bytes| Encoding::of(bytes).is_some(),
+    detect: |bytes| Encoding::detect(bytes).is_some(),
     read,
     write: None,
 };
@@ -59,7 +59,7 @@ enum Encoding {
 
 impl Encoding {
     /// Returns the encoding in which bytes start with `fileformat = bcr`.
-    fn of(bytes: &[u8]) -> Option<Self> {
+    fn detect(bytes: &[u8]) -> Option<Self> {
         let encodings = [Self::Ascii, Self::Utf16(ByteOrder::Little), Self::Utf16(ByteOrder::Big)];
         encodings.into_iter().find(|encoding| {
             let start = encoding.text(&bytes[..bytes.len().min(64)]);
@@ -133,7 +133,7 @@ impl<'a> Header<'a> {
 /// and heights that end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Bcr, bytes);
-    let encoding = Encoding::of(bytes).unwrap_or(Encoding::Ascii);
+    let encoding = Encoding::detect(bytes).unwrap_or(Encoding::Ascii);
     let header_text = |characters: usize| {
         let length = characters.saturating_mul(encoding.width()).min(input.len());
         encoding.text(&bytes[..length])

@@ -74,7 +74,7 @@ fn detect(bytes: &[u8]) -> bool {
 
 /// Attributes of a dataset that define its numbers.
 #[derive(Default)]
-struct Meaning {
+struct HeightAttributes {
     unit: Option<String>,
     no_data: Option<f64>,
     /// Values of the attributes in [`FACTORS`].
@@ -100,14 +100,14 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let missing = |field: &str| input.missing(field, at, "a dataset of numbers in rows and columns");
     let object = file.object(at)?;
     let dataset = file.dataset(&object)?.ok_or_else(|| missing("the map"))?;
-    let meaning = meaning(&file, &object)?;
+    let attributes = attributes(&file, &object)?;
     let &[ny, nx] = dataset.shape.as_slice() else { return Err(missing("the map")) };
     let shape = input.shape(("rows", at, ny), ("columns", at, nx))?;
 
     let mut warnings = Vec::new();
     let mut heights = file.numbers(&dataset)?.ok_or_else(|| missing("the numbers"))?;
-    let to_metre = meaning.to_metre(&input, at, &mut warnings)?;
-    let no_data = meaning.no_data.unwrap_or(f64::NAN);
+    let to_metre = attributes.to_metre(&input, at, &mut warnings)?;
+    let no_data = attributes.no_data.unwrap_or(f64::NAN);
     for z in &mut heights {
         let is_void = *z == no_data || no_data > 0.0 && z.abs() >= no_data;
         *z = if is_void { f64::NAN } else { to_metre(*z) };
@@ -116,8 +116,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut metadata = BTreeMap::new();
     describe(&file, &object, &mut metadata);
     let lateral_m = attributes_group(&file, &mut metadata);
-    let pitch_m = meaning.pitch_m(lateral_m, &mut warnings);
-    let height_unit = meaning.unit().and_then(length_unit).and_then(crate::unit::name).map(str::to_owned);
+    let pitch_m = attributes.pitch_m(lateral_m, &mut warnings);
+    let height_unit = attributes.unit().and_then(length_unit).and_then(crate::unit::name).map(str::to_owned);
     let scan = Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, chosen))
 }
@@ -127,7 +127,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 /// # Errors
 /// The error of the first dataset if none can be read; a file without heights.
 fn maps(file: &File, input: &Input) -> Result<(Vec<String>, Vec<usize>)> {
-    let main = file.aside(|| main(file)).flatten();
+    let main = file.optional(|| main(file)).flatten();
     // A dataset with two links counts once, under its first name.
     let (mut objects, mut known) = (Vec::new(), HashSet::new());
     if let Some(data) = file.find(DATA)? {
@@ -176,8 +176,8 @@ fn main(file: &File) -> Result<Option<usize>> {
     let mut node = b"Root".to_vec();
     for link in ["Measurement", MAIN_KIND, "Path"] {
         let next = file.find_element(&dataset, &bytes, |row| {
-            let is_it = row.has_text("Link", link.as_bytes())? && row.has_text("Source", &node)?;
-            if is_it { Ok(row.member_text("Destination")?.map(<[u8]>::to_vec)) } else { Ok(None) }
+            let is_match = row.has_text("Link", link.as_bytes())? && row.has_text("Source", &node)?;
+            if is_match { Ok(row.member_text("Destination")?.map(<[u8]>::to_vec)) } else { Ok(None) }
         })?;
         let Some(next) = next else { return Ok(None) };
         node = next;
@@ -191,30 +191,30 @@ fn is_height(file: &File, object: &Object) -> Result<bool> {
     if !file.dataset(object)?.is_some_and(is_map) {
         return Ok(false);
     }
-    let meaning = meaning(file, object)?;
-    let is_named_height = meaning.z.as_ref().is_some_and(|z| z.category == "HeightCat");
-    Ok(is_named_height || meaning.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
+    let attributes = attributes(file, object)?;
+    let is_named_height = attributes.z.as_ref().is_some_and(|z| z.category == "HeightCat");
+    Ok(is_named_height || attributes.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
 }
 
-fn meaning(file: &File, object: &Object) -> Result<Meaning> {
-    let mut meaning = Meaning::default();
+fn attributes(file: &File, object: &Object) -> Result<HeightAttributes> {
+    let mut attributes = HeightAttributes::default();
     for attribute in file.attributes(object)? {
         let number = || file.value(&attribute, |value| value.number());
         let converter = || file.value(&attribute, converter);
         match attribute.name {
-            b"Unit" => meaning.unit = file.value(&attribute, |value| value.text())?,
-            b"No Data" => meaning.no_data = number()?,
-            b"X Converter" => meaning.x = converter()?,
-            b"Y Converter" => meaning.y = converter()?,
-            b"Z Converter" => meaning.z = converter()?,
+            b"Unit" => attributes.unit = file.value(&attribute, |value| value.text())?,
+            b"No Data" => attributes.no_data = number()?,
+            b"X Converter" => attributes.x = converter()?,
+            b"Y Converter" => attributes.y = converter()?,
+            b"Z Converter" => attributes.z = converter()?,
             name => {
                 if let Some(place) = FACTORS.iter().position(|factor| factor.as_bytes() == name) {
-                    meaning.factors[place] = number()?;
+                    attributes.factors[place] = number()?;
                 }
             }
         }
     }
-    Ok(meaning)
+    Ok(attributes)
 }
 
 fn converter(value: Value) -> Result<Option<Converter>> {
@@ -229,7 +229,7 @@ fn length_unit(unit: &str) -> Option<f64> {
     per_metre(unit).or_else(|| per_metre(&unit.to_lowercase()))
 }
 
-impl Meaning {
+impl HeightAttributes {
     /// Returns the unit of the numbers from the dataset, or else from its converter.
     fn unit(&self) -> Option<&str> {
         let base = self.z.as_ref().map(|z| z.unit.as_str()).filter(|unit| !unit.is_empty());

@@ -130,7 +130,7 @@ pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
         Start(signatures) => signatures.iter().any(|signature| bytes.starts_with(signature)),
         At(offset, signature) => bytes.get(offset..).is_some_and(|rest| rest.starts_with(signature)),
         Words(words) => crate::text::is_text(bytes) && words.iter().all(|word| holds(head, word)),
-        Test(is_it) => is_it(bytes, size),
+        Test(is_match) => is_match(bytes, size),
     };
     FOREIGN.iter().find(is_known).map(|&Foreign(name, _, advice)| FormatError::NotRead { name, advice })
 }

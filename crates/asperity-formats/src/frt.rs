@@ -95,7 +95,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     // The first stored line is at the bottom of the image.
     large::flip(&mut heights, nx);
     let pitch_m = pitch(&blocks, image.shape, &mut warnings)?;
-    doubt(&blocks, &mut warnings);
+    warn_about_axes(&blocks, &mut warnings);
     let heights_m = image.numbers.matrix("the numbers of an image", 0, (ny, nx), heights)?;
     let scan = Scan { metadata: metadata::metadata(&blocks), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, channel))
@@ -203,7 +203,7 @@ fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result
 }
 
 /// Warns if the axes may not be lengths.
-fn doubt(blocks: &Blocks, warnings: &mut Vec<String>) {
+fn warn_about_axes(blocks: &Blocks, warnings: &mut Vec<String>) {
     if blocks.get(&ROUNDNESS).is_some_and(|block| block.u32("roundness", 0).is_ok_and(|flag| flag != 0)) {
         warnings.push("the file states a measurement of roundness; its axes count as lengths".into());
     }

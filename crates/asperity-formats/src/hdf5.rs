@@ -122,7 +122,7 @@ impl<'a> File<'a> {
     }
 
     /// Reads an optional part of the file with a quarter of the remaining budget.
-    pub(crate) fn aside<T>(&self, read: impl FnOnce() -> Result<T>) -> Option<T> {
+    pub(crate) fn optional<T>(&self, read: impl FnOnce() -> Result<T>) -> Option<T> {
         let share = self.work.get() / 4;
         let rest = self.work.replace(share) - share;
         let found = read().ok();

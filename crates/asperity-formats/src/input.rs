@@ -264,18 +264,18 @@ fn kept(bytes: &[u8], decode: impl FnOnce(&[u8]) -> String) -> String {
 
 /// Limits the texts of a file beside its heights, so that a file of texts alone cannot take many times its size in
 /// memory.
-pub(crate) struct Room {
+pub(crate) struct TextLimit {
     texts: usize,
     bytes: usize,
 }
 
-impl Default for Room {
+impl Default for TextLimit {
     fn default() -> Self {
         Self { texts: 10_000, bytes: 1 << 22 }
     }
 }
 
-impl Room {
+impl TextLimit {
     /// Returns whether one more text is allowed.
     pub(crate) fn is_left(&self) -> bool {
         self.texts > 0 && self.bytes > 0
@@ -325,9 +325,9 @@ mod tests {
 
     #[test]
     fn room_ends_with_the_number_of_texts_or_with_their_bytes() {
-        let mut room = Room { texts: 2, bytes: 10 };
+        let mut room = TextLimit { texts: 2, bytes: 10 };
         assert!(room.take(3) && room.take(3) && !room.take(3));
-        let mut room = Room { texts: 9, bytes: 10 };
+        let mut room = TextLimit { texts: 9, bytes: 10 };
         assert!(room.take(100) && !room.take(0));
     }
 

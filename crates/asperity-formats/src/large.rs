@@ -95,7 +95,7 @@ pub(crate) fn flip(values: &mut [f64], columns: usize) {
 
 /// Returns the numbers of a map in column order. `part(row, column, values)` fills `values` from a row, starting at a
 /// column.
-pub(crate) fn turned((rows, columns): Shape, part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
+pub(crate) fn transpose_from((rows, columns): Shape, part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
     let mut turned = zeros(rows * columns);
     let strip = |(place, strip): (usize, &mut [f64])| {
         // The rows of a large map share cache lines when read by column. Copies of a square do not.
@@ -118,7 +118,7 @@ pub(crate) fn turned((rows, columns): Shape, part: impl Fn(usize, usize, &mut [f
 
 /// Returns the numbers of a map in column order.
 pub(crate) fn transposed(values: &[f64], (rows, columns): Shape) -> Vec<f64> {
-    turned((rows, columns), |row, first, part| {
+    transpose_from((rows, columns), |row, first, part| {
         let start = row * columns + first;
         part.copy_from_slice(&values[start..start + part.len()]);
     })

@@ -313,10 +313,10 @@ impl<'c> Axis<'c> {
     fn new(contents: &'c Contents, map: &Variable, back: usize) -> Self {
         let place = map.shape.len().saturating_sub(back);
         let dimension = map.dimensions.get(place).copied().flatten().and_then(|place| contents.dimensions.get(place));
-        let is_it = |variable: &&Variable| {
+        let is_match = |variable: &&Variable| {
             variable.shape.len() == 1 && dimension.is_some_and(|dimension| dimension.name == variable.name)
         };
-        let positions = contents.variables.iter().find(is_it).filter(|variable| variable.sample.is_some());
+        let positions = contents.variables.iter().find(is_match).filter(|variable| variable.sample.is_some());
         Self { dimension, length: map.shape.get(place).copied().unwrap_or_default(), positions }
     }
 

@@ -134,7 +134,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     input.take("the bytes of the header", 0, HEADER_BYTES)?;
     let kind = input.u32(TYPE.0, TYPE.1)?;
     if kind != TOPOGRAPHY {
-        let found = format!("the file holds {}", names::of(&names::TYPES, kind));
+        let found = format!("the file holds {}", names::name_of(&names::TYPES, kind));
         return Err(input.unsupported(found, "a topography (type 3)"));
     }
     let mut warnings = Vec::new();
@@ -200,13 +200,13 @@ fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
         metadata.insert((*name).to_owned(), input.value(name, *at, *kind)? + unit);
     }
     let mut insert = |field: Field, value: String| metadata.insert(field.0.to_owned(), value);
-    insert(TYPE, names::of(&names::TYPES, TOPOGRAPHY));
-    insert(ALGORITHM, names::of(&names::ALGORITHMS, input.u32(ALGORITHM.0, ALGORITHM.1)?));
-    insert(METHOD, names::of(&names::METHODS, input.u32(METHOD.0, METHOD.1)?));
+    insert(TYPE, names::name_of(&names::TYPES, TOPOGRAPHY));
+    insert(ALGORITHM, names::name_of(&names::ALGORITHMS, input.u32(ALGORITHM.0, ALGORITHM.1)?));
+    insert(METHOD, names::name_of(&names::METHODS, input.u32(METHOD.0, METHOD.1)?));
     insert(OBJECTIVE, names::objective(input.u32(OBJECTIVE.0, OBJECTIVE.1)?));
-    insert(AREA, names::of(&names::AREAS, area));
+    insert(AREA, names::name_of(&names::AREAS, area));
     insert(VERSION, names::version(input.u8(VERSION.0, VERSION.1)?));
-    insert(HARDWARE, names::of(&names::HARDWARE, input.u8(HARDWARE.0, HARDWARE.1)?.into()));
+    insert(HARDWARE, names::name_of(&names::HARDWARE, input.u8(HARDWARE.0, HARDWARE.1)?.into()));
     Ok(metadata)
 }
 

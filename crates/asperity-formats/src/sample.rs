@@ -90,7 +90,7 @@ impl Sample {
 
     /// Decodes a map stored column by column and returns its numbers row by row.
     pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): Shape) -> Vec<f64> {
-        large::turned((nx, ny), |column, first, part| {
+        large::transpose_from((nx, ny), |column, first, part| {
             self.decode_into(order, &bytes[(column * ny + first) * self.size()..], part);
         })
     }

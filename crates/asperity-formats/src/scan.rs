@@ -142,7 +142,7 @@ impl Scan {
         for warning in &mut self.warnings {
             *warning = cut(warning, WARNING_CHARS);
         }
-        let range_m = tidy(&mut self.heights_m);
+        let range_m = normalise(&mut self.heights_m);
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
         let Some((dx_m, dy_m)) = self.pitch_m else { return self };
         if !(is_pitch(dx_m) && is_pitch(dy_m)) {
@@ -172,7 +172,7 @@ impl Scan {
 }
 
 /// Sets heights that are not finite to NaN. Returns the lowest and the highest other height; `None` if there is none.
-fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
+fn normalise(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
     let pieces = match heights_m.as_slice_memory_order_mut() {
         Some(values) => large::pass(values, range),
         None => heights_m.iter_mut().map(|z| range(std::slice::from_mut(z))).collect(),
@@ -182,7 +182,7 @@ fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
     (low <= high).then_some((low, high))
 }
 
-/// Does the work of [`tidy`] for a part of the heights. Returns an empty range if all are missing.
+/// Does the work of [`normalise`] for a part of the heights. Returns an empty range if all are missing.
 fn range(values: &mut [f64]) -> (f64, f64) {
     /// Number of independent ranges: with a single one, each comparison would wait for the previous.
     const LANES: usize = 8;

@@ -45,7 +45,7 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first profile (y = 0) is row 0",
         tested: Tested::OtherPrograms,
     },
-    detect: |bytes| Version::of(bytes).is_some(),
+    detect: |bytes| Version::detect(bytes).is_some(),
     read,
     write: Some(|scan| write_sdf(scan, SdfData::Double)),
 };
@@ -68,7 +68,7 @@ const PROBE: usize = 512;
 impl Version {
     /// Detects the kind of file. Texts exist in many versions (`aISO-1.0`, `aBCR-0.0`, `aNIST-1.0`, `aNPL-V1.0`), but
     /// all start with the same field.
-    fn of(bytes: &[u8]) -> Option<Self> {
+    fn detect(bytes: &[u8]) -> Option<Self> {
         let number = |text: &[u8]| matches!(text, [b'0'..=b'9', b'.', b'0'..=b'9']);
         match bytes {
             [b'b', b'I', b'S', b'O', b'-', version @ ..] if number(version.get(..3)?) => {
@@ -202,7 +202,7 @@ fn unsupported(found: &str, wanted: &'static str) -> FormatError {
 /// # Errors
 /// Single profiles, compression, checksums, absent or invalid fields of the header, and heights that end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
-    match Version::of(bytes) {
+    match Version::detect(bytes) {
         Some(Version::Binary { count_bytes }) => read_binary(&Input::new(Format::Sdf, bytes), count_bytes),
         _ => read_text(bytes),
     }

@@ -28,7 +28,7 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
-use header::{DECIMAL_SIGN, ESRI, Header, Meaning};
+use header::{DECIMAL_SIGN, ESRI, Header, Interpretation};
 use rows::{Layout, Table};
 pub use write::write_text;
 
@@ -87,7 +87,7 @@ impl Separator {
     /// Detects the separator of a row.
     ///
     /// In `1,5 2,5` the commas are decimal signs: as separators they would leave two numbers between them.
-    pub(crate) fn of(row: &[u8]) -> Self {
+    pub(crate) fn detect(row: &[u8]) -> Self {
         let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let is_number = |word: &[u8]| {
             rows::decimal_comma(word).is_some()
@@ -143,7 +143,7 @@ impl Head {
         for line in bytes.split(|&byte| byte == line_end) {
             let (row, comment) = line.split_at(rows::comment_start(line));
             if !row.trim_ascii().is_empty() || row.contains(&b'\t') {
-                let layout = Layout::new(Format::Text, Separator::of(row), COMMENT, line_end);
+                let layout = Layout::new(Format::Text, Separator::detect(row), COMMENT, line_end);
                 let words = utf8_or_latin1(row);
                 if layout.starts_with_value(row) || !free && !head.take_key(&words) {
                     head.first_row = row.to_vec();
@@ -230,7 +230,7 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 /// Reads one matrix.
 fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &ReadOptions) -> Result<Scan> {
     let Head { mut header, start, lines: header_lines, first_row } = head;
-    let layout = Layout::new(Format::Text, Separator::of(&first_row), COMMENT, line_end);
+    let layout = Layout::new(Format::Text, Separator::detect(&first_row), COMMENT, line_end);
     let columns = layout.count(&first_row);
     let layout = match columns.filter(|_| !header.is_esri()) {
         Some(columns) => layout.with_columns(columns),
@@ -242,7 +242,7 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     }
     let mut warnings = Vec::new();
     let mut shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
-    let separator = Separator::of(&first_row);
+    let separator = Separator::detect(&first_row);
     let is_corner_empty = separator != Separator::Space
         && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
     if is_corner_empty && header.shape().is_none() && has_labels(&table.values, shape) {
@@ -253,17 +253,17 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");
     }
-    let meaning = header
-        .meaning(shape, options.height_unit.is_some())
+    let interpretation = header
+        .interpret(shape, options.height_unit.is_some())
         .map_err(|(key, value)| wrong_factor(bytes, line_end, lines, key, value))?;
-    meaning.apply(&mut table.values);
-    if let Some(unit) = &meaning.converted {
+    interpretation.apply(&mut table.values);
+    if let Some(unit) = &interpretation.converted {
         header.insert("converted", &format!("heights from {unit} to m"));
     }
-    warnings.extend(meaning.warnings);
-    let height_unit = meaning.unit;
+    warnings.extend(interpretation.warnings);
+    let height_unit = interpretation.unit;
     let heights_m = Array2::from_shape_vec(shape, table.values).map_err(|_| nothing())?;
-    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, meaning.pitch_m) })
+    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, interpretation.pitch_m) })
 }
 
 /// Returns the shape of a table after removing columns and rows that are not heights.
@@ -337,7 +337,7 @@ fn nothing() -> FormatError {
     FormatError::missing(Format::Text, "a row of numbers", Location::Line(1), "one row of heights per line")
 }
 
-impl Meaning {
+impl Interpretation {
     /// Converts numbers to heights in metre.
     fn apply(&self, values: &mut [f64]) {
         let Self { factor, per_metre, no_data, .. } = *self;

@@ -98,7 +98,7 @@ fn names_points(head: &[u8]) -> bool {
 }
 
 fn layout(first_row: &[u8], line_end: u8) -> Layout {
-    Layout::new(Format::Xyz, Separator::of(first_row), COMMENT, line_end).with_columns(3)
+    Layout::new(Format::Xyz, Separator::detect(first_row), COMMENT, line_end).with_columns(3)
 }
 
 fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {

@@ -26,7 +26,7 @@ pub(super) struct Component<'a> {
 }
 
 /// Returns the offset after the next zero before `limit`.
-fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize> {
+fn text_end(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize> {
     let bytes = input.bytes().get(offset..limit).unwrap_or_default();
     let length = bytes.iter().position(|&byte| byte == 0);
     let wrong = || input.wrong(field, offset, "a text without end", "a zero byte after it");
@@ -36,7 +36,7 @@ fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Resul
 /// Reads the text up to the next zero before `limit`, cut to [`MAX_TEXT_BYTES`]. Returns it with the offset after the
 /// zero.
 fn string<'a>(input: &Input<'a>, field: &str, offset: usize, limit: usize) -> Result<(Cow<'a, str>, usize)> {
-    let end = behind_text(input, field, offset, limit)?;
+    let end = text_end(input, field, offset, limit)?;
     let kept = &input.bytes()[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
     Ok((String::from_utf8_lossy(kept), end))
 }
@@ -56,14 +56,14 @@ impl<'a> Object<'a> {
     /// # Errors
     /// A size beyond `limit`.
     pub(super) fn at(input: Input<'a>, field: &str, offset: usize, limit: usize) -> Result<Self> {
-        let size_at = behind_text(&input, field, offset, limit)?;
+        let size_at = text_end(&input, field, offset, limit)?;
         let start = end(&input, field, size_at, 4, limit)?;
         let content_end = end(&input, field, start, input.u32(field, size_at)?.into(), limit)?;
         Ok(Self { input, offset, content: (start, content_end) })
     }
 
     /// Opens the object in a component.
-    pub(super) fn of(input: Input<'a>, component: &Component) -> Result<Self> {
+    pub(super) fn from_component(input: Input<'a>, component: &Component) -> Result<Self> {
         Self::at(input, &component.name, component.value.0, component.value.1)
     }
 
@@ -114,7 +114,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
         b'b' | b'c' => end(input, &name, start, 1, limit)?,
         b'i' => end(input, &name, start, 4, limit)?,
         b'q' | b'd' => end(input, &name, start, 8, limit)?,
-        b's' => behind_text(input, &name, start, limit)?,
+        b's' => text_end(input, &name, start, limit)?,
         b'o' => Object::at(*input, &name, start, limit)?.content.1,
         b'C' | b'I' | b'Q' | b'D' | b'S' | b'O' => {
             let items = end(input, &name, start, 4, limit)?;
@@ -124,7 +124,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
                 b'I' => end(input, &name, items, 4 * u64::from(count), limit)?,
                 b'Q' | b'D' => end(input, &name, items, 8 * u64::from(count), limit)?,
                 // Every text takes a byte and every object five, so the size of the file limits the count.
-                b'S' => (0..count).try_fold(items, |at, _| behind_text(input, &name, at, limit))?,
+                b'S' => (0..count).try_fold(items, |at, _| text_end(input, &name, at, limit))?,
                 _ => (0..count).try_fold(items, |at, _| Ok(Object::at(*input, &name, at, limit)?.content.1))?,
             }
         }

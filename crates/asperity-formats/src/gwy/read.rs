@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::object::{Component, Object};
 use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
-use crate::input::{Input, Room};
+use crate::input::{Input, TextLimit};
 use crate::sample::Sample;
 use crate::selection::{some_of, unique};
 use crate::unit::per_metre;
@@ -47,7 +47,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let field = object(&input, &format!("/{number}/data"), data)?;
         let title = parts.title.map(|at| title(&input, at)).filter(|title| !title.is_empty());
         let title = title.unwrap_or_else(|| format!("/{number}/data"));
-        let units = Units::of(&input, &field)?;
+        let units = Units::new(&input, &field)?;
         if units.per_metre_z().is_some() {
             maps.push((field, parts, units));
             titles.push(title);
@@ -135,12 +135,12 @@ struct Units {
 }
 
 impl Units {
-    fn of(input: &Input, field: &Object) -> Result<Self> {
+    fn new(input: &Input, field: &Object) -> Result<Self> {
         field.expect(DATA_FIELD)?;
         let fields = field.fields(&[("si_unit_xy", b'o'), ("si_unit_z", b'o')])?;
         let unit = |name| -> Result<String> {
             let Some(component) = fields.get(name) else { return Ok(String::new()) };
-            let object = Object::of(*input, component)?;
+            let object = Object::from_component(*input, component)?;
             object.expect(UNIT)?;
             let parts = object.fields(&[("unitstr", b's')])?;
             let text = parts.get("unitstr").map_or(Ok(None), |part| part.text(input))?;
@@ -251,7 +251,7 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
 /// Adds the texts of a container to the metadata.
 fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<()> {
     meta.expect(CONTAINER)?;
-    let mut room = Room::default();
+    let mut room = TextLimit::default();
     for component in meta.components() {
         let component = component?;
         if !room.is_left() {

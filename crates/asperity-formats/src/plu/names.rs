@@ -88,14 +88,14 @@ const OBJECTIVES: [&str; 19] = [
 ];
 
 /// Returns the name of a code, or the code if it has no name.
-pub(super) fn of(names: &[&str], code: u32) -> String {
+pub(super) fn name_of(names: &[&str], code: u32) -> String {
     let name = usize::try_from(code).ok().and_then(|code| names.get(code)).filter(|name| !name.is_empty());
     name.map_or_else(|| format!("code {code}"), |name| (*name).to_owned())
 }
 
 /// Returns the name of an objective.
 pub(super) fn objective(code: u32) -> String {
-    of(&OBJECTIVES, code)
+    name_of(&OBJECTIVES, code)
 }
 
 /// Returns the name of a version of the format.

@@ -33,7 +33,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let channel = options.choose(Format::Sur, &channels)?;
     let object = surfaces[channel];
 
-    doubt_kind(object, &mut warnings)?;
+    warn_about_kind(object, &mut warnings)?;
     let mut heights = object.numbers()?;
     scale(&object.header, &mut heights, &mut warnings)?;
     let pitch_m = pitch(&object.header, &mut warnings)?;
@@ -64,7 +64,7 @@ fn check_kind(header: &Header) -> Result<()> {
 }
 
 /// Warns about surfaces with another object type.
-fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
+fn warn_about_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
     // Gwyddion stores surfaces with the type of profiles.
     if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
         warnings.push(format!("the type of the file is {kind}; its {} lines were read as a surface", object.ny));

@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::shown;
-use crate::input::{MAX_TEXT_BYTES, Room, utf8_or_latin1};
+use crate::input::{MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
 use crate::scan::Shape;
 use crate::text::factor::{Factor, Factors};
 use crate::text::length::Lengths;
@@ -32,11 +32,11 @@ pub(super) struct Pair {
 pub(crate) struct Header {
     pub(super) pairs: Vec<Pair>,
     /// Limit of further pairs.
-    room: Room,
+    room: TextLimit,
 }
 
 /// Interpretation of a header.
-pub(crate) struct Meaning {
+pub(crate) struct Interpretation {
     /// Distance between points along x and y in metre.
     pub(crate) pitch_m: Option<(f64, f64)>,
     /// Conversion of numbers to heights: multiplication by `factor`, then division by `per_metre`, so that units stay
@@ -199,7 +199,7 @@ impl Header {
     ///
     /// # Errors
     /// The key and the value of a conversion factor that is not a number or is 0, if no unit of length is stated.
-    pub(crate) fn meaning(&self, (rows, columns): Shape, is_stated: bool) -> Result<Meaning, (&str, &str)> {
+    pub(crate) fn interpret(&self, (rows, columns): Shape, is_stated: bool) -> Result<Interpretation, (&str, &str)> {
         let mut warnings = Vec::new();
         let pitch_m = self.pitch((rows, columns), &mut warnings);
         if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
@@ -248,16 +248,16 @@ impl Header {
             }
             (None, Some((key, stated, None))) => {
                 unit = Some(stated);
-                warnings.extend((!is_stated).then(|| doubt(key, stated)));
+                warnings.extend((!is_stated).then(|| unit_warning(key, stated)));
             }
             (None, None) => {
                 let other = self.other_unit().filter(|_| !is_stated);
-                warnings.extend(other.map(|pair| doubt(&pair.key, &pair.value)));
+                warnings.extend(other.map(|pair| unit_warning(&pair.key, &pair.value)));
             }
         }
         let converted = converted.filter(|_| factor != 1.0 || per_metre != 1.0).map(str::to_owned);
         let (unit, no_data) = (unit.map(str::to_owned), self.no_data());
-        Ok(Meaning { pitch_m, factor, per_metre, converted, unit, no_data, warnings })
+        Ok(Interpretation { pitch_m, factor, per_metre, converted, unit, no_data, warnings })
     }
 
     /// Returns a pair that may name a unit of the heights under another key.
@@ -332,7 +332,7 @@ impl Header {
     }
 }
 
-fn doubt(key: &str, unit: &str) -> String {
+fn unit_warning(key: &str, unit: &str) -> String {
     format!("a comment states `{}: {}`; heights count as metre", shown(key), shown(unit))
 }
 

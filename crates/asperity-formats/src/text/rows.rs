@@ -5,7 +5,7 @@
 use crate::error::Result;
 use rayon::prelude::*;
 
-use crate::input::{Room, utf8_or_latin1};
+use crate::input::{TextLimit, utf8_or_latin1};
 use crate::large;
 use crate::text::Separator;
 use crate::{Format, FormatError, Location, MAX_POINTS};
@@ -95,7 +95,7 @@ pub(crate) struct Table {
     /// Whether a number has a decimal comma.
     pub(crate) decimal_comma: bool,
     /// Limit of further comments.
-    room: Room,
+    room: TextLimit,
     lines: usize,
 }
 
@@ -259,7 +259,7 @@ impl Scanner<'_> {
             match self.field(table) {
                 Some(value) => table.values.push(value),
                 None => {
-                    let (column, found) = (table.values.len() - before + 1, utf8_or_latin1(self.odd_field()));
+                    let (column, found) = (table.values.len() - before + 1, utf8_or_latin1(self.whole_field()));
                     return Err(Fault::Value { column, found });
                 }
             }
@@ -296,7 +296,7 @@ impl Scanner<'_> {
     fn field(&mut self, table: &mut Table) -> Option<f64> {
         let rest = &self.bytes[self.cursor..];
         let is_one = |length: &usize| self.layout.separator != Separator::Comma || !rest[..*length].contains(&b',');
-        if let Some(length) = no_number(rest).filter(is_one) {
+        if let Some(length) = special_number(rest).filter(is_one) {
             self.cursor += length;
             self.skip_blanks();
             return Some(f64::NAN);
@@ -315,7 +315,7 @@ impl Scanner<'_> {
                 return Some(value);
             }
         }
-        let field = self.odd_field();
+        let field = self.whole_field();
         let value = if missing(field) {
             f64::NAN
         } else if let Some(value) = number(field) {
@@ -330,7 +330,7 @@ impl Scanner<'_> {
     }
 
     /// Returns the bytes up to the end of the field at the cursor.
-    fn odd_field(&self) -> &[u8] {
+    fn whole_field(&self) -> &[u8] {
         let rest = &self.bytes[self.cursor..];
         let spaced = self.layout.separator == Separator::Space;
         // The words `No Data` are always one field.
@@ -377,7 +377,7 @@ fn missing(field: &[u8]) -> bool {
 }
 
 /// Returns the length of a special number of Microsoft's C library (`1.#QNAN`, `-1.#IND00`, `1,#INF`) at the start.
-fn no_number(bytes: &[u8]) -> Option<usize> {
+fn special_number(bytes: &[u8]) -> Option<usize> {
     let unsigned = bytes.strip_prefix(b"-").unwrap_or(bytes);
     let word = unsigned.strip_prefix(b"1.#").or_else(|| unsigned.strip_prefix(b"1,#"))?;
     let letters = word.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(word.len());
@@ -421,7 +421,7 @@ fn spreadsheet_error(rest: &[u8]) -> Option<&[u8]> {
 
 /// Returns the offset of the comment of a line; its length if there is none.
 pub(super) fn comment_start(line: &[u8]) -> usize {
-    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| no_number(&line[start..]).is_some());
+    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| special_number(&line[start..]).is_some());
     let starts = |(place, byte): (usize, &u8)| {
         super::COMMENT.contains(byte) && spreadsheet_error(&line[place..]).is_none() && !is_number(place)
     };

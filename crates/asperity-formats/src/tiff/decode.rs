@@ -87,7 +87,7 @@ pub(super) fn decode(directory: &Directory, (ny, nx): Shape, sample: Sample, ord
                     sample.decode(order, &row, &mut numbers);
                 }
                 Predictor::FloatingPoint => {
-                    sample.decode(ByteOrder::Big, &sorted_back(&mut row, sample.size()), &mut numbers);
+                    sample.decode(ByteOrder::Big, &ungroup_bytes(&mut row, sample.size()), &mut numbers);
                 }
             }
             values[y * nx + left..y * nx + left + columns].copy_from_slice(&numbers[..columns]);
@@ -283,7 +283,7 @@ fn add_neighbours(row: &mut [u8], size: usize, order: ByteOrder) {
 
 /// Sums up differences of bytes, grouped by significance from the highest on, and returns big-endian numbers
 /// (Technical Note 3 of TIFF).
-fn sorted_back(row: &mut [u8], size: usize) -> Vec<u8> {
+fn ungroup_bytes(row: &mut [u8], size: usize) -> Vec<u8> {
     let mut sum = 0_u8;
     for byte in row.iter_mut() {
         sum = sum.wrapping_add(*byte);

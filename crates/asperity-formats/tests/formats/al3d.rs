@@ -194,24 +194,24 @@ fn damaged_tags_of_the_repeatability_leave_all_depths() {
         file.tags.iter_mut().filter(|(known, _)| *known == key).for_each(|tag| tag.1 = value);
         let scan = read_bytes(&file.bytes()).unwrap_or_else(|error| panic!("{key}: {error}"));
         assert_heights(&scan, &[0.25, NAN, 0.5, NAN, -0.125, 0.0]);
-        let told = scan.warnings.iter().any(|warning| {
+        let is_reported = scan.warnings.iter().any(|warning| {
             warning.starts_with("no depth was left out for its repeatability") && warning.contains(reason)
         });
-        assert_eq!(told, !reason.is_empty(), "{key}: {:?}", scan.warnings);
+        assert_eq!(is_reported, !reason.is_empty(), "{key}: {:?}", scan.warnings);
     }
 }
 
 #[test]
 fn depths_that_do_not_reach_the_texture_give_a_warning() {
-    let doubted = |bytes: &[u8]| {
+    let gives_warning = |bytes: &[u8]| {
         read_bytes(bytes).unwrap().warnings.iter().any(|warning| warning.contains("another image starts after"))
     };
     let file = Al3d::with_texture();
     let mut bytes = file.bytes();
-    assert!(!doubted(&bytes));
+    assert!(!gives_warning(&bytes));
     let tag = bytes.windows(4).position(|window| window == b"Rows").unwrap();
     bytes[tag + 20] = b'1';
-    assert!(doubted(&bytes));
+    assert!(gives_warning(&bytes));
 }
 
 #[test]

@@ -53,8 +53,8 @@ fn a_stated_unit_replaces_that_of_the_file_with_a_warning() {
         for (z, wanted) in replaced.heights_m.iter().zip(wanted) {
             assert!((z / wanted - 1.0).abs() < 1e-12, "{z:e}, wanted {wanted:e}");
         }
-        let told = format!("the stated height unit, {other}, replaces the file's {own}");
-        assert!(replaced.warnings.contains(&told), "{:?}", replaced.warnings);
+        let expected = format!("the stated height unit, {other}, replaces the file's {own}");
+        assert!(replaced.warnings.contains(&expected), "{:?}", replaced.warnings);
     }
     // Values that are not lengths have no scale.
     let scan = read(b"# Value units: V\n1 2\n3 4\n", "um");

@@ -330,19 +330,21 @@ fn objects_other_than_heights_are_not_channels() {
 
 #[test]
 fn surplus_bytes_and_missing_objects_give_a_warning() {
-    let doubts = |bytes: &[u8]| {
+    let warnings_of = |bytes: &[u8]| {
         let scan = read_bytes(bytes).unwrap();
         assert_eq!(scan.channels.len(), 1);
         scan.warnings.join("; ")
     };
     let mut trailing = Sur::default().bytes();
     trailing.extend([0; 7]);
-    assert!(doubts(&trailing).contains("7 bytes after the last object were left out"));
-    assert!(doubts(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("declares 3 objects; the file holds 1"));
+    assert!(warnings_of(&trailing).contains("7 bytes after the last object were left out"));
+    assert!(
+        warnings_of(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("declares 3 objects; the file holds 1")
+    );
     let cut = [Sur::default().bytes(), Sur::default().bytes()].concat();
     let heights = cut.len() - 12;
     let wanted = format!("the heights (byte {heights}) stop after 11 bytes; wanted 12");
-    assert!(doubts(&cut[..cut.len() - 1]).contains(&wanted));
+    assert!(warnings_of(&cut[..cut.len() - 1]).contains(&wanted));
 }
 
 #[test]

@@ -388,8 +388,8 @@ fn a_conversion_factor_is_written_in_many_ways() {
 fn a_conversion_factor_without_a_unit_leads_to_metre_with_a_warning() {
     let scan = read_bytes(format!("# unit: rad\n# conversion factor = 6.3e-8\n{MATRIX}").as_bytes()).unwrap();
     assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
-    let told = "the header states `conversion factor: 6.3e-8` without a unit; metre was assumed";
-    assert_eq!(scan.warnings, [told]);
+    let expected = "the header states `conversion factor: 6.3e-8` without a unit; metre was assumed";
+    assert_eq!(scan.warnings, [expected]);
 }
 
 #[test]
@@ -414,8 +414,8 @@ fn a_conversion_factor_that_is_not_applied_is_quoted() {
     ] {
         let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
         assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
-        let told = format!("the header states {quoted}, which was not used");
-        assert!(scan.warnings.contains(&told), "{header}: {:?}", scan.warnings);
+        let expected = format!("the header states {quoted}, which was not used");
+        assert!(scan.warnings.contains(&expected), "{header}: {:?}", scan.warnings);
     }
     // Koala states the factor of phases also above heights.
     let scan = read_bytes(format!("data unit=m\nheight conversion factor (-> m)=0\n{MATRIX}").as_bytes()).unwrap();

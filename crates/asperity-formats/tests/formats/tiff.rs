@@ -347,8 +347,8 @@ fn resolutions_per_inch_and_centimetre_give_the_pitch() {
         let page = floats().with(282, Value::Rational(per_inch, 1)).with(283, Value::Rational(per_inch, 1));
         let scan = read(&page);
         assert_eq!(scan.pitch_m, Some((0.0254 / per_inch as f64, 0.0254 / per_inch as f64)));
-        let told = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
-        assert_eq!(told, doubted, "{per_inch}: {:?}", scan.warnings);
+        let is_reported = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
+        assert_eq!(is_reported, doubted, "{per_inch}: {:?}", scan.warnings);
     }
     let none = floats().with(282, Value::Rational(1, 0)).with(283, Value::Rational(1, 0));
     assert_eq!(read(&none).pitch_m, None);
