@@ -285,16 +285,16 @@ mod tests {
     #[test]
     fn the_map_that_was_read_is_reported_with_the_first_of_the_others() {
         let names = |count: usize| (1..=count).map(|number| format!("n{number}")).collect();
-        let told = |count: usize, options: &ReadOptions| {
+        let warnings_of = |count: usize, options: &ReadOptions| {
             Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).warnings
         };
         let default = ReadOptions::default();
-        assert_eq!(told(1, &default), [] as [String; 0]);
-        assert_eq!(told(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
+        assert_eq!(warnings_of(1, &default), [] as [String; 0]);
+        assert_eq!(warnings_of(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
         let many = "the file holds 500 height maps (n1, n2, n3, n4, n5, n6, n7, n8 and 492 more); `n1` was read";
-        assert_eq!(told(500, &default), [many]);
+        assert_eq!(warnings_of(500, &default), [many]);
         let chosen = ReadOptions { channel: Some("n1".into()), ..ReadOptions::default() };
-        assert_eq!(told(2, &chosen), [] as [String; 0]);
+        assert_eq!(warnings_of(2, &chosen), [] as [String; 0]);
     }
 
     #[test]

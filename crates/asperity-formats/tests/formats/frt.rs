@@ -250,8 +250,9 @@ fn blocks_may_come_in_any_order() {
 fn scales_of_single_buffers_give_a_warning_because_their_aliases_are_not_known() {
     // Number of buffers; alias, scale, offset, absolute.
     let buffer = |scale: f64, offset: f64| [u32s(&[1, 0x24]), f64s(&[scale, offset]), u32s(&[0])].concat();
-    for (scale, offset, doubted) in [(1e-8, 0.0, false), (1.0, 0.0, false), (2e-8, 0.0, true), (1e-8, 1e-6, true)] {
-        assert_eq!(warns(&Frt::single().with(0x00ab, buffer(scale, offset)), "block 0x00ab"), doubted);
+    for (scale, offset, gives_warning) in [(1e-8, 0.0, false), (1.0, 0.0, false), (2e-8, 0.0, true), (1e-8, 1e-6, true)]
+    {
+        assert_eq!(warns(&Frt::single().with(0x00ab, buffer(scale, offset)), "block 0x00ab"), gives_warning);
     }
 }
 

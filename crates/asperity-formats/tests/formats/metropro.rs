@@ -218,12 +218,12 @@ fn an_unknown_lateral_resolution_leaves_no_pixel_size() {
 
 #[test]
 fn a_camera_without_square_pixels_gives_a_warning() {
-    let doubted = |file: MetroPro| {
+    let gives_warning = |file: MetroPro| {
         read_bytes(&file.bytes()).unwrap().warnings.iter().any(|warning| warning.contains("pixels of the camera"))
     };
-    assert!(!doubted(MetroPro::default()));
-    assert!(!doubted(MetroPro { camera_pixel_m: (0.0, 0.0), ..MetroPro::default() }));
-    assert!(doubted(MetroPro { camera_pixel_m: (7.5e-6, 9e-6), ..MetroPro::default() }));
+    assert!(!gives_warning(MetroPro::default()));
+    assert!(!gives_warning(MetroPro { camera_pixel_m: (0.0, 0.0), ..MetroPro::default() }));
+    assert!(gives_warning(MetroPro { camera_pixel_m: (7.5e-6, 9e-6), ..MetroPro::default() }));
 }
 
 #[test]

@@ -148,12 +148,12 @@ fn layers_follow_each_other_behind_range_and_images() {
 fn a_layer_that_is_stated_and_not_there_gives_a_warning() {
     let scan = read_bytes(&Plu { layers: 2, ..Plu::default() }.bytes()).unwrap();
     assert_eq!(scan.channels.len(), 1);
-    let doubted = |layers| {
+    let gives_warning = |layers| {
         let scan = read_bytes(&Plu { layers, ..Plu::default() }.bytes()).unwrap();
         scan.warnings.iter().any(|warning| warning.starts_with("the header states"))
     };
-    assert!(doubted(2) && doubted(255));
-    assert!(!doubted(1) && !doubted(0));
+    assert!(gives_warning(2) && gives_warning(255));
+    assert!(!gives_warning(1) && !gives_warning(0));
 }
 
 #[test]

@@ -139,14 +139,14 @@ fn heights_without_a_length_unit_are_an_error_and_positions_a_warning() {
 #[test]
 fn a_unit_ratio_that_contradicts_the_units_gives_a_warning() {
     let mut bytes = Sur::default().bytes();
-    let doubted = |bytes: &[u8]| read_bytes(bytes).unwrap().warnings.iter().any(|w| w.contains("x unit ratio"));
-    assert!(!doubted(&bytes));
+    let gives_warning = |bytes: &[u8]| read_bytes(bytes).unwrap().warnings.iter().any(|w| w.contains("x unit ratio"));
+    assert!(!gives_warning(&bytes));
     // Steps in µm, lengths in mm: the ratio is 1000 or its inverse.
     bytes[228..244].copy_from_slice(b"mm              ");
-    assert!(doubted(&bytes));
+    assert!(gives_warning(&bytes));
     for ratio in [1000_f32, 0.001] {
         bytes[276..280].copy_from_slice(&ratio.to_le_bytes());
-        assert!(!doubted(&bytes));
+        assert!(!gives_warning(&bytes));
     }
 }
 

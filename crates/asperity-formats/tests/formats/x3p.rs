@@ -444,9 +444,9 @@ fn a_zip_archive_is_known_by_main_xml() {
 #[test]
 fn increments_of_zero_give_a_warning() {
     let file = |z_axis, data: Vec<u8>| X3p { z_axis, size: (2, 1, 1), data, ..X3p::default() }.bytes();
-    let read = |bytes: &[u8], doubt: &str| {
+    let read = |bytes: &[u8], expected: &str| {
         let scan = read_bytes(bytes).unwrap();
-        assert!(scan.warnings.iter().any(|warning| warning.contains(doubt)), "{doubt}: {:?}", scan.warnings);
+        assert!(scan.warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {:?}", scan.warnings);
         scan
     };
     let integers = le([-3_i16, 5].map(i16::to_le_bytes));
