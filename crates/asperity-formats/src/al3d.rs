@@ -1,25 +1,27 @@
-//! Alicona (Bruker) AL3D: a line of text, tags of 52 bytes, a comment of 256, and images at the offsets that tags state.
+//! Alicona (Bruker) AL3D: a line of text, tags of 52 bytes, a comment of 256 bytes, and images at the offsets in the
+//! tags.
 //!
-//! A tag is a key of 20 bytes, a value of 30, both ended by a zero, and a line end. The first two tags are `Version` and
-//! `TagCount`, the number of those that follow. The depth image is `f32` in metre, little-endian; its rows, like those of
-//! the texture's planes, are padded to a multiple of 8 bytes. Readers that leave out the padding shear maps of an odd
-//! number of columns.
+//! A tag consists of a key of 20 bytes, a value of 30 bytes, both with a zero at the end, and a line end. The first
+//! two tags are `Version` and `TagCount`, the number of the tags after them. The depth image is `f32` in metre,
+//! little-endian. Its rows, and the rows of the planes of the texture, are padded to a multiple of 8 bytes. Readers
+//! that ignore the padding shear maps of an odd number of columns.
 //!
-//! `InvalidPixelValue` and all depths above it are missing. Its text is rounded (`3.000000028082e+15` for the `f32` next
-//! to 3e15), so that a comparison for equality finds nothing.
+//! `InvalidPixelValue` and all depths above it are missing. Its text is rounded (`3.000000028082e+15` for the `f32`
+//! next to 3e15), so a comparison for equality finds no missing point.
 //!
-//! One plane of the texture may hold the repeatability of every depth: n · `DepthResShiftVal` + `DepthResMinVal`. Depths
-//! beyond `DepthResFilterVal` are those that the vendor's program hides; they are missing here as well, with a warning.
+//! One plane of the texture may hold the repeatability of every depth: n · `DepthResShiftVal` + `DepthResMinVal`. The
+//! vendor's program hides depths with a repeatability above `DepthResFilterVal`; here they are missing, with a
+//! warning.
 
+use crate::error::Result;
+use crate::scan::Shape;
 use std::collections::BTreeMap;
-
-use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::FITTING_SHAPE;
+
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -42,40 +44,40 @@ pub(crate) const CODEC: Codec = Codec {
 
 /// First bytes of every file.
 const MAGIC: &[u8] = b"AliconaImaging\0\r\n";
-/// Bytes of a tag and of its parts.
+/// Sizes in bytes of a tag and of its parts.
 const TAG_BYTES: usize = 52;
 const KEY_BYTES: usize = 20;
 const VALUE_BYTES: usize = 30;
-/// What ends a tag.
+/// End of a tag.
 const LINE_END: &[u8] = b"\r\n";
-/// Tags that are read; instruments write about twenty.
+/// Maximum number of tags. Instruments write about twenty.
 const MAX_TAGS: usize = 1000;
-/// Bytes of the comment behind the tags.
+/// Size in bytes of the comment after the tags.
 const COMMENT_BYTES: usize = 256;
-/// Rows of images are padded to a multiple of this many bytes.
+/// Alignment of the rows of images in bytes.
 const ROW_ALIGNMENT: usize = 8;
-/// Depths from here on are invalid where no tag states another bound.
+/// Lowest invalid depth if no tag states one.
 const INVALID: f64 = 3e15;
-/// Relative error of an `f32` whose text was rounded, and of the `f32` itself.
+/// Relative error of an `f32` with a rounded text, and of the `f32` itself.
 const INVALID_TOLERANCE: f64 = 2e-7;
 
-/// One tag and its first byte.
+/// Tag and its offset.
 struct Tag {
     key: String,
     value: String,
     at: usize,
 }
 
-/// The tags of a file.
+/// Tags of a file.
 struct Header<'a> {
     input: Input<'a>,
     tags: Vec<Tag>,
-    /// The first byte behind the tags.
+    /// Offset of the end of the tags.
     end: usize,
 }
 
 impl<'a> Header<'a> {
-    fn new(input: Input<'a>) -> Result<Self, FormatError> {
+    fn new(input: Input<'a>) -> Result<Self> {
         let mut header = Self { input, tags: Vec::new(), end: MAGIC.len() };
         for key in ["Version", "TagCount"] {
             let tag = header.next_tag()?;
@@ -97,7 +99,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    fn next_tag(&mut self) -> Result<Tag, FormatError> {
+    fn next_tag(&mut self) -> Result<Tag> {
         let at = self.end;
         self.input.take("the bytes of a tag", at, TAG_BYTES)?;
         let key = self.input.latin1("the key of a tag", at, KEY_BYTES)?;
@@ -120,41 +122,41 @@ impl<'a> Header<'a> {
         self.input.missing(key, MAGIC.len(), "a tag of this key")
     }
 
-    /// A whole number and its place, `None` when there is no such tag.
-    fn integer(&self, key: &str) -> Result<Option<(i64, usize)>, FormatError> {
+    /// Returns a whole number and its place; `None` if there is no such tag.
+    fn integer(&self, key: &str) -> Result<Option<(i64, usize)>> {
         let Some(tag) = self.tag(key) else { return Ok(None) };
         let number = tag.value.parse().map_err(|_| self.input.wrong(key, tag.at, &tag.value, "a whole number"))?;
         Ok(Some((number, tag.at)))
     }
 
-    /// A finite number, `None` when there is no such tag.
-    fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+    /// Returns a finite number; `None` if there is no such tag.
+    fn number(&self, key: &str) -> Result<Option<f64>> {
         let Some(tag) = self.tag(key) else { return Ok(None) };
         let number = tag.value.parse().ok().filter(|number: &f64| number.is_finite());
         number.map(Some).ok_or_else(|| self.input.wrong(key, tag.at, &tag.value, "a finite number"))
     }
 
-    /// Where an image starts, `None` when there is none (no tag, or 0).
-    fn offset(&self, key: &str) -> Result<Option<usize>, FormatError> {
+    /// Returns the offset of an image; `None` if there is none (no tag, or 0).
+    fn offset(&self, key: &str) -> Result<Option<usize>> {
         match self.integer(key)? {
             None | Some((0, _)) => Ok(None),
             Some((offset, at)) => {
                 let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
-                let wanted = || format!("0 or a byte behind the tags, {} or more", self.end);
+                let wanted = || format!("0 or a byte after the tags, {} or more", self.end);
                 behind_tags.map(Some).ok_or_else(|| self.input.wrong(key, at, offset, &wanted()))
             }
         }
     }
 
-    /// The rows of an image in one piece, with the padding between them but not that of the last row.
-    fn image(&self, part: &str, at: usize, (ny, nx): (usize, usize), sample: Sample) -> Result<&'a [u8], FormatError> {
+    /// Returns the rows of an image in one piece, with padding after all rows but the last.
+    fn image(&self, part: &str, at: usize, (ny, nx): Shape, sample: Sample) -> Result<&'a [u8]> {
         let row = nx * sample.size();
-        // At most 2²⁸ points, each with its padding.
+        // At most 2²⁸ points, each with padding.
         self.input.take(part, at, (ny - 1) * stride(nx, sample) + row)
     }
 }
 
-/// Bytes from one row of an image to the next.
+/// Returns the number of bytes from one row of an image to the next.
 fn stride(nx: usize, sample: Sample) -> usize {
     (nx * sample.size()).next_multiple_of(ROW_ALIGNMENT)
 }
@@ -162,8 +164,8 @@ fn stride(nx: usize, sample: Sample) -> usize {
 /// Reads the depth image.
 ///
 /// # Errors
-/// Damaged tags, files without a depth image, and images that the bytes do not hold.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Damaged tags, files without a depth image, and images beyond the end of the file.
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Al3d, bytes);
     let header = Header::new(input)?;
     let mut warnings = Vec::new();
@@ -190,38 +192,38 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     if let Some(texture) = texture {
         filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings);
     }
-    // Sides of a pixel: the field of view is n of them.
+    // Sides of a pixel: n of them make the field of view.
     let pitch_m = header.number("PixelSizeXMeter")?.zip(header.number("PixelSizeYMeter")?);
     if pitch_m.is_none() {
         warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), depths)
-        .map_err(|_| input.wrong("Cols", columns_at, columns, FITTING_SHAPE))?;
+    let heights_m = input.matrix("Cols", columns_at, (ny, nx), depths)?;
     Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// Which depths the tag `InvalidPixelValue` marks as missing.
+/// Returns a test for the depths that the tag `InvalidPixelValue` marks as missing.
 fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
     let value = header.tag("InvalidPixelValue").and_then(|tag| tag.value.parse().ok());
     let value = value.filter(|value: &f64| value.is_finite()).unwrap_or(INVALID);
     let tolerance = INVALID_TOLERANCE * value.abs();
-    // A bound at or below zero would leave nothing: it can only mean the value itself.
+    // A bound at or below zero would exclude every depth, so only the value itself is missing.
     move |z: f64| z.is_nan() || if value > 0.0 { z >= value - tolerance } else { (z - value).abs() <= tolerance }
 }
 
-/// The repeatability of every depth: codes in rows of `stride` bytes, and what turns them into metre.
+/// Repeatability of every depth: codes in rows of `stride` bytes, and their conversion to metre.
 struct Repeatability<'a> {
     codes: &'a [u8],
     stride: usize,
     shift: f64,
     low: f64,
-    /// The largest that the vendor's program shows.
+    /// Largest repeatability that the vendor's program shows.
     filter: f64,
 }
 
 impl<'a> Repeatability<'a> {
-    /// What the file says of it, `None` where it has no such plane or no filter; one of 0 would leave nothing.
-    fn of(header: &Header<'a>, texture: usize, (ny, nx): (usize, usize)) -> Result<Option<Self>, FormatError> {
+    /// Returns the repeatability; `None` if there is no such plane, no filter, or a filter of 0, which would exclude
+    /// every depth.
+    fn new(header: &Header<'a>, texture: usize, (ny, nx): Shape) -> Result<Option<Self>> {
         let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
         let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
         let stride = stride(nx, Sample::U8);
@@ -235,17 +237,17 @@ impl<'a> Repeatability<'a> {
     }
 }
 
-/// Takes out depths that are less repeatable than the file's filter allows.
+/// Sets depths to NaN that are less repeatable than the file's filter allows.
 ///
-/// Where tags or plane are damaged there is a warning instead: depths without them are whole.
+/// Damaged tags or a damaged plane give a warning: the depths do not depend on them.
 fn filter_by_repeatability(
     header: &Header,
     texture: usize,
-    (ny, nx): (usize, usize),
+    (ny, nx): Shape,
     depths: &mut [f64],
     warnings: &mut Vec<String>,
 ) {
-    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::of(header, texture, (ny, nx)) {
+    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::new(header, texture, (ny, nx)) {
         Ok(Some(repeatability)) => repeatability,
         Ok(None) => return,
         Err(error) => return warnings.push(format!("no depth was left out for its repeatability: {error}")),
@@ -264,12 +266,12 @@ fn filter_by_repeatability(
     }
 }
 
-/// All tags whose values are texts, and the comment.
+/// Returns all tags with text values, and the comment.
 fn metadata(header: &Header) -> BTreeMap<String, String> {
     let comment = header.input.latin1("the comment", header.end, COMMENT_BYTES).unwrap_or_default();
     let tags = header.tags.iter().map(|tag| (tag.key.clone(), tag.value.clone()));
-    // Some tags only fill space, with bytes that are no text.
+    // Some tags only fill space, with bytes that are not text.
     tags.chain([("Comment".to_owned(), comment)])
-        .filter(|(_, value)| !value.is_empty() && !value.contains(|c: char| c.is_control() && !c.is_whitespace()))
+        .filter(|(_, value)| !value.contains(|c: char| c.is_control() && !c.is_whitespace()))
         .collect()
 }

@@ -1,5 +1,6 @@
-//! Archives and compressed streams: which file is meant, and how much of it may be unpacked.
+//! Zip archives and compressed streams: search for files, and limits of unpacking.
 
+use crate::error::{Result, shown};
 use std::io::{self, Cursor, Read};
 
 use flate2::read::MultiGzDecoder;
@@ -8,114 +9,105 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
 
-use crate::error::shown;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
-/// Bytes that any stream may unpack to, however small it is.
+/// Size in bytes that every stream may unpack to.
 const FREE_BYTES: u64 = 1 << 23;
-/// Beyond [`FREE_BYTES`], how often its own size a stream may unpack to; maps of instruments reach 2 to 20.
+/// Above [`FREE_BYTES`], maximum ratio of unpacked to packed size. Maps of instruments reach 2 to 20.
 const MAX_RATIO: u64 = 64;
-/// Numbers that any stream may unpack to: a map of 2048 × 2048.
+/// Number of values that every stream may unpack to: a map of 2048 × 2048.
 const FREE_NUMBERS: u64 = 1 << 22;
-/// Beyond [`FREE_NUMBERS`], how often its own size a stream of numbers may unpack to. Ideal gratings reach hundreds; the
-/// bound of the method is 1032 (258 bytes from 2 bits, RFC 1951).
+/// Above [`FREE_NUMBERS`], maximum ratio of unpacked to packed size for streams of numbers. Ideal gratings reach
+/// hundreds; the limit of Deflate is 1032 (258 bytes from 2 bits, RFC 1951).
 const MAX_RATIO_OF_NUMBERS: u64 = 256;
-/// Bytes unpacked at a time: a multiple of the size of every number.
+/// Size of an unpacked chunk in bytes, a multiple of the size of every number type.
 pub(crate) const CHUNK_BYTES: usize = 1 << 16;
-/// Numbers that memory is reserved for before any has been unpacked, where the packed bytes do not hold more.
+/// Number of values that memory is reserved for before unpacking, if the packed bytes do not hold more.
 pub(crate) const RESERVED_NUMBERS: usize = 1 << 20;
-/// Files that a desktop leaves in archives beside the real ones.
+/// Folder with files that a desktop adds to archives.
 const DESKTOP_FOLDER: &str = "__MACOSX/";
 
-/// The usual damage of an archive: its directory is at its end, which a broken download lacks.
+/// Message for the usual damage of an archive. Its directory is at its end, which an incomplete download lacks.
 pub(crate) const NO_DIRECTORY: &str =
     "the zip archive has no valid directory at its end; the file is cut off or damaged";
 
-/// The most bytes that `packed` bytes may unpack to.
+/// Returns the maximum unpacked size of `packed` bytes.
 pub(crate) fn unpacked_limit(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO).clamp(FREE_BYTES, 2 * 8 * MAX_POINTS)
 }
 
-/// Whether `packed` bytes may unpack to `count` numbers that take `bytes` bytes.
+/// Returns whether `packed` bytes may unpack to `count` numbers of `bytes` bytes in total.
 pub(crate) fn may_unpack(packed: u64, count: u64, bytes: u64) -> bool {
     count <= FREE_NUMBERS || bytes <= packed.saturating_mul(MAX_RATIO_OF_NUMBERS)
 }
 
-/// Whether `packed` bytes may unpack to so many numbers of a type.
+/// Returns whether `packed` bytes may unpack to `numbers` values of a type.
 pub(crate) fn may_hold(packed: u64, numbers: u64, sample: Sample) -> bool {
     may_unpack(packed, numbers, numbers.saturating_mul(sample.size() as u64))
 }
 
-/// The error for `packed` bytes that would have to unpack beyond [`may_unpack`].
+/// Returns the error for `packed` bytes that exceed the limit of [`may_unpack`].
 pub(crate) fn beyond_reason(format: Format, entry: &str, packed: u64, wanted: u64) -> FormatError {
     let reason = format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
     damaged(format, entry, reason)
 }
 
-/// An archive and the folder inside it that holds the files of a format.
+/// Zip archive, and the folder in it that holds the files of a format.
 pub(crate) struct Archive<'a> {
     format: Format,
     zip: ZipArchive<Cursor<&'a [u8]>>,
-    /// Bytes of the archive: what an entry says of its packed size is not to be believed beyond.
+    /// Size of the archive in bytes: an upper limit of the packed sizes that entries declare.
     packed_bytes: u64,
     names: Vec<String>,
     folder: String,
 }
 
-/// Heights or other numbers from one file of the archive.
-pub(crate) struct Numbers {
-    pub(crate) values: Vec<f64>,
-    /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
-    pub(crate) md5: Option<String>,
-    /// Bytes that were unpacked: all of the file where there is a sum.
-    pub(crate) length: u64,
-}
-
-/// A part of a file.
+/// A part of a file in the archive.
 struct Part<'a> {
-    /// What it is, for messages.
+    /// Name of the part in messages.
     name: &'a str,
-    /// Its first byte and its length.
+    /// Offset of its first byte in the unpacked file.
     start: u64,
+    /// Number of bytes.
     length: u64,
-    /// Bytes that the whole file should have.
-    total: u64,
+    /// Declared size of the whole file. `None` skips the rest of the file and its checksum.
+    total: Option<u64>,
 }
 
-/// What is known of a file after a part of it was unpacked.
+/// Result of unpacking a file.
 pub(crate) struct Unpacked {
-    /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
+    /// MD5 of the whole file in hexadecimal digits. `None` if the file is longer than declared.
     pub(crate) md5: Option<String>,
-    /// Bytes that were unpacked: all of the file where there is a sum.
-    length: u64,
+    /// Number of unpacked bytes: the size of the file if there is a checksum.
+    pub(crate) length: u64,
 }
 
 impl<'a> Archive<'a> {
     /// Opens an archive.
     ///
     /// # Errors
-    /// [`FormatError::Archive`] for bytes that are none.
-    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self, FormatError> {
+    /// [`FormatError::Archive`] if the bytes are not a zip archive.
+    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self> {
         let zip =
             ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(format, "archive", damage_of_zip(&error)))?;
-        // Some writers separate folders with backslashes; names that cannot be decoded match nothing.
+        // Some writers separate folders with backslashes. Names that cannot be decoded match nothing.
         let names: Vec<String> =
             zip.file_names().map(|name| name.map(|name| name.replace('\\', "/")).unwrap_or_default()).collect();
         Ok(Self { format, zip, packed_bytes: bytes.len() as u64, names, folder: String::new() })
     }
 
-    /// Names of the files, with `/` between folders.
+    /// Returns the names of the files, with `/` between folders.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Goes to the folder that holds `main`, the one nearest to the root: later links count from there.
+    /// Enters the folder that holds `main`, the nearest to the root. Later links are relative to it.
     ///
     /// # Errors
-    /// [`FormatError::Archive`] when there is no such file.
-    pub(crate) fn enter_folder_of(&mut self, main: &str) -> Result<(), FormatError> {
+    /// [`FormatError::Archive`] if there is no such file.
+    pub(crate) fn enter_folder_of(&mut self, main: &str) -> Result<()> {
         let folder_of = |name: &String| {
             let folder = name.strip_suffix(main)?;
             ((folder.is_empty() || folder.ends_with('/')) && !folder.starts_with(DESKTOP_FOLDER))
@@ -126,7 +118,7 @@ impl<'a> Archive<'a> {
         Ok(())
     }
 
-    /// The index of a linked file.
+    /// Returns the index of a linked file.
     fn index(&self, link: &str) -> Option<usize> {
         let link = link.trim().replace('\\', "/");
         let mut relative = link.as_str();
@@ -138,33 +130,28 @@ impl<'a> Archive<'a> {
         exact.or_else(|| self.names.iter().position(|candidate| candidate.eq_ignore_ascii_case(&name)))
     }
 
-    fn stream(&mut self, link: &str) -> Result<ZipFile<'_, Cursor<&'a [u8]>>, FormatError> {
+    fn stream(&mut self, link: &str) -> Result<ZipFile<'_, Cursor<&'a [u8]>>> {
         let format = self.format;
         let index = self.index(link).ok_or_else(|| damaged(format, link, "no such file in the archive".to_owned()))?;
         self.zip.by_index(index).map_err(|error| damaged(format, link, damage_of_zip(&error)))
     }
 
-    /// Whether the archive holds a file.
+    /// Returns whether the archive holds a file.
     pub(crate) fn contains(&self, link: &str) -> bool {
         self.index(link).is_some()
     }
 
-    /// The whole content of a file that must not be longer than `limit` bytes.
+    /// Reads a whole file of at most `limit` bytes.
     ///
     /// # Errors
-    /// [`FormatError::TooLarge`] beyond `limit` or what its packed size allows; [`FormatError::Archive`] where the file
-    /// is absent or damaged.
-    pub(crate) fn read_whole(&mut self, link: &str, limit: u64) -> Result<Vec<u8>, FormatError> {
+    /// [`FormatError::TooLarge`] above `limit` or above the limit of its packed size; [`FormatError::Archive`] if the
+    /// file is absent or damaged.
+    pub(crate) fn read_whole(&mut self, link: &str, limit: u64) -> Result<Vec<u8>> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let entry = self.stream(link)?;
         let limit = limit.min(unpacked_limit(entry.compressed_size().min(packed_bytes)));
-        let too_large = |found: u64| FormatError::TooLarge {
-            format,
-            field: "the file's size in bytes".into(),
-            at: Location::Entry { entry: shown(link), offset: 0 },
-            found,
-            limit,
-        };
+        let too_large =
+            |found| FormatError::too_large(format, "the file's size in bytes", place(link, 0), found, limit);
         if entry.size() > limit {
             return Err(too_large(entry.size()));
         }
@@ -176,11 +163,11 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// The first bytes of a file, at most `length` of them.
+    /// Reads the first bytes of a file, at most `length`.
     ///
     /// # Errors
-    /// [`FormatError::Archive`] where the file is absent or damaged.
-    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>, FormatError> {
+    /// [`FormatError::Archive`] if the file is absent or damaged.
+    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>> {
         let format = self.format;
         let mut bytes = vec![0; length];
         let filled = fill(&mut self.stream(link)?, &mut bytes);
@@ -188,7 +175,7 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// Hands `count` numbers of a file, from byte `start` on, to `take`, piece by piece.
+    /// Passes `count` numbers of a file, from byte `start` on, to `take`, chunk by chunk.
     ///
     /// # Errors
     /// As [`Archive::read_numbers`].
@@ -199,130 +186,87 @@ impl<'a> Archive<'a> {
         (sample, order): (Sample, ByteOrder),
         count: usize,
         mut take: impl FnMut(&[f64]),
-    ) -> Result<(), FormatError> {
-        let (format, packed_bytes) = (self.format, self.packed_bytes);
-        let mut entry = self.stream(link)?;
-        let wanted = count as u64 * sample.size() as u64;
-        let truncated = |found: u64| FormatError::Truncated {
-            format,
-            part: "the numbers".into(),
-            at: Location::Entry { entry: shown(link), offset: start as u64 },
-            found: found.saturating_sub(start as u64),
-            wanted,
-        };
-        if entry.size() < start as u64 + wanted {
-            return Err(truncated(entry.size()));
-        }
-        let packed = entry.compressed_size().min(packed_bytes);
-        if !may_unpack(packed, count as u64, wanted) {
-            return Err(beyond_reason(format, link, packed, wanted));
-        }
+    ) -> Result<()> {
+        let length = count as u64 * sample.size() as u64;
+        let part = Part { name: "the numbers", start: start as u64, length, total: None };
         let mut values = Vec::new();
-        let mut chunk = vec![0; CHUNK_BYTES];
-        let (mut found, end) = (0, start as u64 + wanted);
-        while found < end {
-            // The bytes before the numbers come alone, so that no number is cut.
-            let stop = if found < start as u64 { start as u64 } else { end };
-            let room = chunk.len().min(usize::try_from(stop - found).unwrap_or(usize::MAX));
-            let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
-            if found >= start as u64 {
-                values.clear();
-                sample.decode(order, &chunk[..filled], &mut values);
-                take(&values);
-            }
-            found += filled as u64;
-            if filled < room {
-                return Err(truncated(found));
-            }
-        }
-        Ok(())
+        // Chunks are multiples of the size of every number, so no number is cut.
+        let decode = |chunk: &[u8]| {
+            values.clear();
+            sample.decode(order, chunk, &mut values);
+            take(&values);
+        };
+        self.unpack(link, &part, |packed| may_unpack(packed, count as u64, length), decode).map(|_| ())
     }
 
-    /// Room for `count` numbers, as far as the archive's bytes make them likely.
+    /// Reserves memory for `count` numbers, limited by what the size of the archive makes plausible.
     pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
         let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
         large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
     }
 
-    /// The first `count` little-endian numbers of a file that should hold `total` of them.
+    /// Reads `count` little-endian numbers, after the first `skipped` ones, of a file that should hold `total`
+    /// numbers.
+    ///
+    /// Sizes that the packed bytes cannot reach are refused before unpacking. Memory grows with the unpacked bytes.
     ///
     /// # Errors
-    /// As [`read_numbers_at`](Self::read_numbers_at).
+    /// [`FormatError::Truncated`] if the file ends before the last number; [`FormatError::Archive`] if it is absent,
+    /// damaged or beyond the limits of unpacking.
     pub(crate) fn read_numbers(
-        &mut self,
-        link: &str,
-        sample: Sample,
-        count: usize,
-        total: u64,
-    ) -> Result<Numbers, FormatError> {
-        self.read_numbers_at(link, sample, 0, count, total)
-    }
-
-    /// `count` little-endian numbers after the first `skipped` ones of a file that should hold `total` of them.
-    ///
-    /// Sizes that the packed bytes cannot reach are refused at once, and memory grows with what is unpacked.
-    ///
-    /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before the last number; [`FormatError::Archive`] where it is
-    /// absent, damaged or packed beyond reason.
-    pub(crate) fn read_numbers_at(
         &mut self,
         link: &str,
         sample: Sample,
         skipped: u64,
         count: usize,
         total: u64,
-    ) -> Result<Numbers, FormatError> {
+    ) -> Result<(Vec<f64>, Unpacked)> {
         let bytes = |numbers: u64| numbers.saturating_mul(sample.size() as u64);
         let numbers = skipped.saturating_add(count as u64);
-        let part =
-            Part { name: "the numbers", start: bytes(skipped), length: bytes(count as u64), total: bytes(total) };
+        let (start, length, total) = (bytes(skipped), bytes(count as u64), Some(bytes(total)));
         let mut values = self.room_for(sample, count);
-        let is_reachable = |packed| may_hold(packed, numbers, sample);
-        // Chunks are multiples of every number's size, so no number is cut.
+        // Chunks are multiples of the size of every number, so no number is cut.
         let take = |chunk: &[u8]| sample.decode(ByteOrder::Little, chunk, &mut values);
-        let Unpacked { md5, length } = self.unpack(link, &part, is_reachable, take)?;
-        Ok(Numbers { values, md5, length })
+        let part = Part { name: "the numbers", start, length, total };
+        let unpacked = self.unpack(link, &part, |packed| may_hold(packed, numbers, sample), take)?;
+        Ok((values, unpacked))
     }
 
-    /// `length` bytes after the first `start` ones of a file that should hold `total`.
+    /// Reads `length` bytes, after the first `start` ones, of a file that should hold `total` bytes.
     ///
-    /// How often its own size the file unpacks to is no matter here: only for parts that other files bear out.
+    /// The ratio of unpacked to packed size is not limited: use it only for parts whose size another file confirms.
     ///
     /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before; [`FormatError::Archive`] where it is absent or damaged.
+    /// [`FormatError::Truncated`] if the file ends early; [`FormatError::Archive`] if it is absent or damaged.
     pub(crate) fn read_part(
         &mut self,
         link: &str,
         name: &str,
         (start, length): (u64, usize),
         total: u64,
-    ) -> Result<(Vec<u8>, Unpacked), FormatError> {
+    ) -> Result<(Vec<u8>, Unpacked)> {
         let mut bytes = Vec::new();
-        let part = Part { name, start, length: length as u64, total };
+        let part = Part { name, start, length: length as u64, total: Some(total) };
         let unpacked = self.unpack(link, &part, |_| true, |chunk: &[u8]| bytes.extend(chunk))?;
         Ok((bytes, unpacked))
     }
 
-    /// Hands a part of a file to `take` in chunks, then goes on to the end of the file for the sum of the whole.
+    /// Passes a part of a file to `take` in chunks, then reads to the end of the file for the checksum.
     ///
-    /// `is_reachable` judges the packed size.
+    /// `is_reachable` checks the packed size.
     fn unpack(
         &mut self,
         link: &str,
         part: &Part,
         is_reachable: impl Fn(u64) -> bool,
         mut take: impl FnMut(&[u8]),
-    ) -> Result<Unpacked, FormatError> {
+    ) -> Result<Unpacked> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let mut entry = self.stream(link)?;
         let end = part.start.saturating_add(part.length);
-        let truncated = |found: u64| FormatError::Truncated {
-            format,
-            part: part.name.into(),
-            at: Location::Entry { entry: shown(link), offset: part.start },
-            found: found.saturating_sub(part.start),
-            wanted: part.length,
+        let truncated = |found: u64| {
+            let found = found.saturating_sub(part.start);
+            FormatError::truncated(format, part.name, place(link, part.start), found, part.length)
         };
         if entry.size() < end {
             return Err(truncated(entry.size()));
@@ -331,14 +275,16 @@ impl<'a> Archive<'a> {
         if !is_reachable(packed) {
             return Err(beyond_reason(format, link, packed, end));
         }
-        let limit = part.total.min(end.saturating_add(unpacked_limit(packed)));
-        let (mut md5, mut chunk, mut found) = (Md5::new(), vec![0; CHUNK_BYTES], 0);
+        let limit = part.total.map_or(0, |total| total.min(end.saturating_add(unpacked_limit(packed))));
+        let (mut md5, mut chunk, mut found) = (part.total.map(|_| Md5::new()), vec![0; CHUNK_BYTES], 0);
         loop {
-            // No chunk reaches over a border of the part.
+            // No chunk crosses a border of the part.
             let border = [part.start, end, u64::MAX].into_iter().find(|&border| found < border).unwrap_or(found);
             let room = chunk.len().min(usize::try_from(border - found).unwrap_or(usize::MAX));
             let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
-            md5.update(&chunk[..filled]);
+            if let Some(md5) = &mut md5 {
+                md5.update(&chunk[..filled]);
+            }
             if (part.start..end).contains(&found) {
                 take(&chunk[..filled]);
             }
@@ -346,8 +292,9 @@ impl<'a> Archive<'a> {
             if filled < room && found < end {
                 return Err(truncated(found));
             }
-            if filled < room || found > limit.max(end) {
-                return Ok(Unpacked { md5: (found <= limit).then(|| hexadecimal(&md5.finalize())), length: found });
+            if filled < room || found > limit.max(end) || part.total.is_none() && found == end {
+                let md5 = md5.filter(|_| found <= limit).map(|md5| hexadecimal(&md5.finalize()));
+                return Ok(Unpacked { md5, length: found });
             }
         }
     }
@@ -356,11 +303,11 @@ impl<'a> Archive<'a> {
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The content of a gzip stream.
+/// Unpacks a gzip stream.
 ///
 /// # Errors
-/// [`FormatError::TooLarge`] beyond what its packed size allows, [`FormatError::Archive`] for a damaged stream.
-pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
+/// [`FormatError::TooLarge`] above the limit of its packed size, [`FormatError::Archive`] for a damaged stream.
+pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
     let limit = unpacked_limit(bytes.len() as u64);
     let mut content = Vec::new();
     MultiGzDecoder::new(bytes)
@@ -368,23 +315,23 @@ pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
         .read_to_end(&mut content)
         .map_err(|error| damaged(Format::Gzip, "stream", damage(&error)))?;
     if content.len() as u64 > limit {
-        return Err(FormatError::TooLarge {
-            format: Format::Gzip,
-            field: "the size of the content in bytes".into(),
-            at: Location::Byte(0),
-            found: content.len() as u64,
-            limit,
-        });
+        let (field, found) = ("the size of the content in bytes", content.len() as u64);
+        return Err(FormatError::too_large(Format::Gzip, field, Location::Byte(0), found, limit));
     }
     Ok(content)
 }
 
-/// An MD5 sum in the usual hexadecimal digits.
+/// Formats an MD5 sum in hexadecimal digits.
 pub(crate) fn hexadecimal(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The error for a damaged archive or stream.
+/// Returns the place of a byte in a file of an archive.
+fn place(link: &str, offset: u64) -> Location {
+    Location::Entry { entry: shown(link), offset }
+}
+
+/// Returns the error for a damaged archive or stream.
 pub(crate) fn damaged(format: Format, entry: &str, reason: String) -> FormatError {
     FormatError::Archive { format, entry: shown(entry), reason }
 }
@@ -414,7 +361,7 @@ pub(crate) fn damage_of_zip(error: &ZipError) -> String {
     }
 }
 
-/// Reads until the buffer is full or the source ends; the number of bytes read.
+/// Reads until the buffer is full or the source ends. Returns the number of bytes read.
 pub(crate) fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {
@@ -434,7 +381,7 @@ mod tests {
 
     use super::*;
 
-    /// An archive of a file of zeros that deflates to a thousandth of its size.
+    /// Returns an archive with a file of zeros that deflates to a thousandth of its size.
     fn bomb(zeros: usize) -> Vec<u8> {
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
         zip.start_file("zeros", zip::write::SimpleFileOptions::default()).unwrap();
@@ -443,28 +390,28 @@ mod tests {
     }
 
     #[test]
-    fn a_part_of_a_file_is_found_behind_what_is_skipped() {
+    fn a_part_of_a_file_is_read_after_the_skipped_bytes() {
         let numbers: Vec<u8> = (0..200_000_u32).flat_map(u32::to_le_bytes).collect();
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
         zip.start_file("numbers", zip::write::SimpleFileOptions::default()).unwrap();
         zip.write_all(&numbers).unwrap();
         let bytes = zip.finish().unwrap().into_inner();
         let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
-        let sum = archive.read_numbers("numbers", Sample::U32, 200_000, 200_000).unwrap().md5;
-        // Across the borders of chunks, and at the end.
+        let sum = archive.read_numbers("numbers", Sample::U32, 0, 200_000, 200_000).unwrap().1.md5;
+        // Parts that cross chunks, and one at the end.
         for (skipped, count) in [(0, 1), (16_383, 3), (70_001, 50_000), (199_999, 1)] {
-            let found = archive.read_numbers_at("numbers", Sample::U32, skipped, count, 200_000).unwrap();
-            assert!(found.values.iter().copied().eq((0..count).map(|n| (n as u64 + skipped) as f64)));
+            let (values, found) = archive.read_numbers("numbers", Sample::U32, skipped, count, 200_000).unwrap();
+            assert!(values.iter().copied().eq((0..count).map(|n| (n as u64 + skipped) as f64)));
             assert_eq!((found.md5, found.length), (sum.clone(), 800_000));
         }
         let (part, _) = archive.read_part("numbers", "a part", (65_535, 3), 800_000).unwrap();
         assert_eq!(part, numbers[65_535..65_538]);
         assert!(matches!(
-            archive.read_numbers_at("numbers", Sample::U32, 199_999, 2, 200_001),
+            archive.read_numbers("numbers", Sample::U32, 199_999, 2, 200_001),
             Err(FormatError::Truncated { found: 4, wanted: 8, .. })
         ));
-        // A file that is longer than it should be has no sum.
-        assert_eq!(archive.read_numbers("numbers", Sample::U32, 10, 20).unwrap().md5, None);
+        // A file that is longer than declared has no checksum.
+        assert_eq!(archive.read_numbers("numbers", Sample::U32, 0, 10, 20).unwrap().1.md5, None);
     }
 
     #[test]
@@ -480,16 +427,16 @@ mod tests {
     fn numbers_that_the_packed_bytes_cannot_hold_are_refused_before_unpacking() {
         let bytes = bomb(1_000_000);
         let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
-        let numbers = archive.read_numbers("zeros", Sample::I16, 500_000, 500_000).unwrap();
-        assert_eq!(numbers.values, vec![0.0; 500_000]);
+        let (numbers, unpacked) = archive.read_numbers("zeros", Sample::I16, 0, 500_000, 500_000).unwrap();
+        assert_eq!(numbers, vec![0.0; 500_000]);
         // MD5 of a million zero bytes, by `head -c 1000000 /dev/zero | md5sum`.
-        assert_eq!(numbers.md5.as_deref(), Some("879f4bba57ed37c9ec5e5aedf9864698"));
+        assert_eq!(unpacked.md5.as_deref(), Some("879f4bba57ed37c9ec5e5aedf9864698"));
         assert!(matches!(
-            archive.read_numbers("zeros", Sample::F64, 1 << 27, 1 << 27),
+            archive.read_numbers("zeros", Sample::F64, 0, 1 << 27, 1 << 27),
             Err(FormatError::Truncated { found: 1_000_000, .. })
         ));
         assert!(matches!(
-            archive.read_numbers("zeros", Sample::I16, 500_001, 500_001),
+            archive.read_numbers("zeros", Sample::I16, 0, 500_001, 500_001),
             Err(FormatError::Truncated { found: 1_000_000, wanted: 1_000_002, .. })
         ));
     }

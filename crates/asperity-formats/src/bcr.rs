@@ -1,28 +1,29 @@
 //! BCR-STM and BCRF of Image Metrology: a header of lines `key = value`, then the heights row by row.
 //!
-//! The header has 2048 characters, or as many as `headersize` says; the `_unicode` variants write it in UTF-16.
-//! `bcrstm` holds 16-bit integers, which `bit2nm` turns into heights; `bcrf` holds 32-bit floats, which are heights
-//! already. Both are in `zunit`; units that are not named are nanometre. `intelmode = 0` marks big-endian numbers.
+//! The header has 2048 characters, or `headersize` characters. The `_unicode` variants store it in UTF-16. `bcrstm`
+//! holds 16-bit integers, which `bit2nm` converts to heights; `bcrf` holds heights as 32-bit floats. Both are in
+//! `zunit`; the default unit is nanometre. `intelmode = 0` declares big-endian numbers.
 //!
-//! `xlength` is the length of all points, columns · dx: in a file of an instrument with square pixels that makes the two
-//! pitches equal to the last digit of the lengths, and columns − 1 does not.
+//! `xlength` is the length of all points, columns · dx: in a file of an instrument with square pixels this makes the
+//! two pitches equal to the last digit of the lengths, and columns − 1 does not.
 //!
-//! 32767 and the largest floats mark missing points. `voidpixels` states their number, or in some files the mark; where
-//! it is 0 the integer 32767 is a height like any other. `zmin` repeats the least height of a file or moves the datum of
-//! one; heights are taken as they stand.
+//! 32767 and the largest floats mark missing points. `voidpixels` states their number, or in some files the mark; if
+//! it is 0, the integer 32767 is an ordinary height. `zmin` repeats the least height of some files and moves the
+//! datum of others; it is ignored.
 //!
 //! # References
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
 
-use ndarray::Array2;
+use crate::error::Result;
+use crate::scan::Shape;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Input, utf16_text};
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::text::header::Header as Notes;
 use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -37,19 +38,19 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first stored line is row 0",
         tested: Tested::InstrumentFiles,
     },
-    detect: |bytes| Encoding::of(bytes).is_some(),
+    detect: |bytes| Encoding::detect(bytes).is_some(),
     read,
     write: None,
 };
 
-/// Characters of a header that does not state its size, and the most that one may state.
+/// Default and maximum number of characters of a header.
 const HEADER_CHARACTERS: usize = 2048;
 const MAX_HEADER_CHARACTERS: usize = 1 << 20;
 /// Marks of missing points.
 const VOID_INTEGER: f64 = 32767.0;
 const VOID_FLOAT: f64 = 1.7e38;
 
-/// How the header is written.
+/// Encoding of the header.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Encoding {
     Ascii,
@@ -57,8 +58,8 @@ enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding in which bytes start with `fileformat = bcr`.
-    fn of(bytes: &[u8]) -> Option<Self> {
+    /// Returns the encoding in which bytes start with `fileformat = bcr`.
+    fn detect(bytes: &[u8]) -> Option<Self> {
         let encodings = [Self::Ascii, Self::Utf16(ByteOrder::Little), Self::Utf16(ByteOrder::Big)];
         encodings.into_iter().find(|encoding| {
             let start = encoding.text(&bytes[..bytes.len().min(64)]);
@@ -67,7 +68,7 @@ impl Encoding {
         })
     }
 
-    /// Bytes of one character.
+    /// Returns the size of a character in bytes.
     fn width(self) -> usize {
         match self {
             Self::Ascii => 1,
@@ -75,71 +76,64 @@ impl Encoding {
         }
     }
 
-    /// Text without the mark of byte order.
+    /// Decodes text and removes the byte-order mark.
     fn text(self, bytes: &[u8]) -> String {
         let Self::Utf16(order) = self else { return bytes.iter().map(|&byte| char::from(byte)).collect() };
-        let units = bytes.as_chunks().0.iter().map(|&unit| match order {
-            ByteOrder::Little => u16::from_le_bytes(unit),
-            ByteOrder::Big => u16::from_be_bytes(unit),
-        });
-        let text: String = char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-        text.trim_start_matches('\u{feff}').into()
+        utf16_text(bytes, order).trim_start_matches('\u{feff}').into()
     }
 }
 
-/// The pairs of a header.
+/// Header of a file.
 struct Header<'a> {
     input: Input<'a>,
-    pairs: Vec<(String, String)>,
+    notes: Notes,
 }
 
 impl<'a> Header<'a> {
     fn parse(input: Input<'a>, text: &str) -> Self {
+        let mut notes = Notes::default();
         let lines = text.lines().filter(|line| !line.starts_with(['%', '#']));
-        let pairs = lines.filter_map(|line| line.split_once('=')).map(|(key, value)| {
-            let clean = |text: &str| text.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
-            (clean(key), clean(value))
-        });
-        Self { input, pairs: pairs.filter(|(_, value)| !value.is_empty()).take(MAX_PAIRS).collect() }
+        for (key, value) in lines.filter_map(|line| line.split_once('=')) {
+            let clean = |text: &'_ str| text.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
+            notes.insert(&clean(key), &clean(value));
+        }
+        Self { input, notes }
     }
 
     fn get(&self, key: &str) -> Option<&str> {
-        self.pairs.iter().find(|(found, _)| found.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
+        self.notes.value(key)
     }
 
-    /// A number, where the key is there.
+    /// Returns a number; `None` if the key is absent.
     ///
     /// # Errors
-    /// A value that is no number.
-    fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+    /// A value that is not a number.
+    fn number(&self, key: &str) -> Result<Option<f64>> {
         let parse = |text: &str| text.parse().map_err(|_| self.input.wrong(key, 0, text, "a number"));
         self.get(key).map(parse).transpose()
     }
 
-    /// A count of points.
-    fn count(&self, key: &str) -> Result<i64, FormatError> {
+    /// Returns a number of points.
+    fn count(&self, key: &str) -> Result<i64> {
         let text = self.get(key).ok_or_else(|| self.input.missing(key, 0, "the number of points along the axis"))?;
         text.parse().map_err(|_| self.input.wrong(key, 0, text, "a whole number"))
     }
 
-    /// How often the unit of an axis goes into a metre.
+    /// Returns the number of units of an axis per metre, or the text of an unknown unit.
     fn per_metre(&self, key: &str) -> Result<f64, &str> {
         let unit = self.get(key).unwrap_or("nm");
         per_metre(unit.trim_matches(['[', ']'])).ok_or(unit)
     }
 }
 
-/// Pairs of a header that are looked at.
-const MAX_PAIRS: usize = 1000;
-
 /// Reads the map.
 ///
 /// # Errors
-/// Force curves, other formats of the family, heights that are no lengths, a header without the number of points, and
-/// heights that end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Force curves, other formats of the family, values that are not lengths, a header without the numbers of points,
+/// and heights that end early.
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Bcr, bytes);
-    let encoding = Encoding::of(bytes).unwrap_or(Encoding::Ascii);
+    let encoding = Encoding::detect(bytes).unwrap_or(Encoding::Ascii);
     let header_text = |characters: usize| {
         let length = characters.saturating_mul(encoding.width()).min(input.len());
         encoding.text(&bytes[..length])
@@ -171,7 +165,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 
     let mut warnings = Vec::new();
     let per_metre = header.per_metre("zunit").map_err(|unit| {
-        input.unsupported(format!("the values are in {}, which is no length", crate::error::shown(unit)), "heights")
+        input.unsupported(format!("the values are in {}, which is not a length", crate::error::shown(unit)), "heights")
     })?;
     let scale = scale(&header, sample, &mut warnings)?;
     let keeps_code = sample == Sample::I16 && header.number("voidpixels")? == Some(0.0);
@@ -186,17 +180,13 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
         ));
     }
     let pitch_m = pitch(&header, (ny, nx), &mut warnings)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("xpixels", 0, nx, "columns"))?;
-    let mut notes = Notes::default();
-    for (key, value) in &header.pairs {
-        notes.insert(key, value);
-    }
+    let heights_m = input.matrix("xpixels", 0, (ny, nx), heights)?;
     let height_unit = crate::unit::name(per_metre).map(str::to_owned);
-    Ok(Scan { metadata: notes.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
+    Ok(Scan { metadata: header.notes.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// What turns a number into a height in the unit of heights.
-fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Result<f64, FormatError> {
+/// Returns the factor from a number to a height in the unit of heights.
+fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Result<f64> {
     let scale = header.number("bit2nm")?;
     if sample == Sample::F32 {
         if let Some(scale) = scale.filter(|&scale| scale != 1.0) {
@@ -211,19 +201,15 @@ fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Res
     }
 }
 
-/// The pitch in metre where the header states lengths.
-fn pitch(
-    header: &Header<'_>,
-    (rows, columns): (usize, usize),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>, FormatError> {
+/// Returns the pitch in metre if the header states lengths.
+fn pitch(header: &Header<'_>, (rows, columns): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let mut along = |length_key, unit_key, points: usize| {
         let Some(length) = header.number(length_key)? else { return Ok(None) };
         Ok(match header.per_metre(unit_key) {
             Ok(per_metre) => Some(length / points as f64 / per_metre),
             Err(unit) => {
                 let unit = crate::error::shown(unit);
-                warnings.push(format!("{unit_key} is `{unit}`, which is no unit of length; no pixel size was read"));
+                warnings.push(format!("{unit_key} is `{unit}`, which is not a unit of length; no pixel size was read"));
                 None
             }
         })

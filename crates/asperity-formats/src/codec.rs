@@ -1,20 +1,21 @@
-//! What is known of a format, and the functions that read and write it.
+//! Description of a format, and the functions that read and write it.
 
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::error::Result;
+use crate::{Format, ReadOptions, Scan};
 
-/// What the reader of a format was tried on.
+/// Source of the files that the reader of a format was tested on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tested {
-    /// Files that instruments or the vendors' programs wrote.
+    /// Files written by instruments or by the vendors' programs.
     InstrumentFiles,
-    /// Files that another program wrote.
+    /// Files written by other programs.
     OtherPrograms,
-    /// Files assembled from the description of the format.
+    /// Files assembled from the specification.
     Specification,
 }
 
 impl Tested {
-    /// In words for the user.
+    /// Returns a description for the user.
     pub fn describe(self) -> &'static str {
         match self {
             Self::InstrumentFiles => "instrument files",
@@ -24,41 +25,41 @@ impl Tested {
     }
 }
 
-/// What is known of a format: a row of the table of formats.
+/// Row of the table of formats.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
-    /// The format.
+    /// Format.
     pub format: Format,
     /// Usual extensions, without the dot.
     pub extensions: &'static [&'static str],
-    /// Whose format it is.
+    /// Owner of the format.
     pub vendor: &'static str,
-    /// How its content is known.
+    /// Signature by which the content is recognised.
     pub known_by: &'static str,
-    /// What is read; empty where the format is only written.
+    /// Supported content; empty for formats that are only written.
     pub reads: &'static str,
-    /// What is written; empty where the format is only read.
+    /// Form of written files; empty for formats that are only read.
     pub writes: &'static str,
     /// Whether files state the distance between points.
     pub stores_pitch: bool,
-    /// How missing points are marked; empty where the format has no mark.
+    /// Marks of missing points; empty for formats without marks.
     pub missing_points: &'static str,
-    /// Which way the rows of a file run, and why row 0 of a scan is at the top.
+    /// Direction of the rows in a file, and the reason why row 0 of a scan is the top row.
     pub orientation: &'static str,
-    /// What the reader was tried on.
+    /// Source of the files that the reader was tested on.
     pub tested: Tested,
 }
 
-/// Bytes of a file from a scan.
-type Write = fn(&Scan) -> Result<Vec<u8>, FormatError>;
+/// Function that returns the bytes of a file.
+type Write = fn(&Scan) -> Result<Vec<u8>>;
 
-/// A format with the functions behind it.
+/// Format and its functions.
 pub(crate) struct Codec {
     pub(crate) description: Description,
-    /// Whether bytes look like this format.
+    /// Returns whether bytes start like this format.
     pub(crate) detect: fn(&[u8]) -> bool,
-    /// Reads a map.
-    pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan, FormatError>,
-    /// Writes the form that [`write`](crate::write) uses, where the format is written.
+    /// Reads one map.
+    pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan>,
+    /// Writes the form that [`write`](crate::write) uses; `None` for formats that are only read.
     pub(crate) write: Option<Write>,
 }

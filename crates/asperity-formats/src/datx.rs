@@ -1,28 +1,28 @@
-//! Zygo DATX, written by Mx: an HDF5 file with one dataset per map and a table that says which is which.
+//! Zygo DATX, written by Mx: an HDF5 file with one dataset per map and a table of links between them.
 //!
-//! Maps are the datasets `/Data/{kind}/{identifier}`. The kinds are Surface, and by method of measurement Bottom Surface,
-//! Thickness, Intensity, Quality and others; those in a unit of length or whose `Z Converter` is of the category
-//! `HeightCat` are heights. `/MetaData` is a table of links (source, link, destination); the chain Root, Measurement,
-//! Surface, Path leads to the map that was measured.
+//! Maps are the datasets `/Data/{kind}/{identifier}`. The kinds are Surface and, depending on the measurement, Bottom Surface,
+//! Thickness, Intensity, Quality and others. Heights are the maps in a unit of length, and those whose `Z Converter` has the
+//! category `HeightCat`. `/MetaData` is a table of links (source, link, destination); the chain Root, Measurement, Surface,
+//! Path leads to the measured map.
 //!
 //! A stored number n is a height in the `Unit` of the dataset. In `Fringes` it is the height n·W·S·O in metre, with the
 //! wavelength W, the interferometric scale factor S and the obliquity factor O, which are attributes of the dataset and
-//! the parameters 1 to 3 of its `Z Converter`. Readers that look at neither unit nor factors are off by the wavelength.
+//! the parameters 1 to 3 of its `Z Converter`. Readers that ignore unit and factors are wrong by the wavelength.
 //!
-//! The shape of a dataset is (height, width) of the camera window, row 0 at the top; parameter 1 of the `X Converter` is
-//! the distance between columns in metre, that of the `Y Converter` the distance between rows. (Some readers take the
-//! first index for x, which shows on maps that are not square. Others turn the rows over to let y point upwards.)
+//! The shape of a dataset is (height, width) of the camera window, row 0 at the top. Parameter 1 of the `X Converter` is
+//! the distance between columns in metre, parameter 1 of the `Y Converter` the distance between rows. (Some readers take
+//! the first index for x, which shows on maps that are not square. Others reverse the rows to let y point upwards.)
 //!
 //! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
-//! Numbers beyond it, and as far below zero, are no heights either.
+//! Numbers beyond it, of either sign, are not heights either.
 
+use crate::error::Result;
 use std::collections::{BTreeMap, HashSet};
-
-use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::hdf5::{Attribute, Dataset, File, Object, Value, shown_name};
 use crate::input::Input;
+use crate::selection::unique;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -49,18 +49,21 @@ pub(crate) const CODEC: Codec = Codec {
 /// Names in the root of a DATX file.
 const TABLE: &str = "MetaData";
 const DATA: &str = "Data";
-/// Where the map that was measured is found when the table does not say.
+/// Kind of the measured map if the table does not name it.
 const MAIN_KIND: &str = "Surface";
-/// The unit that needs the wavelength.
+/// Unit that needs the wavelength.
 const FRINGES: &str = "Fringes";
-/// Datasets that are looked at.
+/// Factors of a height in fringes: wavelength in metre, and two numbers.
+const FACTORS: [&str; 3] = ["Wavelength", "Interferometric Scale Factor", "Obliquity Factor"];
+/// Maximum number of datasets.
 const MAX_MAPS: usize = 4096;
-/// Entries of metadata that are kept.
+/// Maximum number of entries of metadata.
 const MAX_METADATA: usize = 4096;
-/// Relative difference above which two statements of one quantity contradict each other.
+/// Relative difference above which two values of one quantity contradict each other.
 const TOLERANCE: f64 = 1e-6;
 
-/// HDF5 files of other programs have other names in their root; one that cannot be looked into is taken for damaged.
+/// Returns whether an HDF5 file is a DATX file by the names in its root. A file whose root cannot be read counts as a
+/// damaged DATX file.
 fn detect(bytes: &[u8]) -> bool {
     let has_names = |file: File| {
         let names = file.names()?;
@@ -69,73 +72,63 @@ fn detect(bytes: &[u8]) -> bool {
     File::is_one(bytes) && File::open(Format::Datx, bytes).and_then(has_names).unwrap_or(true)
 }
 
-/// A dataset of heights and where its header starts.
-struct Map {
-    name: String,
-    at: usize,
-}
-
-/// What the attributes of a dataset say of its numbers.
+/// Attributes of a dataset that define its numbers.
 #[derive(Default)]
-struct Meaning {
+struct HeightAttributes {
     unit: Option<String>,
     no_data: Option<f64>,
-    wavelength_m: Option<f64>,
-    scale_factor: Option<f64>,
-    obliquity: Option<f64>,
+    /// Values of the attributes in [`FACTORS`].
+    factors: [Option<f64>; 3],
     x: Option<Converter>,
     y: Option<Converter>,
     z: Option<Converter>,
 }
 
-/// How numbers or places are turned into lengths.
+/// Conversion of numbers or positions to lengths.
 struct Converter {
     category: String,
     unit: String,
     parameters: Vec<f64>,
 }
 
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Datx, bytes);
     let file = File::open(Format::Datx, bytes)?;
-    let maps = maps(&file, &input)?;
-    let names: Vec<String> = maps.iter().map(|map| map.name.clone()).collect();
+    let (names, places) = maps(&file, &input)?;
     let chosen = options.choose(Format::Datx, &names)?;
-    let at = maps[chosen].at;
+    let at = places[chosen];
     let missing = |field: &str| input.missing(field, at, "a dataset of numbers in rows and columns");
     let object = file.object(at)?;
     let dataset = file.dataset(&object)?.ok_or_else(|| missing("the map"))?;
-    let meaning = meaning(&file, &object)?;
+    let attributes = attributes(&file, &object)?;
     let &[ny, nx] = dataset.shape.as_slice() else { return Err(missing("the map")) };
-    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
-    let (ny, nx) = input.shape(("rows", at, as_i64(ny)), ("columns", at, as_i64(nx)))?;
+    let shape = input.shape(("rows", at, ny), ("columns", at, nx))?;
 
     let mut warnings = Vec::new();
     let mut heights = file.numbers(&dataset)?.ok_or_else(|| missing("the numbers"))?;
-    let to_metre = meaning.to_metre(&input, at, &mut warnings)?;
-    let no_data = meaning.no_data.unwrap_or(f64::NAN);
+    let to_metre = attributes.to_metre(&input, at, &mut warnings)?;
+    let no_data = attributes.no_data.unwrap_or(f64::NAN);
     for z in &mut heights {
         let is_void = *z == no_data || no_data > 0.0 && z.abs() >= no_data;
         *z = if is_void { f64::NAN } else { to_metre(*z) };
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("the map", at, "data of another size", "rows × columns"))?;
+    let heights_m = input.matrix("the map", at, shape, heights)?;
     let mut metadata = BTreeMap::new();
     describe(&file, &object, &mut metadata);
     let lateral_m = attributes_group(&file, &mut metadata);
-    let pitch_m = meaning.pitch_m(lateral_m, &mut warnings);
-    let height_unit = meaning.unit().and_then(length_unit).and_then(crate::unit::name).map(str::to_owned);
+    let pitch_m = attributes.pitch_m(lateral_m, &mut warnings);
+    let height_unit = attributes.unit().and_then(length_unit).and_then(crate::unit::name).map(str::to_owned);
     let scan = Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, chosen))
 }
 
-/// The datasets of heights, that of the measurement first.
+/// Returns the names and places of the datasets of heights, the measurement first.
 ///
 /// # Errors
-/// What is wrong with the first dataset when none can be read; other datasets than heights alone.
-fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
-    let main = file.aside(|| main(file)).flatten();
-    // What is linked twice counts once, under its first name.
+/// The error of the first dataset if none can be read; a file without heights.
+fn maps(file: &File, input: &Input) -> Result<(Vec<String>, Vec<usize>)> {
+    let main = file.optional(|| main(file)).flatten();
+    // A dataset with two links counts once, under its first name.
     let (mut objects, mut known) = (Vec::new(), HashSet::new());
     if let Some(data) = file.find(DATA)? {
         for kind in file.links(&data)? {
@@ -154,31 +147,28 @@ fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
     if let Some(main) = main.filter(|main| !known.contains(main)) {
         objects.push((MAIN_KIND.into(), main));
     }
-    // A stable order: the main map, then the surfaces, then the rest as in the file.
+    // Stable order: the main map, then the surfaces, then the rest as in the file.
     objects.sort_by_key(|(kind, at)| (Some(*at) != main, kind != MAIN_KIND));
-    let (mut maps, mut first_error, mut counts): (Vec<Map>, _, BTreeMap<String, usize>) =
-        (vec![], None, BTreeMap::new());
+    let (mut kinds, mut places, mut first_error) = (Vec::new(), Vec::new(), None);
     for (kind, at) in objects {
         match file.object(at).and_then(|object| is_height(file, &object)) {
             Ok(true) => {
-                let count = counts.entry(kind.clone()).or_default();
-                *count += 1;
-                let name = if *count == 1 { kind } else { format!("{kind} {count}") };
-                maps.push(Map { name, at });
+                kinds.push(kind);
+                places.push(at);
             }
             Ok(false) => (),
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
-    match (maps.is_empty(), first_error) {
-        (false, _) => Ok(maps),
+    match (places.is_empty(), first_error) {
+        (false, _) => Ok((unique(kinds), places)),
         (true, Some(error)) => Err(error),
         (true, None) => Err(input.unsupported("the file holds no map of heights", "a surface under /Data")),
     }
 }
 
-/// The dataset that the table of links states for the surface of the measurement.
-fn main(file: &File) -> Result<Option<usize>, FormatError> {
+/// Returns the dataset of the measured surface from the table of links.
+fn main(file: &File) -> Result<Option<usize>> {
     let Some(dataset) = file.find(TABLE)?.map(|table| file.dataset(&table)).transpose()?.flatten() else {
         return Ok(None);
     };
@@ -186,8 +176,8 @@ fn main(file: &File) -> Result<Option<usize>, FormatError> {
     let mut node = b"Root".to_vec();
     for link in ["Measurement", MAIN_KIND, "Path"] {
         let next = file.find_element(&dataset, &bytes, |row| {
-            let is_it = row.has_text("Link", link.as_bytes())? && row.has_text("Source", &node)?;
-            if is_it { Ok(row.member_text("Destination")?.map(<[u8]>::to_vec)) } else { Ok(None) }
+            let is_match = row.has_text("Link", link.as_bytes())? && row.has_text("Source", &node)?;
+            if is_match { Ok(row.member_text("Destination")?.map(<[u8]>::to_vec)) } else { Ok(None) }
         })?;
         let Some(next) = next else { return Ok(None) };
         node = next;
@@ -195,63 +185,59 @@ fn main(file: &File) -> Result<Option<usize>, FormatError> {
     Ok(file.find(&String::from_utf8_lossy(&node))?.map(|object| object.at))
 }
 
-/// Whether an object is a map of heights.
-fn is_height(file: &File, object: &Object) -> Result<bool, FormatError> {
+/// Returns whether an object is a map of heights.
+fn is_height(file: &File, object: &Object) -> Result<bool> {
     let is_map = |dataset: Dataset| dataset.shape.len() == 2 && dataset.sample().is_some();
     if !file.dataset(object)?.is_some_and(is_map) {
         return Ok(false);
     }
-    let meaning = meaning(file, object)?;
-    let is_named_height = meaning.z.as_ref().is_some_and(|z| z.category == "HeightCat");
-    Ok(is_named_height || meaning.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
+    let attributes = attributes(file, object)?;
+    let is_named_height = attributes.z.as_ref().is_some_and(|z| z.category == "HeightCat");
+    Ok(is_named_height || attributes.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
 }
 
-fn meaning(file: &File, object: &Object) -> Result<Meaning, FormatError> {
-    let mut meaning = Meaning::default();
+fn attributes(file: &File, object: &Object) -> Result<HeightAttributes> {
+    let mut attributes = HeightAttributes::default();
     for attribute in file.attributes(object)? {
         let number = || file.value(&attribute, |value| value.number());
         let converter = || file.value(&attribute, converter);
         match attribute.name {
-            b"Unit" => meaning.unit = file.value(&attribute, |value| value.text())?,
-            b"No Data" => meaning.no_data = number()?,
-            b"Wavelength" => meaning.wavelength_m = number()?,
-            b"Interferometric Scale Factor" => meaning.scale_factor = number()?,
-            b"Obliquity Factor" => meaning.obliquity = number()?,
-            b"X Converter" => meaning.x = converter()?,
-            b"Y Converter" => meaning.y = converter()?,
-            b"Z Converter" => meaning.z = converter()?,
-            _ => (),
+            b"Unit" => attributes.unit = file.value(&attribute, |value| value.text())?,
+            b"No Data" => attributes.no_data = number()?,
+            b"X Converter" => attributes.x = converter()?,
+            b"Y Converter" => attributes.y = converter()?,
+            b"Z Converter" => attributes.z = converter()?,
+            name => {
+                if let Some(place) = FACTORS.iter().position(|factor| factor.as_bytes() == name) {
+                    attributes.factors[place] = number()?;
+                }
+            }
         }
     }
-    Ok(meaning)
+    Ok(attributes)
 }
 
-fn converter(value: Value) -> Result<Option<Converter>, FormatError> {
+fn converter(value: Value) -> Result<Option<Converter>> {
     let text = |name| value.member(name).map_or(Ok(None), |value| value.text());
     let parameters = value.member("Parameters").map_or(Ok(Vec::new()), |value| value.numbers(4))?;
     let (category, unit) = (text("Category")?.unwrap_or_default(), text("BaseUnit")?.unwrap_or_default());
     Ok(Some(Converter { category, unit, parameters }))
 }
 
-/// How often a unit as Mx spells it goes into a metre: NanoMeters, MicroMeters, ….
+/// Returns the number of units per metre for a unit as spelt by Mx: NanoMeters, MicroMeters, ….
 fn length_unit(unit: &str) -> Option<f64> {
     per_metre(unit).or_else(|| per_metre(&unit.to_lowercase()))
 }
 
-impl Meaning {
-    /// The unit of the numbers: that of the dataset, else the one its converter starts from.
+impl HeightAttributes {
+    /// Returns the unit of the numbers from the dataset, or else from its converter.
     fn unit(&self) -> Option<&str> {
         let base = self.z.as_ref().map(|z| z.unit.as_str()).filter(|unit| !unit.is_empty());
         self.unit.as_deref().filter(|unit| !unit.is_empty()).or(base)
     }
 
-    /// How a stored number becomes a height in metre.
-    fn to_metre(
-        &self,
-        input: &Input,
-        at: usize,
-        warnings: &mut Vec<String>,
-    ) -> Result<Box<dyn Fn(f64) -> f64>, FormatError> {
+    /// Returns the conversion of a stored number to a height in metre.
+    fn to_metre(&self, input: &Input, at: usize, warnings: &mut Vec<String>) -> Result<Box<dyn Fn(f64) -> f64>> {
         let unit = self.unit().ok_or_else(|| input.missing("Unit", at, "Fringes or a unit of length"))?;
         if let Some(z) = self.z.as_ref().filter(|z| !z.unit.is_empty() && z.unit != unit) {
             warnings.push(format!(
@@ -265,12 +251,7 @@ impl Meaning {
             return Ok(Box::new(move |z| z / per_metre));
         }
         let mut height_m = 1.0;
-        let stated = [
-            ("Wavelength", self.wavelength_m),
-            ("Interferometric Scale Factor", self.scale_factor),
-            ("Obliquity Factor", self.obliquity),
-        ];
-        for (place, (name, attribute)) in stated.into_iter().enumerate() {
+        for (place, (name, attribute)) in FACTORS.into_iter().zip(self.factors).enumerate() {
             let parameter = self.z.as_ref().and_then(|z| z.parameters.get(place + 1).copied());
             let factor = attribute.or(parameter);
             let factor = factor.ok_or_else(|| input.missing(name, at, "a number that turns fringes into heights"))?;
@@ -286,7 +267,8 @@ impl Meaning {
         Ok(Box::new(move |z| z * height_m))
     }
 
-    /// The distance between points, by the converters, else by the lateral resolution of the measurement.
+    /// Returns the distance between points from the converters, or else from the lateral resolution of the
+    /// measurement.
     fn pitch_m(&self, lateral_m: Option<f64>, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
         let is_length = |length: &f64| length.is_finite() && *length > 0.0;
         let along = |converter: &Option<Converter>| {
@@ -301,7 +283,7 @@ impl Meaning {
     }
 }
 
-/// Keeps what the groups under `/Attributes` say; the lateral resolution in metre.
+/// Adds the attributes of the groups under `/Attributes`. Returns the lateral resolution in metre.
 fn attributes_group(file: &File, metadata: &mut BTreeMap<String, String>) -> Option<f64> {
     let group = file.find("Attributes").ok().flatten()?;
     let mut lateral_m = None;
@@ -313,7 +295,7 @@ fn attributes_group(file: &File, metadata: &mut BTreeMap<String, String>) -> Opt
     lateral_m
 }
 
-/// Keeps the attributes of an object; the lateral resolution among them. What cannot be read is left out.
+/// Adds the readable attributes of an object. Returns the lateral resolution among them.
 fn describe(file: &File, object: &Object, metadata: &mut BTreeMap<String, String>) -> Option<f64> {
     let mut lateral_m = None;
     for attribute in file.attributes(object).unwrap_or_default() {

@@ -1,4 +1,4 @@
-//! Why a file could not be read or written.
+//! Errors of reading and writing files.
 
 use std::fmt;
 use std::io;
@@ -8,23 +8,26 @@ use thiserror::Error;
 
 use crate::Format;
 
-/// Characters that a message shows of a text from a file.
+/// Result of reading or writing a file.
+pub(crate) type Result<T, E = FormatError> = std::result::Result<T, E>;
+
+/// Maximum number of characters that a message quotes from a file.
 const SHOWN_CHARS: usize = 60;
-/// Names that a message lists.
+/// Maximum number of names that a message lists.
 const LISTED_NAMES: usize = 24;
 
-/// Where in a file something was found.
+/// Place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Location {
-    /// Bytes from the start of the file.
+    /// Offset in bytes from the start of the file.
     Byte(u64),
-    /// Line of a text file, counted from 1.
+    /// Line number in a text file, counted from 1.
     Line(usize),
-    /// Bytes from the start of a file inside an archive.
+    /// Offset in a file inside an archive.
     Entry {
         /// Name inside the archive.
         entry: String,
-        /// Bytes from its start.
+        /// Offset in bytes from its start.
         offset: u64,
     },
 }
@@ -39,182 +42,182 @@ impl fmt::Display for Location {
     }
 }
 
-/// Why a file could not be read or written.
+/// Error of reading or writing a file.
 ///
-/// The message of an error is complete: it includes what an inner error says, so no error has a source to print after
-/// it. Errors of [`read`](crate::read) and [`write`](crate::write) name the path; those of functions on bytes cannot.
+/// The message of an error is complete: it includes the message of an inner error, so no error has a source. Errors
+/// of [`read`](crate::read) and [`write`](crate::write) name the path; errors of functions on bytes cannot.
 #[derive(Debug, Error)]
 pub enum FormatError {
     /// The file to read, or the folder to write to, does not exist.
     #[error("{}: no such file or folder", path.display())]
     NotFound {
-        /// The path of that file or folder.
+        /// Path of that file or folder.
         path: PathBuf,
     },
-    /// The operating system refused.
+    /// The operating system refused the operation.
     #[error("{}: {}", path.display(), crate::replace::refusal(error))]
     Io {
-        /// The path that was read or written.
+        /// Path that was read or written.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// What went wrong with the content of a file.
+    /// Error in the content of a file.
     #[error("{}: {error}", path.display())]
     File {
-        /// The path that was read or written.
+        /// Path that was read or written.
         path: PathBuf,
-        /// What went wrong with it.
+        /// Error in the content.
         error: Box<FormatError>,
     },
-    /// The content belongs to no known format.
+    /// The content matches no known format.
     #[error("{}; known are {}", unknown(*length, start), known)]
     Unrecognised {
         /// Size of the file in bytes.
         length: u64,
-        /// The first bytes of its content, escaped.
+        /// First bytes of the content, escaped.
         start: String,
         /// Names of the formats that are read.
         known: String,
     },
-    /// The content belongs to a known format that this crate does not read.
-    #[error("this is {name}, which is not read; {way_out}")]
+    /// The content is in a known format that this crate does not read.
+    #[error("this is {name}, which is not read; {advice}")]
     NotRead {
-        /// The format with its article.
+        /// Format with its article.
         name: &'static str,
-        /// What to do instead.
-        way_out: &'static str,
+        /// Advice to the user.
+        advice: &'static str,
     },
-    /// A text that names no unit of length.
+    /// A text is not a unit of length.
     #[error("`{}` is not a unit of length; wanted m, mm, um, nm, pm, angstrom or in", shown(unit))]
     UnknownUnit {
-        /// What was found.
+        /// Text that was found.
         unit: String,
     },
-    /// A valid file of a kind that this crate does not read or write.
+    /// A valid file is of a kind that this crate does not read or write.
     #[error("{}: {found}; wanted {wanted}", format.name())]
     Unsupported {
-        /// The format.
+        /// Format.
         format: Format,
-        /// What the file holds.
+        /// Content of the file.
         found: String,
-        /// What can be read.
+        /// Supported content.
         wanted: &'static str,
     },
-    /// A field has a value that cannot be right.
+    /// The value of a field is invalid.
     #[error("{}: {field} ({at}) is `{found}`; wanted {wanted}", format.name())]
     Field {
-        /// The format.
+        /// Format.
         format: Format,
-        /// The name of the field in the format's own terms.
+        /// Name of the field in the terms of the format.
         field: String,
-        /// Where it stands.
+        /// Place of the field.
         at: Location,
-        /// Its value.
+        /// Value that was found.
         found: String,
-        /// What would be right.
+        /// Valid values.
         wanted: String,
     },
-    /// A field that the format requires is not there.
+    /// A required field is absent.
     #[error("{}: {field} is missing ({at}); wanted {wanted}", format.name())]
     MissingField {
-        /// The format.
+        /// Format.
         format: Format,
-        /// The name of the field in the format's own terms.
+        /// Name of the field in the terms of the format.
         field: String,
-        /// Where it was looked for.
+        /// Place where the field was expected.
         at: Location,
-        /// What should be there.
+        /// Expected content.
         wanted: String,
     },
-    /// Data end before the declared sizes are filled.
+    /// Data end before the declared size.
     #[error("{}: {part} ({at}) stop after {found} bytes; wanted {wanted}", format.name())]
     Truncated {
-        /// The format.
+        /// Format.
         format: Format,
-        /// The part of the file that is too short.
+        /// Part of the file that is too short.
         part: String,
-        /// Where the part starts.
+        /// Start of the part.
         at: Location,
-        /// Bytes that are present.
+        /// Number of bytes present.
         found: u64,
-        /// Bytes that the declared sizes need.
+        /// Number of bytes declared.
         wanted: u64,
     },
-    /// A declared size is beyond what this crate takes.
+    /// A declared size exceeds the limit of this crate.
     #[error("{}: {field} ({at}) is {found}; the limit is {limit}", format.name())]
     TooLarge {
-        /// The format.
+        /// Format.
         format: Format,
-        /// The name of the field in the format's own terms.
+        /// Name of the field in the terms of the format.
         field: String,
-        /// Where it stands.
+        /// Place of the field.
         at: Location,
-        /// The declared size.
+        /// Declared size.
         found: u64,
-        /// The largest size that is taken.
+        /// Largest supported size.
         limit: u64,
     },
-    /// The file holds no map under that number or name.
+    /// The file holds no map with that number or name.
     #[error("{}: no height map {found}; the file holds {}", format.name(), listed(channels))]
     NoSuchChannel {
-        /// The format.
+        /// Format.
         format: Format,
-        /// What was asked for.
+        /// Requested number or name.
         found: String,
-        /// The maps that are there.
+        /// Names of all maps in the file.
         channels: Vec<String>,
     },
     /// The archive or the compressed stream around the data is damaged.
     #[error("{}: {entry}: {reason}", format.name())]
     Archive {
-        /// The format.
+        /// Format.
         format: Format,
-        /// The file inside the archive, or `archive` for the archive as a whole.
+        /// File inside the archive, or `archive` for the archive as a whole.
         entry: String,
-        /// What is wrong with it.
+        /// Description of the damage.
         reason: String,
     },
     /// The XML description is damaged.
     #[error("{}: {at}: {reason}", format.name())]
     Xml {
-        /// The format.
+        /// Format.
         format: Format,
-        /// Where the damage is.
+        /// Place of the damage.
         at: Location,
-        /// What it is.
+        /// Description of the damage.
         reason: String,
     },
     /// The rows of a text matrix differ in length.
     #[error("text: line {line} has {found} values; the first row has {wanted}")]
     Ragged {
-        /// The line, counted from 1.
+        /// Line number, counted from 1.
         line: usize,
-        /// Values in this row.
+        /// Number of values in this row.
         found: usize,
-        /// Values in the first row.
+        /// Number of values in the first row.
         wanted: usize,
     },
-    /// The format needs the distance between points and the scan has none.
-    #[error("{}: the scan carries no pixel size, and the format cannot do without one", format.name())]
+    /// The format needs the distance between points, and the scan has none.
+    #[error("{}: the scan has no pixel size, and the format requires one", format.name())]
     NoPitch {
-        /// The format.
+        /// Format.
         format: Format,
     },
-    /// The scan holds something that the format cannot store.
+    /// The format cannot store the scan.
     #[error("{}: {found} cannot be stored; wanted {wanted}", format.name())]
     NotStorable {
-        /// The format.
+        /// Format.
         format: Format,
-        /// What the scan holds.
+        /// Content of the scan.
         found: String,
-        /// What can be stored.
+        /// Content that can be stored.
         wanted: &'static str,
     },
-    /// No format is written under this extension.
+    /// No format is written with this extension.
     #[error("{}; wanted {}", unwritten(extension), written)]
     UnknownExtension {
-        /// The extension, empty when there is none.
+        /// Extension; empty if there is none.
         extension: String,
         /// Extensions that are written.
         written: String,
@@ -222,12 +225,12 @@ pub enum FormatError {
 }
 
 impl FormatError {
-    /// Whether the file is not there at all.
+    /// Returns whether the file does not exist.
     pub fn is_not_found(&self) -> bool {
         matches!(self, Self::NotFound { .. })
     }
 
-    /// What went wrong, without the path of the file.
+    /// Returns the error without the path of the file.
     pub fn cause(&self) -> &Self {
         match self {
             Self::File { error, .. } => error.cause(),
@@ -235,12 +238,49 @@ impl FormatError {
         }
     }
 
-    /// The same error with the path of its file.
+    /// Returns the error for a field whose value is invalid.
+    pub(crate) fn field(
+        format: Format,
+        field: impl Into<String>,
+        at: Location,
+        found: impl ToString,
+        wanted: impl Into<String>,
+    ) -> Self {
+        let found = shown(&found.to_string());
+        Self::Field { format, field: field.into(), at, found, wanted: wanted.into() }
+    }
+
+    /// Returns the error for a field that is absent.
+    pub(crate) fn missing(format: Format, field: impl Into<String>, at: Location, wanted: impl Into<String>) -> Self {
+        Self::MissingField { format, field: field.into(), at, wanted: wanted.into() }
+    }
+
+    /// Returns the error for `part`, which starts at `at` and has `found` of `wanted` bytes.
+    pub(crate) fn truncated(format: Format, part: impl Into<String>, at: Location, found: u64, wanted: u64) -> Self {
+        Self::Truncated { format, part: part.into(), at, found, wanted }
+    }
+
+    /// Returns the error for a size above its limit.
+    pub(crate) fn too_large(format: Format, field: impl Into<String>, at: Location, found: u64, limit: u64) -> Self {
+        Self::TooLarge { format, field: field.into(), at, found, limit }
+    }
+
+    /// Returns the error for a valid file of a kind that is not read.
+    pub(crate) fn unsupported(format: Format, found: impl Into<String>, wanted: &'static str) -> Self {
+        Self::Unsupported { format, found: found.into(), wanted }
+    }
+
+    /// Returns the error for a scan that the format cannot store.
+    pub(crate) fn not_storable(format: Format, found: impl Into<String>, wanted: &'static str) -> Self {
+        Self::NotStorable { format, found: found.into(), wanted }
+    }
+
+    /// Adds the path of the file.
     pub(crate) fn in_file(self, path: &Path) -> Self {
         Self::File { path: path.into(), error: Box::new(self) }
     }
 
-    /// An error of the operating system with the path of its file.
+    /// Returns an error of the operating system with the path of the file.
     pub(crate) fn io(path: &Path, error: io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
@@ -258,31 +298,33 @@ fn unknown(length: u64, start: &str) -> String {
 
 fn unwritten(extension: &str) -> String {
     match extension {
-        "" => "the name has no extension, which chooses the format".into(),
+        "" => "the name has no extension to choose the format".into(),
         _ => format!("no format is written as `.{}`", shown(extension)),
     }
 }
 
-/// Names for a message.
+/// Lists names for a message.
 fn listed(names: &[String]) -> String {
     match names {
         [] => "none".into(),
         [one] => format!("just one, `{}`", shown(one)),
-        several => {
-            let first = several.iter().take(LISTED_NAMES).map(|name| format!("`{}`", shown(name)));
-            let first = first.collect::<Vec<_>>().join(", ");
-            let more = several.len().saturating_sub(LISTED_NAMES);
-            if more > 0 { format!("{first} and {more} more") } else { first }
-        }
+        several => first_of(several, LISTED_NAMES, |name| format!("`{name}`")),
     }
 }
 
-/// The start of a text from a file, short enough for a message.
+/// Lists the first `limit` names for a message, each as `quote` returns it, and counts the others.
+pub(crate) fn first_of(names: &[String], limit: usize, quote: fn(String) -> String) -> String {
+    let first = names.iter().take(limit).map(|name| quote(shown(name))).collect::<Vec<_>>().join(", ");
+    let more = names.len().saturating_sub(limit);
+    if more > 0 { format!("{first} and {more} more") } else { first }
+}
+
+/// Returns the start of a text from a file, short enough for a message.
 pub(crate) fn shown(text: &str) -> String {
     cut(text, SHOWN_CHARS)
 }
 
-/// At most so many characters of a text, with control characters spelt out: they could steer a terminal.
+/// Cuts a text to `characters` characters. Control characters, which could control a terminal, are escaped.
 pub(crate) fn cut(text: &str, characters: usize) -> String {
     let mut kept = String::new();
     for (place, c) in text.chars().enumerate() {
@@ -300,7 +342,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_from_files_are_short_and_steer_no_terminal() {
+    fn texts_from_files_are_short_and_do_not_control_a_terminal() {
         assert_eq!(shown("\u{1b}[2Jgap\n\u{9b}1A"), "\\u{1b}[2Jgap\\n\\u{9b}1A");
         assert_eq!(shown(&"é".repeat(61)), "é".repeat(60) + "…");
     }

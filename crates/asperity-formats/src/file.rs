@@ -1,5 +1,6 @@
-//! Files on disk: what kind they are, and how they are read and written.
+//! Reading and writing of files on disk, and choice of the format.
 
+use crate::error::Result;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -12,25 +13,25 @@ use crate::text::{Separator, write_text};
 use crate::x3p::ZIP_MAGIC;
 use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
 
-/// The largest file that is read, in bytes: twice the heights of the largest map as `f64`.
+/// Largest file that is read, in bytes: twice the size of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
-/// Bytes from which content is known but for archives: headers that tell a format take a few hundred.
+/// Bytes that suffice to recognise the format, except for archives. Headers need a few hundred.
 const PROBE_BYTES: u64 = 1 << 16;
-/// Bytes from which on all threads read a file, and how many each takes at a time.
+/// File size in bytes above which all threads read, and size of the piece that each reads at a time.
 const PARALLEL_BYTES: usize = 4 << 20;
 const PIECE_BYTES: usize = 1 << 20;
-/// Bytes that an error shows of content it does not know.
+/// Number of bytes that an error shows of unknown content.
 const SHOWN_BYTES: usize = 12;
 
-/// Reads a file of any known format; the content decides which, and a gzip stream around it is unpacked.
+/// Reads a file of any known format. The content decides the format; a gzip stream around it is unpacked.
 ///
 /// # Errors
-/// [`FormatError::NotFound`], [`FormatError::Io`], or [`FormatError::File`] around what [`read_bytes`] says.
+/// [`FormatError::NotFound`], [`FormatError::Io`], or [`FormatError::File`] around an error of [`read_bytes`].
 pub fn read(path: &Path) -> Result<Scan, FormatError> {
     read_with(path, &ReadOptions::default())
 }
 
-/// Reads the map that `options` ask for.
+/// Reads the map that `options` select.
 ///
 /// # Errors
 /// As [`read`].
@@ -46,25 +47,23 @@ pub fn read_with(path: &Path, options: &ReadOptions) -> Result<Scan, FormatError
 /// Reads a record along a path: a one-dimensional NPY array of numbers.
 ///
 /// # Errors
-/// As [`read`]; other formats and other than one dimension.
+/// As [`read`], and for other formats and arrays of other than one dimension.
 pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
     let bytes = content(path)?;
     let series = match Format::detect(&bytes) {
         Some(Format::Npy) => npy::read_series(&bytes),
-        Some(format) => {
-            Err(FormatError::Unsupported { format, found: "a map".into(), wanted: "a one-dimensional NPY array" })
-        }
+        Some(format) => Err(FormatError::unsupported(format, "a map", "a one-dimensional NPY array")),
         None => Err(unrecognised(&bytes, bytes.len() as u64)),
     };
     series.map_err(|error| error.in_file(path))
 }
 
-fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
+fn content(path: &Path) -> Result<Vec<u8>> {
     let failed = |error| FormatError::io(path, error);
     let mut file = File::open(path).map_err(failed)?;
     let mut start = Vec::new();
     (&mut file).take(PROBE_BYTES).read_to_end(&mut start).map_err(failed)?;
-    // A pipe has no size.
+    // Pipes have no size.
     let size = file.metadata().map_or(0, |metadata| metadata.len()).max(start.len() as u64);
     if start.len() as u64 == PROBE_BYTES && !may_be_known(&start) {
         return Err(unrecognised(&start, size).in_file(path));
@@ -72,7 +71,7 @@ fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
     if let Some(format) = Format::detect(&start).filter(|_| size > MAX_FILE_BYTES) {
         return Err(too_large(format, size).in_file(path));
     }
-    // The size from the system only sets the size of the buffer.
+    // The size that the system reports only sets the size of the buffer.
     let length = usize::try_from(size.min(MAX_FILE_BYTES)).unwrap_or_default();
     let mut bytes = match whole(&file, length) {
         Some(bytes) => {
@@ -84,12 +83,12 @@ fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
             start
         }
     };
-    // A file may grow.
+    // The file may have grown.
     file.take(MAX_FILE_BYTES + 1 - bytes.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
     Ok(bytes)
 }
 
-/// The first bytes of a large file, read by all threads; `None` where that gains nothing or does not succeed.
+/// Reads the first bytes of a large file with all threads. Returns `None` if the file is small or reading fails.
 #[cfg(unix)]
 fn whole(file: &File, length: usize) -> Option<Vec<u8>> {
     use rayon::prelude::*;
@@ -98,7 +97,7 @@ fn whole(file: &File, length: usize) -> Option<Vec<u8>> {
     if length < PARALLEL_BYTES {
         return None;
     }
-    // One more byte, so that the end is found without more memory.
+    // One more byte lets the reader find the end without more memory.
     let mut bytes = large::zeros(length + 1);
     bytes.truncate(length);
     let pieces = bytes.par_chunks_mut(PIECE_BYTES).enumerate();
@@ -111,13 +110,14 @@ fn whole(_file: &File, _length: usize) -> Option<Vec<u8>> {
     None
 }
 
-/// Whether the start of a long file leaves hope for the rest, so that a film is not read to its end. The directory of
-/// an archive is at its end, that of an OLE compound file anywhere.
+/// Returns whether a file that starts like this may have a known format, so that large files of other formats are not
+/// read to their end. The directory of an archive is at its end; the directory of an OLE compound file may be
+/// anywhere.
 fn may_be_known(start: &[u8]) -> bool {
     start.starts_with(ZIP_MAGIC) || start.starts_with(foreign::OLE_MAGIC) || Format::detect(start).is_some()
 }
 
-/// The error for content that no reader takes, of a file of so many bytes.
+/// Returns the error for content of unknown format in a file of `size` bytes.
 fn unrecognised(bytes: &[u8], size: u64) -> FormatError {
     foreign::recognise(bytes, size).or_else(|| foreign::in_archive(bytes)).unwrap_or_else(|| {
         let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii();
@@ -126,24 +126,18 @@ fn unrecognised(bytes: &[u8], size: u64) -> FormatError {
 }
 
 fn too_large(format: Format, size: u64) -> FormatError {
-    FormatError::TooLarge {
-        format,
-        field: "the file's size in bytes".into(),
-        at: Location::Byte(0),
-        found: size,
-        limit: MAX_FILE_BYTES,
-    }
+    FormatError::too_large(format, "the file's size in bytes", Location::Byte(0), size, MAX_FILE_BYTES)
 }
 
 /// Reads the content of a file of any known format.
 ///
 /// # Errors
-/// What is wrong with the content: the format, the field, where it stands, what was found and wanted.
+/// An error of the content, with the format, the field, its place, its value and the valid values.
 pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
     read_bytes_with(bytes, &ReadOptions::default())
 }
 
-/// Reads the map that `options` ask for from the content of a file.
+/// Reads the map that `options` select from the content of a file.
 ///
 /// # Errors
 /// As [`read_bytes`].
@@ -151,7 +145,7 @@ pub fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, Form
     read_as(None, bytes, options)
 }
 
-/// Whether the name of a file tells that a map of three columns is a list of points.
+/// Returns whether the name of the file shows that a map of three columns is a list of points.
 fn is_point_list(path: &Path, scan: &Scan, options: &ReadOptions) -> bool {
     let name = path.to_string_lossy().to_ascii_lowercase();
     let has_pitch = scan.pitch_m.is_some() && options.pitch_m.is_none();
@@ -159,8 +153,8 @@ fn is_point_list(path: &Path, scan: &Scan, options: &ReadOptions) -> bool {
     is_named_so && scan.format == Some(Format::Text) && scan.heights_m.ncols() == 3 && !has_pitch
 }
 
-/// Reads content as a format, or as that which is detected.
-fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Reads content in the given format, or in the detected one.
+fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if !bytes.starts_with(&GZIP_MAGIC) {
         return read_plain(format, bytes, options);
     }
@@ -174,7 +168,7 @@ fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
 }
 
 /// Reads content that is not compressed as a whole.
-fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let size = bytes.len() as u64;
     let detected = format.or_else(|| Format::detect(bytes)).and_then(Format::codec);
     let codec = detected.ok_or_else(|| unrecognised(bytes, size))?;
@@ -184,35 +178,36 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
     }
     let mut scan = (codec.read)(bytes, options)?;
     if scan.channels.is_empty() {
-        // A file of one map has just the map number 1.
+        // In a file of one map, only map number 1 exists.
         options.choose(format, &[format.name().to_owned()])?;
     }
+    scan.metadata.retain(|_, text| !text.is_empty());
     scan.format = Some(format);
     scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
     Ok(scan.in_stated_unit(options).with_stated_pitch(options).checked(options))
 }
 
-/// Writes a scan in the format of the path's extension; [`descriptions`](crate::descriptions) says which are written.
+/// Writes a scan in the format of the extension of the path. [`descriptions`](crate::descriptions) lists the formats.
 ///
-/// The file appears whole or not at all: the bytes go to a temporary file beside it, which then takes its name.
+/// The file appears whole or not at all: the bytes go to a temporary file beside it, which then replaces it.
 ///
 /// # Errors
-/// [`FormatError::File`] around an unknown extension or what the format cannot store; [`FormatError::Io`] or
+/// [`FormatError::File`] around an unknown extension or content that the format cannot store; [`FormatError::Io`] or
 /// [`FormatError::NotFound`] (no such folder) from the operating system.
 pub fn write(scan: &Scan, path: &Path) -> Result<(), FormatError> {
     let bytes = to_bytes(scan, path)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     replace_file(path, |file| file.write_all(&bytes)).map_err(|error| match folder {
-        // The path itself need not be there.
+        // The error is about the folder, not about the file.
         Some(folder) if error.kind() == io::ErrorKind::NotFound => FormatError::io(folder, error),
         _ => FormatError::io(path, error),
     })
 }
 
-/// Returns the bytes that [`write()`] puts into the file `path`, without writing it.
+/// Returns the bytes that [`write()`] writes to the file `path`, without writing it.
 ///
 /// # Errors
-/// [`FormatError::File`] around an unknown extension or what the format cannot store.
+/// [`FormatError::File`] around an unknown extension or content that the format cannot store.
 pub fn to_bytes(scan: &Scan, path: &Path) -> Result<Vec<u8>, FormatError> {
     let extension =
         path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();

@@ -1,33 +1,27 @@
-//! Formats that are recognised and not read, so that an error can name them and say what to do instead.
+//! Formats that are recognised but not read. Errors name them and give advice.
 //!
-//! Signatures are those of the shared MIME database, of the vendors' manuals and of the comments on formats that Gwyddion and
-//! SurfaceTopography publish. The readers of TIFF and NetCDF recognise files of vendors by their fields and groups.
+//! The signatures are from the shared MIME database, the vendors' manuals and the comments on formats that Gwyddion
+//! and SurfaceTopography publish. The readers of TIFF and NetCDF recognise vendors' files by their fields and groups.
 
 use crate::FormatError;
 use crate::archive::Archive;
 use crate::x3p::ZIP_MAGIC;
 
-/// A format that is recognised by its content.
-struct Foreign {
-    /// The format with its article, as an error names it.
-    name: &'static str,
-    signature: Signature,
-    /// What to do instead.
-    way_out: &'static str,
-}
+/// Format that is recognised by its content: its name with an article, its signature, and the advice to the user.
+struct Foreign(&'static str, Signature, &'static str);
 
 enum Signature {
-    /// One of these at the start.
+    /// One of these byte strings at the start.
     Start(&'static [&'static [u8]]),
-    /// These bytes at an offset.
+    /// A byte string at an offset.
     At(usize, &'static [u8]),
-    /// Text that starts without control characters and holds all of these words in its first [`HEAD_BYTES`].
+    /// Text without control characters at its start, with all of these words in its first [`HEAD_BYTES`].
     Words(&'static [&'static [u8]]),
-    /// A test of the content, given the size of the file in bytes.
+    /// Test of the content, given the size of the file in bytes.
     Test(fn(&[u8], u64) -> bool),
 }
 
-/// Bytes in which words are looked for.
+/// Number of bytes that are searched for words.
 const HEAD_BYTES: usize = 4096;
 
 pub(crate) const TO_GWY: &str = "Gwyddion can save it as GWY";
@@ -36,153 +30,112 @@ const TO_GRID: &str = "save the heights on a regular grid, as text or XYZ";
 const NO_HEIGHTS: &str = "a picture holds no heights; export the height map from the instrument's program";
 const CUT_OFF: &str = "the file is cut off or damaged; copy or download it again";
 const UNPACK: &str = "unpack it and give the file of heights";
-
+const AS_TEXT: &str = "export the height map as text";
 const FETCH: &str = "fetch the file of heights itself";
 
 use Signature::{At, Start, Test, Words};
 
 const FOREIGN: &[Foreign] = &[
-    Foreign {
-        name: "a Bruker Nanoscope file",
-        signature: Start(&[b"\\*File list", b"\\*EC File list", b"\\*Force file list", b"?*File list"]),
-        way_out: TO_GWY,
-    },
-    Foreign { name: "a Bruker OPDx file", signature: Start(&[b"VCA DATA"]), way_out: TO_GWY },
-    Foreign {
-        name: "a Wyko ASCII file",
-        signature: Start(&[b"Wyko ASCII Data File"]),
-        way_out: "save the measurement as OPD",
-    },
-    Foreign {
-        name: "a Zygo ASCII file",
-        signature: Start(&[b"Zygo ASCII Data File"]),
-        way_out: "save the measurement as DAT, DATX or XYZ",
-    },
-    Foreign { name: "an Olympus OIR file", signature: Start(&[b"OLYMPUSRAWFORMAT"]), way_out: TO_GWY },
-    Foreign { name: "a Keyence ZON file", signature: Start(&[b"KPK0", b"KPK1"]), way_out: TO_GWY },
-    Foreign {
-        name: "a Keyence CSV file",
-        signature: Words(&[b"output image data", b"xy calibration"]),
-        way_out: "save the measurement as VK4, VK6 or VK7, or keep only the rows of heights and state pixel size and unit",
-    },
-    Foreign { name: "an Asylum Research (Igor) IBW file", signature: Test(is_igor_wave), way_out: TO_GWY },
-    Foreign { name: "an Igor text wave", signature: Start(&[b"IGOR\r", b"IGOR\n"]), way_out: TO_MATRIX },
-    Foreign { name: "an Asylum Research ARDF file", signature: At(8, b"ARDF"), way_out: TO_GWY },
-    Foreign { name: "a Nanosurf NID file", signature: Start(&[b"[DataSet]"]), way_out: TO_GWY },
-    Foreign { name: "an NT-MDT file (MDT)", signature: Start(&[b"\x01\xb0\x93\xff"]), way_out: TO_GWY },
-    Foreign { name: "a WSxM file", signature: Start(&[b"WSxM file copyright"]), way_out: TO_GWY },
-    Foreign { name: "a Nanonis SXM file", signature: Start(&[b":NANONIS_VERSION:"]), way_out: TO_GWY },
-    Foreign { name: "an RHK SM3 or SM4 file", signature: At(2, RHK_MAGIC), way_out: TO_GWY },
-    Foreign { name: "a Leica LIF file", signature: Test(is_leica), way_out: "export the height map as text" },
-    Foreign {
-        name: "a Nikon ND2 file",
-        signature: Start(&[b"\xda\xce\xbe\x0a"]),
-        way_out: "export the height map as text",
-    },
-    Foreign { name: "an ISO 28600 file", signature: Start(&[b"ISO/TC 201 SPM data transfer format"]), way_out: TO_GWY },
-    Foreign { name: "a Gwyddion simple field (GSF)", signature: Start(&[b"Gwyddion Simple Field"]), way_out: TO_GWY },
-    Foreign { name: "a Gwyddion XYZ field", signature: Start(&[b"Gwyddion XYZ Field"]), way_out: TO_GWY },
-    Foreign { name: "a Zeiss CZI file", signature: Start(&[b"ZISRAWFILE"]), way_out: "export the height map as text" },
-    Foreign {
-        name: "a Mountains file (MNT)",
-        signature: Test(|bytes, _| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes)),
-        way_out: "Mountains can save the surface as SUR",
-    },
-    Foreign {
-        name: "an OLE compound file, as of old Office documents and some microscopes",
-        signature: Start(&[OLE_MAGIC]),
-        way_out: "export the height map as text",
-    },
-    Foreign { name: "a MATLAB file", signature: Start(&[b"MATLAB 5.0 MAT", b"MATLAB 7.3 MAT"]), way_out: TO_MATRIX },
-    Foreign { name: "an HDF4 file", signature: Start(&[b"\x0e\x03\x13\x01"]), way_out: TO_MATRIX },
-    Foreign { name: "a FITS file", signature: Start(&[b"SIMPLE  ="]), way_out: TO_MATRIX },
-    Foreign { name: "an NRRD file", signature: Start(&[b"NRRD000"]), way_out: TO_MATRIX },
-    Foreign { name: "a binary STL mesh", signature: Test(is_binary_stl), way_out: TO_GRID },
-    Foreign { name: "an STL mesh", signature: Test(is_text_stl), way_out: TO_GRID },
-    Foreign { name: "a PLY mesh", signature: Start(&[b"ply\n", b"ply\r"]), way_out: TO_GRID },
-    Foreign { name: "a PCD point cloud", signature: Start(&[b"# .PCD"]), way_out: TO_GRID },
-    Foreign { name: "a LAS point cloud", signature: Start(&[b"LASF"]), way_out: TO_GRID },
-    Foreign { name: "a PNG image", signature: Start(&[b"\x89PNG\r\n\x1a\n"]), way_out: NO_HEIGHTS },
-    Foreign { name: "a JPEG image", signature: Start(&[b"\xff\xd8\xff"]), way_out: NO_HEIGHTS },
-    Foreign {
-        name: "a JPEG 2000 image",
-        signature: Start(&[b"\x00\x00\x00\x0cjP  ", b"\xff\x4f\xff\x51"]),
-        way_out: NO_HEIGHTS,
-    },
-    Foreign { name: "a GIF image", signature: Start(&[b"GIF87a", b"GIF89a"]), way_out: NO_HEIGHTS },
-    Foreign { name: "a BMP image", signature: Test(is_bitmap), way_out: NO_HEIGHTS },
-    Foreign { name: "an OpenEXR image", signature: Start(&[b"\x76\x2f\x31\x01"]), way_out: TO_MATRIX },
-    Foreign {
-        name: "a PDF document",
-        signature: Start(&[b"%PDF-"]),
-        way_out: "a document holds no heights; export the height map from the instrument's program",
-    },
-    Foreign {
-        name: "a SQLite database",
-        signature: Start(&[b"SQLite format 3\0"]),
-        way_out: "export the height map from the instrument's program",
-    },
-    Foreign {
-        name: "a Git LFS pointer",
-        signature: Start(&[b"version https://git-lfs"]),
-        way_out: "fetch the file itself (`git lfs pull`)",
-    },
-    Foreign { name: "an HTML page", signature: Test(is_html), way_out: FETCH },
-    Foreign { name: "a JSON text", signature: Test(is_json), way_out: TO_MATRIX },
-    Foreign { name: "a 7z archive", signature: Start(&[b"7z\xbc\xaf\x27\x1c"]), way_out: UNPACK },
-    Foreign { name: "a RAR archive", signature: Start(&[b"Rar!\x1a\x07"]), way_out: UNPACK },
-    Foreign { name: "an xz archive", signature: Start(&[b"\xfd7zXZ\x00"]), way_out: UNPACK },
-    Foreign { name: "a Zstandard archive", signature: Start(&[b"\x28\xb5\x2f\xfd"]), way_out: UNPACK },
-    Foreign { name: "a bzip2 archive", signature: Test(is_bzip2), way_out: UNPACK },
-    Foreign { name: "a tar archive", signature: At(257, b"ustar"), way_out: UNPACK },
+    Foreign(
+        "a Bruker Nanoscope file",
+        Start(&[b"\\*File list", b"\\*EC File list", b"\\*Force file list", b"?*File list"]),
+        TO_GWY,
+    ),
+    Foreign("a Bruker OPDx file", Start(&[b"VCA DATA"]), TO_GWY),
+    Foreign("a Wyko ASCII file", Start(&[b"Wyko ASCII Data File"]), "save the measurement as OPD"),
+    Foreign("a Zygo ASCII file", Start(&[b"Zygo ASCII Data File"]), "save the measurement as DAT, DATX or XYZ"),
+    Foreign("an Olympus OIR file", Start(&[b"OLYMPUSRAWFORMAT"]), TO_GWY),
+    Foreign("a Keyence ZON file", Start(&[b"KPK0", b"KPK1"]), TO_GWY),
+    Foreign(
+        "a Keyence CSV file",
+        Words(&[b"output image data", b"xy calibration"]),
+        "save the measurement as VK4, VK6 or VK7, or keep only the rows of heights and state pixel size and unit",
+    ),
+    Foreign("an Asylum Research (Igor) IBW file", Test(is_igor_wave), TO_GWY),
+    Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
+    Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),
+    Foreign("a Nanosurf NID file", Start(&[b"[DataSet]"]), TO_GWY),
+    Foreign("an NT-MDT file (MDT)", Start(&[b"\x01\xb0\x93\xff"]), TO_GWY),
+    Foreign("a WSxM file", Start(&[b"WSxM file copyright"]), TO_GWY),
+    Foreign("a Nanonis SXM file", Start(&[b":NANONIS_VERSION:"]), TO_GWY),
+    Foreign("an RHK SM3 or SM4 file", At(2, RHK_MAGIC), TO_GWY),
+    Foreign("a Leica LIF file", Test(is_leica), AS_TEXT),
+    Foreign("a Nikon ND2 file", Start(&[b"\xda\xce\xbe\x0a"]), AS_TEXT),
+    Foreign("an ISO 28600 file", Start(&[b"ISO/TC 201 SPM data transfer format"]), TO_GWY),
+    Foreign("a Gwyddion simple field (GSF)", Start(&[b"Gwyddion Simple Field"]), TO_GWY),
+    Foreign("a Gwyddion XYZ field", Start(&[b"Gwyddion XYZ Field"]), TO_GWY),
+    Foreign("a Zeiss CZI file", Start(&[b"ZISRAWFILE"]), AS_TEXT),
+    Foreign(
+        "a Mountains file (MNT)",
+        Test(|bytes, _| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes)),
+        "Mountains can save the surface as SUR",
+    ),
+    Foreign("an OLE compound file, as of old Office documents and some microscopes", Start(&[OLE_MAGIC]), AS_TEXT),
+    Foreign("a MATLAB file", Start(&[b"MATLAB 5.0 MAT", b"MATLAB 7.3 MAT"]), TO_MATRIX),
+    Foreign("an HDF4 file", Start(&[b"\x0e\x03\x13\x01"]), TO_MATRIX),
+    Foreign("a FITS file", Start(&[b"SIMPLE  ="]), TO_MATRIX),
+    Foreign("an NRRD file", Start(&[b"NRRD000"]), TO_MATRIX),
+    Foreign("a binary STL mesh", Test(is_binary_stl), TO_GRID),
+    Foreign("an STL mesh", Test(is_text_stl), TO_GRID),
+    Foreign("a PLY mesh", Start(&[b"ply\n", b"ply\r"]), TO_GRID),
+    Foreign("a PCD point cloud", Start(&[b"# .PCD"]), TO_GRID),
+    Foreign("a LAS point cloud", Start(&[b"LASF"]), TO_GRID),
+    Foreign("a PNG image", Start(&[b"\x89PNG\r\n\x1a\n"]), NO_HEIGHTS),
+    Foreign("a JPEG image", Start(&[b"\xff\xd8\xff"]), NO_HEIGHTS),
+    Foreign("a JPEG 2000 image", Start(&[b"\x00\x00\x00\x0cjP  ", b"\xff\x4f\xff\x51"]), NO_HEIGHTS),
+    Foreign("a GIF image", Start(&[b"GIF87a", b"GIF89a"]), NO_HEIGHTS),
+    Foreign("a BMP image", Test(is_bitmap), NO_HEIGHTS),
+    Foreign("an OpenEXR image", Start(&[b"\x76\x2f\x31\x01"]), TO_MATRIX),
+    Foreign(
+        "a PDF document",
+        Start(&[b"%PDF-"]),
+        "a document holds no heights; export the height map from the instrument's program",
+    ),
+    Foreign("a SQLite database", Start(&[b"SQLite format 3\0"]), "export the height map from the instrument's program"),
+    Foreign("a Git LFS pointer", Start(&[b"version https://git-lfs"]), "fetch the file itself (`git lfs pull`)"),
+    Foreign("an HTML page", Test(is_html), FETCH),
+    Foreign("a JSON text", Test(is_json), TO_MATRIX),
+    Foreign("a 7z archive", Start(&[b"7z\xbc\xaf\x27\x1c"]), UNPACK),
+    Foreign("a RAR archive", Start(&[b"Rar!\x1a\x07"]), UNPACK),
+    Foreign("an xz archive", Start(&[b"\xfd7zXZ\x00"]), UNPACK),
+    Foreign("a Zstandard archive", Start(&[b"\x28\xb5\x2f\xfd"]), UNPACK),
+    Foreign("a bzip2 archive", Test(is_bzip2), UNPACK),
+    Foreign("a tar archive", At(257, b"ustar"), UNPACK),
 ];
 
-/// A kind of zip archive that is no format of its own.
-struct Zipped {
-    name: &'static str,
-    /// Whether a file of this name marks the kind.
-    marks: fn(&str) -> bool,
-    way_out: &'static str,
-}
+/// Kind of zip archive: its name with an article, a test of the names of its files, and the advice to the user.
+struct Zipped(&'static str, fn(&str) -> bool, &'static str);
 
-/// Kinds of zip archives, the most special first.
+/// Kinds of zip archives, the most specific first.
 const ZIPPED: &[Zipped] = &[
-    Zipped { name: "an Olympus POIR file", marks: |name| name.ends_with(".oir"), way_out: TO_GWY },
-    Zipped { name: "a JPK force file", marks: |name| name == "header.properties", way_out: TO_GWY },
-    Zipped {
-        name: "an Excel workbook (XLSX)",
-        marks: |name| name == "xl/workbook.xml",
-        way_out: "save the sheet of heights as CSV",
-    },
-    Zipped {
-        name: "an Office document",
-        marks: |name| name == "[Content_Types].xml",
-        way_out: "export the heights as text",
-    },
-    Zipped { name: "a zip archive", marks: |_| true, way_out: UNPACK },
+    Zipped("an Olympus POIR file", |name| name.ends_with(".oir"), TO_GWY),
+    Zipped("a JPK force file", |name| name == "header.properties", TO_GWY),
+    Zipped("an Excel workbook (XLSX)", |name| name == "xl/workbook.xml", "save the sheet of heights as CSV"),
+    Zipped("an Office document", |name| name == "[Content_Types].xml", "export the heights as text"),
+    Zipped("a zip archive", |_| true, UNPACK),
 ];
 
-/// `STiMage 00` in UTF-16, behind the size of the header.
+/// `STiMage 00` in UTF-16, after the size of the header.
 const RHK_MAGIC: &[u8] = b"S\0T\0i\0M\0a\0g\0e\0 \0\x30\0\x30\0";
 
 /// First bytes of an OLE compound file.
 pub(crate) const OLE_MAGIC: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
 
-/// The error for content of a known format that is not read, given the size of its file in bytes.
+/// Returns the error for content in a format that is known but not read. `size` is the size of the file in bytes.
 ///
-/// Zip archives are looked into by [`in_archive`], after those that are read.
+/// [`in_archive`] examines zip archives that no reader recognises.
 pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
     let head = &bytes[..bytes.len().min(HEAD_BYTES)];
-    let is_known = |foreign: &&Foreign| match foreign.signature {
+    let is_known = |foreign: &&Foreign| match foreign.1 {
         Start(signatures) => signatures.iter().any(|signature| bytes.starts_with(signature)),
         At(offset, signature) => bytes.get(offset..).is_some_and(|rest| rest.starts_with(signature)),
         Words(words) => crate::text::is_text(bytes) && words.iter().all(|word| holds(head, word)),
-        Test(is_it) => is_it(bytes, size),
+        Test(is_match) => is_match(bytes, size),
     };
-    FOREIGN.iter().find(is_known).map(|&Foreign { name, way_out, .. }| FormatError::NotRead { name, way_out })
+    FOREIGN.iter().find(is_known).map(|&Foreign(name, _, advice)| FormatError::NotRead { name, advice })
 }
 
-/// The error for a zip archive that no reader knows.
+/// Returns the error for a zip archive that no reader recognises.
 pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
     if !bytes.starts_with(ZIP_MAGIC) {
         return None;
@@ -190,20 +143,20 @@ pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
     let Ok(archive) = Archive::open(crate::Format::X3p, bytes) else {
         return Some(FormatError::NotRead {
             name: "a zip archive without a valid directory at its end",
-            way_out: CUT_OFF,
+            advice: CUT_OFF,
         });
     };
-    let is_known = |zipped: &&Zipped| archive.names().iter().any(|name| (zipped.marks)(name));
-    ZIPPED.iter().find(is_known).map(|&Zipped { name, way_out, .. }| FormatError::NotRead { name, way_out })
+    let is_known = |zipped: &&Zipped| archive.names().iter().any(|name| zipped.1(name));
+    ZIPPED.iter().find(is_known).map(|&Zipped(name, _, advice)| FormatError::NotRead { name, advice })
 }
 
-/// Whether some bytes hold a word of small letters, in any case.
+/// Returns whether bytes contain a word, ignoring the case of ASCII letters.
 fn holds(bytes: &[u8], word: &[u8]) -> bool {
     bytes.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word))
 }
 
-/// Whether an OLE compound file holds a stream of the name that Mountains gives to its surfaces. Names are in UTF-16 in the
-/// directory, whose first sector the header states.
+/// Returns whether an OLE compound file holds a stream with the name of Mountains' surfaces. Names are in UTF-16 in
+/// the directory; the header states its first sector.
 fn is_mountains(bytes: &[u8]) -> bool {
     const STREAM: &str = "ScopedContents";
     let number = |at: usize, length: usize| {
@@ -212,7 +165,7 @@ fn is_mountains(bytes: &[u8]) -> bool {
     };
     let directory = || {
         let (shift, sector) = (number(30, 2)?, number(48, 4)?);
-        // Sectors have 512 or 4096 bytes, and the header takes the place of one.
+        // Sectors have 512 or 4096 bytes, and the header occupies one.
         let size = 1_u64 << shift.clamp(9, 12);
         let start = usize::try_from((sector + 1) * size).ok()?;
         bytes.get(start..(start + HEAD_BYTES).min(bytes.len()))
@@ -221,8 +174,8 @@ fn is_mountains(bytes: &[u8]) -> bool {
     directory().is_some_and(|directory| directory.windows(name.len()).any(|window| window == name))
 }
 
-/// Whether bytes are an Igor binary wave: version 2 or 5 in either order of bytes, and 16-bit numbers in the headers that sum
-/// up to zero (Igor technical note 003).
+/// Returns whether bytes are an Igor binary wave: version 2 or 5 in either byte order, and 16-bit numbers in the
+/// headers that sum to zero (Igor technical note 003).
 fn is_igor_wave(bytes: &[u8], _: u64) -> bool {
     let sums_up = |length: usize, number: fn([u8; 2]) -> u16| {
         let pairs = bytes.get(..length).map(|head| head.chunks_exact(2).map(|pair| number([pair[0], pair[1]])));
@@ -237,7 +190,7 @@ fn is_igor_wave(bytes: &[u8], _: u64) -> bool {
     }
 }
 
-/// Whether the size of a file is that of a binary STL mesh: 84 bytes and 50 for each of the stated triangles.
+/// Returns whether the size of a file fits a binary STL mesh: 84 bytes plus 50 for each declared triangle.
 fn is_binary_stl(bytes: &[u8], size: u64) -> bool {
     let count = bytes.get(80..84).map_or(0, |raw| u64::from(u32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]])));
     count > 0 && size == 84 + 50 * count
@@ -247,18 +200,18 @@ fn is_text_stl(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"solid") && holds(&bytes[..bytes.len().min(HEAD_BYTES)], b"facet normal")
 }
 
-/// Whether bytes start as a bitmap: the two letters, four reserved bytes of zero, and a header of a known size.
+/// Returns whether bytes start as a bitmap: two letters, four reserved zero bytes, and a header of a known size.
 fn is_bitmap(bytes: &[u8], _: u64) -> bool {
     let known = |size: &[u8]| matches!(size, [12 | 40 | 52 | 56 | 64 | 108 | 124, 0, 0, 0]);
     bytes.starts_with(b"BM") && bytes.get(6..10) == Some(&[0; 4]) && bytes.get(14..18).is_some_and(known)
 }
 
-/// Whether bytes start as bzip2: the three letters, a digit, and the digits of π before the first block.
+/// Returns whether bytes start as bzip2: three letters, a digit, and the digits of π before the first block.
 fn is_bzip2(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"BZh") && bytes.get(4..10) == Some(b"\x31\x41\x59\x26\x53\x59".as_slice())
 }
 
-/// Whether bytes start as a Leica image file: a block of XML, whose size follows, and its text in UTF-16.
+/// Returns whether bytes start as a Leica image file: a block of XML, its size, and its text in UTF-16.
 fn is_leica(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"\x70\0\0\0") && bytes.get(8) == Some(&0x2a) && bytes.get(13..15) == Some(b"<\0".as_slice())
 }
@@ -270,7 +223,7 @@ fn is_html(bytes: &[u8], _: u64) -> bool {
         .any(|tag| start.get(..tag.len()).is_some_and(|start| start.eq_ignore_ascii_case(tag)))
 }
 
-/// Whether text starts as an object of JSON, or as an array of arrays, objects or strings.
+/// Returns whether text starts as a JSON object, or as an array of arrays, objects or strings.
 fn is_json(bytes: &[u8], _: u64) -> bool {
     let start = first_word(bytes);
     let next =
@@ -282,7 +235,7 @@ fn is_json(bytes: &[u8], _: u64) -> bool {
     }
 }
 
-/// The bytes behind blanks and the mark that some programs put before UTF-8.
+/// Returns the bytes after blanks and the byte-order mark of UTF-8.
 fn first_word(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }

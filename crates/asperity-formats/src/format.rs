@@ -1,6 +1,6 @@
-//! The names of the formats.
+//! Names of the formats.
 
-/// A file format for measured surfaces.
+/// File format for measured surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
     /// X3P, ISO 25178-72: a zip archive of an XML description and binary heights.
@@ -39,7 +39,7 @@ pub enum Format {
     Npy,
     /// Zip archive of NumPy array files.
     Npz,
-    /// TIFF with numbers for heights.
+    /// TIFF with one number per point.
     Tiff,
     /// VTK image for ParaView.
     Vtk,
@@ -47,49 +47,47 @@ pub enum Format {
     Xyz,
     /// Matrix of numbers as text.
     Text,
-    /// A gzip stream around any other format.
+    /// Gzip stream around any other format.
     Gzip,
 }
 
 impl Format {
-    /// The unit of the heights in files of this format whose reader does not name it; `None` where files may lack one.
+    /// Returns the unit of the heights in files of this format if its reader does not name it; `None` if files may
+    /// lack a unit.
     pub(crate) fn height_unit(self) -> Option<&'static str> {
-        match self {
-            Self::Text | Self::Xyz | Self::Npy | Self::Npz | Self::Tiff | Self::Gwy | Self::NetCdf => None,
-            Self::Plu | Self::Plux | Self::Nms => Some("um"),
-            Self::Opd | Self::Bcr => Some("nm"),
-            Self::Vk => Some("pm"),
-            Self::Tmd => Some("mm"),
-            _ => Some("m"),
-        }
+        self.name_and_unit().1
     }
 
-    /// The name for the user.
+    /// Returns the name for the user.
     pub fn name(self) -> &'static str {
+        self.name_and_unit().0
+    }
+
+    fn name_and_unit(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::X3p => "X3P",
-            Self::Sur => "SUR",
-            Self::Sdf => "SDF",
-            Self::Gwy => "GWY",
-            Self::Opd => "OPD",
-            Self::MetroPro => "MetroPro DAT",
-            Self::Datx => "DATX",
-            Self::Plu => "PLU",
-            Self::Plux => "PLUX",
-            Self::Al3d => "AL3D",
-            Self::Nms => "NMS",
-            Self::Frt => "FRT",
-            Self::Bcr => "BCR",
-            Self::Tmd => "TMD",
-            Self::Vk => "VK4/VK6",
-            Self::NetCdf => "NetCDF",
-            Self::Npy => "NPY",
-            Self::Npz => "NPZ",
-            Self::Tiff => "TIFF",
-            Self::Vtk => "VTK image",
-            Self::Xyz => "XYZ",
-            Self::Text => "text",
-            Self::Gzip => "gzip",
+            Self::X3p => ("X3P", Some("m")),
+            Self::Sur => ("SUR", Some("m")),
+            Self::Sdf => ("SDF", Some("m")),
+            Self::Gwy => ("GWY", None),
+            Self::Opd => ("OPD", Some("nm")),
+            Self::MetroPro => ("MetroPro DAT", Some("m")),
+            Self::Datx => ("DATX", Some("m")),
+            Self::Plu => ("PLU", Some("um")),
+            Self::Plux => ("PLUX", Some("um")),
+            Self::Al3d => ("AL3D", Some("m")),
+            Self::Nms => ("NMS", Some("um")),
+            Self::Frt => ("FRT", Some("m")),
+            Self::Bcr => ("BCR", Some("nm")),
+            Self::Tmd => ("TMD", Some("mm")),
+            Self::Vk => ("VK4/VK6", Some("pm")),
+            Self::NetCdf => ("NetCDF", None),
+            Self::Npy => ("NPY", None),
+            Self::Npz => ("NPZ", None),
+            Self::Tiff => ("TIFF", None),
+            Self::Vtk => ("VTK image", Some("m")),
+            Self::Xyz => ("XYZ", None),
+            Self::Text => ("text", None),
+            Self::Gzip => ("gzip", Some("m")),
         }
     }
 }

@@ -1,6 +1,6 @@
-//! FRT MicroProf: a magic word, then blocks of a tag, a size and that many bytes.
+//! FRT MicroProf: a magic word, then blocks of a tag, a size and data.
 //!
-//! Numbers are little-endian. Sizes of blocks are u32 in version 1.00 and u64 in 1.01. What counts here:
+//! Numbers are little-endian. Sizes of blocks are u32 in version 1.00 and u64 in 1.01. These blocks define the heights:
 //!
 //! | tag | block |
 //! |---|---|
@@ -11,32 +11,32 @@
 //! | 0x0070 | lowest and highest valid number |
 //! | 0x007d | all images, each with type, points along x and y, bits per point |
 //!
-//! Where block 0x007d holds images, block 0x000b repeats one of them, of whichever type, so it is left alone.
+//! If block 0x007d holds images, block 0x000b repeats one of them, of any type, and is ignored.
 //!
-//! The number 1 marks a point that was not measured. That stands nowhere in the file, but the published readers that
-//! know of missing points agree on it. Numbers outside of the valid range are missing as well.
+//! The number 1 marks a missing point. Files do not state this mark, but the published readers that support missing
+//! points agree on it. Numbers outside of the valid range are missing as well.
 //!
-//! A range is the number of points times their distance: published files of 500 points on 12 mm, 150 on 30 mm and 300
-//! on 60 mm have round distances only so.
+//! A range is the number of points times their distance: only then have published files of 500 points on 12 mm, 150 on
+//! 30 mm and 300 on 60 mm round distances.
 
 mod blocks;
 mod image;
 mod metadata;
 
-use ndarray::Array2;
+use crate::error::Result;
+use crate::scan::Shape;
 
 use self::blocks::{
-    BUFFERS, Block, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT,
-    blocks,
+    BUFFERS, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT, blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
+
 use crate::selection::unique;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -58,18 +58,18 @@ pub(crate) const CODEC: Codec = Codec {
 
 /// First bytes of every file, before the version.
 const SIGNATURE: &[u8] = b"FRTM_GLIDERV";
-/// Bytes of the version, such as `1.00`.
+/// Size in bytes of the version, such as `1.00`.
 const VERSION_BYTES: usize = 4;
-/// Where the number of blocks stands, and blocks start after it.
+/// Offset of the number of blocks, before the first block.
 const BLOCK_COUNT: usize = SIGNATURE.len() + VERSION_BYTES;
-/// The number that marks a missing point.
+/// Number that marks a missing point.
 const VOID: f64 = 1.0;
 
 /// Reads an image of heights.
 ///
 /// # Errors
-/// Other versions, profiles, files of other images than heights, and blocks that the bytes cannot bear out.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Other versions, profiles, files without images of heights, and blocks beyond the end of the file.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Frt, bytes);
     let size_bytes = match input.take("the version", SIGNATURE.len(), VERSION_BYTES)? {
         b"1.00" => 4,
@@ -90,31 +90,23 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     if ny == 1 || nx == 1 {
         return Err(input.unsupported(format!("the file holds a profile of {} points", nx * ny), "a surface"));
     }
-    let mut heights = input.samples("the numbers of an image", image.numbers.start, nx * ny, image.sample)?;
+    let mut heights = image.numbers.samples("the numbers of an image", 0, nx * ny, image.sample)?;
     scale(input, &blocks, image.sample, &mut heights, &mut warnings)?;
     // The first stored line is at the bottom of the image.
-    let mut lines = heights.chunks_exact_mut(nx);
-    while let (Some(first), Some(last)) = (lines.next(), lines.next_back()) {
-        first.swap_with_slice(last);
-    }
+    large::flip(&mut heights, nx);
     let pitch_m = pitch(&blocks, image.shape, &mut warnings)?;
-    doubt(&blocks, &mut warnings);
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("points along x", image.numbers.start, nx, FITTING_SHAPE))?;
+    warn_about_axes(&blocks, &mut warnings);
+    let heights_m = image.numbers.matrix("the numbers of an image", 0, (ny, nx), heights)?;
     let scan = Scan { metadata: metadata::metadata(&blocks), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, channel))
 }
 
-/// The image of block 0x000b.
-fn single_image<'a>(
-    input: Input<'a>,
-    blocks: &Blocks<'a>,
-    warnings: &mut Vec<String>,
-) -> Result<Image<'a>, FormatError> {
+/// Reads the image of block 0x000b.
+fn single_image<'a>(input: Input<'a>, blocks: &Blocks<'a>, warnings: &mut Vec<String>) -> Result<Image<'a>> {
     let missing = |what: &str| input.missing(what, BLOCK_COUNT + 2, "an image");
     let numbers = *blocks.get(&CURRENT_IMAGE).ok_or_else(|| missing("block 0x000b or an image in block 0x007d"))?;
     let size = *blocks.get(&IMAGE_SIZE).ok_or_else(|| missing("block 0x0066 (image size)"))?;
-    let image = Image::new(TOPOGRAPHY, size, 0, numbers)?;
+    let image = Image::new(TOPOGRAPHY, size, numbers)?;
     if image.bytes() < numbers.len() {
         let more = numbers.len() - image.bytes();
         warnings.push(format!("block 0x000b is {more} bytes longer than its image; they were left out"));
@@ -122,12 +114,12 @@ fn single_image<'a>(
     Ok(image)
 }
 
-/// The names of all images of heights, the place of the one to read among them, and that image.
+/// Returns the names of all images of heights, the index of the selected one, and this image.
 fn choose<'a>(
     input: Input<'a>,
     images: &[Image<'a>],
     options: &ReadOptions,
-) -> Result<(Vec<String>, usize, Image<'a>), FormatError> {
+) -> Result<(Vec<String>, usize, Image<'a>)> {
     let (names, maps): (Vec<String>, Vec<Image>) =
         images.iter().filter_map(|image| Some((image.name()?, *image))).unzip();
     if names.is_empty() {
@@ -140,25 +132,19 @@ fn choose<'a>(
     Ok((names, channel, image))
 }
 
-/// Turns stored numbers into metre, NaN where the point was not measured.
-fn scale(
-    input: Input,
-    blocks: &Blocks,
-    sample: Sample,
-    heights: &mut [f64],
-    warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
+/// Converts stored numbers to metre; NaN for missing points.
+fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let sensor = blocks
         .get(&SENSOR)
         .ok_or_else(|| input.missing("block 0x006c (sensor)", BLOCK_COUNT + 2, "the scale of heights"))?;
     let scale_m = sensor.f64("z scale", 4)?;
     if !(scale_m.is_finite() && scale_m != 0.0) {
-        return Err(input.wrong("z scale", sensor.start + 4, scale_m, "a finite number other than 0"));
+        return Err(sensor.wrong("z scale", 4, scale_m, "a finite number other than 0"));
     }
     let valid = blocks.get(&VALID_VALUES).and_then(|block| {
         let limit = |offset| block.u32("valid value", offset).ok();
         let (first, last) = (limit(0)?, limit(4)?);
-        // As wide and as signed as the numbers that they limit.
+        // The limits have the width and sign of the numbers.
         let range = match sample {
             Sample::I32 => (f64::from(first as i32), f64::from(last as i32)),
             _ => (f64::from(first), f64::from(last)),
@@ -185,10 +171,10 @@ fn scale(
     Ok(())
 }
 
-/// A scale or offset in block 0x00ab that differs from the common ones.
+/// Describes a scale or offset in block 0x00ab that differs from the common ones.
 ///
-/// What the buffers' aliases stand for is not known, so none can be applied.
-fn own_scale(buffers: &Block, scale_m: f64) -> Option<String> {
+/// The meaning of the aliases of buffers is unknown, so none can be applied.
+fn own_scale(buffers: &Input, scale_m: f64) -> Option<String> {
     let count = buffers.u32("number of buffers", 0).ok()?;
     for buffer in 0..usize::try_from(count).ok()? {
         // Alias, scale, offset, absolute.
@@ -201,12 +187,8 @@ fn own_scale(buffers: &Block, scale_m: f64) -> Option<String> {
     None
 }
 
-/// The distance of points in metre.
-fn pitch(
-    blocks: &Blocks,
-    (ny, nx): (usize, usize),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>, FormatError> {
+/// Returns the distance between points in metre.
+fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some(size) = blocks.get(&SCAN_SIZE) else {
         warnings.push("block 0x0067 (scan size) is missing; no pixel size was read".into());
         return Ok(None);
@@ -214,22 +196,22 @@ fn pitch(
     let (x_m, y_m) = (size.f64("x range", 0)?, size.f64("y range", 8)?);
     for (axis, range_m) in [("x", x_m), ("y", y_m)] {
         if range_m < 0.0 {
-            warnings.push(format!("the {axis} range is {range_m} m; its magnitude was taken"));
+            warnings.push(format!("the {axis} range is {range_m} m; its magnitude was used"));
         }
     }
     Ok(Some((x_m.abs() / nx as f64, y_m.abs() / ny as f64)))
 }
 
-/// Doubts whether the axes are lengths.
-fn doubt(blocks: &Blocks, warnings: &mut Vec<String>) {
+/// Warns if the axes may not be lengths.
+fn warn_about_axes(blocks: &Blocks, warnings: &mut Vec<String>) {
     if blocks.get(&ROUNDNESS).is_some_and(|block| block.u32("roundness", 0).is_ok_and(|flag| flag != 0)) {
-        warnings.push("the file states a measurement of roundness; its axes were taken for lengths".into());
+        warnings.push("the file states a measurement of roundness; its axes count as lengths".into());
     }
     if let Some(unit) = blocks.get(&Z_UNIT).and_then(metadata::z_unit)
         && crate::unit::per_metre(&unit).is_none()
     {
         warnings.push(format!(
-            "the z unit is `{}`, which is no length; heights were taken for metre",
+            "the z unit is `{}`, which is not a length; heights count as metre",
             crate::error::shown(&unit)
         ));
     }

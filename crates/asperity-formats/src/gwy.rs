@@ -1,18 +1,18 @@
 //! Gwyddion's native format: one tree of serialised objects, little-endian.
 //!
-//! An object is the name of its type, the size of its content, and its components; a component is a name, a letter for
-//! its type, and a value. The root is a `GwyContainer`. Image N of the file is `/N/data`, a `GwyDataField` with its
-//! rows from the top down; `/N/data/title`, `/N/mask` and `/N/meta` belong to it.
-//! Layout: <https://gwyddion.net/documentation/user-guide-en/gwyfile-format.html>.
+//! An object consists of the name of its type, the size of its content, and its components. A component consists of a
+//! name, a letter for its type, and a value. The root is a `GwyContainer`. Image N of the file is `/N/data`, a
+//! `GwyDataField` with its rows from the top down; `/N/data/title`, `/N/mask` and `/N/meta` belong to it. Layout:
+//! <https://gwyddion.net/documentation/user-guide-en/gwyfile-format.html>.
 //!
-//! `xreal` and `yreal` are the sizes of whole images, pixels · pitch. All numbers are in base units: Gwyddion writes no
-//! prefixes and ignores those that other programs write. They are taken at their word here, with a warning. `A` is the
-//! ampere. A file of other programs that states no unit at all, neither across nor upwards, is taken in metre; a field
-//! without unit beside lateral ones in metre has none because it is no height.
+//! `xreal` and `yreal` are the sizes of whole images, pixels · pitch. All numbers are in base units: Gwyddion writes
+//! no prefixes and ignores prefixes of other programs. This reader applies them, with a warning. `A` is the ampere. A
+//! file of another program without any unit counts as metre. A field without a unit in a file with lateral units is
+//! not a height.
 //!
-//! Gwyddion has no missing points. It keeps them as masked points, with an ordinary number under the mask, and leaves it
-//! to the user what a mask means. Masked points are missing points here, which a warning tells. Mask values are 0 and 1
-//! and Gwyddion's functions differ in what they make of others; the nearer of the two counts.
+//! Gwyddion has no missing points. It stores them as masked points, with an ordinary number under the mask, and the
+//! user decides on the meaning of a mask. This reader takes masked points as missing, with a warning. Mask values are
+//! 0 and 1; Gwyddion's functions differ for other values, of which this reader takes the nearer of the two.
 
 mod object;
 mod read;
@@ -46,11 +46,11 @@ pub(crate) const CODEC: Codec = Codec {
 const MAGIC: &[u8] = b"GWYP";
 /// First bytes of a file of Gwyddion 1.
 const MAGIC_1: &[u8] = b"GWYO";
-/// The type of the root and of metadata.
+/// Type of the root and of metadata.
 const CONTAINER: &str = "GwyContainer";
-/// The type of an image or mask.
+/// Type of an image or mask.
 const DATA_FIELD: &str = "GwyDataField";
-/// The type of a unit.
+/// Type of a unit.
 const UNIT: &str = "GwySIUnit";
 
 fn detect(bytes: &[u8]) -> bool {

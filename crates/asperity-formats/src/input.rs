@@ -1,24 +1,47 @@
-//! The bytes of a file, taken field by field: nothing is read beyond them, and whatever is wrong with a field is told
-//! with its name and place.
+//! Checked reading of fields from bytes. Nothing is read beyond their end, and errors name the field and its place.
 
-use crate::error::shown;
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
+
+use crate::error::{Result, shown};
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError, Location, MAX_POINTS};
+use crate::scan::{Shape, matrix, shape};
+use crate::{Format, FormatError, Location};
 
-/// The bytes of a file, or of one file in an archive.
+/// Bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]
 pub(crate) struct Input<'a> {
     format: Format,
     entry: Option<&'a str>,
     order: ByteOrder,
     bytes: &'a [u8],
+    /// Offset of `bytes` in the file.
+    start: usize,
 }
 
-/// The numbers in one place of a file.
+/// Field of a header: its name and its offset.
+#[derive(Clone, Copy)]
+pub(crate) struct Field(pub(crate) &'static str, pub(crate) usize);
+
+/// Type of a field that becomes metadata.
+#[derive(Clone, Copy)]
+pub(crate) enum Kind {
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+    /// Latin-1 text of at most this many bytes.
+    Text(usize),
+}
+
+/// Defines a function that reads one number.
 macro_rules! number {
     ($name:ident) => {
-        #[doc = concat!("One `", stringify!($name), "` in the order of bytes that was chosen.")]
-        pub(crate) fn $name(&self, field: &str, offset: usize) -> Result<$name, FormatError> {
+        #[doc = concat!("Reads one `", stringify!($name), "` in the byte order of the input.")]
+        pub(crate) fn $name(&self, field: &str, offset: usize) -> Result<$name> {
             let raw = self.array(field, offset)?;
             Ok(match self.order {
                 ByteOrder::Little => <$name>::from_le_bytes(raw),
@@ -29,32 +52,42 @@ macro_rules! number {
 }
 
 impl<'a> Input<'a> {
-    /// A file with little-endian numbers.
+    /// Creates an input with little-endian numbers.
     pub(crate) fn new(format: Format, bytes: &'a [u8]) -> Self {
-        Self { format, entry: None, order: ByteOrder::Little, bytes }
+        Self { format, entry: None, order: ByteOrder::Little, bytes, start: 0 }
     }
 
-    /// A file inside an archive.
+    /// Creates an input for a file inside an archive.
     pub(crate) fn entry(format: Format, entry: &'a str, bytes: &'a [u8]) -> Self {
         Self { entry: Some(entry), ..Self::new(format, bytes) }
     }
 
-    /// The same bytes with numbers in another order.
+    /// Returns the same bytes with numbers in another byte order.
     pub(crate) fn with_order(self, order: ByteOrder) -> Self {
         Self { order, ..self }
     }
 
-    /// The same bytes up to `end`, so that nothing beyond it is read.
+    /// Returns the same bytes up to `end`.
     pub(crate) fn up_to(self, end: usize) -> Self {
         Self { bytes: &self.bytes[..end.min(self.bytes.len())], ..self }
     }
 
-    /// All bytes.
+    /// Returns the bytes from `offset` on. Offsets then count from there; errors still name the place in the file.
+    pub(crate) fn from(self, offset: usize) -> Self {
+        Self { bytes: self.bytes.get(offset..).unwrap_or_default(), start: self.start.saturating_add(offset), ..self }
+    }
+
+    /// Returns the format of the file.
+    pub(crate) fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Returns all bytes.
     pub(crate) fn bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// Number of bytes.
+    /// Returns the number of bytes.
     pub(crate) fn len(&self) -> usize {
         self.bytes.len()
     }
@@ -69,161 +102,148 @@ impl<'a> Input<'a> {
     number!(f32);
     number!(f64);
 
-    fn array<const N: usize>(&self, field: &str, offset: usize) -> Result<[u8; N], FormatError> {
+    fn array<const N: usize>(&self, field: &str, offset: usize) -> Result<[u8; N]> {
         let bytes = self.take(field, offset, N)?;
         bytes.try_into().map_err(|_| self.truncated(field, offset, N))
     }
 
-    /// `length` bytes from `offset` on.
+    /// Returns `length` bytes from `offset` on.
     ///
     /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before.
-    pub(crate) fn take(&self, part: &str, offset: usize, length: usize) -> Result<&'a [u8], FormatError> {
+    /// [`FormatError::Truncated`] if the file ends early.
+    pub(crate) fn take(&self, part: &str, offset: usize, length: usize) -> Result<&'a [u8]> {
         let end = offset.checked_add(length);
         end.and_then(|end| self.bytes.get(offset..end)).ok_or_else(|| self.truncated(part, offset, length))
     }
 
-    /// Latin-1 text of at most `length` bytes up to the first zero, without white space around it.
-    pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String, FormatError> {
+    /// Reads Latin-1 text of at most `length` bytes, up to the first zero, and trims white space.
+    pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String> {
         Ok(latin1(self.take(field, offset, length)?))
     }
 
-    /// `count` numbers from `offset` on; memory is taken only when all of them are there.
-    pub(crate) fn samples(
-        &self,
-        part: &str,
-        offset: usize,
-        count: usize,
-        sample: Sample,
-    ) -> Result<Vec<f64>, FormatError> {
-        self.samples_as(part, offset, count, sample, |value| value)
+    /// Returns the value of a field as text.
+    pub(crate) fn value(&self, field: &str, offset: usize, kind: Kind) -> Result<String> {
+        match kind {
+            Kind::I16 => self.i16(field, offset).map(|number| number.to_string()),
+            Kind::U16 => self.u16(field, offset).map(|number| number.to_string()),
+            Kind::I32 => self.i32(field, offset).map(|number| number.to_string()),
+            Kind::U32 => self.u32(field, offset).map(|number| number.to_string()),
+            Kind::F32 => self.f32(field, offset).map(|number| number.to_string()),
+            Kind::F64 => self.f64(field, offset).map(|number| number.to_string()),
+            Kind::Text(length) => self.latin1(field, offset, length),
+        }
     }
 
-    /// As [`Input::samples`], with every number changed.
-    pub(crate) fn samples_as(
-        &self,
-        part: &str,
-        offset: usize,
-        count: usize,
-        sample: Sample,
-        change: impl Fn(f64) -> f64 + Sync,
-    ) -> Result<Vec<f64>, FormatError> {
+    /// Returns the values of a table of fields as metadata.
+    pub(crate) fn values(&self, fields: &[(&str, usize, Kind)]) -> Result<BTreeMap<String, String>> {
+        fields.iter().map(|&(name, at, kind)| Ok((name.to_owned(), self.value(name, at, kind)?))).collect()
+    }
+
+    /// Reads `count` numbers from `offset` on. Memory is allocated only if all of them are present.
+    pub(crate) fn samples(&self, part: &str, offset: usize, count: usize, sample: Sample) -> Result<Vec<f64>> {
         let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
-        Ok(sample.decode_and_map(self.order, bytes, change))
+        Ok(sample.decode_all(self.order, bytes))
     }
 
-    /// Checked shape `(rows, columns)` of a map from fields that hold its dimensions, each `(name, offset, value)`.
+    /// Reads a map of numbers from `offset` on and converts each number to a height in metre.
+    pub(crate) fn heights(
+        &self,
+        part: &str,
+        offset: usize,
+        shape: Shape,
+        sample: Sample,
+        in_metre: impl Fn(f64) -> f64 + Sync,
+    ) -> Result<Array2<f64>> {
+        let bytes = self.take(part, offset, (shape.0 * shape.1).saturating_mul(sample.size()))?;
+        self.matrix(part, offset, shape, sample.decode_and_map(self.order, bytes, in_metre))
+    }
+
+    /// Arranges heights as a map. An error names `field`, the source of the shape.
+    pub(crate) fn matrix(&self, field: &str, offset: usize, shape: Shape, heights: Vec<f64>) -> Result<Array2<f64>> {
+        matrix(self.format, field, self.at(offset), shape, heights)
+    }
+
+    /// Checks the dimensions of a map, each given as `(field, offset, value)`.
     ///
     /// # Errors
-    /// A dimension below one, or a product above [`MAX_POINTS`].
-    pub(crate) fn shape(
-        &self,
-        rows: (&str, usize, i64),
-        columns: (&str, usize, i64),
-    ) -> Result<(usize, usize), FormatError> {
-        let positive = |(field, offset, found): (&str, usize, i64)| {
-            usize::try_from(found)
-                .ok()
-                .filter(|&points| points > 0)
-                .ok_or_else(|| self.wrong(field, offset, found, "1 or more"))
-        };
-        let (ny, nx) = (positive(rows)?, positive(columns)?);
-        let points = (ny as u64).saturating_mul(nx as u64);
-        if points > MAX_POINTS {
-            return Err(FormatError::TooLarge {
-                format: self.format,
-                field: format!("the product of {} and {}", columns.0, rows.0),
-                at: self.at(columns.1),
-                found: points,
-                limit: MAX_POINTS,
-            });
-        }
-        Ok((ny, nx))
+    /// A dimension below 1, or a product above [`MAX_POINTS`](crate::MAX_POINTS).
+    pub(crate) fn shape<T>(&self, rows: (&str, usize, T), columns: (&str, usize, T)) -> Result<Shape>
+    where
+        T: TryInto<u64> + ToString + Copy,
+    {
+        let placed = |(field, offset, found)| (field, self.at(offset), found);
+        shape(self.format, placed(rows), placed(columns))
     }
 
-    /// A place in the file.
+    /// Returns a place in the file.
     pub(crate) fn at(&self, offset: usize) -> Location {
-        let offset = offset as u64;
+        let offset = self.start.saturating_add(offset) as u64;
         match self.entry {
             Some(entry) => Location::Entry { entry: shown(entry), offset },
             None => Location::Byte(offset),
         }
     }
 
-    fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
-        FormatError::Truncated {
-            format: self.format,
-            part: shown(part),
-            at: self.at(offset),
-            found: self.bytes.len().saturating_sub(offset) as u64,
-            wanted: wanted as u64,
-        }
+    /// Returns the error for a part that ends early.
+    pub(crate) fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
+        let found = self.bytes.len().saturating_sub(offset) as u64;
+        FormatError::truncated(self.format, shown(part), self.at(offset), found, wanted as u64)
     }
 
-    /// The error for a field whose value cannot be right.
+    /// Returns the error for a field whose value is invalid.
     pub(crate) fn wrong(&self, field: &str, offset: usize, found: impl ToString, wanted: &str) -> FormatError {
-        FormatError::Field {
-            format: self.format,
-            // Some formats name their fields freely.
-            field: shown(field),
-            at: self.at(offset),
-            found: shown(&found.to_string()),
-            wanted: wanted.into(),
-        }
+        // Some formats have field names of any length.
+        FormatError::field(self.format, shown(field), self.at(offset), found, wanted)
     }
 
-    /// The error for a size beyond what is taken.
+    /// Returns the error for a size above its limit.
     pub(crate) fn too_large(&self, field: &str, offset: usize, found: usize, limit: usize) -> FormatError {
-        FormatError::TooLarge {
-            format: self.format,
-            field: field.into(),
-            at: self.at(offset),
-            found: found as u64,
-            limit: limit as u64,
-        }
+        FormatError::too_large(self.format, field, self.at(offset), found as u64, limit as u64)
     }
 
-    /// The error for a field that is not there.
+    /// Returns the error for a field that is absent.
     pub(crate) fn missing(&self, field: &str, offset: usize, wanted: &str) -> FormatError {
-        FormatError::MissingField {
-            format: self.format,
-            field: field.into(),
-            at: self.at(offset),
-            wanted: wanted.into(),
-        }
+        FormatError::missing(self.format, field, self.at(offset), wanted)
     }
 
-    /// The error for a valid file of a kind that is not read.
+    /// Returns the error for a valid file of a kind that is not read.
     pub(crate) fn unsupported(&self, found: impl Into<String>, wanted: &'static str) -> FormatError {
-        FormatError::Unsupported { format: self.format, found: found.into(), wanted }
+        FormatError::unsupported(self.format, found, wanted)
     }
 }
 
-/// Latin-1 text up to the first zero, without white space around it.
+/// Decodes Latin-1 text up to the first zero and trims white space.
 pub(crate) fn latin1(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     kept(bytes[..end].trim_ascii(), |bytes| bytes.iter().map(|&byte| char::from(byte)).collect()).trim().to_owned()
 }
 
-/// The text in UTF-16 behind a mark of its byte order; `None` without one.
+/// Decodes UTF-16 text after a byte-order mark. Returns `None` without a mark.
 pub(crate) fn utf16(bytes: &[u8]) -> Option<String> {
-    let (unit, rest): (fn([u8; 2]) -> u16, _) = match bytes {
-        [0xff, 0xfe, rest @ ..] => (u16::from_le_bytes, rest),
-        [0xfe, 0xff, rest @ ..] => (u16::from_be_bytes, rest),
-        _ => return None,
-    };
-    // Three bytes at most for each unit; growing by doubling would take more.
-    let mut text = String::with_capacity(rest.len() + rest.len() / 2);
-    let units = rest.as_chunks().0.iter().map(|&pair| unit(pair));
-    text.extend(char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)));
-    Some(text)
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => Some(utf16_text(rest, ByteOrder::Little)),
+        [0xfe, 0xff, rest @ ..] => Some(utf16_text(rest, ByteOrder::Big)),
+        _ => None,
+    }
 }
 
-/// Text in UTF-8, or else in Latin-1.
+/// Decodes UTF-16 text.
+pub(crate) fn utf16_text(bytes: &[u8], order: ByteOrder) -> String {
+    // A unit takes at most three bytes. Growth by doubling would take more memory.
+    let mut text = String::with_capacity(bytes.len() + bytes.len() / 2);
+    let units = bytes.as_chunks().0.iter().map(|&unit| match order {
+        ByteOrder::Little => u16::from_le_bytes(unit),
+        ByteOrder::Big => u16::from_be_bytes(unit),
+    });
+    text.extend(char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)));
+    text
+}
+
+/// Decodes text in UTF-8, or in Latin-1 if it is not valid UTF-8.
 pub(crate) fn utf8_or_latin1(bytes: &[u8]) -> String {
     kept(bytes, |bytes| match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
-        // A character that the end of what is kept goes through.
+        // The cut is inside a character.
         Err(error) if bytes.len() == MAX_TEXT_BYTES && error.error_len().is_none() => {
             String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
         }
@@ -231,10 +251,10 @@ pub(crate) fn utf8_or_latin1(bytes: &[u8]) -> String {
     })
 }
 
-/// The most bytes of one text that are kept: the longest comments of instruments have some ten thousand.
+/// Maximum number of bytes of one text. The longest comments of instruments have about ten thousand.
 pub(crate) const MAX_TEXT_BYTES: usize = 1 << 18;
 
-/// A text as far as it is kept, with a sign where it was cut.
+/// Decodes at most [`MAX_TEXT_BYTES`] bytes of a text and marks a cut with `…`.
 fn kept(bytes: &[u8], decode: impl FnOnce(&[u8]) -> String) -> String {
     match bytes.get(..MAX_TEXT_BYTES) {
         Some(start) if start.len() < bytes.len() => decode(start) + "…",
@@ -242,25 +262,26 @@ fn kept(bytes: &[u8], decode: impl FnOnce(&[u8]) -> String) -> String {
     }
 }
 
-/// Room for the texts that a file holds beside its heights: a file of nothing else must not take many times its size.
-pub(crate) struct Room {
+/// Limits the texts of a file beside its heights, so that a file of texts alone cannot take many times its size in
+/// memory.
+pub(crate) struct TextLimit {
     texts: usize,
     bytes: usize,
 }
 
-impl Default for Room {
+impl Default for TextLimit {
     fn default() -> Self {
         Self { texts: 10_000, bytes: 1 << 22 }
     }
 }
 
-impl Room {
-    /// Whether there is room for one more text.
+impl TextLimit {
+    /// Returns whether one more text is allowed.
     pub(crate) fn is_left(&self) -> bool {
         self.texts > 0 && self.bytes > 0
     }
 
-    /// Takes room for a text of so many bytes; whether there was any.
+    /// Accounts for a text of `bytes` bytes. Returns whether it is allowed.
     pub(crate) fn take(&mut self, bytes: usize) -> bool {
         let is_left = self.is_left();
         self.texts = self.texts.saturating_sub(1);
@@ -282,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_beyond_the_end_is_told_by_name_and_place() {
+    fn a_field_beyond_the_end_is_reported_by_name_and_place() {
         let input = Input::entry(Format::Text, "a.bin", &[1, 2, 3]);
         let message = input.u32("width", 1).unwrap_err().to_string();
         assert_eq!(message, "text: width (a.bin, byte 1) stop after 2 bytes; wanted 4");
@@ -296,7 +317,7 @@ mod tests {
         assert_eq!(utf8_or_latin1(b"\xb5m"), "µm");
         let long = "µ".repeat(MAX_TEXT_BYTES);
         assert_eq!(utf8_or_latin1(long.as_bytes()), "µ".repeat(MAX_TEXT_BYTES / 2) + "…");
-        // One byte more shifts the cut into a character.
+        // One more byte moves the cut into a character.
         let shifted = utf8_or_latin1(format!("m{long}").as_bytes());
         assert!(shifted.ends_with("µ…") && shifted.len() == MAX_TEXT_BYTES - 1 + "…".len(), "{}", shifted.len());
         assert_eq!(latin1(&vec![0xb5; MAX_TEXT_BYTES + 1]), "µ".repeat(MAX_TEXT_BYTES) + "…");
@@ -304,9 +325,9 @@ mod tests {
 
     #[test]
     fn room_ends_with_the_number_of_texts_or_with_their_bytes() {
-        let mut room = Room { texts: 2, bytes: 10 };
+        let mut room = TextLimit { texts: 2, bytes: 10 };
         assert!(room.take(3) && room.take(3) && !room.take(3));
-        let mut room = Room { texts: 9, bytes: 10 };
+        let mut room = TextLimit { texts: 9, bytes: 10 };
         assert!(room.take(100) && !room.take(0));
     }
 

@@ -1,33 +1,34 @@
-//! Large arrays: memory that is cheap to touch for the first time, and passes over it on all threads.
+//! Large arrays: memory in huge pages, and parallel passes.
 
+use crate::scan::Shape;
 use rayon::prelude::*;
 
-/// Numbers from which on all threads work on an array, and how many each takes at a time.
+/// Size of an array above which all threads work on it, and number of values that each takes at a time.
 const PARALLEL_NUMBERS: usize = 1 << 18;
 const PIECE_NUMBERS: usize = 1 << 16;
-/// Side of the squares in which a map is transposed: two of them fit into the first cache.
+/// Side of the squares in which a map is transposed. Two of them fit into the first-level cache.
 const TILE: usize = 32;
 
-/// So many zeros.
+/// Allocates `count` zeros.
 pub(crate) fn zeros<T: Clone + Default>(count: usize) -> Vec<T> {
     let mut values = vec![T::default(); count];
     huge_pages(&mut values);
     values
 }
 
-/// Room for so many values.
+/// Allocates memory for `count` values.
 pub(crate) fn with_capacity<T>(count: usize) -> Vec<T> {
     let mut values = Vec::with_capacity(count);
     huge_pages(&mut values);
     values
 }
 
-/// Asks the system for huge pages under a large array: most of the time that a large file takes goes into the first
-/// touch of small ones.
+/// Asks the system for huge pages under a large array. Most of the time for reading a large file goes into the first
+/// access to small pages.
 #[cfg(target_os = "linux")]
 fn huge_pages<T>(values: &mut Vec<T>) {
     use rustix::mm::{Advice, madvise};
-    /// Arrays below gain nothing.
+    /// Size below which huge pages bring nothing.
     const LEAST_BYTES: usize = 4 << 20;
     const PAGE_BYTES: usize = 4096;
 
@@ -39,15 +40,15 @@ fn huge_pages<T>(values: &mut Vec<T>) {
     let skipped = start.cast::<u8>().align_offset(PAGE_BYTES);
     let Some(length) = bytes.checked_sub(skipped).map(|length| length / PAGE_BYTES * PAGE_BYTES) else { return };
     #[expect(unsafe_code, reason = "the standard library has no call for advice on memory")]
-    // SAFETY: the bytes are whole pages within the memory of `values`, whose content this advice leaves as it is. Where the system
-    // knows no huge pages, the call fails and nothing is lost.
+    // SAFETY: the bytes are whole pages within the memory of `values`, and this advice does not change their content.
+    // If the system has no huge pages, the call fails without effect.
     let _ = unsafe { madvise(start.cast::<u8>().wrapping_add(skipped).cast(), length, Advice::LinuxHugepage) };
 }
 
 #[cfg(not(target_os = "linux"))]
 fn huge_pages<T>(_values: &mut Vec<T>) {}
 
-/// What `fold` makes of the pieces of an array, in their order; one piece when it is small.
+/// Applies `fold` to the pieces of an array and returns its results in order. A small array is one piece.
 pub(crate) fn pass<T: Send>(values: &mut [f64], fold: impl Fn(&mut [f64]) -> T + Sync) -> Vec<T> {
     if values.len() < PARALLEL_NUMBERS {
         return vec![fold(values)];
@@ -60,13 +61,13 @@ pub(crate) fn map(values: &mut [f64], change: impl Fn(f64) -> f64 + Sync) {
     pass(values, |piece| piece.iter_mut().for_each(|value| *value = change(*value)));
 }
 
-/// Changes every number; how many times the change says yes.
+/// Changes every number. Returns how many times `change` returned true.
 pub(crate) fn count(values: &mut [f64], change: impl Fn(&mut f64) -> bool + Sync) -> usize {
     let count = |piece: &mut [f64]| piece.iter_mut().map(|value| usize::from(change(value))).sum::<usize>();
     pass(values, count).into_iter().sum()
 }
 
-/// Fills an array from records of so many bytes each, of which every one gives one row of `columns` numbers.
+/// Fills an array from records of `stride` bytes. Each record gives one row of `columns` numbers.
 pub(crate) fn rows(columns: usize, records: &[u8], stride: usize, fill: impl Fn(&[u8], &mut [f64]) + Sync) -> Vec<f64> {
     let mut values = zeros(records.len().div_ceil(stride) * columns);
     let pairs = |values: &mut [f64], records: &[u8]| {
@@ -84,11 +85,20 @@ pub(crate) fn rows(columns: usize, records: &[u8], stride: usize, fill: impl Fn(
     values
 }
 
-/// The numbers of a map in the order of its columns: `part` gives those of a row from a place on.
-pub(crate) fn turned((rows, columns): (usize, usize), part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
+/// Reverses the order of the rows of a map.
+pub(crate) fn flip(values: &mut [f64], columns: usize) {
+    let mut rows = values.chunks_exact_mut(columns);
+    while let (Some(first), Some(last)) = (rows.next(), rows.next_back()) {
+        first.swap_with_slice(last);
+    }
+}
+
+/// Returns the numbers of a map in column order. `part(row, column, values)` fills `values` from a row, starting at a
+/// column.
+pub(crate) fn transpose_from((rows, columns): Shape, part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
     let mut turned = zeros(rows * columns);
     let strip = |(place, strip): (usize, &mut [f64])| {
-        // Rows and columns of a large map fall on the same lines of the cache; copies of a square do not.
+        // The rows of a large map share cache lines when read by column. Copies of a square do not.
         let (mut row, mut tile) = ([0.0; TILE], [[0.0; TILE]; TILE]);
         let row = &mut row[..strip.len() / rows];
         for top in (0..rows).step_by(TILE) {
@@ -106,9 +116,9 @@ pub(crate) fn turned((rows, columns): (usize, usize), part: impl Fn(usize, usize
     turned
 }
 
-/// The numbers of a map in the order of its columns.
-pub(crate) fn transposed(values: &[f64], (rows, columns): (usize, usize)) -> Vec<f64> {
-    turned((rows, columns), |row, first, part| {
+/// Returns the numbers of a map in column order.
+pub(crate) fn transposed(values: &[f64], (rows, columns): Shape) -> Vec<f64> {
+    transpose_from((rows, columns), |row, first, part| {
         let start = row * columns + first;
         part.copy_from_slice(&values[start..start + part.len()]);
     })

@@ -1,11 +1,11 @@
 //! Reads and writes files of measured surfaces.
 //!
-//! X3P, SUR, SDF, GWY, OPD, MetroPro, DATX, PLU, PLUX, AL3D, NMS, FRT, BCR, TMD, VK4, NetCDF, NPY, NPZ, TIFF, XYZ and text are
-//! read, X3P, SUR, SDF, GWY, NPY, text and VTK images written; [`descriptions`] is the table of what each holds.
+//! The crate reads X3P, SUR, SDF, GWY, OPD, MetroPro, DATX, PLU, PLUX, AL3D, NMS, FRT, BCR, TMD, VK4, NetCDF, NPY, NPZ, TIFF,
+//! XYZ and text. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
 //!
-//! Every byte is taken for hostile: sizes that a file declares are believed only as far as its bytes reach, archives
-//! are unpacked through limits, arithmetic on sizes is checked, and no input makes the reader panic. A file is known
-//! by its content; its extension matters only when writing.
+//! Input is not trusted: a declared size never exceeds what the bytes can hold, unpacking has limits, arithmetic on sizes
+//! is checked, and no input makes a reader panic. The content decides the format; the extension matters only for
+//! writing.
 //!
 //! ```
 //! let scan = asperity_formats::read_bytes(b"# a groove\n0 -1e-6 0\n0 -1e-6 0\n")?;
@@ -18,6 +18,7 @@ mod al3d;
 mod archive;
 mod bcr;
 mod codec;
+mod date;
 mod datx;
 mod error;
 mod file;

@@ -1,26 +1,27 @@
 //! Zygo MetroPro DAT: a header, intensities, and the connected phase, which is the height map.
 //!
 //! A stored phase p, `int32`, is the height p·W·S·O/R with the wavelength W, the interferometric scale factor S, the
-//! obliquity factor O and the counts R of a fringe. Zygo's *MetroPro Reference Guide* (OMP-0347, data file format)
-//! defines the header and gives this formula. Numbers are big-endian, but most of the header's second half is
-//! little-endian. Fields have the names of Zygo's own map of the header.
+//! obliquity factor O and the number R of counts per fringe. Zygo's *MetroPro Reference Guide* (OMP-0347, data file
+//! format) defines the header and this formula. Numbers are big-endian, except in most of the second half of the
+//! header. Fields have the names of Zygo's own map of the header.
 //!
-//! Readers differ on three points.
-//! - The code for the counts R is 0, 1, 2 by the guide; one reader takes 1, 2, 3 and so finds heights eight times too
-//!   high. A NewView file with code 1 whose scan covered 100 µm has heights of 51 µm, or of 410 µm by that reading.
-//! - Some turn the heights over where `sign` says that the data are inverted. The guide's formula has no sign: like the
-//!   fields around it, `sign` tells how the data were made. Heights are taken by the formula; a warning tells.
-//! - The intensities before the phase are skipped by their stated bytes or by their dimensions. The two agree in sound
-//!   files; else the size of the file decides.
+//! Readers differ on three points:
+//! - The code of R is 0, 1 or 2 by the guide. One reader takes 1, 2, 3 and obtains heights eight times too high. A
+//!   NewView file with code 1 whose scan covered 100 µm has heights of 51 µm, or of 410 µm by that reading.
+//! - Some readers invert the heights if `sign` declares inverted data. The guide's formula has no sign: like the
+//!   fields around it, `sign` describes how the data were made. This reader applies the formula and issues a warning.
+//! - The intensities before the phase are skipped by their declared size or by their dimensions. The two agree in
+//!   sound files; otherwise the size of the file decides.
 
+use crate::date::utc;
+use crate::error::Result;
 use std::collections::BTreeMap;
-
-use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::input::Kind::{self, F32, I16, I32, Text, U16};
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -35,40 +36,20 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first stored line is row 0: positions count from the upper left corner of the camera",
         tested: Tested::InstrumentFiles,
     },
-    detect: |bytes| HEADERS.iter().any(|header| bytes.starts_with(&header.magic.to_be_bytes())),
+    detect: |bytes| HEADERS.iter().any(|(magic, ..)| bytes.starts_with(&magic.to_be_bytes())),
     read,
     write: None,
 };
 
-/// A kind of header.
-struct Header {
-    magic: u32,
-    format: u16,
-    bytes: u32,
-}
+/// Kinds of headers: magic number, format number and size in bytes.
+const HEADERS: [(u32, u16, u32); 3] = [(0x881b_036f, 1, 834), (0x881b_0370, 2, 834), (0x881b_0371, 3, 4096)];
 
-const HEADERS: [Header; 3] = [
-    Header { magic: 0x881b_036f, format: 1, bytes: 834 },
-    Header { magic: 0x881b_0370, format: 2, bytes: 834 },
-    Header { magic: 0x881b_0371, format: 3, bytes: 4096 },
-];
-
-/// Phases from here on are no measurements.
+/// Lowest phase that marks a missing point.
 const INVALID: f64 = 2_147_483_640.0;
-/// Counts of a fringe by the code `phase_res`.
+/// Counts per fringe by the code `phase_res`.
 const COUNTS_PER_FRINGE: [f64; 3] = [4096.0, 32768.0, 131_072.0];
-/// Relative difference of the camera's pixel sides above which pixels are no squares.
+/// Relative difference of the sides of a camera pixel above which pixels are not square.
 const SQUARE_TOLERANCE: f32 = 1e-3;
-
-/// How a field of the header that is kept for the user is stored.
-enum Kind {
-    Text(usize),
-    I16,
-    U16,
-    I32,
-    F32,
-}
-use Kind::{F32, I16, I32, Text, U16};
 
 const BIG_ENDIAN_FIELDS: [(&str, usize, Kind); 39] = [
     ("swinfo_date", 12, Text(30)),
@@ -127,8 +108,8 @@ const LITTLE_ENDIAN_FIELDS: [(&str, usize, Kind); 10] = [
 /// Reads the connected phase as heights.
 ///
 /// # Errors
-/// Headers of other kinds, files without phase, factors that give no heights, and fewer phases than stated.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Headers of other kinds, files without phase, invalid factors, and fewer phases than declared.
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::MetroPro, bytes).with_order(ByteOrder::Big);
     let header_bytes = header_bytes(&input)?;
     let (width, height) = (input.u16("cn_width", 68)?, input.u16("cn_height", 70)?);
@@ -137,50 +118,48 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
             input.unsupported("the file holds intensities or nothing, but no connected phase", "connected phase")
         );
     }
-    let (ny, nx) = input.shape(("cn_height", 70, height.into()), ("cn_width", 68, width.into()))?;
+    let (ny, nx) = input.shape(("cn_height", 70, height), ("cn_width", 68, width))?;
     let scale_m = scale_m(&input)?;
 
     let mut warnings = Vec::new();
     let phase_bytes = nx * ny * Sample::I32.size();
     let start = header_bytes + intensity_bytes(&input, header_bytes + phase_bytes, &mut warnings)?;
     let in_metre = |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m };
-    let heights = input.samples_as("the connected phase", start, nx * ny, Sample::I32, in_metre)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("cn_width", 68, width, "as many columns as there are"))?;
+    let heights_m = input.heights("the connected phase", start, (ny, nx), Sample::I32, in_metre)?;
     let surplus = bytes.len() - start - phase_bytes;
     if surplus > 0 {
         warnings.push(format!("{surplus} bytes follow the connected phase and were not read"));
     }
     if input.i16("sign", 232)? != 0 {
-        warnings.push("the file states that its data are inverted; heights were taken as they stand".into());
+        warnings.push("the file states that its data are inverted; heights were not inverted".into());
     }
     let pitch_m = pitch(&input, &mut warnings)?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// Checked size of the header: the guide asks readers to check all three fields that tell its kind.
-fn header_bytes(input: &Input) -> Result<usize, FormatError> {
+/// Returns the checked size of the header. The guide requires readers to check all three fields that define its kind.
+fn header_bytes(input: &Input) -> Result<usize> {
     let magic = input.u32("magic_number", 0)?;
-    let known = HEADERS.iter().find(|header| header.magic == magic);
-    let header = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "that of a MetroPro file"))?;
+    let known = HEADERS.into_iter().find(|(known, ..)| *known == magic);
+    let known = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "the number of a MetroPro file"))?;
     let (format, bytes) = (input.u16("header_format", 4)?, input.u32("header_size", 6)?);
-    if format != header.format {
-        return Err(input.wrong("header_format", 4, format, &header.format.to_string()));
+    if format != known.1 {
+        return Err(input.wrong("header_format", 4, format, &known.1.to_string()));
     }
-    if bytes != header.bytes {
-        return Err(input.wrong("header_size", 6, bytes, &header.bytes.to_string()));
+    if bytes != known.2 {
+        return Err(input.wrong("header_size", 6, bytes, &known.2.to_string()));
     }
     let bytes = bytes as usize;
     input.take("the bytes of the header", 0, bytes)?;
     Ok(bytes)
 }
 
-/// The height of one count in metre.
-fn scale_m(input: &Input) -> Result<f64, FormatError> {
+/// Returns the height of one count in metre.
+fn scale_m(input: &Input) -> Result<f64> {
     let code = input.u16("phase_res", 218)?;
     let counts = COUNTS_PER_FRINGE.get(usize::from(code));
     let counts = counts.ok_or_else(|| input.wrong("phase_res", 218, code, "0, 1 or 2"))?;
-    let factor = |field, offset| -> Result<f64, FormatError> {
+    let factor = |field, offset| -> Result<f64> {
         let found = input.f32(field, offset)?;
         if found.is_finite() && found != 0.0 {
             Ok(f64::from(found))
@@ -192,8 +171,8 @@ fn scale_m(input: &Input) -> Result<f64, FormatError> {
     Ok(factor("wavelength_in", 168)? * waves_per_fringe / counts)
 }
 
-/// Bytes of the intensities before the phase; `others` are the bytes of everything else.
-fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> Result<usize, FormatError> {
+/// Returns the size of the intensities before the phase in bytes; `others` is the size of everything else.
+fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> Result<usize> {
     let stated = input.u32("ac_n_bytes", 60)? as usize;
     let mut counted = size_of::<u16>();
     for (field, offset) in [("ac_width", 52), ("ac_height", 54), ("ac_n_buckets", 56)] {
@@ -209,8 +188,9 @@ fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> 
     Ok(skipped)
 }
 
-/// The distance of points: what one pixel of the camera sees, by the guide the same along both axes.
-fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+/// Returns the distance between points: the size of a camera pixel on the surface, by the guide equal along both
+/// axes.
+fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let lateral_res = input.f32("lateral_res", 184)?;
     if lateral_res == 0.0 {
         warnings.push("the lateral resolution is 0, which means unknown; no pixel size was read".into());
@@ -226,68 +206,15 @@ fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>
     Ok(Some((lateral_res.into(), lateral_res.into())))
 }
 
-/// What else the header says; texts that are empty are left out.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
-    let mut metadata = BTreeMap::new();
-    let tables = [(ByteOrder::Big, &BIG_ENDIAN_FIELDS[..]), (ByteOrder::Little, &LITTLE_ENDIAN_FIELDS)];
-    for (order, fields) in tables {
-        let input = input.with_order(order);
-        for (name, offset, kind) in fields {
-            let value = match *kind {
-                Text(length) => input.latin1(name, *offset, length)?,
-                I16 => input.i16(name, *offset)?.to_string(),
-                U16 => input.u16(name, *offset)?.to_string(),
-                I32 => input.i32(name, *offset)?.to_string(),
-                F32 => input.f32(name, *offset)?.to_string(),
-            };
-            if !value.is_empty() {
-                metadata.insert((*name).into(), value);
-            }
-        }
-    }
+/// Returns further fields of the header.
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
+    let mut metadata = input.values(&BIG_ENDIAN_FIELDS)?;
+    metadata.extend(input.with_order(ByteOrder::Little).values(&LITTLE_ENDIAN_FIELDS)?);
     let [major, minor, bug] = [42, 44, 46].map(|offset| input.i16("swinfo_vers", offset));
     metadata.insert("swinfo_vers".into(), format!("{}.{}.{}", major?, minor?, bug?));
     let seconds = input.i32("time_stamp", 76)?;
     if seconds > 0 {
-        metadata.insert("time_stamp".into(), utc(seconds));
+        metadata.insert("time_stamp".into(), utc(seconds.cast_unsigned()));
     }
     Ok(metadata)
-}
-
-/// Day and time of a C time stamp, seconds since the start of 1970.
-fn utc(seconds: i32) -> String {
-    let (mut day, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    let is_leap = |year: i32| (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
-    let mut year = 1970;
-    while day >= 365 + i32::from(is_leap(year)) {
-        day -= 365 + i32::from(is_leap(year));
-        year += 1;
-    }
-    let mut month = 1;
-    for length in [31, 28 + i32::from(is_leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30] {
-        if day < length {
-            break;
-        }
-        day -= length;
-        month += 1;
-    }
-    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    format!("{year}-{month:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", day + 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::utc;
-
-    #[test]
-    fn time_stamps_are_days_of_the_gregorian_calendar() {
-        for (seconds, wanted) in [
-            (1, "1970-01-01T00:00:01Z"),
-            (951_782_400, "2000-02-29T00:00:00Z"),
-            (1_230_767_999, "2008-12-31T23:59:59Z"),
-            (i32::MAX, "2038-01-19T03:14:07Z"),
-        ] {
-            assert_eq!(utc(seconds), wanted);
-        }
-    }
 }

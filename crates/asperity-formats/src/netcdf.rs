@@ -1,23 +1,24 @@
-//! NetCDF, classic (versions 1, 2 and 5) and netCDF-4, as SurfaceTopography writes it and others may.
+//! NetCDF: classic (versions 1, 2 and 5) and netCDF-4, as written by SurfaceTopography and other programs.
 //!
-//! Maps are variables of two dimensions whose `unit` (`units`, `length_unit`) is a length; `heights` is the main one.
-//! Dimensions of one element before the last two are passed over. A dimension x or y tells which way the map lies:
-//! SurfaceTopography stores `heights(x, y)`, other programs z(y, x). The first y is the top row, as SurfaceTopography
-//! shows it.
+//! Maps are variables of two dimensions whose `unit` (`units`, `length_unit`) is a length; `heights` is the main map.
+//! Dimensions of one element before the last two are ignored. A dimension x or y determines the orientation:
+//! SurfaceTopography stores `heights(x, y)`, other programs z(y, x). The first y is the top row, as in
+//! SurfaceTopography.
 //!
-//! A variable of the name of a dimension holds the positions along it; their distance is the pitch. SurfaceTopography
-//! also states the `length` of the side, which is n·d, and writes the positions 0, d, …, (n − 1)·d. Where it states no
-//! unit for the heights, it means that of the positions.
+//! A variable with the name of a dimension holds the positions along it; their distance is the pitch.
+//! SurfaceTopography also states the `length` of the side, n·d, and writes the positions 0, d, …, (n − 1)·d. If it
+//! states no unit for the heights, they are in the unit of the positions.
 //!
-//! Numbers are unpacked as n·`scale_factor` + `add_offset`. Numbers equal to `_FillValue` or `missing_value`, or to the
-//! fill value of their type where the first is not stated, are missing, as are those with a 1 in the variable `mask`.
+//! Numbers are unpacked as n·`scale_factor` + `add_offset`. Missing are numbers equal to `_FillValue` or
+//! `missing_value`, or to the fill value of their type if `_FillValue` is absent, and points with a 1 in the variable
+//! `mask`.
 
 mod classic;
 mod enhanced;
 
+use crate::error::Result;
+use crate::scan::Shape;
 use std::collections::BTreeMap;
-
-use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::foreign::TO_MATRIX;
@@ -41,33 +42,33 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first y is the top row; (x, y) is turned to (y, x)",
         tested: Tested::OtherPrograms,
     },
-    // What is HDF5 and no DATX comes here: the table asks for DATX first.
+    // HDF5 files that are not DATX are tried as netCDF-4: the registry tries DATX first.
     detect: |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes),
     read,
     write: None,
 };
 
-/// The variable that SurfaceTopography stores a map in, and the one for its missing points.
+/// Variable of the map in files of SurfaceTopography, and variable of its missing points.
 const HEIGHTS: &str = "heights";
 const MASK: &str = "mask";
-/// The group in the root of HDF5 files of 4D Technology that holds the first measurement.
+/// Group of the first measurement in the root of HDF5 files of 4D Technology.
 const MEASUREMENT_OF_4D: &[u8] = b"measurement0";
 /// Attributes that name a unit.
 const UNITS: [&str; 3] = ["unit", "units", "length_unit"];
-/// Dimensions, variables and attributes of one file together.
+/// Maximum number of dimensions, variables and attributes of one file together.
 const MAX_ENTRIES: usize = 1 << 16;
-/// Numbers of an attribute that are kept.
+/// Maximum number of numbers of an attribute.
 const MAX_NUMBERS: usize = 16;
-/// Share of the pitch by which positions may be off an even grid.
+/// Tolerance of positions on an even grid, as a fraction of the pitch.
 const UNEVEN: f64 = 1e-3;
 
-/// What a file describes.
+/// Content of a file.
 #[derive(Default)]
 struct Contents {
     dimensions: Vec<Dimension>,
     attributes: Vec<Attribute>,
     variables: Vec<Variable>,
-    /// What was wrong with the first variable that could not be read.
+    /// Error of the first variable that could not be read.
     first_error: Option<FormatError>,
 }
 
@@ -88,15 +89,15 @@ enum Value {
 
 struct Variable {
     name: String,
-    /// Places in the list of dimensions; `None` where an HDF5 dataset is not tied to one.
+    /// Indices of the dimensions; `None` for an HDF5 dataset without dimension scales.
     dimensions: Vec<Option<usize>>,
     shape: Vec<usize>,
     attributes: Vec<Attribute>,
-    /// What the numbers are, `None` for texts.
+    /// Type of the numbers; `None` for texts.
     sample: Option<Sample>,
-    /// First byte of the numbers, or of the HDF5 object.
+    /// Offset of the numbers, or of the HDF5 object.
     at: usize,
-    /// Bytes from one record to the next where the first dimension is that of the records.
+    /// Size of a record in bytes if the first dimension is the record dimension.
     record_bytes: Option<usize>,
 }
 
@@ -119,7 +120,7 @@ impl Variable {
         })
     }
 
-    /// The places of the last two dimensions, when the variable is a map of numbers.
+    /// Returns the last two dimensions if the variable is a map of numbers.
     fn map(&self) -> Option<(usize, usize)> {
         let (columns, rest) = self.shape.split_last()?;
         let (rows, rest) = rest.split_last()?;
@@ -135,14 +136,14 @@ impl Variable {
     }
 }
 
-/// A file of either kind.
+/// File of either kind.
 enum Source<'a> {
     Classic(Input<'a>),
     Enhanced(hdf5::File<'a>),
 }
 
 impl Source<'_> {
-    /// The error for HDF5 files of other programs, which have no dimensions of netCDF.
+    /// Returns the error for HDF5 files of other programs, which have no netCDF dimensions.
     fn foreign(&self, contents: &Contents) -> Option<FormatError> {
         let Self::Enhanced(file) = self else { return None };
         if !contents.dimensions.is_empty() {
@@ -153,18 +154,18 @@ impl Source<'_> {
             true => "a 4D Technology HDF5 file",
             false => "an HDF5 file that is neither DATX nor netCDF",
         };
-        Some(FormatError::NotRead { name, way_out: TO_MATRIX })
+        Some(FormatError::NotRead { name, advice: TO_MATRIX })
     }
 
-    fn numbers(&self, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+    fn numbers(&self, variable: &Variable) -> Result<Vec<f64>> {
         match self {
             Self::Classic(input) => classic::numbers(input, variable),
             Self::Enhanced(file) => enhanced::numbers(file, variable),
         }
     }
 
-    /// The numbers of a map of so many rows and columns, in the order of its columns where it is turned.
-    fn map(&self, variable: &Variable, shape: (usize, usize), is_turned: bool) -> Result<Vec<f64>, FormatError> {
+    /// Returns the numbers of a map, in column order if `is_turned`.
+    fn map(&self, variable: &Variable, shape: Shape, is_turned: bool) -> Result<Vec<f64>> {
         match self {
             Self::Classic(input) if is_turned => classic::columns(input, variable, shape),
             _ if is_turned => self.numbers(variable).map(|numbers| transposed(numbers, shape)),
@@ -173,12 +174,12 @@ impl Source<'_> {
     }
 }
 
-/// The numbers of a map in the order of its columns; of another count as they are, which no shape will fit.
-fn transposed(numbers: Vec<f64>, shape: (usize, usize)) -> Vec<f64> {
+/// Returns the numbers of a map in column order. A wrong number of values is returned unchanged and fails later.
+fn transposed(numbers: Vec<f64>, shape: Shape) -> Vec<f64> {
     if numbers.len() == shape.0 * shape.1 { large::transposed(&numbers, shape) } else { numbers }
 }
 
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::NetCdf, bytes);
     let (source, mut contents) = if classic::version(bytes).is_some() {
         let (input, contents) = classic::read(bytes)?;
@@ -198,15 +199,14 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let chosen = options.choose(Format::NetCdf, &names)?;
     let map = maps[chosen];
     let Some((rows, columns)) = map.map() else { return Err(no_map(&input, &contents)) };
-    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
-    let (rows, columns) = input.shape(("rows", map.at, as_i64(rows)), ("columns", map.at, as_i64(columns)))?;
+    let (rows, columns) = input.shape(("rows", map.at, rows), ("columns", map.at, columns))?;
 
     let mut warnings = Vec::new();
     let [slow, fast] = [2, 1].map(|back| Axis::new(&contents, map, back));
-    // Heights without a unit of their own are in that of the positions.
+    // Heights without a unit are in the unit of the positions.
     let unit = map.unit().or_else(|| [&slow, &fast].iter().find_map(|axis| axis.positions.and_then(Variable::unit)));
     if unit.is_none() {
-        warnings.push("the file states no unit; heights and positions were taken for metre".into());
+        warnings.push("the file states no unit; heights and positions count as metre".into());
     }
     let is_turned = slow.is_named("x") || fast.is_named("y");
     let numbers = |variable: &Variable| source.map(variable, (rows, columns), is_turned);
@@ -219,21 +219,20 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         true => ((columns, rows), along_slow.zip(along_fast)),
         false => ((rows, columns), along_fast.zip(along_slow)),
     };
-    let heights_m = Array2::from_shape_vec(shape, heights)
-        .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
+    let heights_m = input.matrix(&map.name, map.at, shape, heights)?;
     let height_unit = unit.map(str::to_owned);
     let metadata = metadata(contents, &read);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))
 }
 
-/// The heights in metre, NaN where they are missing.
+/// Returns the heights in metre; NaN for missing ones.
 fn heights(
-    numbers: impl Fn(&Variable) -> Result<Vec<f64>, FormatError>,
+    numbers: impl Fn(&Variable) -> Result<Vec<f64>>,
     contents: &Contents,
     map: &Variable,
     unit: &str,
     input: &Input,
-) -> Result<Vec<f64>, FormatError> {
+) -> Result<Vec<f64>> {
     let per_metre = per_metre(unit).ok_or_else(|| input.wrong("unit", map.at, unit, "a unit of length"))?;
     let mut heights = numbers(map)?;
     unpack(map, per_metre, &mut heights);
@@ -248,7 +247,7 @@ fn heights(
     Ok(heights)
 }
 
-/// Why no variable is a map of heights.
+/// Returns the error for a file without a map of heights.
 fn no_map(input: &Input, contents: &Contents) -> FormatError {
     let wanted = "a variable of two dimensions in a unit of length, or named `heights`";
     let is_line = |variable: &&Variable| variable.name == HEIGHTS && variable.shape.len() == 1;
@@ -266,14 +265,14 @@ fn no_map(input: &Input, contents: &Contents) -> FormatError {
     input.unsupported(format!("the file holds {found}"), wanted)
 }
 
-/// Turns stored numbers into metre, NaN where they are missing.
+/// Converts stored numbers to metre; NaN for missing ones.
 fn unpack(variable: &Variable, per_metre: f64, numbers: &mut [f64]) {
     let (fill, default) = (variable.numbers("_FillValue"), variable.sample.and_then(default_fill));
     let mut missing = [fill, variable.numbers("missing_value")].concat();
     if fill.is_empty() {
         missing.extend(default);
     }
-    // Numbers of single precision are compared with what is left of the attribute in that precision.
+    // Numbers in single precision are compared with the attribute rounded to single precision.
     if variable.sample == Some(Sample::F32) {
         for number in &mut missing {
             *number = f64::from(*number as f32);
@@ -283,13 +282,13 @@ fn unpack(variable: &Variable, per_metre: f64, numbers: &mut [f64]) {
     let (scale, offset) = (first("scale_factor", 1.0), first("add_offset", 0.0));
     let in_metre = |z: f64| (z * scale + offset) / per_metre;
     match missing[..] {
-        // One is the rule, and is compared with without a loop.
+        // A single mark is the usual case and needs no search.
         [missing] => large::map(numbers, |z| if z == missing { f64::NAN } else { in_metre(z) }),
         _ => large::map(numbers, |z| if missing.contains(&z) { f64::NAN } else { in_metre(z) }),
     }
 }
 
-/// What the library of the format fills variables with that are not written; those of bytes may hold any number.
+/// Returns the value that the netCDF library fills unwritten variables with. Bytes may hold any number.
 fn default_fill(sample: Sample) -> Option<f64> {
     match sample {
         Sample::I16 => Some(-32767.0),
@@ -305,19 +304,19 @@ fn default_fill(sample: Sample) -> Option<f64> {
 struct Axis<'c> {
     dimension: Option<&'c Dimension>,
     length: usize,
-    /// The variable that holds the positions along it.
+    /// Variable with the positions along the axis.
     positions: Option<&'c Variable>,
 }
 
 impl<'c> Axis<'c> {
-    /// The dimension that is `back` places before the end.
+    /// Returns the dimension `back` places before the end.
     fn new(contents: &'c Contents, map: &Variable, back: usize) -> Self {
         let place = map.shape.len().saturating_sub(back);
         let dimension = map.dimensions.get(place).copied().flatten().and_then(|place| contents.dimensions.get(place));
-        let is_it = |variable: &&Variable| {
+        let is_match = |variable: &&Variable| {
             variable.shape.len() == 1 && dimension.is_some_and(|dimension| dimension.name == variable.name)
         };
-        let positions = contents.variables.iter().find(is_it).filter(|variable| variable.sample.is_some());
+        let positions = contents.variables.iter().find(is_match).filter(|variable| variable.sample.is_some());
         Self { dimension, length: map.shape.get(place).copied().unwrap_or_default(), positions }
     }
 
@@ -325,18 +324,13 @@ impl<'c> Axis<'c> {
         self.dimension.is_some_and(|dimension| dimension.name.eq_ignore_ascii_case(name))
     }
 
-    /// The distance between positions, else the length of the side over the number of points.
-    fn pitch_m(
-        &self,
-        source: &Source,
-        default_unit: Option<&str>,
-        warnings: &mut Vec<String>,
-    ) -> Result<Option<f64>, FormatError> {
+    /// Returns the distance between positions, or else the length of the side divided by the number of points.
+    fn pitch_m(&self, source: &Source, default_unit: Option<&str>, warnings: &mut Vec<String>) -> Result<Option<f64>> {
         let Some(variable) = self.positions else { return Ok(None) };
         let name = &variable.name;
         let unit = variable.unit().or(default_unit).unwrap_or_default();
         let Some(per_metre) = per_metre(unit) else {
-            warnings.push(format!("the unit of {name} is `{unit}`, which is no length; no pixel size was read"));
+            warnings.push(format!("the unit of {name} is `{unit}`, which is not a length; no pixel size was read"));
             return Ok(None);
         };
         let stated = variable.numbers("length").first().map(|length| length / self.length as f64);
@@ -353,14 +347,15 @@ impl<'c> Axis<'c> {
         }
         if let Some(stated) = stated.filter(|&stated| is_off(stated)) {
             warnings.push(format!(
-                "the length of {name} means pixels of {stated} {unit}, its positions such of {pitch}; the latter were used"
+                "the length of {name} gives pixels of {stated} {unit}, its positions {pitch} {unit}; the positions were used"
             ));
         }
         Ok(Some(pitch / per_metre))
     }
 }
 
-/// The attributes of the file as they are called, those of the variables that were read as variable:attribute.
+/// Returns the attributes of the file under their names, and the attributes of the variables read as
+/// `variable:attribute`.
 fn metadata(contents: Contents, read: &[String]) -> BTreeMap<String, String> {
     let show = |value: Value| match value {
         Value::Text(text) => text,
@@ -373,6 +368,5 @@ fn metadata(contents: Contents, read: &[String]) -> BTreeMap<String, String> {
             metadata.insert(format!("{}:{}", variable.name, attribute.name), show(attribute.value));
         }
     }
-    metadata.retain(|_, text| !text.is_empty());
     metadata
 }

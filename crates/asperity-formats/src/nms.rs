@@ -1,22 +1,20 @@
 //! NanoFocus NMS of the program µsoft: a header of 3468 bytes, the heights as `u16`, and the intensities as bytes.
 //!
-//! A stored number n is the height `f_low` + (n − `n_low`) · (`f_high` − `f_low`) / (`n_high` − `n_low`) in µm, with all
-//! four from the header. Some readers divide by 65534 whatever the header says, or count from `f_high`: then the highest
+//! A stored number n is the height `f_low` + (n − `n_low`) · (`f_high` − `f_low`) / (`n_high` − `n_low`) in µm, with
+//! these four numbers from the header. Some readers always divide by 65534, or count from `f_high`: then the highest
 //! point, 65535, lies above `f_high`. Steps along x and y are in nm. A point of intensity 0 has no height.
 //!
-//! The vendor published no description. The layout agrees between readers of several authors and with files; fields
-//! that none of them knows are left out. Numbers are little-endian.
+//! The vendor published no description. Readers of several authors and files agree on the layout; fields of unknown
+//! meaning are left out. Numbers are little-endian.
 
-use std::collections::BTreeMap;
-
-use ndarray::Array2;
+use crate::error::Result;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Field, Input, Kind};
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
-use crate::{Format, FormatError, ReadOptions, Scan};
+
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -36,22 +34,18 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Bytes before the heights.
+/// Size of the header in bytes.
 const HEADER_BYTES: usize = 3468;
-/// What the version of every file starts with, and the version whose layout is known.
+/// Start of the version of every file, and the version of the known layout.
 const VERSION_START: &[u8] = b"OM_MS_";
 const KNOWN_VERSION: &str = "OM_MS_2.0";
-/// The data type of `u16`.
+/// Data type of `u16`.
 const UNSIGNED_SHORT: i32 = 2;
-/// The dimension type of an area.
+/// Dimension type of an area.
 const AREA: i32 = 1;
-/// Micrometres and nanometres in a metre: heights are in the one, steps in the other.
+/// Units per metre: heights are in micrometre, steps in nanometre.
 const MICROMETRES: f64 = 1e6;
 const NANOMETRES: f64 = 1e9;
-
-/// A field of the header: its name and its first byte.
-#[derive(Clone, Copy)]
-struct Field(&'static str, usize);
 
 const DATA_TYPE: Field = Field("data type", 0);
 const DIMENSION_TYPE: Field = Field("dimension type", 4);
@@ -60,9 +54,6 @@ const N_HIGH: Field = Field("n_high", 12);
 const F_LOW: Field = Field("f_low", 16);
 const F_HIGH: Field = Field("f_high", 24);
 const VERSION: Field = Field("version", 32);
-const TITLE: Field = Field("title", 52);
-const DATE: Field = Field("date", 1076);
-const NOTE: Field = Field("note", 1096);
 const HEADER_SIZE: Field = Field("header size", 1352);
 const COLUMNS: Field = Field("nx", 1368);
 const ROWS: Field = Field("ny", 1372);
@@ -70,20 +61,26 @@ const STEP_X: Field = Field("dx", 1376);
 const STEP_Y: Field = Field("dy", 1384);
 const HAS_INTENSITY: Field = Field("has intensity", 1416);
 
-/// The texts of the header with their widths in bytes.
-const TEXTS: [(Field, usize); 4] = [(VERSION, 20), (TITLE, 1024), (DATE, 20), (NOTE, 256)];
+/// Texts of the header.
+const TEXTS: [(&str, usize, Kind); 4] = [
+    (VERSION.0, VERSION.1, Kind::Text(VERSION_BYTES)),
+    ("title", 52, Kind::Text(1024)),
+    ("date", 1076, Kind::Text(20)),
+    ("note", 1096, Kind::Text(256)),
+];
+const VERSION_BYTES: usize = 20;
 
 /// Reads the heights.
 ///
 /// # Errors
 /// Other types of numbers, profiles, and data that do not fill the stated dimensions.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Nms, bytes);
     input.take("the bytes of the header", 0, HEADER_BYTES)?;
     let mut warnings = Vec::new();
     check_kind(&input, &mut warnings)?;
     let (rows, columns) = (input.i32(ROWS.0, ROWS.1)?, input.i32(COLUMNS.0, COLUMNS.1)?);
-    let (ny, nx) = input.shape((ROWS.0, ROWS.1, rows.into()), (COLUMNS.0, COLUMNS.1, columns.into()))?;
+    let (ny, nx) = input.shape((ROWS.0, ROWS.1, rows), (COLUMNS.0, COLUMNS.1, columns))?;
 
     let points = ny * nx;
     let intensity_at = HEADER_BYTES + points * Sample::U16.size();
@@ -96,15 +93,14 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     for (z, _) in heights.iter_mut().zip(intensity).filter(|&(_, &intensity)| intensity == 0) {
         *z = f64::NAN;
     }
-    // Steps between points: the field of view of 160 µm of a 100× objective is 512 of 312.5 nm.
+    // Steps between points: the field of view of 160 µm of a 100× objective is 512 steps of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong(COLUMNS.0, COLUMNS.1, columns, FITTING_SHAPE))?;
-    Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
+    let heights_m = input.matrix(COLUMNS.0, COLUMNS.1, (ny, nx), heights)?;
+    Ok(Scan { metadata: input.values(&TEXTS)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
-/// Refuses data that are no area of `u16`; doubts headers of another form.
-fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<(), FormatError> {
+/// Refuses data other than areas of `u16`, and warns about headers of another form.
+fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
     let data_type = input.i32(DATA_TYPE.0, DATA_TYPE.1)?;
     if data_type != UNSIGNED_SHORT {
         return Err(input.unsupported(format!("the numbers have the data type {data_type}"), "uint16 (data type 2)"));
@@ -114,7 +110,7 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<(), FormatErr
         0 => return Err(input.unsupported("the file holds a profile", "an area")),
         other => return Err(input.wrong(DIMENSION_TYPE.0, DIMENSION_TYPE.1, other, "1, an area")),
     }
-    let version = input.latin1(VERSION.0, VERSION.1, TEXTS[0].1)?;
+    let version = input.latin1(VERSION.0, VERSION.1, VERSION_BYTES)?;
     if version != KNOWN_VERSION {
         warnings.push(format!("the version is {version}; the file was read as {KNOWN_VERSION}"));
     }
@@ -125,8 +121,8 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<(), FormatErr
     Ok(())
 }
 
-/// Turns stored numbers into metre, NaN where they are outside of the stated range.
-fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<(), FormatError> {
+/// Converts stored numbers to metre; NaN for numbers outside of the declared range.
+fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let (n_low, n_high) = (input.i32(N_LOW.0, N_LOW.1)?, input.i32(N_HIGH.0, N_HIGH.1)?);
     if n_low >= n_high {
         return Err(input.wrong(N_HIGH.0, N_HIGH.1, n_high, &format!("more than n_low, {n_low}")));
@@ -144,20 +140,7 @@ fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Resu
         is_outside
     });
     if outside > 0 {
-        warnings
-            .push(format!("{outside} numbers are outside of {n_low} to {n_high} and were taken for missing points"));
+        warnings.push(format!("{outside} numbers are outside of {n_low} to {n_high} and count as missing"));
     }
     Ok(())
-}
-
-/// What else the header says.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
-    let mut metadata = BTreeMap::new();
-    for (field, width) in TEXTS {
-        let text = input.latin1(field.0, field.1, width)?;
-        if !text.is_empty() {
-            metadata.insert(field.0.to_owned(), text);
-        }
-    }
-    Ok(metadata)
 }

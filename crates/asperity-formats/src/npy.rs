@@ -1,16 +1,15 @@
-//! NumPy array files: a magic word, a header that is a Python dictionary, and the array.
+//! NumPy array files: a magic word, a header in the form of a Python dictionary, and the array.
 //!
-//! Two-dimensional arrays of integers or floats are heights in metre; the format has no place for a pixel size.
-//! One-dimensional arrays are records along a path.
-//! Layout: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+//! Two-dimensional arrays of integers or floats are heights in metre. The format does not store a pixel size.
+//! One-dimensional arrays are records along a path. Layout:
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use ndarray::Array2;
+use crate::error::{Result, shown};
 
 use crate::codec::{Codec, Description, Tested};
-use crate::error::shown;
 use crate::input::Input;
-use crate::sample::{ByteOrder, Sample};
-use crate::scan::FITTING_SHAPE;
+use crate::sample::{ByteOrder, Sample, stored};
+
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -33,33 +32,33 @@ pub(crate) const CODEC: Codec = Codec {
 
 /// First bytes of every file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
-/// Bytes before the header's length: magic word and version.
+/// Offset of the length of the header, after magic word and version.
 const VERSION_END: usize = 8;
-/// The longest dictionary; NumPy itself refuses more than 10,000 characters.
+/// Maximum size of the dictionary in bytes. NumPy itself refuses more than 10,000 characters.
 const MAX_HEADER_BYTES: usize = 1 << 16;
-/// The array starts at a multiple of this many bytes.
+/// Alignment of the array in bytes.
 const ALIGNMENT: usize = 64;
-/// What can be read, for messages.
+/// Supported types, for messages.
 const WANTED_TYPE: &str = "integers or floats: i1 i2 i4 i8 u1 u2 u4 u8 f4 f8, with < or > before";
 
-/// What the header says.
+/// Header of a file.
 pub(crate) struct Header {
     pub(crate) sample: Sample,
     pub(crate) order: ByteOrder,
     /// Whether the first index varies fastest.
     pub(crate) column_major: bool,
-    /// The literal of the shape, `(2, 3)`.
+    /// Literal of the shape, such as `(2, 3)`.
     shape: String,
-    /// The byte where the array starts.
+    /// Offset of the array.
     pub(crate) start: usize,
 }
 
 /// Reads a two-dimensional array as heights in metre.
 ///
 /// # Errors
-/// Versions other than 1 to 3, headers that are no dictionary of the three known keys, other element types, other than
-/// two dimensions, and data that end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Versions other than 1 to 3, headers that are not a dictionary of the three known keys, other element types, other
+/// than two dimensions, and data that end early.
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Npy, bytes);
     let header = Header::parse(&input)?;
     let (rows, columns) = header.matrix(&input)?;
@@ -68,8 +67,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
         true => header.sample.decode_columns(header.order, bytes, (rows, columns)),
         false => header.sample.decode_all(header.order, bytes),
     };
-    let heights_m = Array2::from_shape_vec((rows, columns), values)
-        .map_err(|_| wrong(&input, "shape", &format!("({rows}, {columns})"), FITTING_SHAPE))?;
+    let heights_m = input.matrix("shape", VERSION_END, (rows, columns), values)?;
     let mut scan = Scan::new(heights_m, None);
     if left_over > 0 {
         scan.warnings.push(format!("{left_over} bytes after the array were left out"));
@@ -81,7 +79,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 ///
 /// # Errors
 /// As [`read`], for other than one dimension, and for bytes after the array.
-pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>, FormatError> {
+pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>> {
     let input = Input::new(Format::Npy, bytes);
     let header = Header::parse(&input)?;
     let Some([length]) = header.dimensions().and_then(|all| <[i64; 1]>::try_from(all).ok()) else {
@@ -99,19 +97,19 @@ fn wrong(input: &Input, field: &str, found: &str, wanted: &str) -> FormatError {
     input.wrong(field, VERSION_END, found, wanted)
 }
 
-/// The bytes of the `points` numbers of the array, and the number of bytes behind them.
-fn array<'a>(input: &Input<'a>, header: &Header, points: usize) -> Result<(&'a [u8], usize), FormatError> {
+/// Returns the bytes of an array of `points` numbers, and the number of bytes after them.
+fn array<'a>(input: &Input<'a>, header: &Header, points: usize) -> Result<(&'a [u8], usize)> {
     let length = points.saturating_mul(header.sample.size());
     let bytes = input.take("the array", header.start, length)?;
     Ok((bytes, input.len() - header.start - length))
 }
 
 impl Header {
-    /// Takes the header from the start of a file.
+    /// Parses the header at the start of a file.
     ///
     /// # Errors
-    /// As [`read`] but for the array.
-    pub(crate) fn parse(input: &Input) -> Result<Self, FormatError> {
+    /// As [`read`], except for the array.
+    pub(crate) fn parse(input: &Input) -> Result<Self> {
         let (text, start) = header_text(input)?;
         let inner = text.trim().strip_prefix('{').and_then(|text| text.strip_suffix('}'));
         let entries =
@@ -129,7 +127,7 @@ impl Header {
         Ok(Self { sample, order, column_major, shape: value("shape")?.to_owned(), start })
     }
 
-    /// The numbers of `()`, `(length,)`, `(rows, columns)`, …, if they are whole ones.
+    /// Returns the numbers of `()`, `(length,)`, `(rows, columns)`, …; `None` if they are not whole numbers.
     pub(crate) fn dimensions(&self) -> Option<Vec<i64>> {
         let inner = self.shape.strip_prefix('(')?.strip_suffix(')')?.trim();
         if inner.is_empty() {
@@ -138,11 +136,11 @@ impl Header {
         inner.strip_suffix(',').unwrap_or(inner).split(',').map(|number| number.trim().parse().ok()).collect()
     }
 
-    /// Checked rows and columns of a two-dimensional array.
+    /// Returns the checked rows and columns of a two-dimensional array.
     ///
     /// # Errors
-    /// Other than two dimensions, and what [`Input::shape`] refuses.
-    pub(crate) fn matrix(&self, input: &Input) -> Result<(usize, usize), FormatError> {
+    /// Other than two dimensions, and shapes that [`Input::shape`] refuses.
+    pub(crate) fn matrix(&self, input: &Input) -> Result<(usize, usize)> {
         match self.dimensions().as_deref() {
             Some(&[rows, columns]) => input.shape(("rows", VERSION_END, rows), ("columns", VERSION_END, columns)),
             _ => Err(wrong(input, "shape", &self.shape, "two whole numbers")),
@@ -150,8 +148,8 @@ impl Header {
     }
 }
 
-/// The dictionary and the byte where the array starts.
-fn header_text(input: &Input) -> Result<(String, usize), FormatError> {
+/// Returns the dictionary and the offset of the array.
+fn header_text(input: &Input) -> Result<(String, usize)> {
     const PART: &str = "the bytes of the header";
     let start = input.take(PART, 0, VERSION_END)?;
     if !start.starts_with(MAGIC) {
@@ -160,7 +158,7 @@ fn header_text(input: &Input) -> Result<(String, usize), FormatError> {
     let version = input.u8(PART, MAGIC.len())?;
     let (length, start) = match version {
         1 => (usize::from(input.u16(PART, VERSION_END)?), VERSION_END + 2),
-        // A length beyond the address space is beyond the bytes as well.
+        // A length beyond the address space is also beyond the end of the file.
         2 | 3 => (usize::try_from(input.u32(PART, VERSION_END)?).unwrap_or(usize::MAX), VERSION_END + 4),
         _ => return Err(input.unsupported(format!("version {version}"), "version 1, 2 or 3")),
     };
@@ -175,7 +173,7 @@ fn header_text(input: &Input) -> Result<(String, usize), FormatError> {
     Ok((text, start + length))
 }
 
-/// Splits the inside of a dictionary at its outermost commas and colons; `None` when it is no such thing.
+/// Splits the content of a dictionary at its outermost commas and colons; `None` if it is not a dictionary.
 fn entries(text: &str) -> Option<Vec<(&str, &str)>> {
     let mut entries = Vec::new();
     for item in split_outermost(text, ',')? {
@@ -188,7 +186,7 @@ fn entries(text: &str) -> Option<Vec<(&str, &str)>> {
     Some(entries)
 }
 
-/// Splits at separators that stand outside of quotes and brackets; `None` when those do not close.
+/// Splits at separators outside of quotes and brackets; `None` if one of these does not close.
 fn split_outermost(text: &str, separator: char) -> Option<Vec<&str>> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_usize, None);
     for (position, c) in text.char_indices() {
@@ -209,49 +207,44 @@ fn split_outermost(text: &str, separator: char) -> Option<Vec<&str>> {
     (depth == 0 && quote.is_none()).then_some(parts)
 }
 
-/// The inside of a Python text literal without escapes.
+/// Returns the content of a Python text literal without escapes.
 fn quoted(text: &str) -> Option<&str> {
     ['\'', '"'].into_iter().find_map(|quote| text.strip_prefix(quote)?.strip_suffix(quote))
 }
 
-fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder), FormatError> {
+fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder)> {
     let refused = || input.unsupported(format!("the element type is {}", shown(literal)), WANTED_TYPE);
-    let descr = quoted(literal).ok_or_else(refused)?;
-    let sample = match descr.get(1..).ok_or_else(refused)? {
-        "i1" => Sample::I8,
-        "u1" => Sample::U8,
-        "i2" => Sample::I16,
-        "u2" => Sample::U16,
-        "i4" => Sample::I32,
-        "u4" => Sample::U32,
-        "i8" => Sample::I64,
-        "u8" => Sample::U64,
-        "f4" => Sample::F32,
-        "f8" => Sample::F64,
-        _ => return Err(refused()),
+    let Some(&[order, kind, size]) = quoted(literal).map(str::as_bytes) else { return Err(refused()) };
+    let bits = 8 * u64::from(size.wrapping_sub(b'0'));
+    let sample = match kind {
+        b'i' | b'u' => Sample::integer(bits, kind == b'i'),
+        b'f' => Sample::float(bits),
+        _ => None,
     };
-    let order = match (&descr[..1], sample.size()) {
-        ("<", _) | ("|", 1) => ByteOrder::Little,
-        (">", _) => ByteOrder::Big,
-        _ => return Err(refused()),
-    };
-    Ok((sample, order))
+    let sample = sample.ok_or_else(refused)?;
+    match (order, sample.size()) {
+        (b'<', _) | (b'|', 1) => Ok((sample, ByteOrder::Little)),
+        (b'>', _) => Ok((sample, ByteOrder::Big)),
+        _ => Err(refused()),
+    }
 }
 
-/// The heights in metre as a NumPy array file, version 1.0, little-endian `f8` in row order, NaN where missing.
+/// Writes the heights in metre as a NumPy array file: version 1.0, little-endian `f8` in row order, NaN for missing
+/// points.
 ///
 /// The pixel size and the metadata are not stored.
 pub fn write_npy(scan: &Scan) -> Vec<u8> {
     let (rows, columns) = scan.heights_m.dim();
-    array_file(&format!("{rows}, {columns}"), scan.heights_m.len(), scan.heights_m.iter().copied())
+    array_file(&format!("{rows}, {columns}"), scan.heights_m.len(), scan.heights_m.iter())
 }
 
-/// A record along a path as a one-dimensional NumPy array file, as [`crate::read_series`] reads it; NaN where missing.
+/// Writes a record along a path as a one-dimensional NumPy array file for [`crate::read_series`]; NaN for missing
+/// values.
 pub fn write_series(values: &[f64]) -> Vec<u8> {
-    array_file(&format!("{},", values.len()), values.len(), values.iter().copied())
+    array_file(&format!("{},", values.len()), values.len(), values.iter())
 }
 
-fn array_file(shape: &str, length: usize, values: impl Iterator<Item = f64>) -> Vec<u8> {
+fn array_file<'v>(shape: &str, length: usize, values: impl Iterator<Item = &'v f64>) -> Vec<u8> {
     let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
     let unpadded = VERSION_END + 2 + header.len() + 1;
     header.push_str(&" ".repeat(unpadded.next_multiple_of(ALIGNMENT) - unpadded));
@@ -263,7 +256,7 @@ fn array_file(shape: &str, length: usize, values: impl Iterator<Item = f64>) -> 
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
     for z in values {
-        bytes.extend(if z.is_finite() { z } else { f64::NAN }.to_le_bytes());
+        bytes.extend(stored(z));
     }
     bytes
 }

@@ -1,21 +1,23 @@
 //! NumPy archives: a zip archive of NPY files.
 //!
-//! Two-dimensional arrays of numbers are the maps, under their names. A name that ends in a unit of length (`height_um`,
-//! `gap_m`) states the unit, others are in metre; arrays whose name ends in another unit (`pressure_pa`) are no maps, nor are
-//! those that number regions (`clusters`, `labels`).
+//! Two-dimensional arrays of numbers are maps under their names. A name that ends in a unit of length (`height_um`,
+//! `gap_m`) states the unit; other maps are in metre. Arrays whose name ends in another unit (`pressure_pa`) are not
+//! maps, and neither are arrays that number regions (`clusters`, `labels`).
 //!
-//! A short array states the distance between points: `pixel_size`, `pitch` or `spacing` with one number or with two for
-//! (x, y), or `dx` and `dy`; again in metre, or in the unit at the end (`pixel_size_um`). Other short arrays are
-//! metadata. The format itself knows nothing of all this.
+//! A short array states the distance between points: `pixel_size`, `pitch` or `spacing` with one number or with two
+//! for (x, y), or `dx` and `dy`, in metre or in the unit at the end (`pixel_size_um`). Other short arrays are
+//! metadata. The format itself defines none of these conventions.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::archive::{Archive, damaged};
+use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::npy::Header;
+use crate::scan::{Shape, matrix};
 use crate::selection::some_of;
 use crate::unit::per_metre;
 use crate::x3p::ZIP_MAGIC;
@@ -40,27 +42,27 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Bytes of a local file header of a zip archive before the name of the file.
+/// Size in bytes of a local file header of a zip archive before the name of the file.
 const LOCAL_HEADER_BYTES: usize = 30;
-/// Where a local file header states the length of the name.
+/// Offset of the length of the name in a local file header.
 const NAME_LENGTH: usize = 26;
-/// How names of arrays end inside the archive.
+/// Extension of arrays inside the archive.
 const EXTENSION: &str = ".npy";
-/// Arrays that one archive may hold.
+/// Maximum number of arrays of one archive.
 const MAX_ARRAYS: usize = 1024;
-/// Bytes that are read of each array for its header; NumPy's take 128.
+/// Number of bytes that are read of each array for its header. NumPy's headers take 128.
 const START_BYTES: usize = 4096;
-/// Numbers of an array that is metadata.
+/// Maximum number of numbers of an array that becomes metadata.
 const SHORT: i64 = 8;
-/// Units of length that names end in.
+/// Units of length at the end of names.
 const LENGTHS: [&str; 7] = ["m", "cm", "mm", "um", "µm", "nm", "pm"];
-/// Units that names of other quantities end in.
+/// Units of other quantities at the end of names.
 const OTHERS: [&str; 19] =
     ["pa", "kpa", "mpa", "gpa", "n", "kn", "mn", "v", "mv", "k", "degc", "deg", "rad", "s", "ms", "hz", "w", "j", "kg"];
 /// Names of arrays that number regions.
 const NUMBERS: [&str; 2] = ["clusters", "labels"];
 
-/// Whether the first file of a zip archive is an array.
+/// Returns whether the first file of a zip archive is an array.
 fn detect(bytes: &[u8]) -> bool {
     let length =
         bytes.get(NAME_LENGTH..NAME_LENGTH + 2).map_or(0, |raw| usize::from(raw[0]) | usize::from(raw[1]) << 8);
@@ -68,21 +70,21 @@ fn detect(bytes: &[u8]) -> bool {
     bytes.starts_with(ZIP_MAGIC) && name.is_some_and(|name| name.ends_with(EXTENSION.as_bytes()))
 }
 
-/// What the end of a name says of the numbers.
+/// Quantity according to the end of a name.
 enum Quantity {
-    /// A length, and how often its unit goes into a metre.
+    /// Length, with the number of units per metre.
     Length(f64),
     Other,
 }
 
-/// The name without its unit in lower case, and what the unit says.
+/// Returns the name without its unit in lower case, and the quantity.
 fn quantity(name: &str) -> (String, Quantity) {
     let name = name.to_lowercase();
     if NUMBERS.contains(&name.as_str()) {
         return (name, Quantity::Other);
     }
     let Some((stem, unit)) = name.rsplit_once('_') else { return (name, Quantity::Length(1.0)) };
-    // A quotient is no length, whatever its denominator.
+    // A quotient such as `pa_per_m` is not a length.
     if OTHERS.contains(&unit) || (LENGTHS.contains(&unit) && stem.ends_with("_per")) {
         return (stem.to_owned(), Quantity::Other);
     }
@@ -92,30 +94,24 @@ fn quantity(name: &str) -> (String, Quantity) {
     }
 }
 
-/// An array of the archive that may be a map.
+/// Array of the archive that may be a map.
 struct Map {
     link: String,
     header: Header,
-    shape: (usize, usize),
+    shape: Shape,
     per_metre: f64,
     states_unit: bool,
 }
 
-/// Reads the chosen array as heights.
+/// Reads the selected array as heights.
 ///
 /// # Errors
-/// Damaged archives, arrays that the bytes cannot bear out, archives without a two-dimensional array of lengths.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Damaged archives, arrays beyond the end of their files, archives without a two-dimensional array of lengths.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::Npz, bytes)?;
     let links: Vec<String> = archive.names().iter().filter(|name| name.ends_with(EXTENSION)).cloned().collect();
     if links.len() > MAX_ARRAYS {
-        return Err(FormatError::TooLarge {
-            format: Format::Npz,
-            field: "the number of arrays".into(),
-            at: Location::Byte(0),
-            found: links.len() as u64,
-            limit: MAX_ARRAYS as u64,
-        });
+        return Err(Input::new(Format::Npz, bytes).too_large("the number of arrays", 0, links.len(), MAX_ARRAYS));
     }
     let (mut names, mut maps, mut others, mut short) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
     for link in links {
@@ -123,7 +119,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         let start = archive.read_start(&link, START_BYTES)?;
         let input = Input::entry(Format::Npz, &link, &start);
         let header = match Header::parse(&input) {
-            // Texts, truth values, complex numbers and the like are no heights.
+            // Texts, truth values, complex numbers and similar types are not heights.
             Err(FormatError::Unsupported { .. }) => {
                 others.push(name);
                 continue;
@@ -147,7 +143,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     if maps.is_empty() {
         let found = format!("no array of the file can be heights: {}", some_of(&others));
         let wanted = "a two-dimensional array of numbers whose name ends in no unit, or in one of length";
-        return Err(FormatError::Unsupported { format: Format::Npz, found, wanted });
+        return Err(FormatError::unsupported(Format::Npz, found, wanted));
     }
     let place = match &options.channel {
         None => main(&names),
@@ -155,11 +151,11 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     };
     let mut warnings = Vec::new();
     if options.channel.is_none() && !others.is_empty() {
-        warnings.push(format!("arrays that are no heights were left out: {}", some_of(&others)));
+        warnings.push(format!("arrays other than heights were left out: {}", some_of(&others)));
     }
     let pitch_m = pitch(&short, &mut warnings);
     let heights_m = heights(&mut archive, &maps[place])?;
-    // A name without a unit states none.
+    // Only a name with a unit states one.
     let height_unit = Some(maps[place].per_metre).filter(|_| maps[place].states_unit).and_then(crate::unit::name);
     let height_unit = height_unit.map(str::to_owned);
     let text = |values: Vec<f64>| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
@@ -167,21 +163,21 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(names, place))
 }
 
-/// The place of the map that is called height or z, the first unless there is one.
+/// Returns the index of the map named height or z, or else 0.
 fn main(names: &[String]) -> usize {
     let is_main = |name: &String| matches!(quantity(name).0.as_str(), "height" | "heights" | "z" | "topography");
     names.iter().position(is_main).unwrap_or(0)
 }
 
-/// The numbers of a short array; none where its shape is none.
-fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>, FormatError> {
+/// Returns the numbers of a short array; none if a dimension is 0.
+fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>> {
     let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
     let mut values = Vec::new();
     archive.read_array(link, header.start, (header.sample, header.order), count, |piece| values.extend(piece))?;
     Ok(values)
 }
 
-/// The distance between points that short arrays state.
+/// Returns the distance between points from short arrays.
 fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
     let lengths = |wanted: &str| {
         short.iter().find_map(|(name, values)| match quantity(name) {
@@ -202,22 +198,22 @@ fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Opti
     match (lengths("dx").as_deref(), lengths("dy").as_deref()) {
         (Some(&[dx]), Some(&[dy])) => Some((dx, dy)),
         (Some(&[dx]), None) => {
-            warnings.push("there is dx and no dy; the pixels were taken as square".into());
+            warnings.push("there is dx and no dy; square pixels were assumed".into());
             Some((dx, dx))
         }
         _ => None,
     }
 }
 
-/// The heights of an array in metre.
-fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>, FormatError> {
+/// Reads the heights of an array in metre.
+fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
     let (ny, nx) = map.shape;
     let number = (map.header.sample, map.header.order);
     let mut heights = archive.room_for(map.header.sample, nx * ny);
     if map.header.column_major {
         let mut place = 0;
         archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| {
-            // The numbers are there before memory is taken for all.
+            // Memory for all numbers is allocated only after the first ones were read.
             heights.resize(nx * ny, f64::NAN);
             for &z in piece {
                 heights[place % ny * nx + place / ny] = z;
@@ -230,6 +226,5 @@ fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>, FormatError>
     if map.per_metre != 1.0 {
         heights.iter_mut().for_each(|z| *z /= map.per_metre);
     }
-    Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| damaged(Format::Npz, &map.link, "its heights do not fill their shape".into()))
+    matrix(Format::Npz, &map.link, Location::Byte(0), (ny, nx), heights)
 }

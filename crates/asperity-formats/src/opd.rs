@@ -1,29 +1,30 @@
 //! Wyko (Veeco, Bruker) OPD: a directory of named blocks, then the blocks in the order of the directory.
 //!
-//! The file starts with two bytes and the directory, whose entries are a name (16 bytes), a type (`int16`), a length
-//! (`int32`) and attributes (`uint16`), little-endian; the first entry is that of the directory itself. Blocks of an
-//! array start with the number of columns, the number of rows and the bytes of an element (`uint16`), and hold one
-//! column after the other, each from the bottom up: so reads `ReadOPD.m`, the vendor's own routine, and so does
-//! Gwyddion.
+//! The file starts with two bytes and the directory. An entry consists of a name (16 bytes), a type (`int16`), a
+//! length (`int32`) and attributes (`uint16`), little-endian; the first entry describes the directory itself. Blocks
+//! of an array start with the number of columns, the number of rows and the size of an element in bytes (`uint16`),
+//! followed by the columns, each from the bottom up, as in `ReadOPD.m`, the vendor's own routine, and in Gwyddion.
 //!
-//! A stored number v is the height v·`Wavelength`/`Mult` in nanometre; `Mult` is there for integers only. `Pixel_size`
-//! is the distance of points along x in millimetre (newer files repeat it as `PixelSize` with its unit), and
-//! `Aspect` times it that along y.
+//! A stored number v is the height v·`Wavelength`/`Mult` in nanometre; `Mult` exists for integers only. `Pixel_size`
+//! is the distance between points along x in millimetre (newer files repeat it as `PixelSize` with its unit).
+//! Multiplied by `Aspect` it is the distance along y.
 //!
-//! The vendor's routine takes float heights from 1e38 on for missing, and integers from 32766 on, which are signed. One
-//! reader takes the integers for unsigned, another takes nothing but 32767 for missing.
+//! In the vendor's routine, missing heights are floats from 1e38 on and integers from 32766 on, which are signed. One
+//! reader takes the integers as unsigned, another takes only 32767 as missing.
 
 mod object;
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
+use crate::input::{Input, Kind, latin1};
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::unique;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -43,33 +44,31 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// First bytes of a file: the start of the directory's own entry after two bytes.
+/// First bytes of a file: two bytes and the start of the directory's own entry.
 const SIGNATURE: &[u8] = b"\x01\x00Directory";
-/// Bytes before the directory.
+/// Offset of the directory.
 const DIRECTORY_START: usize = 2;
 const ENTRY_BYTES: usize = 24;
 const NAME_BYTES: usize = 16;
-/// The most entries that a directory may have; files of the vendor have a thousand.
+/// Maximum number of entries of a directory. Files of the vendor have a thousand.
 const MAX_ENTRIES: usize = 1 << 16;
-/// Bytes of an array before its numbers.
+/// Size in bytes of the header of an array.
 const ARRAY_HEADER_BYTES: usize = 6;
-/// The most bytes of a text or object that are kept.
+/// Maximum size in bytes of a text or object.
 const MAX_TEXT_BYTES: usize = 4096;
-
-/// Columns that are turned into parts of rows together: neighbours in a row share a line of the processor's cache.
-const COLUMNS_AT_ONCE: usize = 16;
 
 /// Names of the arrays that hold heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"];
-/// The object that names the main array.
+/// Object that names the main array.
 const PRIMARY: &str = "PrimaryData2D";
 
-/// Name, type and stated length of a block that is shorter.
+/// Name, type and declared length of a block whose length is wrong.
 const MISSTATED: (&str, i16, usize) = ("ImageModificat~0", kind::FLOAT, 40);
 
-/// Floats from here on are no heights. The mark is 1e38 or more (2¹²⁷ in new files); 1e38 as `float32` is a little less.
+/// Lowest float that marks a missing height. The mark is 1e38 or more (2¹²⁷ in new files); 1e38 as `float32` is
+/// slightly less.
 const BAD_FLOAT: f64 = 9.9e37;
-/// Integers from here on are no heights.
+/// Lowest integer that marks a missing height.
 const BAD_INT16: f64 = 32766.0;
 
 /// Types of blocks.
@@ -83,11 +82,11 @@ mod kind {
     pub(super) const OBJECT: i16 = 15;
 }
 
-/// A block as the directory describes it.
+/// Block of the directory.
 struct Block {
     name: String,
     kind: i16,
-    /// Where its entry stands.
+    /// Offset of its entry.
     entry: usize,
     start: usize,
     length: usize,
@@ -96,8 +95,8 @@ struct Block {
 /// Reads a height map.
 ///
 /// # Errors
-/// A damaged directory, no array of heights, no wavelength, and arrays that their blocks or the file cannot hold.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// A damaged directory, no array of heights, no wavelength, and arrays that exceed their blocks or the file.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Opd, bytes);
     let blocks = directory(&input)?;
     let maps: Vec<&Block> =
@@ -125,8 +124,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, channel))
 }
 
-/// The blocks that hold something, in the order of the file.
-fn directory(input: &Input) -> Result<Vec<Block>, FormatError> {
+/// Returns the blocks that are not empty, in the order of the file.
+fn directory(input: &Input) -> Result<Vec<Block>> {
     let length_at = DIRECTORY_START + NAME_BYTES + 2;
     let stated = input.i32("the length of the directory", length_at)?;
     let length = usize::try_from(stated).unwrap_or(0);
@@ -138,11 +137,11 @@ fn directory(input: &Input) -> Result<Vec<Block>, FormatError> {
     let mut blocks = Vec::new();
     let mut start = DIRECTORY_START + length;
     for entry in (DIRECTORY_START..start).step_by(ENTRY_BYTES).skip(1) {
-        // No block is where a length is not positive.
+        // A length that is not positive means that there is no block.
         let length = usize::try_from(input.i32("the length of a block", entry + NAME_BYTES + 2)?).unwrap_or(0);
         let name = input.latin1("the name of a block", entry, NAME_BYTES)?;
         let kind = input.i16("the type of a block", entry + NAME_BYTES)?;
-        // A program of the vendor states 40 bytes for a number that takes its 4, as Gwyddion found out.
+        // A program of the vendor states 40 bytes for a number of 4, as Gwyddion's authors found out.
         let length = if (name.as_str(), kind, length) == MISSTATED { 4 } else { length };
         if length > 0 {
             blocks.push(Block { name, kind, entry, start, length });
@@ -157,8 +156,8 @@ fn find<'a>(blocks: &'a [Block], name: &str) -> Option<&'a Block> {
     blocks.iter().find(|block| block.name == name)
 }
 
-/// The number in the block of that name, `None` where there is no such block.
-fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>, FormatError> {
+/// Returns the number in a block; `None` if there is no such block.
+fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>> {
     let Some(block) = find(blocks, name) else { return Ok(None) };
     let size = match block.kind {
         kind::SHORT => 2,
@@ -181,8 +180,8 @@ fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>, Fo
     }))
 }
 
-/// The height in metre of a stored 1.
-fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64, FormatError> {
+/// Returns the height of a stored 1 in metre.
+fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64> {
     let positive = |name: &str, found: Option<f64>| match found {
         Some(found) if found > 0.0 && found.is_finite() => Ok(found),
         Some(found) => {
@@ -196,7 +195,7 @@ fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64, FormatError> {
     Ok(wavelength_nm / mult / 1e9)
 }
 
-fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some(pixel_size_mm) = number(input, blocks, "Pixel_size")? else {
         warnings.push("the file has no block `Pixel_size`; no pixel size was read".into());
         return Ok(None);
@@ -205,12 +204,12 @@ fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<
     Ok(Some((dx_m, dx_m * number(input, blocks, "Aspect")?.unwrap_or(1.0))))
 }
 
-/// The heights of an array in metre, row 0 at the top.
-fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>, FormatError> {
+/// Reads the heights of an array in metre, row 0 at the top.
+fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>> {
     let name = block.name.as_str();
     let (columns, rows) = (input.u16(name, block.start)?, input.u16(name, block.start + 2)?);
     let (field_x, field_y) = (format!("columns of {name}"), format!("rows of {name}"));
-    let (ny, nx) = input.shape((&field_y, block.start + 2, rows.into()), (&field_x, block.start, columns.into()))?;
+    let (ny, nx) = input.shape((&field_y, block.start + 2, rows), (&field_x, block.start, columns))?;
     let (sample, is_height): (Sample, fn(f64) -> bool) = match input.u16(name, block.start + 4)? {
         4 => (Sample::F32, |v| v.abs() < BAD_FLOAT),
         2 => (Sample::I16, |v| v < BAD_INT16),
@@ -226,39 +225,28 @@ fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>, Fo
         return Err(input.wrong(&format!("the length of {name}"), block.entry + NAME_BYTES + 2, block.length, &wanted));
     }
     let bytes = input.take(name, block.start + ARRAY_HEADER_BYTES, data_bytes)?;
-    let mut heights_m = Array2::from_elem((ny, nx), f64::NAN);
-    let mut columns = Vec::with_capacity(COLUMNS_AT_ONCE * ny);
-    for (strip, stored) in bytes.chunks(COLUMNS_AT_ONCE * ny * sample.size()).enumerate() {
-        columns.clear();
-        sample.decode(ByteOrder::Little, stored, &mut columns);
-        for (y, mut row) in heights_m.rows_mut().into_iter().rev().enumerate() {
-            let row = row.iter_mut().skip(strip * COLUMNS_AT_ONCE);
-            for (z, &v) in row.zip(columns.iter().skip(y).step_by(ny)) {
-                if is_height(v) {
-                    *z = v * scale_m;
-                }
-            }
-        }
-    }
-    Ok(heights_m)
+    let mut heights = sample.decode_columns(ByteOrder::Little, bytes, (ny, nx));
+    large::map(&mut heights, |v| if is_height(v) { v * scale_m } else { f64::NAN });
+    large::flip(&mut heights, nx);
+    input.matrix(name, block.start, (ny, nx), heights)
 }
 
-/// What texts, numbers and simple objects say.
+/// Returns texts, numbers and simple objects as metadata.
 fn metadata(input: &Input, blocks: &[Block]) -> BTreeMap<String, String> {
-    let values = blocks.iter().filter_map(|block| Some((block.name.clone(), value(input, block)?)));
-    values.filter(|(name, value)| !name.is_empty() && !value.is_empty()).collect()
+    let named = blocks.iter().filter(|block| !block.name.is_empty());
+    named.filter_map(|block| Some((block.name.clone(), value(input, block)?))).collect()
 }
 
-/// The content of a block in words, `None` for arrays, unknown types and what is not there.
+/// Returns the content of a block as text; `None` for arrays, unknown types and absent blocks.
 fn value(input: &Input, block: &Block) -> Option<String> {
     let bytes = input.take(&block.name, block.start, block.length.min(MAX_TEXT_BYTES)).ok()?;
     let whole = Input::new(Format::Opd, bytes);
     match block.kind {
         kind::TEXT => Some(latin1(bytes)),
-        kind::SHORT => whole.i16("", 0).ok().map(|number| number.to_string()),
-        kind::FLOAT => whole.f32("", 0).ok().map(|number| number.to_string()),
-        kind::DOUBLE => whole.f64("", 0).ok().map(|number| number.to_string()),
-        kind::LONG => whole.i32("", 0).ok().map(|number| number.to_string()),
+        kind::SHORT => whole.value("", 0, Kind::I16).ok(),
+        kind::FLOAT => whole.value("", 0, Kind::F32).ok(),
+        kind::DOUBLE => whole.value("", 0, Kind::F64).ok(),
+        kind::LONG => whole.value("", 0, Kind::I32).ok(),
         kind::OBJECT => object::value(bytes),
         _ => None,
     }

@@ -1,23 +1,22 @@
 //! Sensofar PLU: a header of 500 bytes, then one or more layers of heights.
 //!
-//! A layer is the number of rows and of columns (both `u32`), the heights as `f32` in µm with 1000001 where the signal
-//! was lost, the lowest and the highest of them, and as many colour images of three bytes per point as the header
-//! states. Readers that take the heights from behind the header shift them by the two numbers of the shape. Numbers
-//! are little-endian.
+//! A layer consists of the numbers of rows and columns (both `u32`), the heights as `f32` in µm with 1000001 for a
+//! lost signal, the lowest and the highest height, and as many colour images of three bytes per point as the header
+//! states. Readers that expect the heights directly after the header shift them by the two numbers of the shape.
+//! Numbers are little-endian.
 //!
-//! The file has no signature. It starts with the date as the C function `ctime` writes it, in a field of 128 bytes.
+//! The file has no signature. It starts with the date in the form of the C function `ctime`, in a field of 128 bytes.
 
 mod names;
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
+use crate::input::{Field, Input, Kind};
 use crate::sample::Sample;
-use crate::scan::FITTING_SHAPE;
-use crate::{Format, FormatError, ReadOptions, Scan};
+
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -37,25 +36,18 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Bytes before the first layer.
+/// Size of the header in bytes.
 const HEADER_BYTES: usize = 500;
-/// Bytes of the shape before the heights of a layer, and of the range behind them.
+/// Sizes in bytes of the shape before the heights of a layer, and of the range after them.
 const SHAPE_BYTES: usize = 8;
 const RANGE_BYTES: usize = 8;
-/// Bytes per point of a colour image.
+/// Size in bytes of a point of a colour image.
 const COLOUR_BYTES: usize = 3;
-/// The height of a point whose signal was lost; exact as `f32`.
+/// Height of a point whose signal was lost; exact as `f32`.
 pub(crate) const LOST: f64 = 1_000_001.0;
-/// Micrometres in a metre.
+/// Number of micrometres per metre.
 const PER_METRE: f64 = 1e6;
 
-/// A field of the header: its name and its first byte.
-#[derive(Clone, Copy)]
-struct Field(&'static str, usize);
-
-const DATE: Field = Field("date", 0);
-const TIME: Field = Field("time", 128);
-const COMMENT: Field = Field("user comment", 132);
 const ROWS: Field = Field("yres", 388);
 const COLUMNS: Field = Field("xres", 392);
 const PITCH_X: Field = Field("mppx", 404);
@@ -69,29 +61,37 @@ const LAYERS: Field = Field("num_layers", 489);
 const VERSION: Field = Field("version", 490);
 const HARDWARE: Field = Field("config_hardware", 491);
 const IMAGES: Field = Field("num_images", 492);
-const DECIMATION: Field = Field("factor_delmacio", 496);
-/// Lengths in µm that only the metadata keep.
-const LENGTHS_UM: [Field; 3] = [Field("x_0", 412), Field("y_0", 416), Field("z_0", 424)];
-/// How the field of view was scanned; other fields lie here when the area is given by coordinates.
-const FIELDS_OF_VIEW: Field = Field("na", 464);
-const Z_STEP: Field = Field("incr_z", 468);
-const Z_RANGE: Field = Field("range", 476);
-const PLANES: Field = Field("n_planes", 480);
-const THRESHOLD: Field = Field("tpc_umbral_F", 484);
 
-/// Bytes of the date's and of the comment's field.
-const DATE_BYTES: usize = 128;
-const COMMENT_BYTES: usize = 256;
-/// `Fri Mar 10 16:35:59 2023`.
+/// Further fields that become metadata, with the unit of each.
+const NOTES: [(&str, usize, Kind, &str); 7] = [
+    ("date", 0, Kind::Text(128), ""),
+    ("time", 128, Kind::U32, " s since 1970"),
+    ("user comment", 132, Kind::Text(256), ""),
+    ("x_0", 412, Kind::F32, " µm"),
+    ("y_0", 416, Kind::F32, " µm"),
+    ("z_0", 424, Kind::F32, " µm"),
+    ("factor_delmacio", 496, Kind::U32, ""),
+];
+/// Fields on the scan of the field of view. Other fields have these offsets if the area is given by coordinates.
+const SCAN_NOTES: [(&str, usize, Kind, &str); 5] = [
+    ("na", 464, Kind::U32, ""),
+    ("incr_z", 468, Kind::F64, " µm"),
+    ("range", 476, Kind::F32, " µm"),
+    ("n_planes", 480, Kind::U32, ""),
+    ("tpc_umbral_F", 484, Kind::U32, " %"),
+];
+
+/// Length of a date such as `Fri Mar 10 16:35:59 2023`.
 const CTIME_BYTES: usize = 24;
-/// The measurement type of a height map.
+/// Measurement type of a height map.
 const TOPOGRAPHY: u32 = 3;
-/// The area of measurements at points that the user chose.
+/// Area of measurements at points that the user selected.
 const COORDINATES: u32 = 6;
-/// Versions since 2006 count down from 255; 0 is the first one, of 2000.
+/// Versions since 2006 count down from 255. Version 0, of 2000, is the first.
 const NEW_VERSIONS: std::ops::RangeInclusive<u8> = 0xf0..=0xff;
 
-/// A date, and numbers that no text has: three of the four bytes of a small type are zero.
+/// Returns whether bytes start with a date and hold numbers that text cannot contain: three of the four bytes of a
+/// small type are zero.
 fn detect(bytes: &[u8]) -> bool {
     let input = Input::new(Format::Plu, bytes);
     bytes.len() >= HEADER_BYTES
@@ -101,7 +101,7 @@ fn detect(bytes: &[u8]) -> bool {
         && input.u8(VERSION.0, VERSION.1).is_ok_and(|version| version == 0 || NEW_VERSIONS.contains(&version))
 }
 
-/// Whether a text is a date such as `Fri Mar 10 16:35:59 2023`; the day of the month may start with a space.
+/// Returns whether a text is a date such as `Fri Mar 10 16:35:59 2023`. The day of the month may start with a space.
 fn is_ctime(text: &[u8; CTIME_BYTES]) -> bool {
     let Ok(text) = std::str::from_utf8(text) else { return false };
     let words: Vec<&str> = text.split_ascii_whitespace().collect();
@@ -118,7 +118,7 @@ fn is_ctime(text: &[u8; CTIME_BYTES]) -> bool {
         && digits(year, 9999)
 }
 
-/// Heights in the file.
+/// Layer of heights: offset, rows and columns.
 struct Layer {
     start: usize,
     ny: usize,
@@ -128,13 +128,13 @@ struct Layer {
 /// Reads a layer of a topography.
 ///
 /// # Errors
-/// Measurements of other types, and heights that the bytes do not hold.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Measurements of other types, and heights beyond the end of the file.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Plu, bytes);
     input.take("the bytes of the header", 0, HEADER_BYTES)?;
     let kind = input.u32(TYPE.0, TYPE.1)?;
     if kind != TOPOGRAPHY {
-        let found = format!("the file holds {}", names::of(&names::TYPES, kind));
+        let found = format!("the file holds {}", names::name_of(&names::TYPES, kind));
         return Err(input.unsupported(found, "a topography (type 3)"));
     }
     let mut warnings = Vec::new();
@@ -146,25 +146,23 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let stated = (input.u32(ROWS.0, ROWS.1)?, input.u32(COLUMNS.0, COLUMNS.1)?);
     if (stated.0 as usize, stated.1 as usize) != (ny, nx) {
         warnings.push(format!(
-            "the header states {} × {} points, the layer holds {nx} × {ny}; the pixel size may be another",
+            "the header states {} × {} points, the layer holds {nx} × {ny}; the pixel size may be wrong",
             stated.1, stated.0
         ));
     }
     let in_metre = |z| if z == LOST { f64::NAN } else { z / PER_METRE };
-    let heights = input.samples_as("the heights", start, ny * nx, Sample::F32, in_metre)?;
-    // Micrometres per pixel are the distance between points; the field of view is n of them.
+    let heights_m = input.heights("the heights", start, (ny, nx), Sample::F32, in_metre)?;
+    // Micrometres per pixel are the distance between points; n of them make the field of view.
     let pitch_m = Some((
         f64::from(input.f32(PITCH_X.0, PITCH_X.1)?) / PER_METRE,
         f64::from(input.f32(PITCH_Y.0, PITCH_Y.1)?) / PER_METRE,
     ));
-    let heights_m =
-        Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong(COLUMNS.0, start, nx, FITTING_SHAPE))?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
-/// The layers that the bytes hold: the first one, and as many of the others as the header states.
-fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>, FormatError> {
-    // Early files leave the number at zero.
+/// Returns the layers in the file: the first one, and the further ones that the header states.
+fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>> {
+    // Early files leave this number at zero.
     let stated = input.u8(LAYERS.0, LAYERS.1)?.max(1);
     let images = usize::from(input.u8(IMAGES.0, IMAGES.1)?);
     let mut layers = vec![layer(input, HEADER_BYTES)?];
@@ -184,47 +182,31 @@ fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>, Forma
     Ok(layers)
 }
 
-fn layer(input: &Input, at: usize) -> Result<Layer, FormatError> {
+fn layer(input: &Input, at: usize) -> Result<Layer> {
     let columns_at = at.saturating_add(4);
-    let rows = input.u32("the number of rows", at)?.into();
-    let columns = input.u32("the number of columns", columns_at)?.into();
+    let rows = input.u32("the number of rows", at)?;
+    let columns = input.u32("the number of columns", columns_at)?;
     let (ny, nx) = input.shape(("the number of rows", at, rows), ("the number of columns", columns_at, columns))?;
     let start = at + SHAPE_BYTES;
     input.take("the heights", start, ny * nx * Sample::F32.size())?;
     Ok(Layer { start, ny, nx })
 }
 
-/// What else the header says.
-fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
+/// Returns further fields of the header.
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>> {
     let mut metadata = BTreeMap::new();
-    let mut insert = |field: Field, value: String| {
-        if !value.is_empty() {
-            metadata.insert(field.0.to_owned(), value);
-        }
-    };
-    insert(DATE, input.latin1(DATE.0, DATE.1, DATE_BYTES)?);
-    insert(TIME, format!("{} s since 1970", input.u32(TIME.0, TIME.1)?));
-    insert(COMMENT, latin1(input.take(COMMENT.0, COMMENT.1, COMMENT_BYTES)?));
-    for field in LENGTHS_UM {
-        insert(field, format!("{} µm", input.f32(field.0, field.1)?));
-    }
     let area = input.u32(AREA.0, AREA.1)?;
-    let version = input.u8(VERSION.0, VERSION.1)?;
-    insert(TYPE, names::of(&names::TYPES, TOPOGRAPHY));
-    insert(ALGORITHM, names::of(&names::ALGORITHMS, input.u32(ALGORITHM.0, ALGORITHM.1)?));
-    insert(METHOD, names::of(&names::METHODS, input.u32(METHOD.0, METHOD.1)?));
-    insert(OBJECTIVE, names::objective(input.u32(OBJECTIVE.0, OBJECTIVE.1)?));
-    insert(AREA, names::of(&names::AREAS, area));
-    insert(VERSION, names::version(version));
-    insert(HARDWARE, names::of(&names::HARDWARE, input.u8(HARDWARE.0, HARDWARE.1)?.into()));
-    insert(DECIMATION, input.u32(DECIMATION.0, DECIMATION.1)?.to_string());
-    if area != COORDINATES {
-        insert(FIELDS_OF_VIEW, input.u32(FIELDS_OF_VIEW.0, FIELDS_OF_VIEW.1)?.to_string());
-        insert(Z_STEP, format!("{} µm", input.f64(Z_STEP.0, Z_STEP.1)?));
-        insert(Z_RANGE, format!("{} µm", input.f32(Z_RANGE.0, Z_RANGE.1)?));
-        insert(PLANES, input.u32(PLANES.0, PLANES.1)?.to_string());
-        insert(THRESHOLD, format!("{} %", input.u32(THRESHOLD.0, THRESHOLD.1)?));
+    for (name, at, kind, unit) in NOTES.iter().chain(SCAN_NOTES.iter().filter(|_| area != COORDINATES)) {
+        metadata.insert((*name).to_owned(), input.value(name, *at, *kind)? + unit);
     }
+    let mut insert = |field: Field, value: String| metadata.insert(field.0.to_owned(), value);
+    insert(TYPE, names::name_of(&names::TYPES, TOPOGRAPHY));
+    insert(ALGORITHM, names::name_of(&names::ALGORITHMS, input.u32(ALGORITHM.0, ALGORITHM.1)?));
+    insert(METHOD, names::name_of(&names::METHODS, input.u32(METHOD.0, METHOD.1)?));
+    insert(OBJECTIVE, names::objective(input.u32(OBJECTIVE.0, OBJECTIVE.1)?));
+    insert(AREA, names::name_of(&names::AREAS, area));
+    insert(VERSION, names::version(input.u8(VERSION.0, VERSION.1)?));
+    insert(HARDWARE, names::name_of(&names::HARDWARE, input.u8(HARDWARE.0, HARDWARE.1)?.into()));
     Ok(metadata)
 }
 
@@ -233,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dates_are_told_from_other_texts() {
+    fn dates_are_distinguished_from_other_texts() {
         for (text, is_date) in [
             (b"Fri Mar 10 16:35:59 2023", true),
             (b"Sat Jan  1 00:00:00 2000", true),

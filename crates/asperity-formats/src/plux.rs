@@ -1,22 +1,21 @@
 //! Sensofar PLUX: a zip archive of `index.xml` and a file of heights per layer.
 //!
-//! Heights are little-endian `f32` in µm in rows of x, as many as `GENERAL/IMAGE_SIZE_X` × `IMAGE_SIZE_Y` state for all
-//! layers, NaN where nothing was measured. The links `LAYER_n/FILENAME_Z` name their files. Other files of the archive
+//! Heights are little-endian `f32` in µm in rows of x; `GENERAL/IMAGE_SIZE_X` × `IMAGE_SIZE_Y` is the shape of all
+//! layers, and NaN marks missing points. The links `LAYER_n/FILENAME_Z` name their files. Other files of the archive
 //! hold colour images, thumbnails and settings.
 //!
-//! `GENERAL/FOV_X` and `FOV_Y` are not the field of view, as their names say and some readers take them (in mm), but
-//! the distance between points in µm: a file of an S neox with a 50× objective states 0.138 for both axes with
-//! 2448 × 2048 points, which are 338 µm × 283 µm. The field of view is n of them.
+//! Despite their names, `GENERAL/FOV_X` and `FOV_Y` are not the field of view (some readers take them as such, in mm)
+//! but the distance between points in µm: a file of an S neox with a 50× objective states 0.138 for both axes with
+//! 2448 × 2048 points, which are 338 µm × 283 µm. The field of view is n times this distance.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
-use ndarray::Array2;
-
-use crate::archive::{Archive, damaged};
+use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::plu::LOST;
 use crate::sample::Sample;
-use crate::scan::{Dimension, shape};
+use crate::scan::{Shape, matrix};
 use crate::x3p::ZIP_MAGIC;
 use crate::xml::Document;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -39,20 +38,20 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// The file of the archive that describes all others.
+/// File of the archive that describes all others.
 const INDEX: &str = "index.xml";
-/// How the files of heights and of images end.
+/// Extension of files of heights and of images.
 const RAW: &str = ".raw";
-/// The largest `index.xml`, in bytes; those of instruments have some ten thousand.
+/// Largest `index.xml` in bytes. Files of instruments have about ten thousand.
 const MAX_INDEX_BYTES: u64 = 1 << 22;
-/// Bytes of `index.xml` in which the size of a map is looked for, and the name of its field.
+/// Number of bytes of `index.xml` that are searched for the size of a map, and the field of this size.
 const START_BYTES: usize = 1 << 14;
 const SIZE: &[u8] = b"<IMAGE_SIZE_X>";
-/// The format has no lists of numbers in XML: no path of an element ends with a slash.
+/// Path that matches no element, because the format has no lists of numbers in XML.
 const NO_LIST: &str = "/";
-/// Micrometres in a metre.
+/// Number of micrometres per metre.
 const PER_METRE: f64 = 1e6;
-/// Relative difference below which the ratio of the pixel's sides is that of the numbers of points.
+/// Relative difference below which the ratio of the sides of a pixel equals the ratio of the numbers of points.
 const RATIO_TOLERANCE: f64 = 1e-3;
 
 /// Paths of elements below the root of `index.xml`.
@@ -64,7 +63,8 @@ mod path {
     pub(super) const INFO: &str = "INFO/ITEM_";
 }
 
-/// `index.xml` is a common name: a file of heights stands beside it, or it states the size of a map.
+/// Returns whether a zip archive has an `index.xml`, which is a common name, with a file of heights or with the size
+/// of a map.
 fn detect(bytes: &[u8]) -> bool {
     let states_size = |archive: &mut Archive| {
         let start = archive.read_start(INDEX, START_BYTES).unwrap_or_default();
@@ -81,7 +81,7 @@ fn detect(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// Damaged archives and descriptions, layers without heights, and data that do not fill the stated dimensions.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::Plux, bytes)?;
     archive.enter_folder_of(INDEX)?;
     let index = archive.read_whole(INDEX, MAX_INDEX_BYTES)?;
@@ -89,30 +89,28 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let layers = layers(&document);
     if layers.is_empty() {
         let found = format!("no layer of {INDEX} has heights (LAYER_n/FILENAME_Z)");
-        return Err(FormatError::Unsupported { format: Format::Plux, found, wanted: "a layer with heights" });
+        return Err(FormatError::unsupported(Format::Plux, found, "a layer with heights"));
     }
     let channels: Vec<String> = layers.iter().map(|(number, _)| format!("LAYER_{number}")).collect();
     let channel = options.choose(Format::Plux, &channels)?;
     let link = layers[channel].1;
 
-    let (ny, nx) = dimensions(&document)?;
+    let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
     let mut warnings = Vec::new();
-    let numbers = archive.read_numbers(link, Sample::F32, ny * nx, ny as u64 * nx as u64)?;
-    if numbers.md5.is_none() {
+    let (mut heights, unpacked) = archive.read_numbers(link, Sample::F32, 0, ny * nx, ny as u64 * nx as u64)?;
+    if unpacked.md5.is_none() {
         warnings.push(format!("{link} is longer than the stated dimensions"));
     }
-    let mut heights = numbers.values;
     for z in &mut heights {
         *z = if *z == LOST { f64::NAN } else { *z / PER_METRE };
     }
     let pitch_m = pitch(&document, (ny, nx), &mut warnings)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| damaged(Format::Plux, link, "its heights do not fill their shape".into()))?;
+    let heights_m = matrix(Format::Plux, link, document.at(0), (ny, nx), heights)?;
     let scan = Scan { metadata: metadata(&document), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(channels, channel))
 }
 
-/// Numbers of the layers that have heights, and the links to them.
+/// Returns the numbers of the layers with heights, and their links.
 fn layers(document: &Document) -> Vec<(u64, &str)> {
     let mut layers: Vec<(u64, &str)> = document
         .values
@@ -126,20 +124,8 @@ fn layers(document: &Document) -> Vec<(u64, &str)> {
     layers
 }
 
-/// Checked rows and columns.
-fn dimensions(document: &Document) -> Result<(usize, usize), FormatError> {
-    let dimension = |field: &'static str| {
-        document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
-    };
-    shape(Format::Plux, &dimension(path::SIZE_Y)?, &dimension(path::SIZE_X)?)
-}
-
-/// The distance between points in metre.
-fn pitch(
-    document: &Document,
-    (ny, nx): (usize, usize),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>, FormatError> {
+/// Returns the distance between points in metre.
+fn pitch(document: &Document, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let Some((x, y)) = document.number(path::PITCH_X)?.zip(document.number(path::PITCH_Y)?) else {
         warnings.push(format!("{INDEX} states no {} or no {}; no pixel size was read", path::PITCH_X, path::PITCH_Y));
         return Ok(None);
@@ -155,7 +141,7 @@ fn pitch(
     Ok(Some((x / PER_METRE, y / PER_METRE)))
 }
 
-/// All texts by their paths, and the items of `INFO` by their own names.
+/// Returns all texts by their paths, and the items of `INFO` by their own names.
 fn metadata(document: &Document) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::new();
     for (path, value) in &document.values {

@@ -1,11 +1,10 @@
-//! The list of all formats, and how they are recognised.
+//! List of all formats, and their detection.
 
 use crate::archive::GZIP_MAGIC;
 use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
-/// All formats, in the order in which content is compared with them: signatures first, X3P after the other zip archives,
-/// text of any kind last.
+/// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
 const CODECS: [&Codec; 22] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
@@ -31,38 +30,38 @@ const CODECS: [&Codec; 22] = [
     &crate::text::CODEC,
 ];
 
-/// The table of formats.
+/// Returns the table of formats.
 pub fn descriptions() -> impl Iterator<Item = &'static Description> {
     CODECS.iter().map(|codec| &codec.description)
 }
 
 impl Format {
-    /// The functions of the format; `None` for [`Format::Gzip`], which is transparent.
+    /// Returns the functions of the format; `None` for [`Format::Gzip`], which wraps other formats.
     pub(crate) fn codec(self) -> Option<&'static Codec> {
         CODECS.into_iter().find(|codec| codec.description.format == self)
     }
 
-    /// Whether files of this format state how far apart their points are.
+    /// Returns whether files of this format state the distance between points.
     pub fn stores_pitch(self) -> bool {
         self.codec().is_some_and(|codec| codec.description.stores_pitch)
     }
 
-    /// The format of a file's content; `None` for content of no known format.
+    /// Detects the format of content. Returns `None` for unknown content.
     ///
-    /// Zip archives are recognised by the names of their files. Text that is no other format counts as a matrix:
-    /// whether it holds one is found out by reading it.
+    /// Zip archives are recognised by the names of their files. Text in no other format counts as a matrix; its
+    /// reader checks it.
     pub fn detect(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&GZIP_MAGIC) {
             return Some(Self::Gzip);
         }
-        // Some of them are text.
+        // Some of these formats are text.
         if foreign::recognise(bytes, bytes.len() as u64).is_some() {
             return None;
         }
         CODECS.into_iter().find(|codec| (codec.detect)(bytes)).map(|codec| codec.description.format)
     }
 
-    /// The format that is written under an extension (without its dot, in any case).
+    /// Returns the format that is written with an extension (without dot, in any case).
     pub fn from_extension(extension: &str) -> Option<Self> {
         let extension = extension.to_ascii_lowercase();
         let written = CODECS.into_iter().filter(|codec| codec.write.is_some()).map(|codec| &codec.description);
@@ -70,7 +69,7 @@ impl Format {
     }
 }
 
-/// The extensions that are written, for a message.
+/// Returns the extensions of formats that are written, for a message.
 pub(crate) fn written_extensions() -> String {
     let written = CODECS.iter().filter(|codec| codec.write.is_some());
     let extensions: Vec<String> =
@@ -78,7 +77,7 @@ pub(crate) fn written_extensions() -> String {
     extensions.join(" ")
 }
 
-/// The names of the formats that are read, for a message.
+/// Returns the names of the formats that are read, for a message.
 pub(crate) fn read_names() -> String {
     let read = CODECS.iter().filter(|codec| !codec.description.reads.is_empty());
     read.map(|codec| codec.description.format.name()).collect::<Vec<_>>().join(", ")

@@ -1,9 +1,9 @@
-//! Replacement of files in one step, and temporary files that outlive their process.
+//! Atomic replacement of files, and removal of abandoned temporary files.
 //!
-//! A process locks each temporary file while it writes it. The operating system releases the lock when the process ends,
-//! also when it is killed, so a temporary file that can be locked belongs to no running process. Process numbers alone would
-//! not do: they are reused, and several hosts or containers may write to one folder. Names hold the host because locks of some
-//! network file systems do not reach other hosts.
+//! A process locks each temporary file while it writes it. The operating system releases the lock when the process
+//! ends, even if it is killed, so a temporary file that can be locked belongs to no running process. Process numbers
+//! alone do not suffice: they are reused, and several hosts or containers may write to one folder. The names contain
+//! the host because locks of some network file systems do not reach other hosts.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -12,13 +12,13 @@ use std::process;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of temporary names that are tried.
+/// Maximum number of temporary names to try.
 const MAX_ATTEMPTS: u32 = 100;
 
-/// Replaces `path` in one step: readers see the old content or the new, never a part.
+/// Replaces `path` atomically: readers see the old content or the new, never a part.
 ///
 /// # Errors
-/// The temporary file beside `path` cannot be created, written or renamed. `path` is then as before.
+/// The temporary file beside `path` cannot be created, written or renamed. `path` is then unchanged.
 pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let (temporary, mut file) = temporary_beside(path)?;
     let written = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| fs::rename(&temporary, path));
@@ -29,7 +29,7 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
     written
 }
 
-/// Checks that files can be written to `folder`, and removes those that ended processes left there.
+/// Checks that files can be written to `folder`, and removes files that ended processes left there.
 ///
 /// # Errors
 /// The operating system refuses a small file, for example because the disk is full.
@@ -54,13 +54,13 @@ pub fn remove_abandoned_files(folder: &Path) {
     }
 }
 
-/// Returns host, process number and a count: an ending for temporary names.
+/// Returns a suffix for temporary names: host, process number and a counter.
 pub fn temporary_suffix() -> String {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     format!("{}-{}-{}", host(), process::id(), COUNTER.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Returns whether [`temporary_suffix`] on this host can have made `text`.
+/// Returns whether `text` is a suffix that [`temporary_suffix`] makes on this host.
 pub fn is_temporary_suffix(text: &str) -> bool {
     let numbers =
         text.strip_prefix(host()).and_then(|rest| rest.strip_prefix('-')).and_then(|rest| rest.split_once('-'));
@@ -77,8 +77,8 @@ pub fn create_locked(path: &Path) -> io::Result<Option<File>> {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => return Ok(None),
         file => file?,
     };
-    // Between its creation and its lock another process can take the file for abandoned. A file system without locks is no
-    // obstacle: nothing is ever abandoned there.
+    // Between creation and lock, another process may remove the file as abandoned. On a file system without locks no
+    // file counts as abandoned, so a failed lock does no harm.
     let lost = matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) || !path.exists();
     Ok((!lost).then_some(file))
 }
@@ -88,7 +88,7 @@ pub fn lock_abandoned(path: &Path) -> Option<File> {
     if !fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
         return None;
     }
-    // Network file systems lock only what may be written.
+    // Network file systems lock only files that are open for writing.
     let file = OpenOptions::new().write(true).open(path).ok()?;
     file.try_lock().ok().map(|()| file)
 }
@@ -103,7 +103,7 @@ fn temporary_beside(path: &Path) -> io::Result<(PathBuf, File)> {
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// Name of this host without hyphens, empty where the system does not tell it.
+/// Returns the name of this host without hyphens; empty if the system does not report it.
 fn host() -> &'static str {
     static HOST: OnceLock<String> = OnceLock::new();
     HOST.get_or_init(|| {
@@ -112,7 +112,7 @@ fn host() -> &'static str {
     })
 }
 
-/// Describes an error of the operating system in words of our own, without its number.
+/// Describes an error of the operating system without its number.
 pub fn refusal(error: &io::Error) -> String {
     use io::ErrorKind as Kind;
     let words = match error.kind() {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failed_replacement_leaves_the_old_file_and_nothing_else() {
+    fn a_failed_replacement_leaves_only_the_old_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.npy");
         replace_file(&path, |file| file.write_all(b"old")).unwrap();

@@ -1,18 +1,19 @@
-//! Numbers as files store them.
+//! Number types of stored data.
 
 use crate::large;
+use crate::scan::Shape;
 
-/// Numbers that are decoded at a time.
+/// Number of values that are decoded at a time.
 const ROW_NUMBERS: usize = 1 << 12;
 
-/// Order of the bytes of one number.
+/// Byte order of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ByteOrder {
     Little,
     Big,
 }
 
-/// Type of one stored number.
+/// Type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sample {
     I8,
@@ -28,7 +29,7 @@ pub(crate) enum Sample {
 }
 
 impl Sample {
-    /// Bytes of one number.
+    /// Returns the size of one number in bytes.
     pub(crate) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -38,17 +39,46 @@ impl Sample {
         }
     }
 
-    /// The numbers in `bytes`; bytes that do not fill a number are left out.
+    /// Returns the integer type of `bits` bits.
+    pub(crate) fn integer(bits: u64, is_signed: bool) -> Option<Self> {
+        match (bits, is_signed) {
+            (8, true) => Some(Self::I8),
+            (8, false) => Some(Self::U8),
+            (16, true) => Some(Self::I16),
+            (16, false) => Some(Self::U16),
+            (32, true) => Some(Self::I32),
+            (32, false) => Some(Self::U32),
+            (64, true) => Some(Self::I64),
+            (64, false) => Some(Self::U64),
+            _ => None,
+        }
+    }
+
+    /// Returns the floating-point type of `bits` bits.
+    pub(crate) fn float(bits: u64) -> Option<Self> {
+        match bits {
+            32 => Some(Self::F32),
+            64 => Some(Self::F64),
+            _ => None,
+        }
+    }
+
+    /// Returns whether this is a floating-point type.
+    pub(crate) fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// Decodes the numbers in `bytes`. Bytes that do not fill a number are ignored.
     ///
-    /// 64-bit integers beyond 2⁵³ are rounded. Large arrays are decoded by all threads.
+    /// 64-bit integers beyond 2⁵³ are rounded. All threads decode large arrays.
     pub(crate) fn decode_all(self, order: ByteOrder, bytes: &[u8]) -> Vec<f64> {
         self.decode_and_map(order, bytes, |value| value)
     }
 
-    /// As [`Sample::decode_all`], with every number changed while it is at hand.
+    /// Decodes as [`Sample::decode_all`] and changes each number.
     pub(crate) fn decode_and_map(self, order: ByteOrder, bytes: &[u8], change: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
         let whole = &bytes[..bytes.len() / self.size() * self.size()];
-        // Any number of columns will do.
+        // The number of columns has no effect on the result.
         let columns = (whole.len() / self.size()).clamp(1, ROW_NUMBERS);
         let mut values = large::rows(columns, whole, columns * self.size(), |record, row| {
             self.decode_into(order, record, row);
@@ -58,21 +88,21 @@ impl Sample {
         values
     }
 
-    /// The numbers of a map whose columns follow each other in `bytes`, in the order of rows.
-    pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): (usize, usize)) -> Vec<f64> {
-        large::turned((nx, ny), |column, first, part| {
+    /// Decodes a map stored column by column and returns its numbers row by row.
+    pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): Shape) -> Vec<f64> {
+        large::transpose_from((nx, ny), |column, first, part| {
             self.decode_into(order, &bytes[(column * ny + first) * self.size()..], part);
         })
     }
 
-    /// Appends the numbers in `bytes` to `values`, as [`Sample::decode_all`].
+    /// Appends the numbers in `bytes` to `values`.
     pub(crate) fn decode(self, order: ByteOrder, bytes: &[u8], values: &mut Vec<f64>) {
         let start = values.len();
         values.resize(start + bytes.len() / self.size(), 0.0);
         self.decode_into(order, bytes, &mut values[start..]);
     }
 
-    /// Decodes as many numbers as `values` has room for and `bytes` hold.
+    /// Decodes as many numbers as fit into `values` and are present in `bytes`.
     pub(crate) fn decode_into(self, order: ByteOrder, bytes: &[u8], values: &mut [f64]) {
         macro_rules! decode {
             ($number:ty) => {{
@@ -97,6 +127,11 @@ impl Sample {
             Self::F64 => decode!(f64),
         }
     }
+}
+
+/// Returns the little-endian bytes of a height for a file: NaN if it is missing.
+pub(crate) fn stored(z: &f64) -> [u8; 8] {
+    if z.is_finite() { *z } else { f64::NAN }.to_le_bytes()
 }
 
 #[cfg(test)]
@@ -131,7 +166,7 @@ mod tests {
 
     #[test]
     fn columns_become_rows() {
-        // Column 0 is 0, 1, column 1 is 2, 3.
+        // Column 0 holds 0 and 1, column 1 holds 2 and 3.
         let bytes: Vec<u8> = (0..40).collect();
         let values = Sample::U8.decode_columns(ByteOrder::Little, &bytes, (2, 20));
         let wanted = (0..2).flat_map(|y| (0..20).map(move |x| f64::from(2 * x + y)));

@@ -1,5 +1,6 @@
-//! What a file of a measured surface says.
+//! Height map of a file, and its checks.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
@@ -10,42 +11,42 @@ use crate::selection::some_of;
 use crate::unit::{in_words, per_metre};
 use crate::{Format, FormatError, Location, ReadOptions};
 
-/// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
+/// Maximum number of heights of one map: 16384 × 16384, or 2 GiB as `f64`.
 pub const MAX_POINTS: u64 = 1 << 28;
 
-/// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
+/// Range of plausible pitches in metre: no instrument resolves a picometre or steps by a metre.
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
-/// The most characters of a warning: some repeat what the file says.
+/// Maximum number of characters of a warning, which may quote the file.
 const WARNING_CHARS: usize = 1000;
-/// Ratio of the two pitches above which the map is doubted.
+/// Ratio of the two pitches above which a warning is issued.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 
-/// Shape that an error wants where rows times columns is not the number of heights.
-pub(crate) const FITTING_SHAPE: &str = "a shape that the heights fill";
+/// Number of rows and number of columns of a map.
+pub(crate) type Shape = (usize, usize);
 
-/// One measured height map as a file states it.
+/// Measured height map as stated in a file.
 #[derive(Debug, Clone)]
 pub struct Scan {
-    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN where the instrument recorded nothing.
+    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN for missing points.
     pub heights_m: Array2<f64>,
-    /// Distance between points along (x, y) in metre, where the file states it.
+    /// Distance between points along (x, y) in metre; `None` if the file does not state it.
     pub pitch_m: Option<(f64, f64)>,
-    /// What else the file says, by its own field names.
+    /// Further information in the file, by its field names.
     pub metadata: BTreeMap<String, String>,
-    /// Doubts about the content, in words for the user.
+    /// Warnings about the content, for the user.
     pub warnings: Vec<String>,
-    /// Names of all height maps in the file, in its order; empty for formats that hold just one.
+    /// Names of all height maps in the file, in its order; empty for formats with a single map.
     pub channels: Vec<String>,
-    /// The place in `channels` of the map that was read.
+    /// Index in `channels` of the map that was read.
     pub channel: usize,
-    /// The format that was read, `None` for a scan that comes from no file.
+    /// Format that was read; `None` for a scan that is not from a file.
     pub format: Option<Format>,
-    /// The unit in which the file states its heights, `None` where it states none; its numbers then count as metre.
+    /// Unit of the heights in the file; `None` if the file states none, and its numbers count as metre.
     pub height_unit: Option<String>,
 }
 
 impl Scan {
-    /// A scan that says nothing but its heights and pitch.
+    /// Creates a scan from heights and pitch.
     pub fn new(heights_m: Array2<f64>, pitch_m: Option<(f64, f64)>) -> Self {
         Self {
             heights_m,
@@ -59,22 +60,41 @@ impl Scan {
         }
     }
 
-    /// The scan with the names of all maps of its file.
+    /// Adds the names of all maps of the file.
     pub(crate) fn with_channels(self, channels: Vec<String>, channel: usize) -> Self {
         Self { channels, channel, ..self }
     }
 
-    /// The name of the height map that was read, `None` for formats that hold just one.
+    /// Returns the shape and the pixel size of a scan that is to be stored in `format`.
+    ///
+    /// # Errors
+    /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
+    /// a pixel size that is not positive.
+    pub(crate) fn to_store(&self, format: Format) -> Result<(Shape, (f64, f64))> {
+        let (dx_m, dy_m) = self.pitch_m.ok_or(FormatError::NoPitch { format })?;
+        let (ny, nx) = self.heights_m.dim();
+        if ny == 0 || nx == 0 {
+            let found = format!("a map of {nx} × {ny} points");
+            return Err(FormatError::not_storable(format, found, "at least one point"));
+        }
+        if [nx as f64 * dx_m, ny as f64 * dy_m].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
+            let found = format!("a pixel size of {dx_m:e} × {dy_m:e} m");
+            return Err(FormatError::not_storable(format, found, "positive numbers"));
+        }
+        Ok(((ny, nx), (dx_m, dy_m)))
+    }
+
+    /// Returns the name of the map that was read; `None` for formats with a single map.
     pub fn channel_name(&self) -> Option<&str> {
         self.channels.get(self.channel).map(String::as_str)
     }
 
-    /// Number of heights that are missing.
+    /// Returns the number of missing heights.
     pub fn missing_points(&self) -> usize {
         self.heights_m.iter().filter(|z| !z.is_finite()).count()
     }
 
-    /// Lowest and highest height in metre, `None` when all are missing.
+    /// Returns the lowest and the highest height in metre; `None` if all are missing.
     pub(crate) fn height_range_m(&self) -> Option<(f64, f64)> {
         let present = self.heights_m.iter().copied().filter(|z| z.is_finite());
         present.fold(None, |range, z| match range {
@@ -83,7 +103,7 @@ impl Scan {
         })
     }
 
-    /// The scan with its numbers in the unit that `options` state, if they do.
+    /// Converts the heights to the unit in `options`, if there is one.
     pub(crate) fn in_stated_unit(mut self, options: &ReadOptions) -> Self {
         let Some(unit) = &options.height_unit else { return self };
         let replaced = self.height_unit.replace(unit.name().to_owned());
@@ -100,7 +120,7 @@ impl Scan {
         self
     }
 
-    /// The scan with the pixel size that `options` state, if they do.
+    /// Sets the pixel size in `options`, if there is one.
     pub(crate) fn with_stated_pitch(mut self, options: &ReadOptions) -> Self {
         let Some((dx_m, dy_m)) = options.pitch_m else { return self };
         if let Some((x_m, y_m)) = self.pitch_m.replace((dx_m, dy_m)).filter(|&pitch_m| pitch_m != (dx_m, dy_m)) {
@@ -110,8 +130,8 @@ impl Scan {
         self
     }
 
-    /// The scan as it leaves a reader: every height that is not finite is NaN, a pitch that is none is left out, and
-    /// implausible sizes are named in the warnings.
+    /// Completes a scan after reading: sets heights that are not finite to NaN, removes an invalid pitch, and adds
+    /// warnings about implausible sizes.
     pub(crate) fn checked(mut self, options: &ReadOptions) -> Self {
         if options.channel.is_none()
             && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
@@ -122,7 +142,7 @@ impl Scan {
         for warning in &mut self.warnings {
             *warning = cut(warning, WARNING_CHARS);
         }
-        let range_m = tidy(&mut self.heights_m);
+        let range_m = normalise(&mut self.heights_m);
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
         let Some((dx_m, dy_m)) = self.pitch_m else { return self };
         if !(is_pitch(dx_m) && is_pitch(dy_m)) {
@@ -151,8 +171,8 @@ impl Scan {
     }
 }
 
-/// Makes NaN of every height that is not finite; the lowest and the highest of the others, `None` when there are none.
-fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
+/// Sets heights that are not finite to NaN. Returns the lowest and the highest other height; `None` if there is none.
+fn normalise(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
     let pieces = match heights_m.as_slice_memory_order_mut() {
         Some(values) => large::pass(values, range),
         None => heights_m.iter_mut().map(|z| range(std::slice::from_mut(z))).collect(),
@@ -162,16 +182,16 @@ fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
     (low <= high).then_some((low, high))
 }
 
-/// As [`tidy`] for a part of the heights; an empty range where there are none.
+/// Does the work of [`normalise`] for a part of the heights. Returns an empty range if all are missing.
 fn range(values: &mut [f64]) -> (f64, f64) {
-    /// Ranges that grow side by side: one alone would wait for its last comparison.
+    /// Number of independent ranges: with a single one, each comparison would wait for the previous.
     const LANES: usize = 8;
 
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     for values in values.chunks_mut(LANES) {
         for ((z, low), high) in values.iter_mut().zip(&mut low).zip(&mut high) {
             *z = if z.is_finite() { *z } else { f64::NAN };
-            // Comparisons with NaN keep what was there.
+            // Comparisons with NaN keep the previous value.
             *low = if *z < *low { *z } else { *low };
             *high = if *z > *high { *z } else { *high };
         }
@@ -179,43 +199,42 @@ fn range(values: &mut [f64]) -> (f64, f64) {
     (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Where one declared dimension stands in a file.
-pub(crate) struct Dimension {
-    pub(crate) field: &'static str,
-    pub(crate) at: Location,
-    pub(crate) found: i64,
-}
-
-impl Dimension {
-    /// The dimension as a positive number of points.
-    fn positive(&self, format: Format) -> Result<u64, FormatError> {
-        u64::try_from(self.found).ok().filter(|&points| points > 0).ok_or_else(|| FormatError::Field {
-            format,
-            field: self.field.into(),
-            at: self.at.clone(),
-            found: self.found.to_string(),
-            wanted: "1 or more".into(),
-        })
-    }
-}
-
-/// Checked shape `(rows, columns)` of a map whose dimensions were declared by a file.
+/// Checks the dimensions that a file declares for a map, each with the name and the place of its field.
 ///
 /// # Errors
-/// A dimension below one, or a product above [`MAX_POINTS`].
-pub(crate) fn shape(format: Format, rows: &Dimension, columns: &Dimension) -> Result<(usize, usize), FormatError> {
-    let (ny, nx) = (rows.positive(format)?, columns.positive(format)?);
+/// A dimension below 1, or a product above [`MAX_POINTS`].
+pub(crate) fn shape<T>(format: Format, rows: (&str, Location, T), columns: (&str, Location, T)) -> Result<Shape>
+where
+    T: TryInto<u64> + ToString + Copy,
+{
+    let positive = |(field, at, found): &(&str, Location, T)| {
+        let points = (*found).try_into().ok().filter(|&points| points > 0);
+        points.ok_or_else(|| FormatError::field(format, *field, at.clone(), *found, "1 or more"))
+    };
+    let (ny, nx) = (positive(&rows)?, positive(&columns)?);
     let points = ny.saturating_mul(nx);
     match (usize::try_from(ny), usize::try_from(nx)) {
         (Ok(ny), Ok(nx)) if points <= MAX_POINTS => Ok((ny, nx)),
-        _ => Err(FormatError::TooLarge {
-            format,
-            field: format!("the product of {} and {}", columns.field, rows.field),
-            at: columns.at.clone(),
-            found: points,
-            limit: MAX_POINTS,
-        }),
+        _ => {
+            let field = format!("the product of {} and {}", columns.0, rows.0);
+            Err(FormatError::too_large(format, field, columns.1, points, MAX_POINTS))
+        }
     }
+}
+
+/// Arranges heights as a map. An error names `field`, the source of the shape.
+pub(crate) fn matrix(
+    format: Format,
+    field: &str,
+    at: Location,
+    shape: Shape,
+    heights: Vec<f64>,
+) -> Result<Array2<f64>> {
+    let count = heights.len();
+    Array2::from_shape_vec(shape, heights).map_err(|_| {
+        let found = format!("{} × {} points", shape.1, shape.0);
+        FormatError::field(format, shown(field), at, found, format!("a shape of {count} points"))
+    })
 }
 
 #[cfg(test)]
@@ -233,13 +252,13 @@ mod tests {
     }
 
     #[test]
-    fn heights_beyond_the_field_of_view_are_doubted() {
+    fn heights_beyond_the_field_of_view_give_a_warning() {
         let found = warnings(array![[0.0, 5e-6], [0.0, 0.0]], (1e-6, 2e-6));
         assert!(matches!(found.as_slice(), [one] if one.contains("more than the field of view")), "{found:?}");
     }
 
     #[test]
-    fn pitches_beyond_a_picometre_and_a_metre_are_doubted() {
+    fn pitches_beyond_a_picometre_and_a_metre_give_a_warning() {
         for pitch_m in [0.9e-12, 1.1] {
             let found = warnings(array![[0.0, 0.0]], (pitch_m, pitch_m));
             assert_eq!(found.len(), 2, "{found:?}");
@@ -248,14 +267,14 @@ mod tests {
     }
 
     #[test]
-    fn pixels_far_from_square_are_doubted() {
+    fn pixels_far_from_square_give_a_warning() {
         let found = warnings(array![[0.0, 0.0]], (1e-6, 1.1e-5));
         assert!(matches!(found.as_slice(), [one] if one.contains("far from square")), "{found:?}");
         assert!(warnings(array![[0.0, 0.0]], (1e-6, 0.9e-5)).is_empty());
     }
 
     #[test]
-    fn a_pitch_that_is_none_is_left_out_with_a_warning() {
+    fn an_invalid_pitch_is_left_out_with_a_warning() {
         for pitch_m in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
             let scan = Scan::new(array![[0.0, 0.0]], Some((1e-6, pitch_m))).checked(&ReadOptions::default());
             assert_eq!(scan.pitch_m, None);
@@ -264,22 +283,22 @@ mod tests {
     }
 
     #[test]
-    fn the_map_that_was_read_is_told_with_the_first_of_the_others() {
+    fn the_map_that_was_read_is_reported_with_the_first_of_the_others() {
         let names = |count: usize| (1..=count).map(|number| format!("n{number}")).collect();
-        let told = |count: usize, options: &ReadOptions| {
+        let warnings_of = |count: usize, options: &ReadOptions| {
             Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).warnings
         };
         let default = ReadOptions::default();
-        assert_eq!(told(1, &default), [] as [String; 0]);
-        assert_eq!(told(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
+        assert_eq!(warnings_of(1, &default), [] as [String; 0]);
+        assert_eq!(warnings_of(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
         let many = "the file holds 500 height maps (n1, n2, n3, n4, n5, n6, n7, n8 and 492 more); `n1` was read";
-        assert_eq!(told(500, &default), [many]);
+        assert_eq!(warnings_of(500, &default), [many]);
         let chosen = ReadOptions { channel: Some("n1".into()), ..ReadOptions::default() };
-        assert_eq!(told(2, &chosen), [] as [String; 0]);
+        assert_eq!(warnings_of(2, &chosen), [] as [String; 0]);
     }
 
     #[test]
-    fn warnings_are_short_and_steer_no_terminal() {
+    fn warnings_are_short_and_do_not_control_a_terminal() {
         let long = ["\u{1b}]0;".to_owned() + &"x".repeat(10_000), "units\ncontradict".into()];
         let scan = Scan { warnings: long.to_vec(), ..Scan::new(array![[0.0]], None) };
         let scan =
@@ -290,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_that_are_not_finite_leave_as_nan() {
+    fn heights_that_are_not_finite_become_nan() {
         let scan =
             Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None).checked(&ReadOptions::default());
         assert_eq!(scan.missing_points(), 3);

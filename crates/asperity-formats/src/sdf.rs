@@ -1,33 +1,31 @@
-//! ISO 25178-71 surface data files (SDF), text and binary, and the BCR files that they come from.
+//! ISO 25178-71 surface data files (SDF), text and binary, and their predecessors, BCR files.
 //!
-//! A header, the heights, and a trailer of free notes. In text the header is lines `key = value`, and `*` ends each
-//! part; `;` starts a comment. In binary the same fields have fixed widths, numbers are little-endian, and nothing
-//! stands between the parts. A height is number · Zscale in metre; Xscale and Yscale are the distances between points
-//! in metre. Compression and checksums, which the standard gave up, are refused.
+//! A file consists of a header, the heights, and a trailer of free notes. In text the header has lines `key = value`,
+//! `*` ends each part, and `;` starts a comment. In binary the same fields have fixed widths, numbers are
+//! little-endian, and nothing separates the parts. A height is number · Zscale in metre; Xscale and Yscale are the
+//! distances between points in metre. Compression and checksums, which the standard withdrew, are refused.
 //!
-//! Missing points are `BAD` in text. In numbers, ISO files mark them by the least value of the type, and so do some BCR
-//! files; others take the greatest, as unsigned types must. NaN counts as missing as well: most programs write it.
+//! In text, missing points are `BAD`. In numbers, ISO files and some BCR files mark them by the least value of the
+//! type; other BCR files use the greatest, as unsigned types must. NaN is also missing: most programs write it.
 //!
-//! The first profile is row 0. The standard lets y grow with the profiles, so that y = 0 is the upper edge of the map
+//! The first profile is row 0. In the standard y grows with the profiles, so that y = 0 is the upper edge of the map
 //! here, as in X3P files and in the free programs that read both. A program that draws y upwards shows the map upside
 //! down.
 //!
 //! # References
-//! ISO 25178-71; Stout et al., *The Development of Methods for the Characterisation of Roughness in Three Dimensions*,
-//! EUR 15178 EN (1993).
+//! ISO 25178-71; Stout et al., *The Development of Methods for the Characterisation of Roughness in Three
+//! Dimensions*, EUR 15178 EN (1993).
 
 mod write;
 
+use crate::error::Result;
 use std::str::FromStr;
 
-use ndarray::Array2;
-
 use crate::codec::{Codec, Description, Tested};
-use crate::error::shown;
 use crate::input::{Input, latin1};
 use crate::large;
 use crate::sample::Sample;
-use crate::scan::{Dimension, shape};
+use crate::scan::{Shape, matrix, shape};
 use crate::text::header::Header as Notes;
 use crate::text::rows::{self, Layout};
 use crate::text::{Separator, lines};
@@ -47,33 +45,34 @@ pub(crate) const CODEC: Codec = Codec {
         orientation: "the first profile (y = 0) is row 0",
         tested: Tested::OtherPrograms,
     },
-    detect: |bytes| Version::of(bytes).is_some(),
+    detect: |bytes| Version::detect(bytes).is_some(),
     read,
     write: Some(|scan| write_sdf(scan, SdfData::Double)),
 };
 
-/// What the first bytes say.
+/// Kind of file according to its first bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Version {
     Text,
-    /// With counts of as many bytes.
+    /// Binary file with counts of this many bytes.
     Binary {
         count_bytes: usize,
     },
 }
 
-/// Bytes of the version in a binary header.
+/// Size in bytes of the version in a binary header.
 const VERSION_BYTES: usize = 8;
-/// Bytes in which the fields of a text must start.
+/// Number of bytes in which the fields of a text must start.
 const PROBE: usize = 512;
 
 impl Version {
-    /// Texts bear many versions (`aISO-1.0`, `aBCR-0.0`, `aNIST-1.0`, `aNPL-V1.0`), but all start with the same field.
-    fn of(bytes: &[u8]) -> Option<Self> {
+    /// Detects the kind of file. Texts exist in many versions (`aISO-1.0`, `aBCR-0.0`, `aNIST-1.0`, `aNPL-V1.0`), but
+    /// all start with the same field.
+    fn detect(bytes: &[u8]) -> Option<Self> {
         let number = |text: &[u8]| matches!(text, [b'0'..=b'9', b'.', b'0'..=b'9']);
         match bytes {
             [b'b', b'I', b'S', b'O', b'-', version @ ..] if number(version.get(..3)?) => {
-                // Version 2.0 widened the counts.
+                // Version 2.0 has wider counts.
                 Some(Self::Binary { count_bytes: if version[0] == b'2' { 4 } else { 2 } })
             }
             [b'b', b'B', b'C', b'R', b'-', version @ ..] if number(version.get(..3)?) => {
@@ -93,7 +92,7 @@ impl Version {
 }
 
 const MANUFACTURER: &str = "ManufacID";
-/// The fields behind the manufacturer, in the order of the binary header.
+/// Fields after the manufacturer, in the order of the binary header.
 const DATES: [&str; 2] = ["CreateDate", "ModDate"];
 const POINTS: &str = "NumPoints";
 const PROFILES: &str = "NumProfiles";
@@ -102,12 +101,12 @@ const Z_RESOLUTION: &str = "Zresolution";
 const COMPRESSION: &str = "Compression";
 const DATA_TYPE: &str = "DataType";
 const CHECK_TYPE: &str = "CheckType";
-/// What ends the parts of a text.
+/// End of a part of a text.
 const END: u8 = b'*';
-/// What starts a comment in a text.
+/// Start of a comment in a text.
 const COMMENT: &[u8] = b";";
 
-/// A field of the header and its place.
+/// Field of the header and its place.
 struct Field<T> {
     name: &'static str,
     at: Location,
@@ -116,17 +115,11 @@ struct Field<T> {
 
 impl<T: ToString> Field<T> {
     fn wrong(&self, wanted: &str) -> FormatError {
-        FormatError::Field {
-            format: Format::Sdf,
-            field: self.name.into(),
-            at: self.at.clone(),
-            found: shown(&self.value.to_string()),
-            wanted: wanted.into(),
-        }
+        FormatError::field(Format::Sdf, self.name, self.at.clone(), self.value.to_string(), wanted)
     }
 }
 
-/// The fields that the heights depend on.
+/// Fields that define the heights.
 struct Header {
     is_bcr: bool,
     points: Field<i64>,
@@ -138,10 +131,10 @@ struct Header {
 }
 
 impl Header {
-    /// Shape `(rows, columns)` and type of the numbers.
-    fn check(&self) -> Result<((usize, usize), Sample), FormatError> {
-        let dimension = |field: &Field<i64>| Dimension { field: field.name, at: field.at.clone(), found: field.value };
-        let (ny, nx) = shape(Format::Sdf, &dimension(&self.profiles), &dimension(&self.points))?;
+    /// Returns the shape of the map and the type of the numbers.
+    fn check(&self) -> Result<((usize, usize), Sample)> {
+        let dimension = |field: &Field<i64>| (field.name, field.at.clone(), field.value);
+        let (ny, nx) = shape(Format::Sdf, dimension(&self.profiles), dimension(&self.points))?;
         if ny == 1 && self.scales[1].value == 0.0 {
             return Err(unsupported("the file holds a single profile", "the profiles of a surface"));
         }
@@ -166,20 +159,19 @@ impl Header {
         Ok(((ny, nx), sample))
     }
 
-    fn scan(&self, numbers: Vec<f64>, shape: (usize, usize), sample: Sample) -> Result<Scan, FormatError> {
+    fn scan(&self, numbers: Vec<f64>, shape: Shape, sample: Sample) -> Result<Scan> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.scales[axis].value);
         let is_void = voids(sample, self.is_bcr);
         let mut heights = numbers;
         large::map(&mut heights, |height| if is_void(height) { f64::NAN } else { height * z });
-        let heights_m =
-            Array2::from_shape_vec(shape, heights).map_err(|_| self.points.wrong("the number of columns"))?;
+        let heights_m = matrix(Format::Sdf, POINTS, self.points.at.clone(), shape, heights)?;
         Ok(Scan::new(heights_m, Some((x, y))))
     }
 }
 
-/// Which numbers mark missing points.
+/// Returns a test for the numbers that mark missing points.
 fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
-    // Floats are compared with a margin: texts round them.
+    // Floats are compared with a margin, because texts round them.
     let (none_low, none_high) = (f64::NEG_INFINITY, f64::INFINITY);
     let (least, greatest) = match sample {
         Sample::U8 => (none_low, f64::from(u8::MAX)),
@@ -191,33 +183,32 @@ fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
         Sample::F64 => (-1.79e308, 1.79e308),
         _ => (none_low, f64::from(u32::MAX)),
     };
-    let is_float = matches!(sample, Sample::F32 | Sample::F64);
+    let is_float = sample.is_float();
     let has_greatest = is_bcr || is_float || least == none_low;
     let greatest = if has_greatest { greatest } else { none_high };
     move |number| match is_float {
-        // NaN lies between no two numbers.
+        // A comparison with NaN is false, so NaN is missing.
         true => !(number > least && number < greatest),
         false => number == least || number == greatest,
     }
 }
 
 fn unsupported(found: &str, wanted: &'static str) -> FormatError {
-    FormatError::Unsupported { format: Format::Sdf, found: found.into(), wanted }
+    FormatError::unsupported(Format::Sdf, found, wanted)
 }
 
 /// Reads the first map of a file.
 ///
 /// # Errors
-/// Single profiles, compression, checksums, headers without a field or with one that cannot be right, and heights that
-/// end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    match Version::of(bytes) {
+/// Single profiles, compression, checksums, absent or invalid fields of the header, and heights that end early.
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
+    match Version::detect(bytes) {
         Some(Version::Binary { count_bytes }) => read_binary(&Input::new(Format::Sdf, bytes), count_bytes),
         _ => read_text(bytes),
     }
 }
 
-fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan, FormatError> {
+fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan> {
     let mut notes = Notes::default();
     notes.insert("version", &input.latin1("version", 0, VERSION_BYTES)?);
     let mut place = VERSION_BYTES;
@@ -250,7 +241,7 @@ fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan, FormatErro
     let (shape, sample) = header.check()?;
     let length = shape.0 * shape.1 * sample.size();
     let mut start = codes + 3;
-    // A program of Olympus writes two more fields into the header, always 5 and 1.
+    // A program of Olympus adds two fields to the header, always 5 and 1.
     if input.len() == start + EXTRA.len() + length && input.bytes()[start..].starts_with(EXTRA) {
         start += EXTRA.len();
     }
@@ -259,10 +250,10 @@ fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan, FormatErro
     Ok(Scan { metadata: notes.metadata(), ..header.scan(numbers, shape, sample)? })
 }
 
-/// Two fields that follow the header of some files.
+/// Two fields after the header of some files.
 const EXTRA: &[u8] = b"\x05\0\0\0\x01\0\0\0";
 
-fn read_text(bytes: &[u8]) -> Result<Scan, FormatError> {
+fn read_text(bytes: &[u8]) -> Result<Scan> {
     let (bytes, line_end) = lines(bytes);
     let mut fields: Vec<(String, String, usize)> = Vec::new();
     let (mut place, mut last_line) = (0, 0);
@@ -291,17 +282,14 @@ fn read_text(bytes: &[u8]) -> Result<Scan, FormatError> {
     let mut numbers = rows::read(&rest[..length], &layout, last_line)?.values;
     let (found, wanted) = (numbers.len(), shape.0 * shape.1);
     if found < wanted {
-        return Err(FormatError::MissingField {
-            format: Format::Sdf,
-            field: format!("height {} of {wanted}", found + 1),
-            at: Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count()),
-            wanted: format!("{POINTS} × {PROFILES} numbers before `*`"),
-        });
+        let at = Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count());
+        let (field, wanted) = (format!("height {} of {wanted}", found + 1), format!("{POINTS} × {PROFILES} numbers"));
+        return Err(FormatError::missing(Format::Sdf, field, at, wanted + " before `*`"));
     }
     let mut warnings = Vec::new();
     if found > wanted {
         numbers.truncate(wanted);
-        warnings.push(format!("{} numbers behind the last profile were left out", found - wanted));
+        warnings.push(format!("{} numbers after the last profile were left out", found - wanted));
     }
     let mut notes = Notes::default();
     let used = [&[POINTS, PROFILES, COMPRESSION, DATA_TYPE, CHECK_TYPE], &SCALES[..]].concat();
@@ -312,11 +300,11 @@ fn read_text(bytes: &[u8]) -> Result<Scan, FormatError> {
     Ok(Scan { metadata: notes.metadata(), warnings, ..header.scan(numbers, shape, sample)? })
 }
 
-/// Lines of a header that are looked at.
+/// Maximum number of lines of a header.
 const MAX_FIELDS: usize = 1000;
 
-/// The fields of a text, each with its line.
-fn text_header(fields: &[(String, String, usize)], last_line: usize) -> Result<Header, FormatError> {
+/// Reads the header of a text from its fields, each with its line.
+fn text_header(fields: &[(String, String, usize)], last_line: usize) -> Result<Header> {
     let whole = |name| number::<i64>(fields, name, last_line, "a whole number");
     let real = |name| number::<f64>(fields, name, last_line, "a number");
     Ok(Header {
@@ -335,14 +323,10 @@ fn number<T: FromStr>(
     name: &'static str,
     last_line: usize,
     wanted: &str,
-) -> Result<Field<T>, FormatError> {
+) -> Result<Field<T>> {
     let Some((_, text, line)) = fields.iter().find(|(key, ..)| key.eq_ignore_ascii_case(name)) else {
-        return Err(FormatError::MissingField {
-            format: Format::Sdf,
-            field: name.into(),
-            at: Location::Line(last_line),
-            wanted: format!("a line `{name} = …` before the first `*`"),
-        });
+        let wanted = format!("a line `{name} = …` before the first `*`");
+        return Err(FormatError::missing(Format::Sdf, name, Location::Line(last_line), wanted));
     };
     let at = Location::Line(*line);
     match text.parse() {
@@ -351,7 +335,7 @@ fn number<T: FromStr>(
     }
 }
 
-/// Keeps lines `name = value` and `< name > value < / name >`.
+/// Adds lines `name = value` and `< name > value < / name >` to the metadata.
 fn keep_trailer(trailer: &str, notes: &mut Notes) {
     for line in trailer.lines().map(str::trim).filter(|line| !line.is_empty() && *line != "*") {
         let tagged = line.strip_prefix('<').and_then(|line| line.split_once('>'));

@@ -1,46 +1,46 @@
-//! Which map of a file is read.
+//! Selection of one map of a file.
 
+use crate::error::{Result, first_of, shown};
 use std::collections::{HashMap, HashSet};
 
-use crate::error::shown;
 use crate::{Format, FormatError, LengthUnit};
 
-/// One of the height maps in a file that may hold several: channels, layers, pages, arrays.
+/// One of several height maps in a file: channels, layers, pages or arrays.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Channel {
-    /// By its place, counted from 1.
+    /// By number, counted from 1.
     Number(usize),
-    /// By its name, as [`Scan::channels`](crate::Scan::channels) spells it, in any case.
+    /// By name, as spelt in [`Scan::channels`](crate::Scan::channels), in any case.
     Name(String),
 }
 
 impl From<&str> for Channel {
-    /// A whole number is a place, everything else a name.
+    /// Interprets a whole number as a map number and any other text as a name.
     fn from(text: &str) -> Self {
         text.parse().map_or_else(|_| Self::Name(text.into()), Self::Number)
     }
 }
 
-/// What to read of a file.
+/// Options for reading a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// The height map to read; the first, or the one that the format marks as its main one, unless told.
+    /// Height map to read. `None` reads the first, or the one that the format marks as its main map.
     pub channel: Option<Channel>,
-    /// Unit of the heights of a file that states none. It replaces the unit of other files, with a warning.
+    /// Unit of the heights for a file that states none. It replaces the unit of other files, with a warning.
     ///
-    /// The unit is that of the numbers in the file. A text is not multiplied by the conversion factor of its header then.
+    /// It is the unit of the numbers in the file: a conversion factor in the header of a text is then not applied.
     pub height_unit: Option<LengthUnit>,
-    /// Distance between points along (x, y) in metre, for a file that states none. It replaces that of other files, with a
-    /// warning. The span of the heights is compared with the field of view that it makes.
+    /// Distance between points along (x, y) in metre for a file that states none. It replaces the distance in other
+    /// files, with a warning. The check that compares the span of the heights with the field of view uses it.
     pub pitch_m: Option<(f64, f64)>,
 }
 
 impl ReadOptions {
-    /// The place in `names` of the map to read.
+    /// Returns the index in `names` of the map to read.
     ///
     /// # Errors
     /// [`FormatError::NoSuchChannel`] with all names.
-    pub(crate) fn choose(&self, format: Format, names: &[String]) -> Result<usize, FormatError> {
+    pub(crate) fn choose(&self, format: Format, names: &[String]) -> Result<usize> {
         let place = match &self.channel {
             None => Some(0),
             Some(Channel::Number(number)) => number.checked_sub(1),
@@ -62,7 +62,7 @@ impl ReadOptions {
     }
 }
 
-/// The same names with a number behind those that repeat an earlier one, so that each can be chosen.
+/// Appends a number to names that repeat an earlier one, so that each can be selected.
 pub(crate) fn unique(names: Vec<String>) -> Vec<String> {
     let mut taken: HashSet<String> = HashSet::new();
     let mut repeats: HashMap<String, usize> = HashMap::new();
@@ -82,13 +82,9 @@ pub(crate) fn unique(names: Vec<String>) -> Vec<String> {
     names.into_iter().map(&mut distinct).collect()
 }
 
-/// The first few of a list, for a message.
+/// Lists the first 8 of several names for a message.
 pub(crate) fn some_of(names: &[String]) -> String {
-    const SHOWN_NAMES: usize = 8;
-    let more = names.len().saturating_sub(SHOWN_NAMES);
-    let first: Vec<String> = names[..names.len() - more].iter().map(|name| shown(name)).collect();
-    let first = first.join(", ");
-    if more > 0 { format!("{first} and {more} more") } else { first }
+    first_of(names, 8, |name| name)
 }
 
 #[cfg(test)]

@@ -1,24 +1,22 @@
-//! Digital Surf SUR and PRO, the format of the Mountains programs, which many instruments write: objects one after the
-//! other, each with a header of 512 bytes, a comment, a private zone, and its heights as integers.
+//! Digital Surf SUR and PRO, the format of the Mountains programs and of many instruments: a sequence of objects,
+//! each with a header of 512 bytes, a comment, a private zone, and its heights as integers.
 //!
 //! A stored integer n is the height n·s + o with the z spacing s and the z offset o, both in the unit of the z steps.
-//! n = z_min − 2 marks a point that was not measured when the header says that there are such points. Lines follow each
-//! other from the top. The spacing of an axis is the distance between its points. Texts are Latin-1, padded with spaces
-//! or zeros.
+//! If the header declares missing points, n = z_min − 2 marks them. The first line is at the top. The spacing of an
+//! axis is the distance between its points. Texts are Latin-1, padded with spaces or zeros.
 //!
-//! Heights are stored as they are (signature `DIGITAL SURF`) or in zlib streams (`DSCOMPRESSED`): the number of streams,
-//! for each its unpacked and packed size, all of 32 bits, and the streams. Numbers are little-endian; a format field of
-//! 257 stands for big-endian ones (Macintosh II), which are read as such where the header makes sense so.
+//! Heights are stored plain (signature `DIGITAL SURF`) or in zlib streams (`DSCOMPRESSED`): the number of streams,
+//! for each its unpacked and packed size, all of 32 bits, and the streams. Numbers are little-endian. A format field
+//! of 257 declares big-endian numbers (Macintosh II), which are read as such if the header is then valid.
 //!
 //! The header names two units per axis, one for the step and one for lengths, and the ratio between them. Only the
-//! step's unit gives the scale here; a ratio that contradicts the units is reported.
+//! unit of the step defines the scale here; a ratio that contradicts the units gives a warning.
 //!
-//! Some readers measure heights from z_min instead of from zero. That moves the datum and nothing else.
+//! Some readers measure heights from z_min instead of from zero, which only moves the datum.
 
 mod header;
 mod object;
 mod read;
-mod streams;
 mod write;
 
 use crate::Format;
@@ -49,15 +47,15 @@ pub(crate) const CODEC: Codec = Codec {
 const SIGNATURE: &[u8; 12] = b"DIGITAL SURF";
 /// First bytes of an object whose heights are compressed.
 const SIGNATURE_COMPRESSED: &[u8; 12] = b"DSCOMPRESSED";
-/// Distance of the code for missing points below the lowest height.
+/// Difference between the lowest height and the code for missing points.
 const VOID_BELOW_MINIMUM: i32 = 2;
 
-/// Whether an object starts here.
+/// Returns whether an object starts here.
 fn is_object(bytes: &[u8]) -> bool {
     bytes.starts_with(SIGNATURE) || bytes.starts_with(SIGNATURE_COMPRESSED)
 }
 
-/// How heights are stored in a file that is written.
+/// Number type of the heights in a file to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SurData {
     /// 32766 steps from the lowest to the highest height.
@@ -68,7 +66,7 @@ pub enum SurData {
 }
 
 impl SurData {
-    /// The type itself.
+    /// Returns the number type.
     fn sample(self) -> Sample {
         match self {
             Self::Int16 => Sample::I16,
@@ -76,7 +74,7 @@ impl SurData {
         }
     }
 
-    /// The highest number, 0 being the lowest. One more would mark a saturated point.
+    /// Returns the highest number; the lowest is 0. One more would mark a saturated point.
     fn highest(self) -> i32 {
         match self {
             Self::Int16 => i32::from(i16::MAX) - 1,

@@ -1,32 +1,34 @@
-//! A matrix of numbers as text: one row of heights per line, in metre where no header names another unit.
+//! Matrix of numbers as text: one row of heights per line, in metre unless a header names another unit.
 //!
-//! Values are separated by semicolons, tabs, commas or spaces, whichever of these, in this order, the first row holds.
-//! The decimal sign is the point, or a comma between digits where commas separate nothing. `#` and `%` start a comment.
-//! What comments and lines `key: value` or `key = value` before the first row say of units, pixel size and missing
-//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD` and `No Data` are
-//! missing heights, as are the errors of spreadsheets (`#N/A`) and what C libraries write for no number (`1.#QNAN`,
-//! `-nan(ind)`). Text may be UTF-8, UTF-16 with a mark, or Latin-1.
+//! The separator is the first of semicolon, tab, comma and space that occurs in the first row. The decimal sign is
+//! the point, or a comma between digits if commas are not separators. `#` and `%` start a comment. Comments and lines
+//! `key: value` or `key = value` before the first row become metadata, and may state units, pixel size and missing
+//! points (see [`header`]). Missing heights are empty fields, `nan`, `inf`, `BAD` and `No Data`, errors of
+//! spreadsheets (`#N/A`), and special numbers of C libraries (`1.#QNAN`, `-nan(ind)`). Text may be UTF-8, UTF-16 with
+//! a byte-order mark, or Latin-1.
 //!
-//! A first row and a first column that step evenly from an empty corner are labels, which spreadsheets and data frames
-//! export; they are left out with a warning.
+//! A first row and a first column of equal steps after an empty corner are labels, which spreadsheets and data frames
+//! export. They are left out with a warning.
 //!
-//! Some programs put the matrices of several channels into one file, each below a comment `Channel: name`; those whose
-//! unit is no length are left out.
+//! Some programs write the matrices of several channels into one file, each after a comment `Channel: name`. Channels
+//! whose unit is not a length are left out.
 
+mod factor;
 pub(crate) mod header;
+mod length;
 pub(crate) mod rows;
 mod write;
 
+use crate::error::{Result, shown};
 use std::borrow::Cow;
 
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
-use crate::error::shown;
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
-use header::{DECIMAL_SIGN, ESRI, Header, Meaning};
+use header::{DECIMAL_SIGN, ESRI, Header, Interpretation};
 use rows::{Layout, Table};
 pub use write::write_text;
 
@@ -49,26 +51,26 @@ pub(crate) const CODEC: Codec = Codec {
     write: Some(|scan| Ok(write_text(scan, Separator::Space))),
 };
 
-/// Bytes that are looked at to tell text from binary data.
+/// Number of bytes that are examined to distinguish text from binary data.
 pub(crate) const TEXT_PROBE: usize = 4096;
 
-/// Whether bytes start without control characters.
+/// Returns whether bytes start without control characters.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
     let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
     let is_text = |&byte: &u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
     !probe.is_empty() && probe.iter().all(is_text)
 }
 
-/// Rows from which three columns look like points rather than like a map.
+/// Number of rows from which three columns look like points rather than a map.
 const POINT_LIST_ROWS: usize = 16;
-/// Part of a step by which labels may be off, as coordinates with few digits are.
+/// Tolerance of labels as a fraction of a step, for coordinates with few digits.
 const LABEL_TOLERANCE: f64 = 1e-3;
-/// Matrices in one file that are told apart.
+/// Maximum number of matrices in one file.
 const MAX_CHANNELS: usize = 256;
-/// Signs that start a comment.
+/// Characters that start a comment.
 pub(crate) const COMMENT: &[u8] = b"#%";
 
-/// What stands between two values.
+/// Separator of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Separator {
     /// One or more spaces or tabs.
@@ -82,10 +84,10 @@ pub enum Separator {
 }
 
 impl Separator {
-    /// The separator of a row.
+    /// Detects the separator of a row.
     ///
-    /// In `1,5 2,5` commas are decimal signs: as separators they would leave two numbers between them.
-    pub(crate) fn of(row: &[u8]) -> Self {
+    /// In `1,5 2,5` the commas are decimal signs: as separators they would leave two numbers between them.
+    pub(crate) fn detect(row: &[u8]) -> Self {
         let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let is_number = |word: &[u8]| {
             rows::decimal_comma(word).is_some()
@@ -112,36 +114,36 @@ impl Separator {
     }
 }
 
-/// The bytes of a text in UTF-8, or as they are where no mark says that it is UTF-16.
+/// Converts a text to UTF-8 if a mark declares it as UTF-16; returns other bytes unchanged.
 pub(crate) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     utf16(bytes).map_or(Cow::Borrowed(bytes), |text| Cow::Owned(text.into_bytes()))
 }
 
-/// The text without the mark that some programs put before UTF-8, and the byte that ends its lines.
+/// Removes the byte-order mark of UTF-8. Returns the text and the byte that ends its lines.
 pub(crate) fn lines(bytes: &[u8]) -> (&[u8], u8) {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     (bytes, if bytes.contains(&b'\n') { b'\n' } else { b'\r' })
 }
 
-/// What stands before the first row of numbers.
+/// Text before the first row of numbers.
 pub(crate) struct Head {
     pub(crate) header: Header,
-    /// Where the first row starts, and how many lines stand before it.
+    /// Offset of the first row, and number of lines before it.
     pub(crate) start: usize,
     pub(crate) lines: usize,
-    /// The first row without a comment.
+    /// First row without comment.
     pub(crate) first_row: Vec<u8>,
 }
 
 impl Head {
-    /// Reads lines up to the first row. Without a comment sign, only `key: value`, `key = value` and the keys of an ESRI
-    /// grid are header; `free` text is where the format allows any words.
+    /// Reads lines up to the first row. Without a comment sign, only `key: value`, `key = value` and the keys of an
+    /// ESRI grid belong to the header. With `free`, all words do.
     pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool) -> Self {
         let (mut head, mut lines) = (Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new() }, 0);
         for line in bytes.split(|&byte| byte == line_end) {
             let (row, comment) = line.split_at(rows::comment_start(line));
             if !row.trim_ascii().is_empty() || row.contains(&b'\t') {
-                let layout = Layout::new(Format::Text, Separator::of(row), COMMENT, line_end);
+                let layout = Layout::new(Format::Text, Separator::detect(row), COMMENT, line_end);
                 let words = utf8_or_latin1(row);
                 if layout.starts_with_value(row) || !free && !head.take_key(&words) {
                     head.first_row = row.to_vec();
@@ -162,7 +164,7 @@ impl Head {
         head
     }
 
-    /// Adds a line without a comment sign if it clearly is a key with its value.
+    /// Adds a line without a comment sign if it is a key with its value.
     fn take_key(&mut self, line: &str) -> bool {
         if let Some((key, value)) = line.trim().split_once([' ', '\t']).filter(|(key, _)| is_esri_key(key)) {
             self.header.insert(key, value.trim());
@@ -183,41 +185,35 @@ fn is_esri_key(key: &str) -> bool {
 /// Reads a matrix of heights.
 ///
 /// # Errors
-/// A field that is no number, rows of different length (naming the line), or no row at all.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// A field that is not a number, rows of different length (with the line), or no row.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
     let blocks = blocks(bytes, line_end);
     if blocks.len() < 2 {
         return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false), options);
     }
-    let heads: Vec<_> = blocks
-        .iter()
-        .map(|&(start, lines, end)| {
-            let head = Head::read(&bytes[start..end], line_end, false);
-            (&bytes[start..end], lines, head)
-        })
+    let mut maps: Vec<_> = blocks
+        .into_iter()
+        .map(|(start, lines, end)| (&bytes[start..end], lines, Head::read(&bytes[start..end], line_end, false)))
+        .filter(|(_, _, head)| head.header.may_be_heights())
         .collect();
-    let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| head.header.may_be_heights()).collect();
     let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
     if names.is_empty() {
-        return Err(FormatError::Unsupported {
-            format: Format::Text,
-            found: "the unit of no channel is a length".into(),
-            wanted: "a channel of heights",
-        });
+        let found = "the unit of no channel is a length";
+        return Err(FormatError::unsupported(Format::Text, found, "a channel of heights"));
     }
     let channel = options.choose(Format::Text, &names)?;
     let (block, lines, head) = maps.swap_remove(channel);
     Ok(read_block(block, line_end, lines, head, options)?.with_channels(names, channel))
 }
 
-/// Where the matrices of a file with several channels start and end, and the lines before each; empty for other files.
+/// Returns start, line number and end of each matrix of a file with several channels; empty for other files.
 fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
     let is_start = |line: &[u8]| line.strip_prefix(b"#").is_some_and(Header::names_channel);
     let (mut blocks, mut place): (Vec<(usize, usize, usize)>, usize) = (Vec::new(), 0);
     for (index, line) in bytes.split(|&byte| byte == line_end).enumerate() {
-        // Only a file that starts with a channel is looked through.
+        // Only files that start with a channel are searched.
         if line.first() == Some(&b'#') && blocks.len() < MAX_CHANNELS && is_start(line) {
             if let Some(last) = blocks.last_mut() {
                 last.2 = place;
@@ -232,15 +228,9 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 }
 
 /// Reads one matrix.
-fn read_block(
-    bytes: &[u8],
-    line_end: u8,
-    lines: usize,
-    head: Head,
-    options: &ReadOptions,
-) -> Result<Scan, FormatError> {
+fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &ReadOptions) -> Result<Scan> {
     let Head { mut header, start, lines: header_lines, first_row } = head;
-    let layout = Layout::new(Format::Text, Separator::of(&first_row), COMMENT, line_end);
+    let layout = Layout::new(Format::Text, Separator::detect(&first_row), COMMENT, line_end);
     let columns = layout.count(&first_row);
     let layout = match columns.filter(|_| !header.is_esri()) {
         Some(columns) => layout.with_columns(columns),
@@ -252,49 +242,39 @@ fn read_block(
     }
     let mut warnings = Vec::new();
     let mut shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
-    let separator = Separator::of(&first_row);
+    let separator = Separator::detect(&first_row);
     let is_corner_empty = separator != Separator::Space
         && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
     if is_corner_empty && header.shape().is_none() && has_labels(&table.values, shape) {
         table.values = unlabelled(&table.values, shape);
         shape = (shape.0 - 1, shape.1 - 1);
-        warnings.push("the first row and the first column step evenly: they were taken for labels and left out".into());
+        warnings.push("the first row and the first column step evenly: they count as labels and were left out".into());
     }
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");
     }
-    let meaning = header
-        .meaning(shape, options.height_unit.is_some())
+    let interpretation = header
+        .interpret(shape, options.height_unit.is_some())
         .map_err(|(key, value)| wrong_factor(bytes, line_end, lines, key, value))?;
-    meaning.apply(&mut table.values);
-    if let Some(unit) = &meaning.converted {
+    interpretation.apply(&mut table.values);
+    if let Some(unit) = &interpretation.converted {
         header.insert("converted", &format!("heights from {unit} to m"));
     }
-    warnings.extend(meaning.warnings);
-    let height_unit = meaning.unit;
+    warnings.extend(interpretation.warnings);
+    let height_unit = interpretation.unit;
     let heights_m = Array2::from_shape_vec(shape, table.values).map_err(|_| nothing())?;
-    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, meaning.pitch_m) })
+    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, interpretation.pitch_m) })
 }
 
-/// The shape of a table, without columns and rows that are not heights.
-fn shape(
-    header: &Header,
-    table: &mut Table,
-    columns: usize,
-    warnings: &mut Vec<String>,
-) -> Result<(usize, usize), FormatError> {
+/// Returns the shape of a table after removing columns and rows that are not heights.
+fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<String>) -> Result<(usize, usize)> {
     if table.values.is_empty() {
         return Err(nothing());
     }
     if let Some((ny, nx)) = header.shape().filter(|_| header.is_esri()) {
         if ny.checked_mul(nx) != Some(table.values.len()) {
-            return Err(FormatError::Field {
-                format: Format::Text,
-                field: "ncols × nrows".into(),
-                at: Location::Line(1),
-                found: format!("{nx} × {ny}"),
-                wanted: format!("{}, as many as there are values", table.values.len()),
-            });
+            let (found, wanted) = (format!("{nx} × {ny}"), format!("{}, the number of values", table.values.len()));
+            return Err(FormatError::field(Format::Text, "ncols × nrows", Location::Line(1), found, wanted));
         }
         return Ok((ny, nx));
     }
@@ -316,17 +296,16 @@ fn shape(
         rows /= 2;
     }
     if columns == 3 && rows >= POINT_LIST_ROWS && !header.states_pixels() {
-        warnings
-            .push(format!("a map of 3 columns and {rows} rows; a list of points x y z is not what this format holds"));
+        warnings.push(format!("a map of 3 columns and {rows} rows; a list of points x y z needs the extension .xyz"));
     }
     Ok((rows, columns))
 }
 
-/// Whether the first row and the first column step evenly, behind the corner.
+/// Returns whether the first row and the first column have equal steps after the corner.
 fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
     let steps_evenly = |labels: &[f64]| match labels {
         [] | [_] => false,
-        // Any two numbers do.
+        // Any two numbers have equal steps.
         [first, second] => matches!((*first, *second), (0.0, 1.0) | (1.0, 2.0)),
         [first, second, ..] => {
             let (step, tolerance) = (second - first, LABEL_TOLERANCE * (second - first).abs());
@@ -338,38 +317,28 @@ fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
     rows > 2 && columns > 2 && steps_evenly(&values[1..columns]) && steps_evenly(&column)
 }
 
-/// The values without the first row and the first column.
+/// Returns the values without the first row and the first column.
 fn unlabelled(values: &[f64], (_, columns): (usize, usize)) -> Vec<f64> {
     values.chunks_exact(columns).skip(1).flat_map(|row| &row[1..]).copied().collect()
 }
 
-/// The error for a conversion factor that gives no heights, in a text that starts behind so many lines.
+/// Returns the error for an invalid conversion factor in a text that starts after `lines` lines.
 fn wrong_factor(bytes: &[u8], line_end: u8, lines: usize, key: &str, value: &str) -> FormatError {
     let states = |line: &[u8]| {
         let line = utf8_or_latin1(line);
         line.split_once(key).is_some_and(|(_, rest)| rest.contains(value))
     };
     let line = bytes.split(|&byte| byte == line_end).position(states).unwrap_or_default();
-    FormatError::Field {
-        format: Format::Text,
-        field: shown(key),
-        at: Location::Line(lines + line + 1),
-        found: shown(value),
-        wanted: "a number other than 0 (a stated height unit replaces the factor)".into(),
-    }
+    let wanted = "a number other than 0 (a stated height unit replaces the factor)";
+    FormatError::field(Format::Text, shown(key), Location::Line(lines + line + 1), value, wanted)
 }
 
 fn nothing() -> FormatError {
-    FormatError::MissingField {
-        format: Format::Text,
-        field: "a row of numbers".into(),
-        at: Location::Line(1),
-        wanted: "one row of heights per line".into(),
-    }
+    FormatError::missing(Format::Text, "a row of numbers", Location::Line(1), "one row of heights per line")
 }
 
-impl Meaning {
-    /// Turns numbers into heights in metre.
+impl Interpretation {
+    /// Converts numbers to heights in metre.
     fn apply(&self, values: &mut [f64]) {
         let Self { factor, per_metre, no_data, .. } = *self;
         if let Some(no_data) = no_data {

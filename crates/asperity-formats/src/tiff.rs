@@ -1,9 +1,9 @@
-//! TIFF with one number per point: grey images, of which every page is a map.
+//! TIFF with one number per point: grey images. Every page is a map.
 //!
-//! Floating-point numbers are heights in metre. Integers are counts, which have no unit: they are taken in metre, with a
-//! warning. Where ImageJ's description states a unit of the values (`vunit`) it holds, with the straight line of the
-//! calibration (`cf=0`, `c0`, `c1`). The numbers are taken as they stand, whichever of black and white
-//! PhotometricInterpretation calls zero: that is about showing them.
+//! Floating-point numbers are heights in metre. Integers are counts without a unit; they count as metre, with a
+//! warning. If ImageJ's description states a unit of the values (`vunit`), that unit applies, with the straight line
+//! of the calibration (`cf=0`, `c0`, `c1`). PhotometricInterpretation has no effect on the numbers: it only defines
+//! whether zero is shown black or white.
 //!
 //! The distance between points comes from the first of: OME-XML (`PhysicalSizeX`, `PhysicalSizeXUnit`), ImageJ's
 //! description (`unit`) with XResolution as points per unit, XResolution with ResolutionUnit inch or centimetre.
@@ -37,7 +37,7 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// The fields that are read, by their names in the specification.
+/// Supported fields, by their names in the specification.
 mod tag {
     use super::directory::Tag;
 
@@ -48,7 +48,6 @@ mod tag {
     pub(super) const COMPRESSION: Tag = Tag(259, "Compression");
     pub(super) const PHOTOMETRIC: Tag = Tag(262, "PhotometricInterpretation");
     pub(super) const FILL_ORDER: Tag = Tag(266, "FillOrder");
-    pub(super) const DOCUMENT_NAME: Tag = Tag(269, "DocumentName");
     pub(super) const IMAGE_DESCRIPTION: Tag = Tag(270, "ImageDescription");
     pub(super) const MAKE: Tag = Tag(271, "Make");
     pub(super) const MODEL: Tag = Tag(272, "Model");
@@ -61,16 +60,11 @@ mod tag {
     pub(super) const Y_RESOLUTION: Tag = Tag(283, "YResolution");
     pub(super) const PAGE_NAME: Tag = Tag(285, "PageName");
     pub(super) const RESOLUTION_UNIT: Tag = Tag(296, "ResolutionUnit");
-    pub(super) const SOFTWARE: Tag = Tag(305, "Software");
-    pub(super) const DATE_TIME: Tag = Tag(306, "DateTime");
-    pub(super) const ARTIST: Tag = Tag(315, "Artist");
-    pub(super) const HOST_COMPUTER: Tag = Tag(316, "HostComputer");
     pub(super) const PREDICTOR: Tag = Tag(317, "Predictor");
     pub(super) const TILE_WIDTH: Tag = Tag(322, "TileWidth");
     pub(super) const TILE_LENGTH: Tag = Tag(323, "TileLength");
     pub(super) const TILE_OFFSETS: Tag = Tag(324, "TileOffsets");
     pub(super) const TILE_BYTE_COUNTS: Tag = Tag(325, "TileByteCounts");
     pub(super) const SAMPLE_FORMAT: Tag = Tag(339, "SampleFormat");
-    pub(super) const COPYRIGHT: Tag = Tag(33432, "Copyright");
     pub(super) const GDAL_NODATA: Tag = Tag(42113, "GDAL_NODATA");
 }

@@ -1,14 +1,15 @@
-//! Units of length as instrument files spell them.
+//! Units of length as spelt in instrument files.
 
+use crate::error::Result;
 use std::str::FromStr;
 
 use crate::FormatError;
 
-/// How often a unit of length goes into a metre, `None` for what is no length.
+/// Returns the number of units per metre; `None` if the text is not a unit of length.
 ///
-/// Dividing by it is exact to the last place where multiplying by its inverse is not. The micro sign occurs as U+00B5
+/// Division by it is exact in the last place, multiplication by its inverse is not. The micro sign occurs as U+00B5
 /// and U+03BC, in UTF-8 read as Latin-1, and in the DOS code pages. `A` is the ampere: programs of probe microscopes
-/// state it of maps of a current.
+/// state it for maps of a current.
 pub(crate) fn per_metre(unit: &str) -> Option<f64> {
     match unit {
         "m" | "meter" | "metre" | "meters" | "metres" => Some(1.0),
@@ -26,13 +27,13 @@ pub(crate) fn per_metre(unit: &str) -> Option<f64> {
     }
 }
 
-/// The usual name of a unit that goes so often into a metre.
+/// Returns the usual name of a unit, given the number of units per metre.
 pub(crate) fn name(unit_per_metre: f64) -> Option<&'static str> {
     let names = ["m", "dm", "cm", "mm", "um", "nm", "pm", "angstrom", "in", "mil"];
     names.into_iter().find(|name| per_metre(name) == Some(unit_per_metre))
 }
 
-/// A length for a message: four digits, in a unit that makes it 1 or more.
+/// Formats a length for a message: four digits, in a unit that makes it 1 or more.
 pub(crate) fn in_words(length_m: f64) -> String {
     let units = [("m", 1.0), ("mm", 1e3), ("µm", 1e6), ("nm", 1e9), ("pm", 1e12)];
     let rounded = |per_metre: f64| format!("{:.3e}", length_m * per_metre).parse::<f64>().unwrap_or(f64::NAN);
@@ -40,7 +41,7 @@ pub(crate) fn in_words(length_m: f64) -> String {
     found.map_or_else(|| format!("{length_m:e} m"), |(name, per_metre)| format!("{} {name}", rounded(per_metre)))
 }
 
-/// A unit of length, as a user states it.
+/// Unit of length stated by a user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LengthUnit {
     name: String,
@@ -48,12 +49,12 @@ pub struct LengthUnit {
 }
 
 impl LengthUnit {
-    /// The unit as it was spelt.
+    /// Returns the unit as it was spelt.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// How often the unit goes into a metre.
+    /// Returns the number of units per metre.
     pub(crate) fn per_metre(&self) -> f64 {
         self.per_metre
     }
@@ -62,7 +63,7 @@ impl LengthUnit {
 impl FromStr for LengthUnit {
     type Err = FormatError;
 
-    fn from_str(text: &str) -> Result<Self, FormatError> {
+    fn from_str(text: &str) -> Result<Self> {
         let name = text.trim();
         let unknown = || FormatError::UnknownUnit { unit: name.into() };
         Ok(Self { name: name.into(), per_metre: per_metre(name).ok_or_else(unknown)? })

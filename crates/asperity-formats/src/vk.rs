@@ -1,22 +1,23 @@
 //! Keyence VK3, VK4, VK6, VK7 of laser scanning microscopes.
 //!
-//! VK3 and VK4 are one layout ([`vk4`]). VK6 and VK7 are `VK6` or `VK7`, the size of a preview as u32, the preview as
-//! BMP, and a zip archive that holds a whole VK4 file under the name `Vk4File`.
+//! VK3 and VK4 share one layout ([`vk4`]). VK6 and VK7 consist of `VK6` or `VK7`, the size of a preview as u32, the
+//! preview as BMP, and a zip archive with a whole VK4 file under the name `Vk4File`.
 //!
-//! `Vk6ImageData` in that archive is an archive of its own. Its `ErrorImageData` marks points at which the instrument
-//! found no height. VK3 and VK4 have no such marks: programs that take 0 or the highest number for one contradict each
-//! other, so heights of 0 are told and kept.
+//! `Vk6ImageData` in that archive is another archive. Its `ErrorImageData` marks points at which the instrument found
+//! no height. VK3 and VK4 have no such marks: programs disagree on whether 0 or the highest number is one, so heights
+//! of 0 are kept, with a warning.
 
 mod conditions;
 mod metadata;
 mod vk4;
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -36,19 +37,19 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Where the size of the preview stands, after `VK6`.
+/// Offset of the size of the preview, after `VK6`.
 const PREVIEW_SIZE: usize = 3;
-/// Where the preview starts.
+/// Offset of the preview.
 const PREVIEW: usize = 7;
 /// First bytes of the preview.
 const BITMAP: &[u8] = b"BM";
-/// The file of the archive that holds the heights.
+/// File of the archive with the heights.
 const HEIGHTS: &str = "Vk4File";
-/// The file of the archive that is an archive of images.
+/// File of the archive that is an archive of images.
 const IMAGES: &str = "Vk6ImageData";
-/// The image of points without a height.
+/// Image of points without a height.
 const ERRORS: &str = "ErrorImageData";
-/// Bytes before the rows of such an image.
+/// Size in bytes of the header of such an image.
 const ERRORS_HEADER_BYTES: usize = 16;
 
 fn detect(bytes: &[u8]) -> bool {
@@ -59,8 +60,8 @@ fn detect(bytes: &[u8]) -> bool {
 /// Reads a layer of heights.
 ///
 /// # Errors
-/// Archives without a VK4 file, files without heights, and headers that the bytes cannot bear out.
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Archives without a VK4 file, files without heights, and sizes beyond the end of the file.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Vk, bytes);
     if vk4::detect(bytes) {
         return vk4::read(input, options);
@@ -74,7 +75,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     if archive.contains(IMAGES) {
         let warning = match mark_missing(&mut archive, &mut scan.heights_m) {
             Ok(0) => None,
-            Ok(marked) => Some(format!("{marked} points are marked in {ERRORS}; they were taken for missing")),
+            Ok(marked) => Some(format!("{marked} points are marked in {ERRORS}; they count as missing")),
             Err(error) => Some(format!("{ERRORS} was left out: {error}")),
         };
         scan.warnings.extend(warning);
@@ -82,15 +83,15 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     Ok(scan)
 }
 
-/// Makes heights NaN where the image of errors is not 0; how many.
-fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<usize, FormatError> {
+/// Sets heights to NaN where the image of errors is not 0. Returns their number.
+fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<usize> {
     let images = archive.read_whole(IMAGES, u64::MAX)?;
     let mut images = Archive::open(Format::Vk, &images)?;
     if !images.contains(ERRORS) {
         return Ok(0);
     }
     let (ny, nx) = heights_m.dim();
-    // No more than rows twice as long as they need to be.
+    // Rows may be up to twice as long as necessary.
     let limit = ERRORS_HEADER_BYTES as u64 + 2 * heights_m.len() as u64;
     let content = images.read_whole(ERRORS, limit)?;
     let input = Input::entry(Format::Vk, ERRORS, &content);

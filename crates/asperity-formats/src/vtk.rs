@@ -1,9 +1,10 @@
 //! VTK image data (`.vti`), for ParaView and other programs that show fields.
 //!
-//! Heights are point data on a grid with the scan's pitch as spacing, little-endian numbers in base64 inside of the XML.
-//! VTK's y points up, a scan's rows run down: the scan's last row is y = 0.
-//! Layout: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
+//! Heights are point data on a grid with the pitch of the scan as spacing, little-endian numbers in base64 inside the
+//! XML. In VTK y points up, but the rows of a scan run down: the last row of the scan is y = 0. Layout:
+//! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
+use crate::error::Result;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
@@ -13,6 +14,7 @@ use quick_xml::escape::escape;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::sample::stored;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -35,35 +37,28 @@ pub(crate) const CODEC: Codec = Codec {
     write: Some(write_vtk),
 };
 
-/// The bit of vtkGhostType that hides a point.
+/// Bit of vtkGhostType that hides a point.
 const HIDDEN_POINT: u8 = 2;
 
-/// The scan as a VTK image for ParaView. Equal scans give equal bytes.
+/// Writes a scan as a VTK image for ParaView. Equal scans give equal bytes.
 ///
-/// The point data are `height_m`, NaN where missing, and, where points are missing, the masks `missing` (1) and
-/// `vtkGhostType`, by which VTK hides them. The metadata are texts in the field data.
+/// The point data are `height_m`, NaN for missing points. If points are missing, the masks `missing` (1) and
+/// `vtkGhostType`, which hides them in VTK, are added. The metadata are texts in the field data.
 ///
 /// # Errors
-/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with a pixel
-/// size that is none.
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with an
+/// invalid pixel size.
 pub fn write_vtk(scan: &Scan) -> Result<Vec<u8>, FormatError> {
-    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Vtk })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
-    if [dx_m, dy_m].iter().any(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
-        return Err(not_storable(format!("a pixel size of {dx_m} × {dy_m} m"), "positive numbers"));
-    }
+    let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Vtk)?;
     let extent = format!("0 {} 0 {} 0 0", nx - 1, ny - 1);
     let upwards = || scan.heights_m.rows().into_iter().rev().flatten();
-    let mut data = array("Float64", "height_m", nx * ny, upwards().map(|z| finite(*z).to_le_bytes()))?;
+    let mut data = array("Float64", "height_m", nx * ny, upwards().map(stored))?;
     if scan.missing_points() > 0 {
         let mask = |value: u8| upwards().map(move |z| [if z.is_finite() { 0 } else { value }]);
         data += &array("UInt8", "missing", nx * ny, mask(1))?;
         data += &array("UInt8", "vtkGhostType", nx * ny, mask(HIDDEN_POINT))?;
     }
-    // One layer has no thickness; VTK wants a spacing all the same.
+    // A single layer has no thickness, but VTK requires a spacing.
     Ok(format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
 <VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
@@ -82,33 +77,29 @@ pub fn write_vtk(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     .into_bytes())
 }
 
-fn finite(z: f64) -> f64 {
-    if z.is_finite() { z } else { f64::NAN }
-}
-
-/// An array of `count` numbers of `N` bytes each, behind their size in bytes.
+/// Returns an array of `count` numbers of `N` bytes each, after its size in bytes.
 fn array<const N: usize>(
     kind: &str,
     name: &str,
     count: usize,
     numbers: impl Iterator<Item = [u8; N]>,
-) -> Result<String, FormatError> {
+) -> Result<String> {
     let mut encoder = EncoderStringWriter::new(&STANDARD);
     let written = encoder
         .write_all(&((count * N) as u64).to_le_bytes())
         .and_then(|()| numbers.into_iter().try_for_each(|number| encoder.write_all(&number)));
-    written.map_err(|_| not_storable("an array".into(), "numbers as base64"))?;
+    written.map_err(|_| FormatError::not_storable(Format::Vtk, "an array", "numbers as base64"))?;
     Ok(format!(
         "        <DataArray type=\"{kind}\" Name=\"{name}\" format=\"binary\">{}</DataArray>\n",
         encoder.into_inner()
     ))
 }
 
-/// The metadata, each text as the codes of its bytes with a zero after them.
+/// Returns the metadata, each text as the codes of its bytes with a zero after them.
 fn texts(scan: &Scan) -> String {
     let mut fields = String::new();
     for (name, text) in &scan.metadata {
-        // XML 1.0 has no place for other control characters, not even escaped.
+        // XML 1.0 does not allow other control characters, even escaped.
         let name: String = name.chars().filter(|c| !c.is_control()).collect();
         let _ = write!(
             fields,
@@ -122,8 +113,4 @@ fn texts(scan: &Scan) -> String {
         fields.push_str("0</Array>\n");
     }
     fields
-}
-
-fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::Vtk, found, wanted }
 }

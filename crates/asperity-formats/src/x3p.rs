@@ -1,18 +1,18 @@
 //! X3P, the open format of ISO 25178-72 (first published as ISO 5436-2): a zip archive of `main.xml`, which describes
-//! the measurement, and binary files with the heights and, where the number type has no NaN, with one validity bit per
-//! point.
+//! the measurement, and binary files with the heights. Number types without NaN have a further file with one validity
+//! bit per point.
 //!
-//! A stored number n on the z axis is the height n·increment + offset in metre; x varies fastest, then y, then the
-//! layer. Lengths are metre by the standard. The increment of an axis is the distance between its points. Schema and
-//! sample files: <https://www.opengps.eu>.
+//! A stored number n on the z axis is the height n·increment + offset in metre. x varies fastest, then y, then the
+//! layer. By the standard, lengths are in metre. The increment of an axis is the distance between its points. Schema
+//! and sample files: <https://www.opengps.eu>.
 //!
-//! The schema names the number types int16 (I), int32 (L), float32 (F) and float64 (D): the integers are signed, and the
-//! sample of openGPS whose binary form has a text form beside it holds −308 as an int16 of 0xFECC. Readers that take them
-//! for unsigned agree only from 0 on.
+//! The schema defines the number types int16 (I), int32 (L), float32 (F) and float64 (D). The integers are signed:
+//! the sample of openGPS that exists in binary and in text form holds −308 as an int16 of 0xFECC. Readers that take
+//! them as unsigned agree only for numbers from 0 on.
 //!
-//! Row 0 of a scan is the first stored line. In the right-handed coordinates of ISO 25178-72 y grows from line to line,
-//! which seen from above puts the first line at the bottom; in ISO 5436-2 counting started at the top left. A file does
-//! not tell which of them its writer had in mind, since both revisions of the format call themselves `ISO5436 - 2000`.
+//! Row 0 of a scan is the first stored line. In the right-handed coordinates of ISO 25178-72 y grows from line to
+//! line, so that the first line is at the bottom in a view from above; in ISO 5436-2 counting started at the top
+//! left. Both revisions of the format call themselves `ISO5436 - 2000`, so a file does not reveal its revision.
 //! Gwyddion and x3ptools show the first line at the top.
 
 mod read;
@@ -45,13 +45,13 @@ pub(crate) const CODEC: Codec = Codec {
 /// First bytes of a zip archive.
 pub(crate) const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 
-/// Bytes at either end of an archive where the name of `main.xml` is looked for: the directory is at its end, and an
-/// archive that was cut off has headers at its start.
+/// Number of bytes at either end of an archive that are searched for the name of `main.xml`. The directory is at the
+/// end, and an incomplete archive has headers at its start.
 const SEARCHED_BYTES: usize = 1 << 18;
-/// Bytes from the signature of a header in the directory of an archive, and of one before a file, to the name.
+/// Signature of a header in the directory and of a header before a file, each with the offset of the name.
 const NAME_OFFSETS: [(&[u8], usize); 2] = [(b"PK\x01\x02", 46), (b"PK\x03\x04", 30)];
 
-/// Zip archives with a file `main.xml`, in a folder or not.
+/// Returns whether bytes are a zip archive with a file `main.xml`, in a folder or not.
 fn detect(bytes: &[u8]) -> bool {
     let is_named_main = |part: &[u8], at: usize| {
         let is_in_folder = at > 0 && matches!(part[at - 1], b'/' | b'\\');
@@ -68,20 +68,20 @@ fn detect(bytes: &[u8]) -> bool {
     bytes.starts_with(ZIP_MAGIC) && (holds_main(&bytes[..head]) || holds_main(&bytes[tail..]))
 }
 
-/// The file of the archive that describes all others.
+/// File of the archive that describes all others.
 const MAIN: &str = "main.xml";
-/// The file with the checksum of `main.xml`, unless `main.xml` names another.
+/// File with the checksum of `main.xml`, unless `main.xml` names another.
 const CHECKSUM: &str = "md5checksum.hex";
-/// Where heights are written.
+/// File of the heights in written archives.
 const POINT_DATA: &str = "bindata/data.bin";
-/// Where validity bits are written.
+/// File of the validity bits in written archives.
 const VALID_POINTS: &str = "bindata/valid.bin";
 
 /// Paths of elements below the root of `main.xml`, by local names.
 mod path {
     pub(super) const FEATURE_TYPE: &str = "Record1/FeatureType";
     pub(super) const AXES: &str = "Record1/Axes";
-    /// Not in the standard; written by some programs.
+    /// Element outside the standard that some programs write.
     pub(super) const ORIGIN: &str = "Record1/Axes/Origin";
     pub(super) const MANUFACTURER: &str = "Record2/Instrument/Manufacturer";
     pub(super) const SIZE_X: &str = "Record3/MatrixDimension/SizeX";
@@ -96,30 +96,27 @@ mod path {
     pub(super) const CHECKSUM_FILE: &str = "Record4/ChecksumFile";
 }
 
-/// How heights are stored in a file that is written.
+/// Number type of the heights in a file to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum X3pData {
-    /// 32768 steps from the lowest to the highest height, so each is off by at most half a step; missing points in
-    /// `valid.bin`. The stored numbers are 0 to 32767: readers that take this type for unsigned read them rightly too.
+    /// 32768 steps from the lowest to the highest height, with an error of at most half a step; missing points in
+    /// `valid.bin`. The stored numbers are 0 to 32767, so that readers that take the type as unsigned read them
+    /// correctly.
     Int16,
-    /// `f32`, NaN where missing.
+    /// `f32`; NaN for missing points.
     Float32,
-    /// `f64`, NaN where missing.
+    /// `f64`; NaN for missing points.
     #[default]
     Float64,
 }
 
 impl X3pData {
-    /// The letter of the type in `main.xml`.
+    /// Returns the letter of the type in `main.xml`.
     fn letter(self) -> &'static str {
-        match self {
-            Self::Int16 => "I",
-            Self::Float32 => "F",
-            Self::Float64 => "D",
-        }
+        SAMPLES.iter().find(|(_, sample)| *sample == self.sample()).map_or("D", |(letter, _)| letter)
     }
 
-    /// The type itself.
+    /// Returns the number type.
     fn sample(self) -> Sample {
         match self {
             Self::Int16 => Sample::I16,
@@ -129,13 +126,10 @@ impl X3pData {
     }
 }
 
-/// The number type behind a letter of `main.xml`; both integers are signed.
+/// Letters of the number types in `main.xml`. Both integers are signed.
+const SAMPLES: [(&str, Sample); 4] = [("I", Sample::I16), ("L", Sample::I32), ("F", Sample::F32), ("D", Sample::F64)];
+
+/// Returns the number type of a letter in `main.xml`.
 fn sample(letter: &str) -> Option<Sample> {
-    match letter {
-        "I" => Some(Sample::I16),
-        "L" => Some(Sample::I32),
-        "F" => Some(Sample::F32),
-        "D" => Some(Sample::F64),
-        _ => None,
-    }
+    SAMPLES.into_iter().find(|(known, _)| *known == letter).map(|(_, sample)| sample)
 }

@@ -1,6 +1,7 @@
-//! An XML description as a flat table: the path of every element that holds text, by local names, so that namespace
-//! prefixes and their absence do not matter.
+//! XML descriptions as flat tables: the path of every element that holds text, by local names, so that namespace
+//! prefixes have no effect.
 
+use crate::error::{Result, shown};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -9,35 +10,36 @@ use quick_xml::errors::{Error, IllFormedError};
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
-use crate::error::shown;
 use crate::input::{MAX_TEXT_BYTES, utf16};
+use crate::scan::{Shape, shape};
 use crate::{Format, FormatError, Location};
 
-/// Elements inside each other; descriptions of instruments need about five.
+/// Maximum depth of elements. Descriptions of instruments need about five.
 const MAX_DEPTH: usize = 32;
-/// Bytes of the names of all elements that are open at one place.
+/// Maximum number of bytes of the names of all open elements.
 const MAX_PATH_BYTES: usize = 1 << 10;
-/// Elements of different paths; descriptions of instruments need hundreds.
+/// Maximum number of elements with different paths. Descriptions of instruments need hundreds.
 const MAX_VALUES: usize = 1 << 14;
 
-/// The text of one element and where it ends.
+/// Text of an element, and the offset of its end.
 pub(crate) struct Value {
     pub(crate) text: String,
     pub(crate) offset: u64,
 }
 
-/// The elements of a description.
+/// Elements of a description.
 pub(crate) struct Document {
     format: Format,
     /// Name of the file inside the archive.
     entry: &'static str,
-    /// Path of the elements that make up a list of numbers.
+    /// Path of the elements that form a list of numbers.
     list_path: &'static str,
-    /// Text by path below the root element; texts of equal path are joined by line ends.
+    /// Texts by path below the root element. Texts with equal paths are joined by line ends.
     pub(crate) values: BTreeMap<String, Value>,
-    /// The numbers at `list_path`, NaN for empty ones; `None` when there are none.
+    /// Numbers at `list_path`, NaN for empty elements; `None` if there are none.
     pub(crate) list: Option<Vec<f64>>,
-    /// The first text at `list_path` that is no number. It is an error only where the list is used: point clouds list points.
+    /// First text at `list_path` that is not a number. It is an error only if the list is used: point clouds list
+    /// points.
     pub(crate) wrong_datum: Option<Value>,
 }
 
@@ -55,23 +57,18 @@ fn fault(error: &Error) -> String {
 }
 
 impl Document {
-    /// Takes the elements out of the bytes of a file in an archive.
+    /// Parses a file in an archive.
     ///
-    /// The texts of elements at `list_path` are read as numbers, so that lists of millions cost no more than they must.
+    /// The texts of elements at `list_path` are parsed as numbers, so that lists of millions take little memory.
     ///
     /// # Errors
-    /// XML that is not well-formed, nested too deep, or that uses entities of its own.
-    pub(crate) fn parse(
-        format: Format,
-        entry: &'static str,
-        bytes: &[u8],
-        list_path: &'static str,
-    ) -> Result<Self, FormatError> {
+    /// XML that is not well-formed, is nested too deep, or uses custom entities.
+    pub(crate) fn parse(format: Format, entry: &'static str, bytes: &[u8], list_path: &'static str) -> Result<Self> {
         let text = decode(bytes);
         let mut reader = Reader::from_str(&text);
         reader.config_mut().expand_empty_elements = true;
         let mut document = Self { format, entry, list_path, values: BTreeMap::new(), list: None, wrong_datum: None };
-        // Names of the open elements below the root, joined, and the lengths to cut back to.
+        // Joined names of the open elements below the root, and the lengths to truncate to.
         let (mut open, mut lengths) = (String::new(), Vec::new());
         let (mut content, mut is_leaf) = (String::new(), false);
         loop {
@@ -93,7 +90,7 @@ impl Document {
                         }
                         open.push_str(start.local_name().into_inner());
                     }
-                    // Every path is kept: long ones around many elements would take far more memory than their text.
+                    // All paths are stored: long paths of many elements would take far more memory than their texts.
                     if open.len() > MAX_PATH_BYTES {
                         let reason = format!("names of more than {MAX_PATH_BYTES} bytes inside each other");
                         return Err(damaged(reason, reader.buffer_position()));
@@ -130,7 +127,7 @@ impl Document {
         }
     }
 
-    fn add(&mut self, path: &str, text: &str, offset: u64) -> Result<(), FormatError> {
+    fn add(&mut self, path: &str, text: &str, offset: u64) -> Result<()> {
         if path == self.list_path {
             let datum = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
             if datum.is_none() {
@@ -156,18 +153,18 @@ impl Document {
         Ok(())
     }
 
-    /// The text of an element, `None` when it is empty or absent.
+    /// Returns the text of an element; `None` if it is empty or absent.
     pub(crate) fn text(&self, path: &str) -> Option<&str> {
         self.values.get(path).map(|value| value.text.as_str())
     }
 
-    /// The text of an element that must be there.
-    pub(crate) fn required(&self, path: &str, wanted: &str) -> Result<&Value, FormatError> {
+    /// Returns the text of a required element.
+    pub(crate) fn required(&self, path: &str, wanted: &str) -> Result<&Value> {
         self.values.get(path).ok_or_else(|| self.missing(path, wanted))
     }
 
-    /// A finite number, `None` when its element is empty or absent.
-    pub(crate) fn number(&self, path: &str) -> Result<Option<f64>, FormatError> {
+    /// Returns a finite number; `None` if the element is empty or absent.
+    pub(crate) fn number(&self, path: &str) -> Result<Option<f64>> {
         let Some(Value { text, offset }) = self.values.get(path) else { return Ok(None) };
         match text.parse() {
             Ok(number) if f64::is_finite(number) => Ok(Some(number)),
@@ -175,43 +172,43 @@ impl Document {
         }
     }
 
-    /// A whole number that must be there.
-    pub(crate) fn integer(&self, path: &str) -> Result<(i64, u64), FormatError> {
+    /// Returns a required whole number, and its offset.
+    pub(crate) fn integer(&self, path: &str) -> Result<(i64, u64)> {
         let wanted = "a whole number";
         let Value { text, offset } = self.required(path, wanted)?;
         let number = text.parse().map_err(|_| self.wrong(path, text, *offset, wanted))?;
         Ok((number, *offset))
     }
 
-    /// The place of an element.
+    /// Returns the checked shape of a map from the elements that state its rows and its columns.
+    pub(crate) fn shape(&self, rows: &str, columns: &str) -> Result<Shape> {
+        let [(ny, ny_at), (nx, nx_at)] = [self.integer(rows)?, self.integer(columns)?];
+        shape(self.format, (rows, self.at(ny_at), ny), (columns, self.at(nx_at), nx))
+    }
+
+    /// Returns the place of an element.
     pub(crate) fn at(&self, offset: u64) -> Location {
         Location::Entry { entry: self.entry.into(), offset }
     }
 
-    /// The error for an element that is not there.
+    /// Returns the error for an absent element.
     pub(crate) fn missing(&self, path: &str, wanted: &str) -> FormatError {
-        FormatError::MissingField { format: self.format, field: path.into(), at: self.at(0), wanted: wanted.into() }
+        FormatError::missing(self.format, path, self.at(0), wanted)
     }
 
-    /// The error for an element whose text cannot be right.
+    /// Returns the error for an element whose text is invalid.
     pub(crate) fn wrong(&self, path: &str, found: &str, offset: u64, wanted: &str) -> FormatError {
-        FormatError::Field {
-            format: self.format,
-            field: path.into(),
-            at: self.at(offset),
-            found: shown(found),
-            wanted: wanted.into(),
-        }
+        FormatError::field(self.format, path, self.at(offset), found, wanted)
     }
 }
 
-/// Adds to a text as much as is kept of it.
+/// Appends text up to the limit of [`MAX_TEXT_BYTES`].
 fn append(text: &mut String, more: &str) {
     let room = MAX_TEXT_BYTES.saturating_sub(text.len());
     text.push_str(&more[..more.floor_char_boundary(room)]);
 }
 
-/// The text of a character reference or a predefined entity.
+/// Resolves a character reference or a predefined entity.
 fn resolve(reference: &BytesRef) -> Option<String> {
     match reference.resolve_char_ref() {
         Ok(Some(character)) => Some(character.into()),
@@ -219,7 +216,7 @@ fn resolve(reference: &BytesRef) -> Option<String> {
     }
 }
 
-/// XML text from bytes: UTF-16 by its byte-order mark, UTF-8, and Latin-1 for what is not UTF-8.
+/// Decodes XML text: UTF-16 with a byte-order mark, UTF-8, or else Latin-1.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some(text) = utf16(bytes) {
         return Cow::Owned(text);
@@ -227,7 +224,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     std::str::from_utf8(bytes).map_or_else(
         |_| {
-            // Two bytes at most for each; growing by doubling would take more.
+            // A character takes at most two bytes. Growth by doubling would take more memory.
             let mut text = String::with_capacity(2 * bytes.len());
             text.extend(bytes.iter().map(|&byte| char::from(byte)));
             Cow::Owned(text)

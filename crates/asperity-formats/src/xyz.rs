@@ -1,20 +1,22 @@
 //! Points x, y, z on a grid as text, one point per line, and the XYZ files of Zygo.
 //!
-//! Points follow each other along x or along y, in either direction. The grid is found from the coordinates: a point
-//! may lie beside its grid point by [a quarter of a step](grid::TOLERANCE), which leaves room for the rounding of
-//! coarse digits and for the jitter of a stage. Grid points without a point are missing, as are heights `nan`, `BAD`
-//! and `No Data`; points that would leave three of four grid points empty are refused, as two points in one place are.
+//! Points follow each other along x or along y, in either direction. The reader determines the grid from the
+//! coordinates. A point may differ from its grid point by [a quarter of a step](grid::TOLERANCE), which allows for
+//! the rounding of coarse digits and for the jitter of a stage. Missing are grid points without a point, and heights
+//! `nan`, `BAD` and `No Data`. Lists that leave three of four grid points empty are refused, and so are two points on
+//! one grid point.
 //!
-//! y points down, as in SUR files and in those of Zygo: the smallest y is row 0. Units stand in a header: `x [mm] y [mm] z [um]`, `mm, mm, um`, or keys such
-//! as `unit: um` and `z unit: nm`. Without one, all coordinates are in metre, which a spacing beyond a millimetre makes
-//! doubtful.
+//! y points down, as in SUR and Zygo files: the smallest y is row 0. Units are in a header: `x [mm] y [mm] z [um]`,
+//! `mm, mm, um`, or keys such as `unit: um` and `z unit: nm`. Without units, all coordinates are in metre, with a
+//! warning for a spacing above a millimetre.
 //!
 //! A Zygo file starts with 13 lines and `#`. Its x and y count pixels from the upper left corner, heights are in
-//! micrometre, and the header states the pixel size in metre.
-//! (Zygo, *MetroPro Reference Guide* OMP-0347, appendix B.)
+//! micrometre, and the header states the pixel size in metre. (Zygo, *MetroPro Reference Guide* OMP-0347, appendix
+//! B.)
 
 mod grid;
 
+use crate::error::Result;
 use ndarray::Array2;
 
 use crate::codec::{Codec, Description, Tested};
@@ -47,19 +49,19 @@ pub(crate) const CODEC: Codec = Codec {
 const XYZ: [&str; 3] = ["x", "y", "z"];
 /// First bytes of a Zygo file.
 const ZYGO: &[u8] = b"Zygo XYZ Data File";
-/// Steps between lines are longer than so many usual steps across a line, which are jitter or none.
+/// Ratio of a step between lines to the usual step across a line, which is jitter or zero.
 const JITTER: f64 = 4.0;
-/// Steps along a line that outweigh one that breaks the grid.
+/// Number of steps along a line that outweigh one against the grid.
 const AGAINST: usize = 4;
-/// Points of the probe that must step along a line where no second line is in sight.
+/// Minimum number of steps along a line if the probe contains no second line.
 const MIN_STEPS: usize = 8;
-/// Spacing beyond which coordinates are not likely to be metre.
+/// Spacing above which coordinates are unlikely to be in metre.
 const MAX_PLAUSIBLE_M: f64 = 1e-3;
 
-/// Whether the header names three columns x, y and z, or the first lines are points of a grid: along the lines one of the
-/// first two values steps and the other stays.
+/// Returns whether the header names three columns x, y and z, or the first lines are points of a grid: along a line
+/// one of the first two values changes in steps and the other stays constant.
 ///
-/// A map with three columns of heights does not do that.
+/// Maps with three columns of heights do not have this pattern.
 fn detect(bytes: &[u8]) -> bool {
     if bytes.starts_with(ZYGO) {
         return true;
@@ -70,7 +72,7 @@ fn detect(bytes: &[u8]) -> bool {
     let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
     let (probe, line_end) = lines(&probe);
     let whole = bytes.len() <= TEXT_PROBE;
-    // The last line of a longer text is cut.
+    // The last line of a longer text is incomplete.
     let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
     let head = Head::read(&probe[..end], line_end, true);
     let layout = layout(&head.first_row, line_end);
@@ -81,7 +83,8 @@ fn detect(bytes: &[u8]) -> bool {
     names_points(before) || rows::read(points, &layout, 0).is_ok_and(|table| steps_like_a_grid(&table.values, whole))
 }
 
-/// Whether a line of a header names the columns x, y and z, with or without units: `x [um] y [um] z [um]` or `X;Y;Z`.
+/// Returns whether a line of the header names the columns x, y and z, with or without units: `x [um] y [um] z [um]`
+/// or `X;Y;Z`.
 fn names_points(head: &[u8]) -> bool {
     utf8_or_latin1(head).lines().any(|line| {
         let words = line.split([' ', '\t', ',', ';', ':', '#', '%', '"']).filter(|word| unit(word).is_none());
@@ -95,7 +98,7 @@ fn names_points(head: &[u8]) -> bool {
 }
 
 fn layout(first_row: &[u8], line_end: u8) -> Layout {
-    Layout::new(Format::Xyz, Separator::of(first_row), COMMENT, line_end).with_columns(3)
+    Layout::new(Format::Xyz, Separator::detect(first_row), COMMENT, line_end).with_columns(3)
 }
 
 fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
@@ -114,7 +117,7 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
             continue;
         }
         let goes_on = fast_step.abs() >= 0.5 * usual[fast] && fast_step * direction >= 0.0 && fast_step != 0.0;
-        // Where lines lie closer than the points on them, only the turn tells that a new one starts.
+        // If lines are closer than the points on them, only a change of direction shows the start of a new line.
         let is_far = slow_step.abs() > TOLERANCE * usual[fast];
         if is_far || !goes_on && slow_step.abs() > JITTER * usual[1 - fast] {
             between += 1;
@@ -123,7 +126,7 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
             along += 1;
             direction = fast_step;
         } else {
-            // Back to where a point was.
+            // A return to an earlier position.
             against += 1;
             direction = 0.0;
         }
@@ -132,13 +135,13 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
         && if whole { along >= 3 && between >= 1 } else { along >= MIN_STEPS || along >= 3 && between >= 1 }
 }
 
-fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
     if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end, options) }
 }
 
-fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan> {
     let Head { mut header, start, lines, first_row } = Head::read(bytes, line_end, true);
     let list = List { bytes: &bytes[start..], lines, layout: layout(&first_row, line_end), line_end };
     let mut table = list.table()?;
@@ -156,16 +159,15 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     let mut warnings = Vec::new();
     if units[0].is_none() && dx_m.max(dy_m) > MAX_PLAUSIBLE_M {
         let taken = if options.height_unit.is_some() { "x and y" } else { "x, y and z" };
-        warnings.push(format!(
-            "no unit is stated; {taken} were taken as metre, which makes pixels of {dx_m:e} × {dy_m:e} m"
-        ));
+        warnings
+            .push(format!("no unit is stated; {taken} count as metre, which gives pixels of {dx_m:e} × {dy_m:e} m"));
     }
     let heights_m = map(grid)?.mapv_into(|z| z / per_metre_z);
     let height_unit = units[2].and_then(crate::unit::name).map(str::to_owned);
     Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
 }
 
-/// Whether a point has the coordinates of one before it.
+/// Returns whether a point has the coordinates of an earlier one.
 fn repeats_a_point(reason: &NoGrid, values: &[f64]) -> bool {
     let NoGrid::Twice { point } = *reason else { return false };
     let place = |point: &[f64]| (point[0], point[1]);
@@ -173,12 +175,13 @@ fn repeats_a_point(reason: &NoGrid, values: &[f64]) -> bool {
     before.chunks_exact(3).any(|other| place(other) == place(rest))
 }
 
-fn map(grid: Grid) -> Result<Array2<f64>, FormatError> {
+fn map(grid: Grid) -> Result<Array2<f64>> {
     let [columns, rows] = grid.axes.map(|axis| axis.lines);
     Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
 }
 
-/// How often the units of x, y and z go into a metre: from keys, or from words in brackets or columns of the header.
+/// Returns the number of units per metre for x, y and z: from keys, or from words in brackets or columns of the
+/// header.
 fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
     let keyed = header.units();
     if keyed.iter().any(Option::is_some) {
@@ -204,31 +207,27 @@ fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
     }
 }
 
-/// The lines of points in a text.
+/// Lines of points in a text.
 struct List<'a> {
     bytes: &'a [u8],
-    /// Lines before the first point.
+    /// Number of lines before the first point.
     lines: usize,
     layout: Layout,
     line_end: u8,
 }
 
 impl List<'_> {
-    fn table(&self) -> Result<rows::Table, FormatError> {
+    fn table(&self) -> Result<rows::Table> {
         let table = rows::read(self.bytes, &self.layout, self.lines).map_err(|error| match error {
-            FormatError::Ragged { line, found, .. } => FormatError::Field {
-                format: Format::Xyz,
-                field: "the number of values".into(),
-                at: Location::Line(line),
-                found: found.to_string(),
-                wanted: "3: x, y and z".into(),
-            },
+            FormatError::Ragged { line, found, .. } => {
+                FormatError::field(Format::Xyz, "the number of values", Location::Line(line), found, "3: x, y and z")
+            }
             error => error,
         })?;
         if table.rows == 0 { Err(nothing(self.lines + 1)) } else { Ok(table) }
     }
 
-    /// The line of a point, counted from 1.
+    /// Returns the line of a point, counted from 1.
     fn line(&self, point: usize) -> usize {
         let mut rows = self
             .bytes
@@ -240,12 +239,8 @@ impl List<'_> {
 
     fn error(&self, reason: &NoGrid) -> FormatError {
         let name = |axis: usize| ["x", "y"][axis];
-        let field = |field: &str, point: usize, found: String, wanted: &str| FormatError::Field {
-            format: Format::Xyz,
-            field: field.into(),
-            at: Location::Line(self.line(point)),
-            found,
-            wanted: wanted.into(),
+        let field = |field: &str, point: usize, found: String, wanted: &str| {
+            FormatError::field(Format::Xyz, field, Location::Line(self.line(point)), found, wanted)
         };
         match *reason {
             NoGrid::NotFinite { point, axis } => field(name(axis), point, "not finite".into(), "a number"),
@@ -268,33 +263,28 @@ impl List<'_> {
 
 fn unsupported(found: String) -> FormatError {
     let wanted = "points on a regular grid; interpolate the heights onto one and save them again";
-    FormatError::Unsupported { format: Format::Xyz, found, wanted }
+    FormatError::unsupported(Format::Xyz, found, wanted)
 }
 
-/// The error for points that lie anywhere.
+/// Returns the error for points without a grid.
 pub(crate) fn no_grid() -> FormatError {
     unsupported("the three columns are points x, y, z that lie on no regular grid".into())
 }
 
 fn nothing(line: usize) -> FormatError {
-    FormatError::MissingField {
-        format: Format::Xyz,
-        field: "a line of x, y and z".into(),
-        at: Location::Line(line),
-        wanted: "one point per line".into(),
-    }
+    FormatError::missing(Format::Xyz, "a line of x, y and z", Location::Line(line), "one point per line")
 }
 
-/// Lines of a Zygo header before the one that ends it, and what is kept of them.
+/// Number of lines of a Zygo header before its end, and the lines that become metadata.
 const ZYGO_LINES: usize = 13;
 const ZYGO_NOTES: [(usize, &str); 5] =
     [(1, "software"), (4, "comment"), (5, "part serial number"), (6, "part number"), (8, "system")];
-/// The line and the place in it of the pixel size.
+/// Line of the pixel size, and its index among the words.
 const CAMERA_RESOLUTION: (usize, usize) = (7, 6);
-/// Heights of Zygo files in a metre: they are in micrometre.
+/// Number of height units of Zygo files per metre: heights are in micrometre.
 const ZYGO_PER_METRE: f64 = 1e6;
 
-fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
+fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
     let (mut head, mut start) = (Vec::new(), 0);
     for line in bytes.split(|&byte| byte == line_end).take(2 * ZYGO_LINES) {
         start += line.len() + 1;
@@ -304,12 +294,8 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
         head.push(utf8_or_latin1(line.trim_ascii()));
     }
     if head.len() < ZYGO_LINES || start >= bytes.len() {
-        return Err(FormatError::MissingField {
-            format: Format::Xyz,
-            field: "the line `#` behind the header".into(),
-            at: Location::Line(head.len() + 1),
-            wanted: format!("{ZYGO_LINES} lines, `#`, and the points"),
-        });
+        let (at, wanted) = (Location::Line(head.len() + 1), format!("{ZYGO_LINES} lines, `#`, and the points"));
+        return Err(FormatError::missing(Format::Xyz, "the line `#` after the header", at, wanted));
     }
     let layout = layout(b"", line_end);
     let list = List { bytes: &bytes[start..], lines: head.len() + 1, layout, line_end };

@@ -280,7 +280,7 @@ fn a_map_is_levelled_on_its_way_to_another_format() {
 }
 
 #[test]
-fn a_file_that_is_not_read_is_named_with_a_way_out() {
+fn a_file_that_is_not_read_is_named_with_advice() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("scan.spm"), b"\\*File list\r\n\\Version: 0x09400202\r\n").unwrap();
     asperity_in(folder.path(), &words("surface stats scan.spm"))

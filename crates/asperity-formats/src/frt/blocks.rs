@@ -1,9 +1,9 @@
-//! The blocks of an FRT file.
+//! Blocks of an FRT file.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 use super::BLOCK_COUNT;
-use crate::FormatError;
 use crate::input::Input;
 
 pub(super) const CURRENT_IMAGE: u16 = 0x000b;
@@ -16,39 +16,14 @@ pub(super) const ROUNDNESS: u16 = 0x009b;
 pub(super) const Z_UNIT: u16 = 0x009f;
 pub(super) const BUFFERS: u16 = 0x00ab;
 
-/// Tags of which a second block would change the heights.
+/// Tags whose blocks must be unique, because they define the heights.
 const ONCE: [u16; 5] = [CURRENT_IMAGE, IMAGE_SIZE, SCAN_SIZE, SENSOR, IMAGES];
 
-/// One block: the file up to its end, and where it starts.
-#[derive(Clone, Copy)]
-pub(super) struct Block<'a> {
-    pub(super) input: Input<'a>,
-    pub(super) start: usize,
-}
+/// Blocks of a file by tag.
+pub(super) type Blocks<'a> = BTreeMap<u16, Input<'a>>;
 
-impl Block<'_> {
-    pub(super) fn u32(&self, field: &str, offset: usize) -> Result<u32, FormatError> {
-        self.input.u32(field, self.start + offset)
-    }
-
-    pub(super) fn f64(&self, field: &str, offset: usize) -> Result<f64, FormatError> {
-        self.input.f64(field, self.start + offset)
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.input.len() - self.start
-    }
-}
-
-/// The blocks of a file by their tags.
-pub(super) type Blocks<'a> = BTreeMap<u16, Block<'a>>;
-
-/// All blocks up to the end of the file.
-pub(super) fn blocks<'a>(
-    input: Input<'a>,
-    size_bytes: usize,
-    warnings: &mut Vec<String>,
-) -> Result<Blocks<'a>, FormatError> {
+/// Returns all blocks up to the end of the file.
+pub(super) fn blocks<'a>(input: Input<'a>, size_bytes: usize, warnings: &mut Vec<String>) -> Result<Blocks<'a>> {
     let mut blocks = Blocks::new();
     let mut place = BLOCK_COUNT + 2;
     let mut found = 0;
@@ -62,11 +37,10 @@ pub(super) fn blocks<'a>(
         let start = place + 2 + size_bytes;
         let size = usize::try_from(size).unwrap_or(usize::MAX);
         let end = start + input.take(&format!("the bytes of block {tag:#06x}"), start, size)?.len();
-        let block = Block { input: input.up_to(end), start };
         if blocks.contains_key(&tag) && ONCE.contains(&tag) {
             return Err(input.wrong("a block's tag", place, format!("{tag:#06x}"), "a tag that did not occur yet"));
         }
-        blocks.entry(tag).or_insert(block);
+        blocks.entry(tag).or_insert(input.up_to(end).from(start));
         found += 1;
         place = end;
     }

@@ -1,60 +1,59 @@
-//! The images of an FRT file.
+//! Images of an FRT file.
 
-use super::blocks::Block;
-use crate::FormatError;
+use crate::error::Result;
+use crate::input::Input;
 use crate::sample::Sample;
+use crate::scan::Shape;
 
-/// Bytes before the first image of block 0x007d: what the current image is.
+/// Size in bytes of the description of the current image, before the first image of block 0x007d.
 const IMAGES_HEADER_BYTES: usize = 8;
-/// Bytes before the numbers of an image in block 0x007d.
+/// Size in bytes of the header of an image in block 0x007d.
 const IMAGE_HEADER_BYTES: usize = 16;
-/// The lower bits of a type that stand for a topography.
+/// Lower bits of the type of a topography.
 pub(super) const TOPOGRAPHY: u32 = 0x0004;
-/// What an image shows, by the lower bits of its type.
+/// Content of an image by the lower bits of its type.
 const KINDS: [(u32, &str); 4] =
     [(TOPOGRAPHY, "Topography"), (0x0080, "Thickness"), (0x0800, "Sample thickness"), (0x1000, "AFM")];
-/// The bits of a type that say what the image shows.
+/// Bits of a type that define the content.
 const KIND_MASK: u32 = 0xffdf;
 /// Flags of a type.
 const FLAGS: [(u32, &str); 3] = [(0x1_0000, "extended"), (0x2_0000, "computed"), (0x20, "filtered")];
 
-/// An image and where its numbers stand.
+/// Image and the place of its numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Image<'a> {
     kind: u32,
-    pub(super) shape: (usize, usize),
+    pub(super) shape: Shape,
     pub(super) sample: Sample,
-    pub(super) numbers: Block<'a>,
+    pub(super) numbers: Input<'a>,
 }
 
 impl<'a> Image<'a> {
-    /// An image whose size stands at `offset` of `header` and whose numbers start at `numbers.start`.
-    pub(super) fn new(kind: u32, header: Block, offset: usize, numbers: Block<'a>) -> Result<Self, FormatError> {
+    /// Reads the size of an image from the start of `size` and checks that `numbers` hold as many points.
+    pub(super) fn new(kind: u32, size: Input, numbers: Input<'a>) -> Result<Self> {
         let [x, y, bits] = ["points along x", "points along y", "bits per point"];
-        let at = header.start + offset;
-        let (nx, ny) = (header.u32(x, offset)?, header.u32(y, offset + 4)?);
-        let shape = header.input.shape((y, at + 4, ny.into()), (x, at, nx.into()))?;
-        let sample = match header.u32(bits, offset + 8)? {
+        let shape = size.shape((y, 4, size.u32(y, 4)?), (x, 0, size.u32(x, 0)?))?;
+        let sample = match size.u32(bits, 8)? {
             16 => Sample::U16,
             32 => Sample::I32,
-            found => return Err(header.input.wrong(bits, at + 8, found, "16 or 32")),
+            found => return Err(size.wrong(bits, 8, found, "16 or 32")),
         };
         let image = Self { kind, shape, sample, numbers };
-        numbers.input.take("the numbers of an image", numbers.start, image.bytes())?;
+        numbers.take("the numbers of an image", 0, image.bytes())?;
         Ok(image)
     }
 
-    /// Bytes of its numbers.
+    /// Returns the size of the numbers in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.shape.0 * self.shape.1 * self.sample.size()
     }
 
-    /// Whether it shows a topography.
+    /// Returns whether the image is a topography.
     pub(super) fn is_topography(&self) -> bool {
         self.kind & KIND_MASK == TOPOGRAPHY
     }
 
-    /// Its name; `None` where it shows no lengths.
+    /// Returns the name of the image; `None` if its values are not lengths.
     pub(super) fn name(&self) -> Option<String> {
         let (_, kind) = KINDS.into_iter().find(|(kind, _)| self.kind & KIND_MASK == *kind)?;
         let sensor = match self.kind >> 28 & 3 {
@@ -68,21 +67,20 @@ impl<'a> Image<'a> {
     }
 }
 
-/// The most images of a file; sensors have at most sixteen buffers.
+/// Maximum number of images of a file. Sensors have at most sixteen buffers.
 const MAX_IMAGES: usize = 1 << 12;
 
-/// The images of block 0x007d, whatever they show.
-pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>, FormatError> {
+/// Returns all images of block 0x007d.
+pub(super) fn images<'a>(block: Input<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>> {
     let mut images = Vec::new();
     let mut offset = IMAGES_HEADER_BYTES;
     while offset + IMAGE_HEADER_BYTES < block.len() {
         let kind = block.u32("type of an image", offset)?;
-        let numbers = Block { start: block.start + offset + IMAGE_HEADER_BYTES, ..block };
-        let image = Image::new(kind, block, offset + 4, numbers)?;
+        let image = Image::new(kind, block.from(offset + 4), block.from(offset + IMAGE_HEADER_BYTES))?;
         offset += IMAGE_HEADER_BYTES + image.bytes();
         images.push(image);
         if images.len() > MAX_IMAGES {
-            return Err(block.input.too_large("the number of images", block.start, images.len(), MAX_IMAGES));
+            return Err(block.too_large("the number of images", 0, images.len(), MAX_IMAGES));
         }
     }
     if offset < block.len() {

@@ -1,20 +1,21 @@
-//! What an FRT file says besides its heights.
+//! Metadata of an FRT file.
 
 use std::collections::BTreeMap;
 
-use super::blocks::{Block, Blocks, Z_UNIT};
-use crate::input::latin1;
+use super::blocks::{Blocks, Z_UNIT};
+use crate::date::utc;
+use crate::input::{self, Input, latin1};
 
-/// How a field is stored and shown.
+/// Type of a field.
 #[derive(Clone, Copy)]
 enum Kind {
     U32,
     F64,
-    /// Seconds since 1970-01-01, unset as 0 or with all bits.
+    /// Seconds since 1970-01-01; 0 and all bits set mean unknown.
     Time,
-    /// Text of at most that many bytes.
+    /// Text of at most this many bytes.
     Text(usize),
-    /// Text after its length as u32, after so many other such texts.
+    /// Text after its length as u32, after this many other such texts.
     Counted(usize),
 }
 
@@ -59,32 +60,25 @@ const FIELDS: [(u16, usize, &str, Kind); 37] = [
     (0x00ac, 0, "user description", Kind::Counted(1)),
 ];
 
-/// The fields that are there; whatever a block is too short for is left out.
+/// Returns the fields that are present. Fields beyond the end of a block are left out.
 pub(super) fn metadata(blocks: &Blocks) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::new();
     for (tag, offset, name, kind) in FIELDS {
         let Some(block) = blocks.get(&tag) else { continue };
-        if let Some(value) = value(block, name, offset, kind).filter(|value| !value.is_empty()) {
-            metadata.insert(name.into(), value);
-        }
+        metadata.extend(value(block, name, offset, kind).map(|value| (name.to_owned(), value)));
     }
-    if let Some(unit) = blocks.get(&Z_UNIT).and_then(z_unit) {
-        metadata.insert("z unit".into(), unit);
-    }
+    metadata.extend(blocks.get(&Z_UNIT).and_then(z_unit).map(|unit| ("z unit".to_owned(), unit)));
     metadata
 }
 
-fn value(block: &Block, name: &str, offset: usize, kind: Kind) -> Option<String> {
+fn value(block: &Input, name: &str, offset: usize, kind: Kind) -> Option<String> {
     match kind {
-        Kind::U32 => block.u32(name, offset).ok().map(|number| number.to_string()),
-        Kind::F64 => block.f64(name, offset).ok().map(|number| number.to_string()),
-        Kind::Time => {
-            let seconds = block.u32(name, offset).ok().filter(|&seconds| seconds != 0 && seconds != u32::MAX)?;
-            Some(utc(seconds))
-        }
+        Kind::U32 => block.value(name, offset, input::Kind::U32).ok(),
+        Kind::F64 => block.value(name, offset, input::Kind::F64).ok(),
+        Kind::Time => block.u32(name, offset).ok().filter(|&seconds| seconds != 0 && seconds != u32::MAX).map(utc),
         Kind::Text(length) => {
             let length = length.min(block.len().checked_sub(offset)?);
-            block.input.latin1(name, block.start + offset, length).ok()
+            block.latin1(name, offset, length).ok()
         }
         Kind::Counted(before) => {
             let mut offset = offset;
@@ -96,49 +90,14 @@ fn value(block: &Block, name: &str, offset: usize, kind: Kind) -> Option<String>
     }
 }
 
-/// A text after its length.
-fn counted<'a>(block: &Block<'a>, name: &str, offset: usize) -> Option<&'a [u8]> {
+/// Returns a text after its length.
+fn counted<'a>(block: &Input<'a>, name: &str, offset: usize) -> Option<&'a [u8]> {
     let length = usize::try_from(block.u32(name, offset).ok()?).ok()?;
-    block.input.take(name, block.start + offset + 4, length).ok()
+    block.take(name, offset + 4, length).ok()
 }
 
-/// The unit of z in block 0x009f, a text after its length as u16.
-pub(super) fn z_unit(block: &Block) -> Option<String> {
-    let length = block.input.u16("z unit", block.start).ok()?;
-    let text = block.input.latin1("z unit", block.start + 2, length.into()).ok()?;
-    Some(text).filter(|text| !text.is_empty())
-}
-
-/// Seconds since 1970-01-01 as a date and time.
-fn utc(seconds: u32) -> String {
-    let (days, rest) = (i64::from(seconds) / 86400, seconds % 86400);
-    // Days of years that start on 1 March, in eras of 400 years (146097 days) from 0000-03-01.
-    let day = days + 719468;
-    let (era, day) = (day / 146097, day % 146097);
-    let year = (day - day / 1460 + day / 36524 - day / 146096) / 365;
-    let day = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * day + 2) / 153;
-    let (day, month) = (day - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
-    let year = year + 400 * era + i64::from(month <= 2);
-    let (hour, minute, second) = (rest / 3600, rest / 60 % 60, rest % 60);
-    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::utc;
-
-    #[test]
-    fn seconds_are_told_as_dates() {
-        // By `date -u -d @…`.
-        for (seconds, date) in [
-            (1, "1970-01-01T00:00:01Z"),
-            (951_782_400, "2000-02-29T00:00:00Z"),
-            (1_678_463_840, "2023-03-10T15:57:20Z"),
-            (4_107_542_399, "2100-02-28T23:59:59Z"),
-            (4_107_542_400, "2100-03-01T00:00:00Z"),
-        ] {
-            assert_eq!(utc(seconds), date);
-        }
-    }
+/// Returns the unit of z in block 0x009f, a text after its length as u16.
+pub(super) fn z_unit(block: &Input) -> Option<String> {
+    let length = block.u16("z unit", 0).ok()?;
+    block.latin1("z unit", 2, length.into()).ok().filter(|text| !text.is_empty())
 }

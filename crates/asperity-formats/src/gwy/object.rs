@@ -1,52 +1,48 @@
-//! Serialised objects: where their components lie.
+//! Serialised objects and their components.
 
+use crate::error::{Result, shown};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
-use crate::FormatError;
-use crate::error::shown;
 use crate::input::{Input, MAX_TEXT_BYTES};
 
-/// A serialised object.
+/// Serialised object.
 #[derive(Clone, Copy)]
 pub(super) struct Object<'a> {
     input: Input<'a>,
-    /// Where the name of its type starts.
+    /// Offset of the name of its type.
     offset: usize,
-    /// Where its components start and end.
+    /// Start and end of its components.
     content: (usize, usize),
 }
 
-/// A component of an object.
+/// Component of an object.
 pub(super) struct Component<'a> {
     pub(super) name: Cow<'a, str>,
-    /// The letter of its type.
+    /// Letter of its type.
     pub(super) kind: u8,
-    /// Where its value starts and ends.
+    /// Start and end of its value.
     pub(super) value: (usize, usize),
 }
 
-/// The place behind the next zero before `limit`.
-fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize, FormatError> {
+/// Returns the offset after the next zero before `limit`.
+fn text_end(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize> {
     let bytes = input.bytes().get(offset..limit).unwrap_or_default();
     let length = bytes.iter().position(|&byte| byte == 0);
     let wrong = || input.wrong(field, offset, "a text without end", "a zero byte after it");
     length.map(|length| offset + length + 1).ok_or_else(wrong)
 }
 
-/// The text that ends with the next zero before `limit`, as far as it is kept, and the place behind the zero.
-fn string<'a>(
-    input: &Input<'a>,
-    field: &str,
-    offset: usize,
-    limit: usize,
-) -> Result<(Cow<'a, str>, usize), FormatError> {
-    let end = behind_text(input, field, offset, limit)?;
+/// Reads the text up to the next zero before `limit`, cut to [`MAX_TEXT_BYTES`]. Returns it with the offset after the
+/// zero.
+fn string<'a>(input: &Input<'a>, field: &str, offset: usize, limit: usize) -> Result<(Cow<'a, str>, usize)> {
+    let end = text_end(input, field, offset, limit)?;
     let kept = &input.bytes()[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
     Ok((String::from_utf8_lossy(kept), end))
 }
 
-/// Where `length` bytes from `offset` end, if that is before `limit`.
-fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> Result<usize, FormatError> {
+/// Returns the end of `length` bytes from `offset` on, checked against `limit`.
+fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> Result<usize> {
     let room = limit.saturating_sub(offset);
     match usize::try_from(length) {
         Ok(length) if length <= room => Ok(offset + length),
@@ -55,40 +51,53 @@ fn end(input: &Input, field: &str, offset: usize, length: u64, limit: usize) -> 
 }
 
 impl<'a> Object<'a> {
-    /// The object at `offset`, which ends before `limit`.
+    /// Opens the object at `offset`, which ends before `limit`.
     ///
     /// # Errors
     /// A size beyond `limit`.
-    pub(super) fn at(input: Input<'a>, field: &str, offset: usize, limit: usize) -> Result<Self, FormatError> {
-        let size_at = behind_text(&input, field, offset, limit)?;
+    pub(super) fn at(input: Input<'a>, field: &str, offset: usize, limit: usize) -> Result<Self> {
+        let size_at = text_end(&input, field, offset, limit)?;
         let start = end(&input, field, size_at, 4, limit)?;
         let content_end = end(&input, field, start, input.u32(field, size_at)?.into(), limit)?;
         Ok(Self { input, offset, content: (start, content_end) })
     }
 
-    /// The object that a component holds.
-    pub(super) fn of(input: Input<'a>, component: &Component) -> Result<Self, FormatError> {
+    /// Opens the object in a component.
+    pub(super) fn from_component(input: Input<'a>, component: &Component) -> Result<Self> {
         Self::at(input, &component.name, component.value.0, component.value.1)
     }
 
     /// Refuses objects of another type.
-    pub(super) fn expect(&self, kind: &str) -> Result<(), FormatError> {
+    pub(super) fn expect(&self, kind: &str) -> Result<()> {
         let (found, _) = string(&self.input, "type of the object", self.offset, self.content.0)?;
         if found == kind { Ok(()) } else { Err(self.input.wrong("type of the object", self.offset, found, kind)) }
     }
 
-    /// Where the object's components start.
+    /// Returns the start of the components.
     pub(super) fn start(&self) -> usize {
         self.content.0
     }
 
-    /// The components in their order; objects inside are stepped over by their size.
-    pub(super) fn components(&self) -> impl Iterator<Item = Result<Component<'a>, FormatError>> + use<'a> {
+    /// Returns the components with the given names, after a check of their types.
+    pub(super) fn fields(&self, kinds: &[(&str, u8)]) -> Result<HashMap<String, Component<'a>>> {
+        let mut fields = HashMap::new();
+        for component in self.components() {
+            let component = component?;
+            if let Some((name, kind)) = kinds.iter().find(|(name, _)| *name == component.name) {
+                component.expect(&self.input, *kind)?;
+                fields.insert((*name).to_owned(), component);
+            }
+        }
+        Ok(fields)
+    }
+
+    /// Returns the components in order. Nested objects are skipped by their size.
+    pub(super) fn components(&self) -> impl Iterator<Item = Result<Component<'a>>> + use<'a> {
         let (input, (mut offset, limit)) = (self.input, self.content);
         std::iter::from_fn(move || {
             (offset < limit).then(|| {
                 let component = component(&input, offset, limit);
-                // Nothing can be said of what follows damage.
+                // The components after a damaged one cannot be located.
                 offset = component.as_ref().map_or(limit, |component| component.value.1);
                 component
             })
@@ -96,8 +105,8 @@ impl<'a> Object<'a> {
     }
 }
 
-/// The component at `offset`.
-fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Component<'a>, FormatError> {
+/// Reads the component at `offset`.
+fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Component<'a>> {
     let (name, kind_at) = string(input, "name of a component", offset, limit)?;
     let start = end(input, &name, kind_at, 1, limit)?;
     let kind = input.u8(&name, kind_at)?;
@@ -105,7 +114,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
         b'b' | b'c' => end(input, &name, start, 1, limit)?,
         b'i' => end(input, &name, start, 4, limit)?,
         b'q' | b'd' => end(input, &name, start, 8, limit)?,
-        b's' => behind_text(input, &name, start, limit)?,
+        b's' => text_end(input, &name, start, limit)?,
         b'o' => Object::at(*input, &name, start, limit)?.content.1,
         b'C' | b'I' | b'Q' | b'D' | b'S' | b'O' => {
             let items = end(input, &name, start, 4, limit)?;
@@ -114,8 +123,8 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
                 b'C' => end(input, &name, items, count.into(), limit)?,
                 b'I' => end(input, &name, items, 4 * u64::from(count), limit)?,
                 b'Q' | b'D' => end(input, &name, items, 8 * u64::from(count), limit)?,
-                // Every text takes a byte and every object five, so that the count is bounded by the bytes.
-                b'S' => (0..count).try_fold(items, |at, _| behind_text(input, &name, at, limit))?,
+                // Every text takes a byte and every object five, so the size of the file limits the count.
+                b'S' => (0..count).try_fold(items, |at, _| text_end(input, &name, at, limit))?,
                 _ => (0..count).try_fold(items, |at, _| Ok(Object::at(*input, &name, at, limit)?.content.1))?,
             }
         }
@@ -130,7 +139,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
 
 impl Component<'_> {
     /// Refuses values of another type.
-    pub(super) fn expect(&self, input: &Input, kind: u8) -> Result<(), FormatError> {
+    pub(super) fn expect(&self, input: &Input, kind: u8) -> Result<()> {
         if self.kind == kind {
             return Ok(());
         }
@@ -138,8 +147,8 @@ impl Component<'_> {
         Err(input.wrong(&field, self.value.0 - 1, self.kind as char, &(kind as char).to_string()))
     }
 
-    /// The value as text: of a text, a number or a truth value.
-    pub(super) fn text(&self, input: &Input) -> Result<Option<String>, FormatError> {
+    /// Returns the value of a text, a number or a truth value as text.
+    pub(super) fn text(&self, input: &Input) -> Result<Option<String>> {
         let (start, end) = self.value;
         Ok(Some(match self.kind {
             b's' => string(input, &self.name, start, end)?.0.into_owned(),

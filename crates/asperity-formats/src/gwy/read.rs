@@ -1,26 +1,24 @@
-//! From a tree of objects to a scan.
+//! Reader of Gwyddion files.
 
+use crate::error::{Result, shown};
 use std::collections::{BTreeMap, HashMap};
-
-use ndarray::Array2;
 
 use super::object::{Component, Object};
 use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
-use crate::error::shown;
-use crate::input::{Input, Room};
+use crate::input::{Input, TextLimit};
 use crate::sample::Sample;
 use crate::selection::{some_of, unique};
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// Images that one file may hold.
+/// Maximum number of images of one file.
 const MAX_IMAGES: usize = 1 << 16;
-/// The most bytes of a title, which is the name of its image.
+/// Maximum size in bytes of a title, which is the name of its image.
 const MAX_TITLE_BYTES: usize = 256;
-/// Mask values above mark a point.
+/// Mask value above which a point is masked.
 const MASKED: f64 = 0.5;
 
-/// Where the parts of an image lie in the file.
+/// Offsets of the parts of an image.
 #[derive(Default)]
 struct Parts {
     data: Option<usize>,
@@ -29,11 +27,11 @@ struct Parts {
     meta: Option<usize>,
 }
 
-/// Reads the chosen image.
+/// Reads the selected image.
 ///
 /// # Errors
-/// Files of Gwyddion 1, trees that the bytes cannot bear out, files without an image of lengths.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Files of Gwyddion 1, objects beyond the end of the file, files without an image of lengths.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Gwy, bytes);
     if bytes.starts_with(MAGIC_1) {
         let wanted = "a file that starts with GWYP; Gwyddion saves it again as one";
@@ -49,7 +47,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         let field = object(&input, &format!("/{number}/data"), data)?;
         let title = parts.title.map(|at| title(&input, at)).filter(|title| !title.is_empty());
         let title = title.unwrap_or_else(|| format!("/{number}/data"));
-        let units = Units::of(&input, &field)?;
+        let units = Units::new(&input, &field)?;
         if units.per_metre_z().is_some() {
             maps.push((field, parts, units));
             titles.push(title);
@@ -80,13 +78,13 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         scan.metadata.insert("filename".into(), file_name);
     }
     if options.channel.is_none() && !others.is_empty() {
-        scan.warnings.push(format!("images whose values are no lengths were left out: {}", some_of(&others)));
+        scan.warnings.push(format!("images without lengths were left out: {}", some_of(&others)));
     }
     Ok(scan.with_channels(names, place))
 }
 
-/// The images by number, and the name under which the file was saved.
-fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<String>), FormatError> {
+/// Returns the images by number, and the name of the saved file.
+fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<String>)> {
     let (mut images, mut file_name) = (BTreeMap::<u32, Parts>::new(), None);
     for component in root.components() {
         let component = component?;
@@ -111,57 +109,47 @@ fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<
     Ok((images, file_name))
 }
 
-/// The number and the rest of `/0/data` and the like.
+/// Splits a key such as `/0/data` into the number and the rest.
 fn image_key(key: &str) -> Option<(u32, &str)> {
     let (number, rest) = key.strip_prefix('/')?.split_once('/')?;
     let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
     Some((number.parse().ok().filter(|_| is_number)?, rest))
 }
 
-/// An object whose place the walk through the root has found.
-fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a>, FormatError> {
+/// Opens an object whose offset is known from the root.
+fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a>> {
     Object::at(*input, field, offset, input.len())
 }
 
-/// A title whose place the walk through the root has found.
+/// Reads a title whose offset is known from the root.
 fn title(input: &Input, offset: usize) -> String {
     let bytes = input.bytes().get(offset..).unwrap_or_default();
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end.min(MAX_TITLE_BYTES)]).into_owned()
 }
 
-/// The units of an image, empty where none is stated.
+/// Units of an image; empty if they are not stated.
 struct Units {
     xy: String,
     z: String,
 }
 
 impl Units {
-    fn of(input: &Input, field: &Object) -> Result<Self, FormatError> {
+    fn new(input: &Input, field: &Object) -> Result<Self> {
         field.expect(DATA_FIELD)?;
-        let mut units = Self { xy: String::new(), z: String::new() };
-        for component in field.components() {
-            let component = component?;
-            let unit = match &*component.name {
-                "si_unit_xy" => &mut units.xy,
-                "si_unit_z" => &mut units.z,
-                _ => continue,
-            };
-            component.expect(input, b'o')?;
-            let object = Object::of(*input, &component)?;
+        let fields = field.fields(&[("si_unit_xy", b'o'), ("si_unit_z", b'o')])?;
+        let unit = |name| -> Result<String> {
+            let Some(component) = fields.get(name) else { return Ok(String::new()) };
+            let object = Object::from_component(*input, component)?;
             object.expect(UNIT)?;
-            for part in object.components() {
-                let part = part?;
-                if part.name == "unitstr" {
-                    part.expect(input, b's')?;
-                    *unit = part.text(input)?.unwrap_or_default().trim().to_owned();
-                }
-            }
-        }
-        Ok(units)
+            let parts = object.fields(&[("unitstr", b's')])?;
+            let text = parts.get("unitstr").map_or(Ok(None), |part| part.text(input))?;
+            Ok(text.unwrap_or_default().trim().to_owned())
+        };
+        Ok(Self { xy: unit("si_unit_xy")?, z: unit("si_unit_z")? })
     }
 
-    /// How often the unit of the values goes into a metre, `None` where they are no lengths.
+    /// Returns the number of height units per metre; `None` if the values are not lengths.
     fn per_metre_z(&self) -> Option<f64> {
         if self.states_none() { Some(1.0) } else { per_metre(&self.z) }
     }
@@ -176,49 +164,33 @@ impl Units {
 
     fn warnings(&self, warnings: &mut Vec<String>) {
         if self.states_none() {
-            warnings.push("the image states no units; its heights and sizes were taken in metre".into());
+            warnings.push("the image states no units; its heights and sizes count as metre".into());
         } else if self.per_metre_xy().is_none() {
             let unit = &self.xy;
-            warnings.push(format!("the lateral unit is `{unit}`, which is no unit of length; no pixel size was read"));
+            warnings
+                .push(format!("the lateral unit is `{unit}`, which is not a unit of length; no pixel size was read"));
         }
         for (unit, what) in [(&self.z, "heights"), (&self.xy, "sizes")] {
             if per_metre(unit).is_some_and(|per_metre| per_metre != 1.0) {
-                warnings.push(format!("{what} were taken in {unit}; Gwyddion itself leaves prefixes out of account"));
+                warnings.push(format!("{what} are in {unit}; Gwyddion itself ignores prefixes"));
             }
         }
     }
 }
 
-/// The fields of a `GwyDataField`.
-fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, Component<'a>>, FormatError> {
-    let mut fields = HashMap::new();
-    for component in field.components() {
-        let component = component?;
-        let kind = match &*component.name {
-            "xres" | "yres" => b'i',
-            "xreal" | "yreal" | "xoff" | "yoff" => b'd',
-            "data" => b'D',
-            _ => continue,
-        };
-        component.expect(input, kind)?;
-        fields.insert(component.name.to_string(), component);
-    }
-    Ok(fields)
-}
+/// Fields of a `GwyDataField` and their types.
+const FIELDS: [(&str, u8); 7] =
+    [("xres", b'i'), ("yres", b'i'), ("xreal", b'd'), ("yreal", b'd'), ("xoff", b'd'), ("yoff", b'd'), ("data", b'D')];
 
-/// Rows, columns and the place of the first number.
-fn layout(
-    input: &Input,
-    field: &Object,
-    fields: &HashMap<String, Component>,
-) -> Result<(usize, usize, usize), FormatError> {
+/// Returns rows, columns and the offset of the first number.
+fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) -> Result<(usize, usize, usize)> {
     let required = |name: &str| {
         let component = fields.get(name).ok_or_else(|| input.missing(name, field.start(), "xres, yres and data"))?;
         Ok::<_, FormatError>(component.value.0)
     };
     let (rows_at, columns_at, data_at) = (required("yres")?, required("xres")?, required("data")?);
-    let rows = ("yres", rows_at, input.i32("yres", rows_at)?.into());
-    let (ny, nx) = input.shape(rows, ("xres", columns_at, input.i32("xres", columns_at)?.into()))?;
+    let rows = ("yres", rows_at, input.i32("yres", rows_at)?);
+    let (ny, nx) = input.shape(rows, ("xres", columns_at, input.i32("xres", columns_at)?))?;
     let count = input.u32("data", data_at)?;
     if count as usize != nx * ny {
         let wanted = format!("{nx} × {ny} = {}", nx * ny);
@@ -227,14 +199,12 @@ fn layout(
     Ok((ny, nx, data_at + 4))
 }
 
-/// The heights and the pitch of an image.
-fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatError> {
-    let fields = fields(input, field)?;
+/// Reads the heights and the pitch of an image.
+fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
+    let fields = field.fields(&FIELDS)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
     let per_metre = units.per_metre_z().unwrap_or(1.0);
-    let heights = input.samples_as("data", data_at, nx * ny, Sample::F64, |z| z / per_metre)?;
-    let heights_m =
-        Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("data", data_at, nx * ny, "xres · yres"))?;
+    let heights_m = input.heights("data", data_at, (ny, nx), Sample::F64, |z| z / per_metre)?;
 
     let number = |name: &str| fields.get(name).map(|component| input.f64(name, component.value.0)).transpose();
     let (width, height) = (number("xreal")?, number("yreal")?);
@@ -256,12 +226,12 @@ fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatErr
     Ok(scan)
 }
 
-/// Takes out the heights that the mask marks.
-fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<(), FormatError> {
+/// Sets masked heights to NaN.
+fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
     mask.expect(DATA_FIELD)?;
-    let (ny, nx, data_at) = layout(input, mask, &fields(input, mask)?)?;
+    let (ny, nx, data_at) = layout(input, mask, &mask.fields(&FIELDS)?)?;
     if (ny, nx) != scan.heights_m.dim() {
-        scan.warnings.push(format!("the mask has {nx} × {ny} points, other than the image; it was left out"));
+        scan.warnings.push(format!("the mask has {nx} × {ny} points, unlike the image; it was left out"));
         return Ok(());
     }
     let values = input.samples("data of the mask", data_at, nx * ny, Sample::F64)?;
@@ -279,9 +249,9 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<(), Forma
 }
 
 /// Adds the texts of a container to the metadata.
-fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<(), FormatError> {
+fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<()> {
     meta.expect(CONTAINER)?;
-    let mut room = Room::default();
+    let mut room = TextLimit::default();
     for component in meta.components() {
         let component = component?;
         if !room.is_left() {

@@ -1,14 +1,15 @@
-//! From a scan to a tree of objects.
+//! Writer of Gwyddion files.
 
+use crate::error::Result;
 use std::mem::size_of;
 
 use super::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
 use crate::{Format, FormatError, Scan};
 
-/// The title of a scan that has none.
+/// Title of a scan without a title.
 const TITLE: &str = "Height";
 
-/// A file in the making.
+/// Buffer of the file.
 struct Writer(Vec<u8>);
 
 impl Writer {
@@ -37,12 +38,8 @@ impl Writer {
         self.0.extend(value.to_le_bytes());
     }
 
-    /// An object: its type, its size, and what `content` writes.
-    fn object(
-        &mut self,
-        kind: &str,
-        content: impl FnOnce(&mut Self) -> Result<(), FormatError>,
-    ) -> Result<(), FormatError> {
+    /// Writes an object: its type, its size, and the output of `content`.
+    fn object(&mut self, kind: &str, content: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.text(kind);
         let size_at = self.0.len();
         self.0.extend([0; size_of::<u32>()]);
@@ -54,7 +51,7 @@ impl Writer {
         Ok(())
     }
 
-    fn unit(&mut self, name: &str, unit: &str) -> Result<(), FormatError> {
+    fn unit(&mut self, name: &str, unit: &str) -> Result<()> {
         self.name(name, b'o');
         self.object(UNIT, |writer| {
             writer.string("unitstr", unit);
@@ -62,7 +59,7 @@ impl Writer {
         })
     }
 
-    /// An image or mask of the scan's points.
+    /// Writes an image or mask of the points of the scan.
     fn field(
         &mut self,
         name: &str,
@@ -70,7 +67,7 @@ impl Writer {
         (width_m, height_m): (f64, f64),
         unit: &str,
         value: impl Fn(f64) -> f64,
-    ) -> Result<(), FormatError> {
+    ) -> Result<()> {
         let (ny, nx) = scan.heights_m.dim();
         let (Ok(xres), Ok(yres), Ok(count)) = (nx.try_into(), ny.try_into(), u32::try_from(nx * ny)) else {
             return Err(not_storable(format!("a map of {nx} × {ny} points"), "less than 4 GiB of heights and mask"));
@@ -93,25 +90,17 @@ impl Writer {
     }
 }
 
-/// The scan as a Gwyddion file with one image. Equal scans give equal bytes.
+/// Writes a scan as a Gwyddion file with one image. Equal scans give equal bytes.
 ///
-/// Missing points are masked and have the mean of the others, as Gwyddion does it. The title is the metadata field
-/// `title`; all other fields become the image's metadata.
+/// Missing points are masked and hold the mean of the others, as in Gwyddion. The title is the metadata field
+/// `title`; all other fields become metadata of the image.
 ///
 /// # Errors
-/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with a pixel
-/// size that is none, or of 4 GiB and more.
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with an
+/// invalid pixel size, or of 4 GiB and more.
 pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
-    let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Gwy })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
-    let sizes_m = (nx as f64 * pitch_m.0, ny as f64 * pitch_m.1);
-    if [sizes_m.0, sizes_m.1].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
-        let found = format!("a pixel size of {} × {} m", pitch_m.0, pitch_m.1);
-        return Err(not_storable(found, "positive numbers"));
-    }
+    let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Gwy)?;
+    let sizes_m = (nx as f64 * dx_m, ny as f64 * dy_m);
     let missing = scan.missing_points();
     let mean_m = mean(scan);
     let mut writer = Writer(Vec::with_capacity(8 * nx * ny * if missing > 0 { 2 } else { 1 }));
@@ -135,7 +124,7 @@ pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     Ok(writer.0)
 }
 
-/// The mean of the heights that are not missing; the format allows no number that is not finite.
+/// Returns the mean of the heights that are not missing. The format allows finite numbers only.
 fn mean(scan: &Scan) -> f64 {
     let count = scan.heights_m.len() - scan.missing_points();
     let mean = scan.heights_m.iter().filter(|z| z.is_finite()).sum::<f64>() / count as f64;
@@ -143,5 +132,5 @@ fn mean(scan: &Scan) -> f64 {
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::Gwy, found, wanted }
+    FormatError::not_storable(Format::Gwy, found, wanted)
 }

@@ -1,38 +1,38 @@
-//! Chunked data: where the chunks are, how they are unpacked and put together.
+//! Chunked data: index of the chunks, filters, and assembly.
 
+use crate::error::Result;
 use std::borrow::Cow;
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use super::File;
 use super::piece::Piece;
 use super::tree::Keys;
-use crate::FormatError;
+use super::{Dataset, File};
 use crate::archive::{damage, damaged};
 
-/// Bytes that chunks may unpack to in any file: a map of 2048 × 1024 as `f64`.
+/// Size in bytes that the chunks of every file may unpack to: a map of 2048 × 1024 as `f64`.
 const FREE_BYTES: usize = 1 << 24;
-/// Beyond [`FREE_BYTES`], how many bytes each byte of the file may unpack to; maps of instruments reach 2 to 20.
+/// Above [`FREE_BYTES`], maximum ratio of unpacked size to file size. Maps of instruments reach 2 to 20.
 const MAX_RATIO: usize = 64;
-/// Bytes that an element counts with at least: numbers become `f64`.
+/// Minimum size of an element in bytes for the limit: numbers become `f64`.
 const LEAST_ELEMENT_BYTES: usize = 8;
 
-/// Filters of one dataset: each of the three once.
+/// Maximum number of filters of a dataset: each of the three once.
 const MAX_FILTERS: u8 = 3;
 
-/// How a dataset is cut into chunks.
+/// Division of a dataset into chunks.
 pub(super) struct Chunks {
-    /// Elements of a chunk along each dimension.
+    /// Number of elements of a chunk along each dimension.
     shape: Vec<usize>,
     element_bytes: usize,
     index: Index,
 }
 
-/// Where the chunks are, `None` where none was written.
+/// Index of the chunks; `None` if no chunk was written.
 enum Index {
     Tree(Option<usize>),
-    /// One chunk, with its bytes after filters (none: as many as it unpacks to) and the filters that it skips.
+    /// A single chunk, its size after filters (`None`: the unpacked size) and the filters that it skips.
     Single {
         address: Option<usize>,
         bytes: Option<usize>,
@@ -40,36 +40,28 @@ enum Index {
     },
 }
 
-/// A step that chunks went through when they were written.
+/// Filter that was applied when chunks were written.
 #[derive(Clone, Copy)]
 pub(super) enum Filter {
     Deflate,
-    /// Bytes of equal place in their elements stand together.
+    /// Grouping of bytes by their place in the elements.
     Shuffle,
     Fletcher32,
 }
 
-/// The elements of a dataset.
-#[derive(Clone, Copy)]
-pub(super) struct Element<'a> {
-    pub(super) bytes: usize,
-    /// What elements hold that were never written, zeros unless stated.
-    pub(super) fill: Option<&'a [u8]>,
-}
-
-/// What is stored of one chunk.
+/// Stored bytes of a chunk.
 struct Stored<'a> {
     at: usize,
     bytes: &'a [u8],
-    /// Bits of the filters that were not applied.
+    /// Bit mask of the filters that were not applied.
     skipped: u32,
 }
 
-/// The part of a layout message behind its class.
-pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks, FormatError> {
+/// Reads the part of a layout message after its class.
+pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks> {
     let flags = if version == 4 { message.u8("flags")? } else { 0 };
     let rank_at = message.at();
-    // The element is the last dimension.
+    // The last dimension is the size of an element.
     let rank = usize::from(message.u8("dimensions")?);
     if !(2..=33).contains(&rank) {
         return Err(message.wrong("dimensions", rank_at, rank, "2 to 33"));
@@ -88,8 +80,8 @@ pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks, FormatEr
     Ok(Chunks { shape, element_bytes, index })
 }
 
-/// The index of a version 4 layout.
-fn newer_index(message: &mut Piece, flags: u8) -> Result<Index, FormatError> {
+/// Reads the index of a version 4 layout.
+fn newer_index(message: &mut Piece, flags: u8) -> Result<Index> {
     let name = match message.u8("kind of index")? {
         1 => {
             let is_filtered = flags & 2 != 0;
@@ -109,8 +101,8 @@ fn newer_index(message: &mut Piece, flags: u8) -> Result<Index, FormatError> {
     ))
 }
 
-/// The filters in a pipeline message.
-pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>, FormatError> {
+/// Reads the filters of a pipeline message.
+pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>> {
     let version = message.version(&[1, 2])?;
     let count_at = message.at();
     let count = message.u8("number of filters")?;
@@ -139,7 +131,7 @@ pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>, FormatError> {
                 ));
             }
         };
-        // Known filters have no name in version 2.
+        // Version 2 stores no names of known filters.
         let name_bytes = if version == 1 { usize::from(message.u16("length of the name")?) } else { 0 };
         message.skip("flags", 2)?;
         let values = usize::from(message.u16("number of values")?);
@@ -152,33 +144,29 @@ pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>, FormatError> {
 }
 
 impl<'a> File<'a> {
-    /// Puts the chunks of a dataset together.
+    /// Assembles the chunks of a dataset.
     ///
     /// # Errors
-    /// More elements than the bytes of the file can mean; chunks that are damaged, off their grid, or there twice.
-    pub(super) fn unpack(
-        &self,
-        chunks: &Chunks,
-        filters: &[Filter],
-        shape: &[usize],
-        element: Element,
-    ) -> Result<Vec<u8>, FormatError> {
-        let grid = Grid::new(chunks, shape).ok_or_else(|| {
+    /// More elements than the size of the file allows; chunks that are damaged, off their grid or present twice.
+    pub(super) fn unpack(&self, dataset: &Dataset<'a>, chunks: &Chunks) -> Result<Vec<u8>> {
+        let element_bytes = dataset.datatype.bytes;
+        let grid = Grid::new(chunks, &dataset.shape).ok_or_else(|| {
             let found = format!("chunks of {} dimensions", chunks.shape.len());
             self.input.unsupported(found, "chunks of two dimensions")
         })?;
-        if chunks.element_bytes != element.bytes {
-            return Err(self.input.wrong("chunk, size of an element", 0, chunks.element_bytes, "that of the datatype"));
+        if chunks.element_bytes != element_bytes {
+            let wanted = "the size of the datatype";
+            return Err(self.input.wrong("chunk, size of an element", 0, chunks.element_bytes, wanted));
         }
         let limit = FREE_BYTES.max(self.input.len().saturating_mul(MAX_RATIO));
-        let unpacked = grid.padded_elements().saturating_mul(element.bytes.max(LEAST_ELEMENT_BYTES));
+        let unpacked = grid.padded_elements().saturating_mul(element_bytes.max(LEAST_ELEMENT_BYTES));
         if unpacked > limit {
-            return Err(self.too_many("bytes in chunks", 0, unpacked, limit));
+            return Err(self.input.too_large("the number of bytes in chunks", 0, unpacked, limit));
         }
         let count = grid.rows * grid.columns;
-        let mut data = element.fill.map_or_else(|| vec![0; count * element.bytes], |fill| fill.repeat(count));
+        let mut data = dataset.fill.map_or_else(|| vec![0; count * element_bytes], |fill| fill.repeat(count));
         let mut is_done = vec![false; grid.down * grid.across];
-        let chunk_bytes = grid.chunk_rows.saturating_mul(grid.chunk_columns).saturating_mul(element.bytes);
+        let chunk_bytes = grid.chunk_rows.saturating_mul(grid.chunk_columns).saturating_mul(element_bytes);
         let mut place = |number: usize, stored: Stored| {
             let at = stored.at;
             self.charge("chunk", at, stored.bytes.len())?;
@@ -186,8 +174,8 @@ impl<'a> File<'a> {
                 Some(done) if !*done => *done = true,
                 _ => return Err(self.input.wrong("chunk, place", at, number, "a place of its own")),
             }
-            let unpacked = self.unfiltered(&stored, filters, chunk_bytes, element.bytes)?;
-            grid.copy(number, &unpacked, element.bytes, &mut data);
+            let unpacked = self.unfiltered(&stored, &dataset.filters, chunk_bytes, element_bytes)?;
+            grid.copy(number, &unpacked, element_bytes, &mut data);
             Ok(())
         };
         match chunks.index {
@@ -213,15 +201,15 @@ impl<'a> File<'a> {
         Ok(data)
     }
 
-    /// The bytes of a chunk before it went through the filters.
+    /// Undoes the filters of a chunk.
     fn unfiltered(
         &self,
         stored: &Stored<'a>,
         filters: &[Filter],
         chunk_bytes: usize,
         element_bytes: usize,
-    ) -> Result<Cow<'a, [u8]>, FormatError> {
-        let broken = |reason: String| damaged(self.format, &format!("the chunk at byte {}", stored.at), reason);
+    ) -> Result<Cow<'a, [u8]>> {
+        let broken = |reason: String| damaged(self.input.format(), &format!("the chunk at byte {}", stored.at), reason);
         let mut bytes = Cow::Borrowed(stored.bytes);
         for (place, filter) in filters.iter().enumerate().rev() {
             if stored.skipped >> place.min(31) & 1 == 1 {
@@ -229,7 +217,7 @@ impl<'a> File<'a> {
             }
             bytes = match filter {
                 Filter::Deflate => {
-                    // A checksum may still be behind the data.
+                    // A checksum may follow the data.
                     let mut unpacked = Vec::with_capacity(chunk_bytes.min(bytes.len().saturating_mul(1032)));
                     let limit = chunk_bytes as u64 + 4;
                     ZlibDecoder::new(bytes.as_ref())
@@ -246,14 +234,7 @@ impl<'a> File<'a> {
                     if fletcher32(data) != u32::from_le_bytes(*stated) {
                         return Err(broken("the Fletcher-32 checksum does not fit".into()));
                     }
-                    let length = data.len();
-                    match bytes {
-                        Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
-                        Cow::Owned(mut bytes) => {
-                            bytes.truncate(length);
-                            Cow::Owned(bytes)
-                        }
-                    }
+                    Cow::Owned(data.to_vec())
                 }
             };
         }
@@ -264,19 +245,19 @@ impl<'a> File<'a> {
     }
 }
 
-/// A map of rows and columns, and the chunks that cover it.
+/// Map and the grid of chunks that covers it.
 struct Grid {
     rows: usize,
     columns: usize,
     chunk_rows: usize,
     chunk_columns: usize,
-    /// Chunks along the rows and along the columns.
+    /// Number of chunks per column and per row of the map.
     down: usize,
     across: usize,
 }
 
 impl Grid {
-    /// Missing dimensions count as one; `None` where dimensions before the last two have more than one element.
+    /// Creates the grid. Missing dimensions count as 1. Returns `None` if dimensions before the last two exceed 1.
     fn new(chunks: &Chunks, shape: &[usize]) -> Option<Self> {
         if shape.len() != chunks.shape.len() {
             return None;
@@ -287,14 +268,14 @@ impl Grid {
         Some(Self { rows, columns, chunk_rows, chunk_columns, down, across })
     }
 
-    /// Elements of all chunks, whether they lie within the map or beyond its edges.
+    /// Returns the number of elements of all chunks, including those beyond the edges of the map.
     fn padded_elements(&self) -> usize {
         let (height, width) =
             (self.down.saturating_mul(self.chunk_rows), self.across.saturating_mul(self.chunk_columns));
         height.saturating_mul(width)
     }
 
-    /// The number of the chunk whose first element has these coordinates.
+    /// Returns the number of the chunk whose first element has these coordinates.
     fn number(&self, offsets: &[usize]) -> Option<usize> {
         let (row, column) = match offsets {
             [column] => (0, *column),
@@ -305,7 +286,7 @@ impl Grid {
             .then(|| row / self.chunk_rows * self.across + column / self.chunk_columns)
     }
 
-    /// Copies what a chunk holds of the map.
+    /// Copies the elements of a chunk that are within the map.
     fn copy(&self, number: usize, chunk: &[u8], element_bytes: usize, data: &mut [u8]) {
         let (top, left) = (number / self.across * self.chunk_rows, number % self.across * self.chunk_columns);
         let height = self.chunk_rows.min(self.rows - top);
@@ -317,7 +298,7 @@ impl Grid {
     }
 }
 
-/// The last two numbers, 1 for a missing one; `None` where others are not what they must be.
+/// Returns the last two numbers, with 1 for a missing one; `None` unless all other numbers equal `others`.
 fn last_two(numbers: &[usize], others: usize) -> Option<(usize, usize)> {
     match *numbers {
         [last] => Some((1, last)),
@@ -326,7 +307,7 @@ fn last_two(numbers: &[usize], others: usize) -> Option<(usize, usize)> {
     }
 }
 
-/// Puts the bytes of each element together again; bytes that fill no element stay behind.
+/// Undoes the shuffle filter. Surplus bytes that fill no element remain in place.
 fn unshuffled(bytes: &[u8], element_bytes: usize) -> Vec<u8> {
     let count = bytes.len() / element_bytes;
     let mut together = bytes.to_vec();
@@ -338,7 +319,7 @@ fn unshuffled(bytes: &[u8], element_bytes: usize) -> Vec<u8> {
     together
 }
 
-/// The checksum of J. G. Fletcher over big-endian words of 16 bits, modulo 2¹⁶ − 1.
+/// Returns the checksum of J. G. Fletcher over big-endian words of 16 bits, modulo 2¹⁶ − 1.
 fn fletcher32(bytes: &[u8]) -> u32 {
     let fold = |sum: u32| (sum & 0xffff) + (sum >> 16);
     let (mut first, mut second) = (0_u32, 0_u32);
@@ -363,7 +344,7 @@ mod tests {
 
     #[test]
     fn fletcher_sums_fit_the_published_examples() {
-        // The sums of `abcde`, `abcdef` and `abcdefgh` are known for words with their low byte first.
+        // Published sums of `abcde`, `abcdef` and `abcdefgh` are for words with the low byte first.
         assert_eq!(fletcher32(b"badc\0e"), 0xf04f_c729);
         assert_eq!(fletcher32(b"badcfe"), 0x5650_2d2a);
         assert_eq!(fletcher32(b"badcfehg"), 0xebe1_9591);

@@ -1,39 +1,39 @@
-//! Datasets: their type and shape, and their bytes out of the three layouts.
+//! Datasets: datatype, shape, and data in one of three layouts.
 
+use crate::error::Result;
 use std::borrow::Cow;
 
-use super::chunks::{Chunks, Element, Filter};
+use super::chunks::{Chunks, Filter};
 use super::datatype::{Class, Datatype, dimensions};
 use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_VALUE};
 use super::piece::Piece;
 use super::{File, Object, Value};
-use crate::FormatError;
 use crate::sample::{ByteOrder, Sample};
 
-/// A dataset whose header was read.
+/// Dataset with its header.
 pub(crate) struct Dataset<'a> {
-    /// Where its header starts.
+    /// Offset of its header.
     pub(crate) at: usize,
     pub(crate) datatype: Datatype,
     pub(crate) shape: Vec<usize>,
     layout: Layout<'a>,
-    filters: Vec<Filter>,
-    /// What elements hold that were never written, zeros unless stated.
-    fill: Option<&'a [u8]>,
+    pub(super) filters: Vec<Filter>,
+    /// Value of elements that were never written; zeros if `None`.
+    pub(super) fill: Option<&'a [u8]>,
 }
 
-/// Where the elements are.
+/// Place of the elements.
 enum Layout<'a> {
-    /// In the header.
+    /// Data in the header.
     Compact(&'a [u8]),
-    /// Side by side, `None` where nothing was written.
+    /// Contiguous data; `None` if nothing was written.
     Contiguous(Option<usize>),
     Chunked(Chunks),
 }
 
 impl<'a> File<'a> {
-    /// The dataset that an object is, `None` for a group.
-    pub(crate) fn dataset(&self, object: &Object) -> Result<Option<Dataset<'a>>, FormatError> {
+    /// Returns the dataset of an object; `None` for a group.
+    pub(crate) fn dataset(&self, object: &Object) -> Result<Option<Dataset<'a>>> {
         let (Some(datatype), Some(space), Some(layout)) =
             (object.first(DATATYPE), object.first(DATASPACE), object.first(LAYOUT))
         else {
@@ -55,11 +55,11 @@ impl<'a> File<'a> {
         Ok(Some(Dataset { at: object.at, datatype, shape, layout, filters, fill }))
     }
 
-    /// All bytes of a dataset, in row order.
+    /// Returns all bytes of a dataset in row order.
     ///
     /// # Errors
-    /// Data that are not there, and chunks that unpack to more than the file can mean.
-    pub(crate) fn bytes(&self, dataset: &Dataset<'a>) -> Result<Cow<'a, [u8]>, FormatError> {
+    /// Absent data, and chunks that unpack to more than the size of the file allows.
+    pub(crate) fn bytes(&self, dataset: &Dataset<'a>) -> Result<Cow<'a, [u8]>> {
         let count = dataset.shape.iter().copied().fold(1, usize::saturating_mul);
         let length = count.saturating_mul(dataset.datatype.bytes);
         let at = dataset.at;
@@ -70,15 +70,12 @@ impl<'a> File<'a> {
             },
             Layout::Contiguous(Some(address)) => self.input.take("data", *address, length).map(Cow::Borrowed),
             Layout::Contiguous(None) => Err(self.input.missing("data", at, "data that were written")),
-            Layout::Chunked(chunks) => {
-                let element = Element { bytes: dataset.datatype.bytes, fill: dataset.fill };
-                self.unpack(chunks, &dataset.filters, &dataset.shape, element).map(Cow::Owned)
-            }
+            Layout::Chunked(chunks) => self.unpack(dataset, chunks).map(Cow::Owned),
         }
     }
 
-    /// The numbers of a dataset in row order, `None` where it holds something else.
-    pub(crate) fn numbers(&self, dataset: &Dataset<'a>) -> Result<Option<Vec<f64>>, FormatError> {
+    /// Returns the numbers of a dataset in row order; `None` if its elements are not numbers.
+    pub(crate) fn numbers(&self, dataset: &Dataset<'a>) -> Result<Option<Vec<f64>>> {
         let Some((sample, order)) = dataset.sample() else { return Ok(None) };
         let bytes = self.bytes(dataset)?;
         let mut numbers = Vec::with_capacity(bytes.len() / sample.size());
@@ -86,13 +83,13 @@ impl<'a> File<'a> {
         Ok(Some(numbers))
     }
 
-    /// Hands every element of a dataset to `visit`, until that has found something.
+    /// Passes the elements of a dataset to `visit` until it returns a value.
     pub(crate) fn find_element<T>(
         &self,
         dataset: &Dataset<'a>,
         bytes: &[u8],
-        mut visit: impl FnMut(Value) -> Result<Option<T>, FormatError>,
-    ) -> Result<Option<T>, FormatError> {
+        mut visit: impl FnMut(Value) -> Result<Option<T>>,
+    ) -> Result<Option<T>> {
         for bytes in bytes.chunks_exact(dataset.datatype.bytes) {
             self.charge("table", dataset.at, bytes.len())?;
             let found = visit(Value { file: self, datatype: &dataset.datatype, bytes })?;
@@ -105,7 +102,7 @@ impl<'a> File<'a> {
 }
 
 impl Dataset<'_> {
-    /// The type of the elements where they are numbers.
+    /// Returns the type of the elements if they are numbers.
     pub(crate) fn sample(&self) -> Option<(Sample, ByteOrder)> {
         match self.datatype.class {
             Class::Number(sample, order) => Some((sample, order)),
@@ -114,7 +111,7 @@ impl Dataset<'_> {
     }
 }
 
-fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>, FormatError> {
+fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>> {
     let version = message.version(&[3, 4])?;
     let class_at = message.at();
     Ok(match message.u8("class")? {
@@ -128,10 +125,10 @@ fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>, FormatError> {
     })
 }
 
-/// The value in a fill value message, `None` where it states none.
-fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatError> {
+/// Returns the value in a fill value message; `None` if it is undefined.
+fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>> {
     let is_defined = match message.version(&[1, 2, 3])? {
-        // Bit 5 of the flags.
+        // Bit 5 of the flags marks a defined value.
         3 => message.u8("flags")? & 1 << 5 != 0,
         version => {
             message.skip("times", 2)?;
@@ -141,8 +138,8 @@ fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatErro
     if is_defined { sized(message) } else { Ok(None) }
 }
 
-/// A value with its size before it; size 0 stands for none.
-fn sized<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatError> {
+/// Returns a value after its size; `None` for size 0.
+fn sized<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>> {
     let length = message.size("size", 4)?;
     Ok(Some(message.take("value", length)?).filter(|value| !value.is_empty()))
 }

@@ -1,46 +1,46 @@
-//! What the elements of data are, and how many there are.
+//! Datatypes and dataspaces.
 
 use super::header::DATATYPE;
 use super::piece::Piece;
 use super::{File, Object};
-use crate::FormatError;
+use crate::error::Result;
 use crate::sample::{ByteOrder, Sample};
 
-/// How deep types may lie in each other.
+/// Maximum depth of nested types.
 const MAX_DEPTH: usize = 8;
-/// Parts that a compound may have; those of instruments have fewer than ten.
+/// Maximum number of members of a compound. Compounds of instruments have fewer than ten.
 const MAX_MEMBERS: u64 = 256;
-/// The most dimensions that the format allows.
+/// Maximum number of dimensions in the format.
 const MAX_DIMENSIONS: u8 = 32;
-/// Bytes of a reference into a global heap: a length, the address of the heap, an index.
+/// Size in bytes of a reference into a global heap: length, address of the heap, index.
 pub(super) const REFERENCE_BYTES: usize = 4 + 8 + 4;
 
-/// The type of one element.
+/// Type of an element.
 pub(crate) struct Datatype {
-    /// Bytes of one element.
+    /// Size of an element in bytes.
     pub(crate) bytes: usize,
     pub(crate) class: Class,
 }
 
-/// What an element is.
+/// Class of a type.
 pub(crate) enum Class {
     Number(Sample, ByteOrder),
-    /// Text of as many bytes as the type has.
+    /// Text with the size of the type.
     Text,
     /// Text in a global heap.
     TextElsewhere,
-    /// Any number of elements in a global heap.
+    /// Variable-length sequence in a global heap.
     Sequence(Box<Datatype>),
     Compound(Vec<Member>),
-    /// Elements side by side.
+    /// Contiguous elements.
     Array(Box<Datatype>),
-    /// The address of an object.
+    /// Address of an object.
     ObjectReference,
-    /// Something that is not read.
+    /// Class that is not supported.
     Other,
 }
 
-/// A part of a compound.
+/// Member of a compound.
 pub(crate) struct Member {
     pub(crate) name: String,
     pub(crate) offset: usize,
@@ -48,15 +48,15 @@ pub(crate) struct Member {
 }
 
 impl File<'_> {
-    /// The type in a datatype message, or in the committed datatype that it refers to.
-    pub(super) fn datatype(&self, mut message: Piece, is_shared: bool) -> Result<Datatype, FormatError> {
+    /// Returns the type in a datatype message, or in the committed datatype that it refers to.
+    pub(super) fn datatype(&self, mut message: Piece, is_shared: bool) -> Result<Datatype> {
         if !is_shared {
             return read(&mut message, 0);
         }
         let version = message.version(&[1, 2, 3])?;
         let kind_at = message.at();
         let kind = message.u8("kind")?;
-        // Versions 1 and 2 know committed datatypes alone; in version 3 they have the number 2.
+        // Versions 1 and 2 refer to committed datatypes only. In version 3 they have the number 2.
         if version == 3 && kind != 2 {
             return Err(message.wrong("kind", kind_at, kind, "2, a committed datatype"));
         }
@@ -71,8 +71,8 @@ impl File<'_> {
     }
 }
 
-/// Reads one type; what is behind it stays in `message`.
-fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
+/// Reads one type. The bytes after it remain in `message`.
+fn read(message: &mut Piece, depth: usize) -> Result<Datatype> {
     let start = message.at();
     if depth > MAX_DEPTH {
         return Err(message.wrong("depth", start, depth, &format!("at most {MAX_DEPTH}")));
@@ -91,7 +91,7 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
         6 => compound(message, version, bits, bytes, depth)?,
         7 if bits & 15 == 0 => Class::ObjectReference,
         7 => Class::Other,
-        // An enumeration is the integer behind its names.
+        // An enumeration is its integer type, followed by names.
         8 => enumeration(message, version, bits, depth)?,
         9 => {
             let base = read(message, depth + 1)?;
@@ -99,14 +99,15 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
         }
         10 => {
             let rank = usize::from(message.u8("dimensions")?);
-            // Old arrays have reserved bytes, and a permutation behind the sizes.
+            // Old arrays have reserved bytes, and a permutation after the sizes.
             message.skip("sizes", if version < 3 { 3 + 8 * rank } else { 4 * rank })?;
             Class::Array(Box::new(read(message, depth + 1)?))
         }
-        // Times, bits and opaque bytes; later classes are not known, but inside of compounds must be passed over.
-        2 => skipped(message, 2)?,
-        4 => skipped(message, 4)?,
-        5 => skipped(message, (bits & 0xff) as usize)?,
+        // Times, bits and opaque bytes are skipped inside compounds. Later classes are unknown.
+        2 | 4 | 5 => {
+            message.skip("properties", if class == 5 { (bits & 0xff) as usize } else { class.into() })?;
+            Class::Other
+        }
         _ => return Err(message.unsupported(format!("data of class {class}"), "numbers, texts and compounds of them")),
     };
     let fits = match &class {
@@ -122,37 +123,22 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
     Ok(Datatype { bytes, class })
 }
 
-fn skipped(message: &mut Piece, length: usize) -> Result<Class, FormatError> {
-    message.skip("properties", length)?;
-    Ok(Class::Other)
-}
-
-fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, FormatError> {
+fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class> {
     let (offset, precision) = (message.u16("bit offset")?, message.u16("bit precision")?);
-    let sample = match (bytes, bits >> 3 & 1) {
-        (1, 0) => Sample::U8,
-        (1, _) => Sample::I8,
-        (2, 0) => Sample::U16,
-        (2, _) => Sample::I16,
-        (4, 0) => Sample::U32,
-        (4, _) => Sample::I32,
-        (8, 0) => Sample::U64,
-        (8, _) => Sample::I64,
-        _ => return Ok(Class::Other),
-    };
-    let is_whole = offset == 0 && usize::from(precision) == 8 * bytes;
-    Ok(if is_whole { Class::Number(sample, order(bits)) } else { Class::Other })
+    let is_whole = offset == 0 && usize::from(precision) == bytes.saturating_mul(8);
+    let sample = Sample::integer(precision.into(), bits >> 3 & 1 == 1).filter(|_| is_whole);
+    Ok(sample.map_or(Class::Other, |sample| Class::Number(sample, order(bits))))
 }
 
-fn float(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, FormatError> {
+fn float(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class> {
     let properties = message.take("properties", 12)?;
-    // Bit offset and precision; place and size of exponent and mantissa; bias of the exponent, by IEEE 754.
+    // Bit offset and precision; position and size of exponent and mantissa; bias of the exponent, by IEEE 754.
     let sample = match (bytes, properties) {
         (4, [0, 0, 32, 0, 23, 8, 0, 23, 127, 0, 0, 0]) => Sample::F32,
         (8, [0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0]) => Sample::F64,
         _ => return Ok(Class::Other),
     };
-    // Bit 6 stands for the mixed order of the VAX.
+    // Bit 6 marks the mixed byte order of the VAX.
     Ok(if bits & 1 << 6 == 0 { Class::Number(sample, order(bits)) } else { Class::Other })
 }
 
@@ -160,7 +146,7 @@ fn order(bits: u64) -> ByteOrder {
     if bits & 1 == 0 { ByteOrder::Little } else { ByteOrder::Big }
 }
 
-fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Result<Class, FormatError> {
+fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Result<Class> {
     let base = read(message, depth + 1)?;
     let count = (bits & 0xffff) as usize;
     for _ in 0..count {
@@ -170,7 +156,7 @@ fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Res
     Ok(base.class)
 }
 
-fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: usize) -> Result<Class, FormatError> {
+fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: usize) -> Result<Class> {
     let (count, mut members) = (bits & 0xffff, Vec::new());
     if count > MAX_MEMBERS {
         return Err(message.wrong("members", message.at(), count, &format!("at most {MAX_MEMBERS}")));
@@ -178,11 +164,11 @@ fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: us
     for _ in 0..count {
         let name = String::from_utf8_lossy(name(message, version)?).into_owned();
         let at = message.at();
-        // New offsets have as many bytes as the size of the compound needs.
+        // New offsets have the width of the size of the compound.
         let offset =
             message.size("offset of a member", if version < 3 { 4 } else { super::tree::width(bytes as u64) })?;
         if version < 2 {
-            // Dimensions, permutation and sizes, which arrays have taken over.
+            // Dimensions, permutation and sizes, which array types have replaced.
             message.skip("dimensions of a member", 28)?;
         }
         let datatype = read(message, depth + 1)?;
@@ -194,8 +180,8 @@ fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: us
     Ok(Class::Compound(members))
 }
 
-/// A name that ends with a zero; old ones fill a multiple of 8 bytes.
-fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8], FormatError> {
+/// Reads a name that ends with a zero. Old names fill a multiple of 8 bytes.
+fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8]> {
     let start = message.at();
     let name = message.text("name")?;
     if version < 3 {
@@ -204,8 +190,8 @@ fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8], FormatErro
     Ok(name)
 }
 
-/// The dimensions in a dataspace message; none for a single element.
-pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>, FormatError> {
+/// Returns the dimensions in a dataspace message; none for a single element.
+pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>> {
     let version = message.version(&[1, 2])?;
     let rank_at = message.at();
     let rank = message.u8("dimensions")?;
@@ -217,7 +203,7 @@ pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>, FormatError> 
     if rank > MAX_DIMENSIONS {
         return Err(message.wrong("dimensions", rank_at, rank, &format!("at most {MAX_DIMENSIONS}")));
     }
-    // A dataspace of kind 2 holds nothing at all.
+    // A dataspace of kind 2 is empty.
     if kind == 2 {
         return Ok(vec![0]);
     }

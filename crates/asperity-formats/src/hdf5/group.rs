@@ -1,53 +1,40 @@
-//! Groups: which objects they hold, under which names.
+//! Groups: names and addresses of their objects.
 
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
 use super::piece::Piece;
 use super::tree::Keys;
 use super::{File, MAX_ENTRIES, Object};
-use crate::FormatError;
+use crate::error::Result;
 
-/// Keys of a symbol table's tree: offsets of names.
+/// Keys of the tree of a symbol table: offsets of names.
 const NAMES: Keys = Keys { kind: 0, bytes: 8 };
 /// Kind of a soft link in a symbol table entry.
 const SOFT_ENTRY: u32 = 2;
-/// Bytes of a heap identifier behind the hash of a name.
+/// Size in bytes of the hash of a name before a heap identifier.
 const HASH_BYTES: usize = 4;
 
-/// A hard link. Soft and external links are passed over: what they lead to has a hard link of its own, or is not in
-/// the file.
+/// Hard link. Soft and external links are skipped: their targets have hard links of their own or are not in the file.
 pub(crate) struct Link<'a> {
     pub(crate) name: &'a [u8],
     pub(crate) address: usize,
 }
 
 impl<'a> File<'a> {
-    /// The links of a group, none for a dataset.
-    pub(crate) fn links(&self, object: &Object) -> Result<Vec<Link<'a>>, FormatError> {
+    /// Returns the links of a group; none for a dataset.
+    pub(crate) fn links(&self, object: &Object) -> Result<Vec<Link<'a>>> {
         let mut links = Vec::new();
         let mut push = |link: Option<Link<'a>>| {
             links.extend(link);
-            if links.len() > MAX_ENTRIES {
-                Err(self.too_many("links", object.at, links.len(), MAX_ENTRIES))
-            } else {
-                Ok(())
-            }
+            let count = links.len();
+            let too_many = || self.input.too_large("the number of links", object.at, count, MAX_ENTRIES);
+            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
         };
         for message in object.all(LINK) {
             push(link(self.message(message, "link message")?)?)?;
         }
         if let Some(message) = object.first(LINK_INFO) {
-            let mut info = self.message(message, "link info message")?;
-            info.version(&[0])?;
-            if info.u8("flags")? & 1 != 0 {
-                info.skip("creation order", 8)?;
-            }
-            if let Some(heap) = info.optional_address("address of the heap")? {
-                let heap = self.fractal_heap(heap)?;
-                self.visit_records(info.address("address of the tree")?, &mut |mut record, _| {
-                    record.skip("hash", HASH_BYTES)?;
-                    push(self.managed(&heap, record)?.map(link).transpose()?.flatten())
-                })?;
-            }
+            let info = self.message(message, "link info message")?;
+            self.visit_dense(info, 8, HASH_BYTES, &mut |found| push(link(found)?))?;
         }
         if let Some(message) = object.first(SYMBOL_TABLE) {
             let mut table = self.message(message, "symbol table message")?;
@@ -76,8 +63,8 @@ impl<'a> File<'a> {
     }
 }
 
-/// The link in a link message, `None` for soft and external ones.
-fn link(mut message: Piece) -> Result<Option<Link>, FormatError> {
+/// Returns the link in a link message; `None` for soft and external links.
+fn link(mut message: Piece) -> Result<Option<Link>> {
     message.version(&[1])?;
     let flags = message.u8("flags")?;
     let kind = if flags & 1 << 3 != 0 { message.u8("kind")? } else { 0 };

@@ -2,7 +2,7 @@
 
 use super::piece::Piece;
 use super::{File, MAX_ENTRIES};
-use crate::FormatError;
+use crate::error::Result;
 
 pub(super) const DATASPACE: u16 = 0x01;
 pub(super) const LINK_INFO: u16 = 0x02;
@@ -17,23 +17,23 @@ pub(super) const SYMBOL_TABLE: u16 = 0x11;
 pub(super) const ATTRIBUTE_INFO: u16 = 0x15;
 const CONTINUATION: u16 = 0x10;
 
-/// First bytes of a version 2 header; version 1 has none.
+/// First bytes of a version 2 header; version 1 has no signature.
 const SIGNATURE: &[u8] = b"OHDR";
-/// Pieces that the header of one object may be scattered over.
+/// Maximum number of blocks of one object header.
 const MAX_BLOCKS: usize = 1024;
 
-/// A group or a dataset.
+/// Group or dataset.
 pub(crate) struct Object {
-    /// Where its header starts.
+    /// Offset of its header.
     pub(crate) at: usize,
     messages: Vec<Message>,
 }
 
-/// Where a message stands.
+/// Place of a message.
 #[derive(Clone, Copy)]
 pub(super) struct Message {
     kind: u16,
-    /// Whether the content is kept elsewhere.
+    /// Whether the content is stored elsewhere.
     pub(super) shared: bool,
     pub(super) at: usize,
     pub(super) length: usize,
@@ -49,18 +49,12 @@ impl Object {
     }
 }
 
-/// How the messages of a header are laid out.
-#[derive(Clone, Copy, PartialEq)]
-enum Style {
-    Old,
-    New,
-    /// With the creation order of every message.
-    NewOrdered,
-}
+/// Layout of the messages of a header: bytes of the type, and bytes between the flags and the content.
+type Style = (usize, usize);
 
 impl<'a> File<'a> {
     /// Reads the header of the object at an address.
-    pub(crate) fn object(&self, at: usize) -> Result<Object, FormatError> {
+    pub(crate) fn object(&self, at: usize) -> Result<Object> {
         let is_old = self.input.take("object header", at, 4)? != SIGNATURE;
         let (style, first) = if is_old { self.old_header(at)? } else { self.new_header(at)? };
         let mut blocks = vec![first];
@@ -73,29 +67,29 @@ impl<'a> File<'a> {
                 if message.kind == CONTINUATION {
                     let mut place = self.message(message, "continuation message")?;
                     let (start, length) = (place.address("address")?, place.size("length", 8)?);
-                    // New blocks have a signature before their messages and a checksum behind.
+                    // New blocks have a signature before their messages and a checksum after them.
                     blocks.push(if is_old { (start, length) } else { (start + 4, length.saturating_sub(8)) });
                 }
                 messages.push(message);
                 if messages.len() > MAX_ENTRIES || blocks.len() > MAX_BLOCKS {
-                    return Err(self.too_many("messages", at, messages.len(), MAX_ENTRIES));
+                    return Err(self.input.too_large("the number of messages", at, messages.len(), MAX_ENTRIES));
                 }
             }
         }
         Ok(Object { at, messages })
     }
 
-    /// Where the messages of a version 1 header stand.
-    fn old_header(&self, at: usize) -> Result<(Style, (usize, usize)), FormatError> {
+    /// Returns the place of the messages of a version 1 header.
+    fn old_header(&self, at: usize) -> Result<(Style, (usize, usize))> {
         let mut header = self.piece("object header", at, 16)?;
         header.version(&[1])?;
         // A reserved byte, number of messages, reference count.
         header.skip("counts", 7)?;
-        Ok((Style::Old, (at + 16, header.size("size", 4)?)))
+        Ok(((2, 3), (at + 16, header.size("size", 4)?)))
     }
 
-    /// Where the messages of a version 2 header stand.
-    fn new_header(&self, at: usize) -> Result<(Style, (usize, usize)), FormatError> {
+    /// Returns the place of the messages of a version 2 header.
+    fn new_header(&self, at: usize) -> Result<(Style, (usize, usize))> {
         let longest = 4 + 1 + 1 + 16 + 4 + 8;
         let mut header = self.piece("object header", at, self.input.len().saturating_sub(at).min(longest))?;
         header.expect("signature", SIGNATURE)?;
@@ -108,23 +102,19 @@ impl<'a> File<'a> {
             header.skip("limits of attributes", 4)?;
         }
         let length = header.size("size", 1 << (flags & 3))?;
-        let style = if flags & 1 << 2 != 0 { Style::NewOrdered } else { Style::New };
-        Ok((style, (header.at(), length)))
+        // Bit 2: every message states its creation order.
+        let order_bytes = if flags & 1 << 2 != 0 { 2 } else { 0 };
+        Ok(((1, order_bytes), (header.at(), length)))
     }
 
-    /// The content of a message.
-    pub(super) fn message(&self, message: Message, name: &'static str) -> Result<Piece<'a>, FormatError> {
+    /// Returns the content of a message.
+    pub(super) fn message(&self, message: Message, name: &'static str) -> Result<Piece<'a>> {
         self.piece(name, message.at, message.length)
     }
 }
 
-/// The next message of a block, `None` where the rest is too short for one.
-fn next_message(block: &mut Piece, style: Style) -> Result<Option<Message>, FormatError> {
-    let (kind_bytes, behind_flags) = match style {
-        Style::Old => (2, 3),
-        Style::New => (1, 0),
-        Style::NewOrdered => (1, 2),
-    };
+/// Reads the next message of a block; `None` if the rest is too short.
+fn next_message(block: &mut Piece, (kind_bytes, behind_flags): Style) -> Result<Option<Message>> {
     if block.left() < kind_bytes + 2 + 1 + behind_flags {
         return Ok(None);
     }

@@ -1,40 +1,39 @@
-//! Heaps: the local one for names of a symbol table, global ones for variable-length values, fractal ones for dense
-//! links and attributes.
+//! Heaps: local (names of a symbol table), global (variable-length values) and fractal (dense links and attributes).
 
 use super::File;
 use super::piece::Piece;
 use super::tree::width;
-use crate::FormatError;
+use crate::error::Result;
 
-/// Bytes of a name that are searched for its end.
+/// Maximum size of a name in bytes.
 const MAX_NAME_BYTES: usize = 4096;
-/// Indirect blocks that one object may lie below; a heap of 2⁴⁰ bytes has four.
+/// Maximum number of nested indirect blocks. A heap of 2⁴⁰ bytes has four.
 const MAX_BLOCK_DEPTH: usize = 8;
 
-/// The names of a symbol table.
+/// Names of a symbol table.
 pub(super) struct LocalHeap {
     start: usize,
     length: usize,
 }
 
-/// Many small objects in blocks whose sizes double from row to row.
+/// Heap of small objects in blocks whose sizes double from row to row.
 pub(super) struct FractalHeap {
-    /// Bytes of an offset into the heap.
+    /// Size in bytes of an offset into the heap.
     offset_bytes: usize,
-    /// Bytes of the length of an object.
+    /// Size in bytes of the length of an object.
     length_bytes: usize,
-    /// Blocks in a row.
+    /// Number of blocks in a row.
     width: u64,
     first_block_bytes: u64,
-    /// Rows of direct blocks at the start of an indirect block.
+    /// Number of rows of direct blocks at the start of an indirect block.
     direct_rows: u64,
     root: Option<usize>,
-    /// Rows of the root when it is an indirect block, 0 when it is a direct one.
+    /// Number of rows of the root if it is an indirect block, 0 if it is a direct block.
     root_rows: u64,
 }
 
 impl<'a> File<'a> {
-    pub(super) fn local_heap(&self, at: usize) -> Result<LocalHeap, FormatError> {
+    pub(super) fn local_heap(&self, at: usize) -> Result<LocalHeap> {
         let mut heap = self.piece("local heap", at, 32)?;
         heap.expect("signature", b"HEAP")?;
         heap.version(&[0])?;
@@ -44,8 +43,8 @@ impl<'a> File<'a> {
         Ok(LocalHeap { start: heap.address("address")?, length })
     }
 
-    /// The name at an offset into the heap.
-    pub(super) fn name(&self, heap: &LocalHeap, offset: usize) -> Result<&'a [u8], FormatError> {
+    /// Returns the name at an offset into the heap.
+    pub(super) fn name(&self, heap: &LocalHeap, offset: usize) -> Result<&'a [u8]> {
         let end = heap.length.min(self.input.len().saturating_sub(heap.start));
         let length = end.saturating_sub(offset).min(MAX_NAME_BYTES);
         let at = heap.start.saturating_add(offset);
@@ -55,8 +54,8 @@ impl<'a> File<'a> {
         Ok(name)
     }
 
-    /// An object of a global heap, `None` where a reference leads to nothing.
-    pub(super) fn global(&self, at: usize, wanted: u32) -> Result<Option<&'a [u8]>, FormatError> {
+    /// Returns an object of a global heap; `None` if it does not exist.
+    pub(super) fn global(&self, at: usize, wanted: u32) -> Result<Option<&'a [u8]>> {
         let mut head = self.piece("global heap", at, 16)?;
         head.expect("signature", b"GCOL")?;
         head.version(&[1])?;
@@ -65,7 +64,7 @@ impl<'a> File<'a> {
         let (mut next, mut found) = (at + 16, None);
         let mut passed = 0_usize;
         while found.is_none() && next.saturating_add(16) <= end {
-            let mut object = Piece::new(self.input, self.format, "global heap", next, 16)?;
+            let mut object = Piece::new(self.input, "global heap", next, 16)?;
             passed += 16;
             let index = object.u16("index")?;
             object.skip("counts", 6)?;
@@ -84,7 +83,7 @@ impl<'a> File<'a> {
         Ok(found)
     }
 
-    pub(super) fn fractal_heap(&self, at: usize) -> Result<FractalHeap, FormatError> {
+    pub(super) fn fractal_heap(&self, at: usize) -> Result<FractalHeap> {
         let mut heap = self.piece("fractal heap", at, 142)?;
         heap.expect("signature", b"FRHP")?;
         heap.version(&[0])?;
@@ -112,7 +111,7 @@ impl<'a> File<'a> {
             && width_of_table.is_power_of_two()
             && (1..=64).contains(&bits))
         {
-            return Err(heap.wrong("table of blocks", place, "a table without order", "powers of two below 2^32"));
+            return Err(heap.wrong("table of blocks", place, "an inconsistent table", "powers of two below 2^32"));
         }
         let longest = usize::try_from(largest_block_bytes.ilog2().div_ceil(8)).unwrap_or(4);
         Ok(FractalHeap {
@@ -126,10 +125,11 @@ impl<'a> File<'a> {
         })
     }
 
-    /// The object that an identifier names; `None` for huge and tiny ones, which are no links and hardly attributes.
-    pub(super) fn managed(&self, heap: &FractalHeap, mut id: Piece<'a>) -> Result<Option<Piece<'a>>, FormatError> {
+    /// Returns the object of an identifier; `None` for huge and tiny objects, which links never are and attributes
+    /// rarely are.
+    pub(super) fn managed(&self, heap: &FractalHeap, mut id: Piece<'a>) -> Result<Option<Piece<'a>>> {
         let id_at = id.at();
-        // Bits 4 and 5 tell managed, huge and tiny objects apart.
+        // Bits 4 and 5 distinguish managed, huge and tiny objects.
         if id.u8("kind")? & 0x30 != 0 {
             return Ok(None);
         }
@@ -140,7 +140,7 @@ impl<'a> File<'a> {
         let mut block_bytes = heap.first_block_bytes;
         for _ in 0..MAX_BLOCK_DEPTH {
             if rows == 0 {
-                // Offsets count from the start of a direct block, its head included.
+                // Offsets count from the start of a direct block, including its head.
                 let inside = offset.checked_add(length as u64).is_some_and(|end| end <= block_bytes);
                 let start = usize::try_from(offset).ok().and_then(|offset| block.checked_add(offset));
                 return match start.filter(|_| inside) {
@@ -161,7 +161,7 @@ impl<'a> File<'a> {
             let entry = usize::try_from((row * heap.width + column) * 8).unwrap_or(usize::MAX);
             let place = block.saturating_add(head).saturating_add(entry);
             block = self.piece("indirect block", place, 8)?.address("address of a block")?;
-            // A child of an indirect row covers as much as its row says, with a table of its own.
+            // A child of an indirect row covers the size of its row, with a table of its own.
             let is_direct = row < heap.direct_rows;
             rows = if is_direct { 0 } else { heap.rows_of_child(bytes) };
             block_bytes = bytes;
@@ -171,9 +171,9 @@ impl<'a> File<'a> {
 }
 
 impl FractalHeap {
-    /// The row that an offset lies in, and the bytes of each of its blocks.
+    /// Returns the row of an offset, and the size of each of its blocks in bytes.
     ///
-    /// The first two rows have blocks of the first size; from then on sizes double.
+    /// The first two rows have blocks of the first size. From the third row on sizes double.
     fn row(&self, offset: u64) -> (u64, u64) {
         let in_first_rows = offset / (self.first_block_bytes * self.width);
         match in_first_rows.checked_ilog2() {
@@ -184,7 +184,7 @@ impl FractalHeap {
         }
     }
 
-    /// The offset at which a row starts.
+    /// Returns the offset of the start of a row.
     fn row_start(&self, row: u64) -> u64 {
         let first = self.first_block_bytes * self.width;
         match row.checked_sub(1) {
@@ -193,7 +193,7 @@ impl FractalHeap {
         }
     }
 
-    /// Rows of the indirect block that a place of so many bytes refers to.
+    /// Returns the number of rows of the indirect block of a place of `bytes` bytes.
     fn rows_of_child(&self, bytes: u64) -> u64 {
         u64::from(bytes.ilog2().saturating_sub((self.first_block_bytes * self.width).ilog2())) + 1
     }
@@ -221,7 +221,7 @@ mod tests {
             start += 4 * bytes;
             assert_eq!(heap.row(start - 1), (row, bytes));
         }
-        // The rows of a child, whose table starts over, cover as much as its own row says.
+        // The rows of a child cover the size of its place.
         let (row, bytes) = heap.row(start);
         assert_eq!(heap.row_start(heap.rows_of_child(bytes)), bytes, "row {row}");
     }

@@ -1,15 +1,15 @@
-//! B-trees: version 1 under symbol tables and chunks, version 2 under dense links and attributes.
+//! B-trees: version 1 for symbol tables and chunks, version 2 for dense links and attributes.
 
 use super::File;
 use super::piece::Piece;
-use crate::FormatError;
+use crate::error::Result;
 
-/// Levels of a version 2 tree; each multiplies its records by ten and more.
+/// Maximum number of levels of a version 2 tree. Each level multiplies the records at least by ten.
 const MAX_DEPTH: u16 = 16;
-/// Bytes of an inner node of version 2 without records: signature, version, type, checksum.
+/// Size in bytes of an inner node of version 2 without records: signature, version, type, checksum.
 const NODE_BYTES: usize = 10;
 
-/// What a version 1 tree refers to: its number in the file, and the bytes of its keys.
+/// Keys of a version 1 tree: the number of their kind in the file, and their size in bytes.
 #[derive(Clone, Copy)]
 pub(super) struct Keys {
     pub(super) kind: u8,
@@ -20,34 +20,30 @@ pub(super) struct Keys {
 struct Nodes {
     node_bytes: usize,
     record_bytes: usize,
-    /// Bytes of the number of records in a child.
+    /// Size in bytes of the number of records in a child.
     count_bytes: usize,
-    /// For each level, bytes of the number of all records below a node of that level.
+    /// For each level, size in bytes of the number of all records below a node of that level.
     total_bytes: Vec<usize>,
 }
 
-/// What is done with a key or record, and with the address behind a key.
-pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<(), FormatError> + 'v;
+/// Callback for a key and its address.
+pub(super) type VisitKey<'v, 'a> = dyn FnMut(Piece<'a>, usize) -> Result<()> + 'v;
+/// Callback for a record or an object.
+pub(super) type Visit<'v, 'a> = dyn FnMut(Piece<'a>) -> Result<()> + 'v;
 
 impl<'a> File<'a> {
-    /// Hands every leaf of a version 1 tree to `visit`: its key and the address behind it.
-    pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut Visit<'_, 'a>) -> Result<(), FormatError> {
+    /// Passes every leaf of a version 1 tree to `visit`: its key and its address.
+    pub(super) fn visit_tree(&self, root: usize, keys: Keys, visit: &mut VisitKey<'_, 'a>) -> Result<()> {
         self.visit_node(root, keys, None, visit)
     }
 
-    fn visit_node(
-        &self,
-        at: usize,
-        keys: Keys,
-        wanted_level: Option<u8>,
-        visit: &mut Visit<'_, 'a>,
-    ) -> Result<(), FormatError> {
+    fn visit_node(&self, at: usize, keys: Keys, wanted_level: Option<u8>, visit: &mut VisitKey<'_, 'a>) -> Result<()> {
         let mut node = self.piece("B-tree node", at, 24)?;
         node.expect("signature", b"TREE")?;
         node.expect("type", &[keys.kind])?;
         let level_at = node.at();
         let level = node.u8("level")?;
-        // Levels fall towards the leaves, which bounds the depth.
+        // Levels decrease towards the leaves, which limits the depth.
         if wanted_level.is_some_and(|wanted| wanted != level) {
             return Err(node.wrong("level", level_at, level, "one less than that of the node above"));
         }
@@ -64,8 +60,31 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Hands every record of a version 2 tree to `visit`, with the place of the node.
-    pub(super) fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<(), FormatError> {
+    /// Passes every object of a dense index to `visit`.
+    ///
+    /// `info` is the message that leads to the index, `order_bytes` the size of its optional creation order. The records of
+    /// the tree hold `hash_bytes` bytes before the identifier of the object in the heap.
+    pub(super) fn visit_dense(
+        &self,
+        mut info: Piece<'a>,
+        order_bytes: usize,
+        hash_bytes: usize,
+        visit: &mut Visit<'_, 'a>,
+    ) -> Result<()> {
+        info.version(&[0])?;
+        if info.u8("flags")? & 1 != 0 {
+            info.skip("creation order", order_bytes)?;
+        }
+        let Some(heap) = info.optional_address("address of the heap")? else { return Ok(()) };
+        let heap = self.fractal_heap(heap)?;
+        self.visit_records(info.address("address of the tree")?, &mut |mut record| {
+            record.skip("hash", hash_bytes)?;
+            self.managed(&heap, record)?.map_or(Ok(()), &mut *visit)
+        })
+    }
+
+    /// Passes every record of a version 2 tree to `visit`.
+    fn visit_records(&self, header: usize, visit: &mut Visit<'_, 'a>) -> Result<()> {
         let mut head = self.piece("B-tree header", header, 4 + 1 + 1 + 4 + 2 + 2 + 2 + 8 + 2)?;
         head.expect("signature", b"BTHD")?;
         head.version(&[0])?;
@@ -95,7 +114,7 @@ impl<'a> File<'a> {
         count: usize,
         nodes: &Nodes,
         visit: &mut Visit<'_, 'a>,
-    ) -> Result<(), FormatError> {
+    ) -> Result<()> {
         let total_bytes = if level > 1 { nodes.total_bytes[level - 1] } else { 0 };
         let child_bytes = if level > 0 { 8 + nodes.count_bytes + total_bytes } else { 0 };
         if count > (nodes.node_bytes - NODE_BYTES) / nodes.record_bytes {
@@ -107,7 +126,7 @@ impl<'a> File<'a> {
         node.version(&[0])?;
         node.skip("type", 1)?;
         for _ in 0..count {
-            visit(node.split("B-tree record", nodes.record_bytes)?, at)?;
+            visit(node.split("B-tree record", nodes.record_bytes)?)?;
         }
         if level > 0 {
             for _ in 0..=count {
@@ -122,7 +141,7 @@ impl<'a> File<'a> {
 }
 
 impl Nodes {
-    /// The widths of numbers follow from the most records that the nodes of each level can hold.
+    /// Computes the widths of numbers from the maximum number of records in the nodes of each level.
     fn new(node_bytes: usize, record_bytes: usize, depth: u16) -> Self {
         let in_leaf = ((node_bytes - NODE_BYTES) / record_bytes) as u64;
         let count_bytes = width(in_leaf);
@@ -137,7 +156,7 @@ impl Nodes {
     }
 }
 
-/// Bytes that hold numbers up to `limit`.
+/// Returns the number of bytes of numbers up to `limit`.
 pub(super) fn width(limit: u64) -> usize {
     limit.max(1).ilog2() as usize / 8 + 1
 }
@@ -154,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn widths_in_inner_nodes_follow_from_what_the_levels_below_can_hold() {
+    fn widths_in_inner_nodes_follow_from_the_capacity_of_the_levels_below() {
         // Nodes of 512 bytes with records of 17: 29 in a leaf; (512 − 10 − 9) / (17 + 9) = 18 above, with 19 · 29 + 18
         // = 569 records below; (512 − 10 − 11) / (17 + 11) = 17 above that.
         let nodes = Nodes::new(512, 17, 2);

@@ -1,18 +1,17 @@
-//! Attributes and the values in them.
+//! Attributes and their values.
 
 use super::datatype::{Class, Datatype, dimensions};
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
 use super::piece::Piece;
 use super::{File, MAX_ENTRIES, Object};
-use crate::FormatError;
-use crate::error::shown;
+use crate::error::{Result, shown};
 
-/// Numbers of one value that are shown as text.
+/// Maximum number of numbers of a value that are shown as text.
 const SHOWN_NUMBERS: usize = 16;
-/// How often the length of a text counts as work: texts are copied, other structures are looked at in place.
+/// Cost of a byte of text: texts are copied, other structures are read in place.
 const COPY_WORK: usize = 8;
 
-/// A named value of a group or dataset; its type is read when the value is asked for.
+/// Named value of a group or dataset. Its type is read on demand.
 pub(crate) struct Attribute<'a> {
     pub(crate) name: &'a [u8],
     is_shared: bool,
@@ -21,7 +20,7 @@ pub(crate) struct Attribute<'a> {
     data: Piece<'a>,
 }
 
-/// One element of a type, or several side by side.
+/// One element, or several contiguous ones.
 #[derive(Clone, Copy)]
 pub(crate) struct Value<'v> {
     pub(super) file: &'v File<'v>,
@@ -30,39 +29,31 @@ pub(crate) struct Value<'v> {
 }
 
 impl<'a> File<'a> {
-    /// All attributes of an object.
-    pub(crate) fn attributes(&self, object: &Object) -> Result<Vec<Attribute<'a>>, FormatError> {
+    /// Returns all attributes of an object.
+    pub(crate) fn attributes(&self, object: &Object) -> Result<Vec<Attribute<'a>>> {
         let mut attributes = Vec::new();
         let mut push = |attribute: Attribute<'a>| {
             attributes.push(attribute);
             let count = attributes.len();
-            if count > MAX_ENTRIES { Err(self.too_many("attributes", object.at, count, MAX_ENTRIES)) } else { Ok(()) }
+            let too_many = || self.input.too_large("the number of attributes", object.at, count, MAX_ENTRIES);
+            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
         };
         for message in object.all(ATTRIBUTE).filter(|message| !message.shared) {
             push(attribute(self.message(message, "attribute")?)?)?;
         }
         if let Some(message) = object.first(ATTRIBUTE_INFO) {
-            let mut info = self.message(message, "attribute info message")?;
-            info.version(&[0])?;
-            if info.u8("flags")? & 1 != 0 {
-                info.skip("creation order", 2)?;
-            }
-            if let Some(heap) = info.optional_address("address of the heap")? {
-                let heap = self.fractal_heap(heap)?;
-                self.visit_records(info.address("address of the tree")?, &mut |record, _| {
-                    self.managed(&heap, record)?.map_or(Ok(()), |found| push(attribute(found)?))
-                })?;
-            }
+            let info = self.message(message, "attribute info message")?;
+            self.visit_dense(info, 2, 0, &mut |found| push(attribute(found)?))?;
         }
         Ok(attributes)
     }
 
-    /// What the elements of an attribute are turned into; `None` where it has none.
+    /// Converts the elements of an attribute with `turn`; `None` if it has no elements.
     pub(crate) fn value<T>(
         &self,
         attribute: &Attribute<'a>,
-        turn: impl FnOnce(Value) -> Result<Option<T>, FormatError>,
-    ) -> Result<Option<T>, FormatError> {
+        turn: impl FnOnce(Value) -> Result<Option<T>>,
+    ) -> Result<Option<T>> {
         let datatype = self.datatype(attribute.datatype, attribute.is_shared)?;
         let count = dimensions(attribute.dataspace)?.into_iter().fold(1, usize::saturating_mul);
         if count == 0 {
@@ -74,21 +65,21 @@ impl<'a> File<'a> {
     }
 }
 
-/// A number with an exponent where it would have many digits.
+/// Formats a number, with an exponent if it would have many digits.
 pub(crate) fn shown_number(number: f64) -> String {
     if number == 0.0 || (1e-4..1e15).contains(&number.abs()) { number.to_string() } else { format!("{number:e}") }
 }
 
-/// Bytes of a name that are kept; names of instruments are shorter.
+/// Maximum number of bytes of a name. Names of instruments are shorter.
 const NAME_BYTES: usize = 256;
 
-/// A name as text, cut where it is unreasonably long.
+/// Returns a name as text, cut to [`NAME_BYTES`].
 pub(crate) fn shown_name(name: &[u8]) -> String {
     String::from_utf8_lossy(&name[..name.len().min(NAME_BYTES)]).into_owned()
 }
 
 /// Reads an attribute message up to its value.
-fn attribute(mut message: Piece) -> Result<Attribute, FormatError> {
+fn attribute(mut message: Piece) -> Result<Attribute> {
     let version = message.version(&[1, 2, 3])?;
     let flags = message.u8("flags")?;
     let lengths = [message.size("name size", 2)?, message.size("type size", 2)?, message.size("space size", 2)?];
@@ -116,13 +107,13 @@ fn attribute(mut message: Piece) -> Result<Attribute, FormatError> {
 }
 
 impl<'v> Value<'v> {
-    /// The number, or the first of several.
-    pub(crate) fn number(&self) -> Result<Option<f64>, FormatError> {
+    /// Returns the first number.
+    pub(crate) fn number(&self) -> Result<Option<f64>> {
         Ok(self.numbers(1)?.first().copied())
     }
 
-    /// At most as many numbers as asked for, of single ones, arrays or the first sequence.
-    pub(crate) fn numbers(&self, most: usize) -> Result<Vec<f64>, FormatError> {
+    /// Returns at most `most` numbers of single values, arrays or the first sequence.
+    pub(crate) fn numbers(&self, most: usize) -> Result<Vec<f64>> {
         let (base, bytes) = match &self.datatype.class {
             Class::Array(base) => (base.as_ref(), self.bytes),
             Class::Sequence(base) => (base.as_ref(), self.elsewhere(base.bytes)?),
@@ -136,8 +127,8 @@ impl<'v> Value<'v> {
         Ok(numbers)
     }
 
-    /// The bytes of the first text up to a zero, `None` for other types.
-    pub(crate) fn raw_text(&self) -> Result<Option<&'v [u8]>, FormatError> {
+    /// Returns the bytes of the first text up to a zero; `None` for other types.
+    pub(crate) fn raw_text(&self) -> Result<Option<&'v [u8]>> {
         let bytes = match self.datatype.class {
             Class::Text => &self.bytes[..self.datatype.bytes.min(self.bytes.len())],
             Class::TextElsewhere => self.elsewhere(1)?,
@@ -147,14 +138,14 @@ impl<'v> Value<'v> {
         Ok(Some(&bytes[..end]))
     }
 
-    /// A text without white space around it.
-    pub(crate) fn text(&self) -> Result<Option<String>, FormatError> {
+    /// Returns a text without surrounding white space.
+    pub(crate) fn text(&self) -> Result<Option<String>> {
         let Some(raw) = self.raw_text()? else { return Ok(None) };
         self.file.charge("texts", 0, raw.len().saturating_mul(COPY_WORK))?;
         Ok(Some(String::from_utf8_lossy(raw).trim().to_owned()))
     }
 
-    /// A part of the first compound.
+    /// Returns a member of the first compound.
     pub(crate) fn member(&self, name: &str) -> Option<Self> {
         let Class::Compound(members) = &self.datatype.class else { return None };
         let member = members.iter().find(|member| member.name == name)?;
@@ -162,15 +153,15 @@ impl<'v> Value<'v> {
         Some(Self { datatype: &member.datatype, bytes, ..*self })
     }
 
-    /// The bytes of a text in the first compound.
-    pub(crate) fn member_text(&self, name: &str) -> Result<Option<&'v [u8]>, FormatError> {
+    /// Returns the bytes of a text member of the first compound.
+    pub(crate) fn member_text(&self, name: &str) -> Result<Option<&'v [u8]>> {
         self.member(name).map_or(Ok(None), |member| member.raw_text())
     }
 
-    /// Whether a text in the first compound is the one wanted.
-    pub(crate) fn has_text(&self, name: &str, wanted: &[u8]) -> Result<bool, FormatError> {
+    /// Returns whether a text member of the first compound equals `wanted`.
+    pub(crate) fn has_text(&self, name: &str, wanted: &[u8]) -> Result<bool> {
         let Some(member) = self.member(name) else { return Ok(false) };
-        // Texts of another length, but for a zero at the end, need not be looked up in their heap.
+        // A text of another length, apart from a zero at the end, differs without a look into the heap.
         let length = member.reference(0, 4);
         let is_long = matches!(member.datatype.class, Class::TextElsewhere);
         if is_long && ![wanted.len() as u64, wanted.len() as u64 + 1].contains(&length) {
@@ -179,10 +170,10 @@ impl<'v> Value<'v> {
         Ok(member.raw_text()? == Some(wanted))
     }
 
-    /// The addresses that object references lead to: the first of each sequence.
-    pub(crate) fn objects(&self) -> Result<Vec<usize>, FormatError> {
+    /// Returns the addresses of object references: the first of each sequence.
+    pub(crate) fn objects(&self) -> Result<Vec<usize>> {
         let Class::Sequence(base) = &self.datatype.class else { return Ok(Vec::new()) };
-        let address = |bytes: &'v [u8]| -> Result<usize, FormatError> {
+        let address = |bytes: &'v [u8]| -> Result<usize> {
             let found = Self { bytes, ..*self }.elsewhere(base.bytes)?;
             let raw = found.first_chunk().filter(|_| matches!(base.class, Class::ObjectReference));
             Ok(raw.and_then(|raw| usize::try_from(u64::from_le_bytes(*raw)).ok()).unwrap_or(usize::MAX))
@@ -190,8 +181,8 @@ impl<'v> Value<'v> {
         self.bytes.chunks_exact(self.datatype.bytes).map(address).collect()
     }
 
-    /// In words for the user, `None` for what is neither text nor numbers nor made of them.
-    pub(crate) fn describe(&self) -> Result<Option<String>, FormatError> {
+    /// Describes the value for the user; `None` unless it consists of texts and numbers.
+    pub(crate) fn describe(&self) -> Result<Option<String>> {
         if let Class::Compound(members) = &self.datatype.class {
             let mut parts = Vec::new();
             for member in members.iter().take(SHOWN_NUMBERS) {
@@ -211,13 +202,13 @@ impl<'v> Value<'v> {
         Ok((!numbers.is_empty()).then(|| numbers.join(" ")))
     }
 
-    /// A part of a reference into a global heap.
+    /// Returns a part of a reference into a global heap.
     fn reference(&self, start: usize, width: usize) -> u64 {
         self.bytes.iter().skip(start).take(width).rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
     }
 
-    /// The elements in a global heap that a reference leads to, none for an empty sequence.
-    fn elsewhere(&self, element_bytes: usize) -> Result<&'v [u8], FormatError> {
+    /// Returns the elements of a reference into a global heap; none for an empty sequence.
+    fn elsewhere(&self, element_bytes: usize) -> Result<&'v [u8]> {
         let (length, address, index) = (self.reference(0, 4), self.reference(4, 8), self.reference(12, 4));
         let address = usize::try_from(address).unwrap_or(usize::MAX);
         if length == 0 || index == 0 {

@@ -1,26 +1,28 @@
-//! The classic formats: a header of dimensions, attributes and variables, then their numbers, big-endian.
+//! Classic formats: a header of dimensions, attributes and variables, then the numbers, big-endian.
 //!
-//! Variables whose first dimension is that of the records lie behind the others, record by record.
-//! Layout: NetCDF Classic, 64-bit Offset and 64-bit Data Format Specifications.
+//! Variables with the record dimension follow the others, record by record. Layout: NetCDF Classic, 64-bit Offset and
+//! 64-bit Data Format Specifications.
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use crate::Format;
+use crate::error::Result;
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError};
+use crate::scan::Shape;
 
 /// Tags of the three lists.
 const DIMENSIONS: u32 = 0x0a;
 const VARIABLES: u32 = 0x0b;
 const ATTRIBUTES: u32 = 0x0c;
-/// Parts of a file start at multiples of this many bytes.
+/// Alignment of the parts of a file in bytes.
 const ALIGNMENT: usize = 4;
-/// The most dimensions of a variable that is looked at.
+/// Maximum number of dimensions of a variable that is used.
 const MAX_RANK: usize = 32;
-/// The longest name, by the library of the format.
+/// Maximum size of a name in bytes in the netCDF library.
 const MAX_NAME_BYTES: usize = 256;
 
-/// The version of a classic file: 1, 2 (64-bit offset) or 5 (64-bit data).
+/// Returns the version of a classic file: 1, 2 (64-bit offset) or 5 (64-bit data).
 pub(super) fn version(bytes: &[u8]) -> Option<u8> {
     match bytes {
         [b'C', b'D', b'F', version @ (1 | 2 | 5), ..] => Some(*version),
@@ -29,7 +31,7 @@ pub(super) fn version(bytes: &[u8]) -> Option<u8> {
 }
 
 /// Reads the header.
-pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents), FormatError> {
+pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
     let input = Input::new(Format::NetCdf, bytes).with_order(ByteOrder::Big);
     let version = version(bytes).ok_or_else(|| input.wrong("version", 3, "other", "1, 2 or 5"))?;
     let mut header = Header { input, at: ALIGNMENT, version, room: MAX_ENTRIES };
@@ -50,28 +52,32 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents), FormatError> {
         let variable = header.variable(&contents.dimensions, record_dimension)?;
         contents.variables.push(variable);
     }
+    let mut in_records: Vec<&mut Variable> =
+        contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()).collect();
+    let pads = in_records.len() > 1;
+    let record_bytes = in_records.iter().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
     let records = match records {
-        // A file that was still being written does not say how many records it has.
-        None => count_records(&input, &contents.variables),
+        // A file that is still being written does not state the number of records. They are counted up to the end of
+        // the file.
+        None => {
+            let start = in_records.iter().map(|variable| variable.at).min().unwrap_or(input.len());
+            input.len().saturating_sub(start).checked_div(record_bytes).unwrap_or(0)
+        }
         Some(found) => usize::try_from(found)
             .map_err(|_| input.wrong("number of records", records_at, found, "as many as the file holds"))?,
     };
-    for variable in contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()) {
+    for variable in &mut in_records {
         variable.shape[0] = records;
+        variable.record_bytes = Some(record_bytes);
     }
     if let Some(place) = record_dimension {
         contents.dimensions[place].length = records;
     }
-    let pads = contents.variables.iter().filter(|variable| variable.record_bytes.is_some()).count() > 1;
-    let record_bytes =
-        contents.variables.iter().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
-    for variable in contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()) {
-        variable.record_bytes = Some(record_bytes);
-    }
     Ok((input, contents))
 }
 
-/// Bytes of one record of a variable, `None` for a variable without records. A single variable is not padded.
+/// Returns the size in bytes of one record of a variable; `None` for a variable without records. A single variable is
+/// not padded.
 fn slab(variable: &Variable, pads: bool) -> Option<usize> {
     variable.record_bytes?;
     let size = variable.sample.map_or(1, Sample::size);
@@ -79,17 +85,8 @@ fn slab(variable: &Variable, pads: bool) -> Option<usize> {
     Some(if pads { bytes.checked_next_multiple_of(ALIGNMENT).unwrap_or(usize::MAX) } else { bytes })
 }
 
-/// Whole records from the first one to the end of the file.
-fn count_records(input: &Input, variables: &[Variable]) -> usize {
-    let in_records = || variables.iter().filter(|variable| variable.record_bytes.is_some());
-    let pads = in_records().count() > 1;
-    let record_bytes = in_records().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
-    let start = in_records().map(|variable| variable.at).min().unwrap_or(input.len());
-    input.len().saturating_sub(start).checked_div(record_bytes).unwrap_or(0)
-}
-
-/// The numbers of a variable in row order.
-pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+/// Returns the numbers of a variable in row order.
+pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample else { return Ok(Vec::new()) };
     let count = variable.shape.iter().copied().fold(1, usize::saturating_mul);
     let Some(record_bytes) = variable.record_bytes else {
@@ -100,7 +97,7 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, Fo
     if count == 0 {
         return Ok(Vec::new());
     }
-    // Memory is taken when the last record is there.
+    // Memory is allocated only if the last record is present.
     input.take(&variable.name, variable.at.saturating_add(record_bytes.saturating_mul(records - 1)), bytes)?;
     let mut values = large::with_capacity(count);
     for record in 0..records {
@@ -110,8 +107,8 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, Fo
     Ok(values)
 }
 
-/// The numbers of a map of so many rows and columns in the order of its columns.
-pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize)) -> Result<Vec<f64>, FormatError> {
+/// Returns the numbers of a map in column order.
+pub(super) fn columns(input: &Input, variable: &Variable, shape: Shape) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
         return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
     };
@@ -120,24 +117,24 @@ pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize))
     Ok(sample.decode_columns(ByteOrder::Big, bytes, (columns, rows)))
 }
 
-/// The header, read from its start to its end.
+/// Header with the current offset.
 struct Header<'a> {
     input: Input<'a>,
     at: usize,
     version: u8,
-    /// Dimensions, attributes and variables that the file may still have.
+    /// Number of further dimensions, attributes and variables that are allowed.
     room: usize,
 }
 
 impl Header<'_> {
-    fn u32(&mut self, field: &str) -> Result<u32, FormatError> {
+    fn u32(&mut self, field: &str) -> Result<u32> {
         let found = self.input.u32(field, self.at)?;
         self.at += 4;
         Ok(found)
     }
 
-    /// A count as it stands, `None` where all its bits are set.
-    fn raw_count(&mut self, field: &str) -> Result<Option<u64>, FormatError> {
+    /// Reads a count; `None` if all its bits are set.
+    fn raw_count(&mut self, field: &str) -> Result<Option<u64>> {
         if self.version == 5 {
             let found = self.input.u64(field, self.at)?;
             self.at += 8;
@@ -147,7 +144,7 @@ impl Header<'_> {
         Ok((found != u32::MAX).then_some(found.into()))
     }
 
-    fn count(&mut self, field: &str) -> Result<usize, FormatError> {
+    fn count(&mut self, field: &str) -> Result<usize> {
         let at = self.at;
         let found = self.raw_count(field)?;
         let most = if self.version == 5 { i64::MAX as u64 } else { i32::MAX as u64 };
@@ -155,15 +152,15 @@ impl Header<'_> {
         count.ok_or_else(|| self.input.wrong(field, at, found.unwrap_or(u64::MAX), "no negative number"))
     }
 
-    /// Bytes and the padding behind them.
-    fn padded(&mut self, field: &str, length: usize) -> Result<&[u8], FormatError> {
+    /// Reads bytes and skips their padding.
+    fn padded(&mut self, field: &str, length: usize) -> Result<&[u8]> {
         let bytes = self.input.take(field, self.at, length)?;
-        // The padding may be left out at the end of a file.
+        // The padding may be absent at the end of a file.
         self.at = (self.at + length).next_multiple_of(ALIGNMENT);
         Ok(bytes)
     }
 
-    fn name(&mut self, field: &str) -> Result<String, FormatError> {
+    fn name(&mut self, field: &str) -> Result<String> {
         let at = self.at;
         let length = self.count(field)?;
         if length > MAX_NAME_BYTES {
@@ -173,26 +170,23 @@ impl Header<'_> {
         Ok(text(self.padded(field, length)?))
     }
 
-    /// The number of entries of a list; an absent one has the tag 0.
-    fn list(&mut self, field: &str, wanted: u32) -> Result<usize, FormatError> {
+    /// Reads the number of entries of a list. An absent list has the tag 0.
+    fn list(&mut self, field: &str, wanted: u32) -> Result<usize> {
         let at = self.at;
         let tag = self.u32(field)?;
         let count = self.count(field)?;
         if tag != wanted && (tag, count) != (0, 0) {
             return Err(self.input.wrong(field, at, format!("tag {tag}"), &format!("tag {wanted}")));
         }
-        self.room = self.room.checked_sub(count).ok_or_else(|| FormatError::TooLarge {
-            format: Format::NetCdf,
-            field: format!("the number of {field}"),
-            at: self.input.at(at + 4),
-            found: count as u64,
-            limit: self.room as u64,
-        })?;
+        self.room = self
+            .room
+            .checked_sub(count)
+            .ok_or_else(|| self.input.too_large(&format!("the number of {field}"), at + 4, count, self.room))?;
         Ok(count)
     }
 
-    /// What numbers of a type are, `None` for characters.
-    fn sample(&mut self, field: &str) -> Result<Option<Sample>, FormatError> {
+    /// Reads a number type; `None` for characters.
+    fn sample(&mut self, field: &str) -> Result<Option<Sample>> {
         let at = self.at;
         Ok(Some(match self.u32(field)? {
             1 => Sample::I8,
@@ -210,12 +204,12 @@ impl Header<'_> {
         }))
     }
 
-    fn attributes(&mut self) -> Result<Vec<Attribute>, FormatError> {
+    fn attributes(&mut self) -> Result<Vec<Attribute>> {
         let count = self.list("attributes", ATTRIBUTES)?;
         (0..count).map(|_| self.attribute()).collect()
     }
 
-    fn attribute(&mut self) -> Result<Attribute, FormatError> {
+    fn attribute(&mut self) -> Result<Attribute> {
         let name = self.name("name of an attribute")?;
         let sample = self.sample("type of an attribute")?;
         let count = self.count("elements of an attribute")?;
@@ -231,7 +225,7 @@ impl Header<'_> {
         Ok(Attribute { name, value })
     }
 
-    fn variable(&mut self, known: &[Dimension], record_dimension: Option<usize>) -> Result<Variable, FormatError> {
+    fn variable(&mut self, known: &[Dimension], record_dimension: Option<usize>) -> Result<Variable> {
         let name = self.name("name of a variable")?;
         let rank = self.count("dimensions of a variable")?;
         let (mut dimensions, mut shape) = (Vec::new(), Vec::new());
@@ -248,7 +242,7 @@ impl Header<'_> {
         }
         let attributes = self.attributes()?;
         let sample = self.sample("type of a variable")?;
-        // The size follows from the dimensions, and does not fit its field for large variables.
+        // The size follows from the dimensions. Its field is too small for large variables.
         self.raw_count("size of a variable")?;
         let at = self.at;
         let begin = if self.version == 1 { self.u32("begin")?.into() } else { self.input.u64("begin", at)? };
@@ -260,24 +254,15 @@ impl Header<'_> {
             Some(Value::Text(text)) if text == "true"
         );
         let sample = sample.filter(|_| rank <= MAX_RANK);
-        let sample = if is_unsigned { sample.map(unsigned) } else { sample };
+        // The classic formats have no unsigned types except characters.
+        let unsigned = |sample: Sample| Sample::integer(8 * sample.size() as u64, false).filter(|_| !sample.is_float());
+        let sample = if is_unsigned { sample.map(|sample| unsigned(sample).unwrap_or(sample)) } else { sample };
         let record_bytes = has_records.then_some(0);
         Ok(Variable { name, dimensions, shape, attributes, sample, at: begin, record_bytes })
     }
 }
 
-/// The type of the same size without sign: the classic formats have none but for bytes of characters.
-fn unsigned(sample: Sample) -> Sample {
-    match sample {
-        Sample::I8 => Sample::U8,
-        Sample::I16 => Sample::U16,
-        Sample::I32 => Sample::U32,
-        Sample::I64 => Sample::U64,
-        other => other,
-    }
-}
-
-/// UTF-8, or Latin-1 where it is none; without zeros at the end.
+/// Decodes UTF-8, or else Latin-1, without zeros at the end.
 fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let bytes = &bytes[..end];

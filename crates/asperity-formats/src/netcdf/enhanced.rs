@@ -1,12 +1,12 @@
-//! NetCDF-4: variables are HDF5 datasets, dimensions are those of them that are dimension scales.
+//! NetCDF-4: variables are HDF5 datasets, and dimensions are datasets that are dimension scales.
 
+use crate::error::Result;
 use std::collections::HashMap;
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
-use crate::FormatError;
 use crate::hdf5::{File, Object, shown_name};
 
-/// Attributes that tie datasets together and say nothing to the user.
+/// Attributes that connect datasets and are not shown to the user.
 const HIDDEN: [&[u8]; 7] = [
     b"CLASS",
     b"NAME",
@@ -17,11 +17,11 @@ const HIDDEN: [&[u8]; 7] = [
     b"_NCProperties",
 ];
 
-/// Start of the NAME of a dataset that is a dimension and no variable.
+/// Start of the NAME of a dataset that is a dimension but not a variable.
 const NO_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
 
 /// Reads the variables of the root group.
-pub(super) fn read(file: &File) -> Result<Contents, FormatError> {
+pub(super) fn read(file: &File) -> Result<Contents> {
     let mut contents = Contents::default();
     let Some(root) = file.find("")? else { return Ok(contents) };
     let mut room = MAX_ENTRIES;
@@ -33,7 +33,7 @@ pub(super) fn read(file: &File) -> Result<Contents, FormatError> {
         let dataset = match file.dataset(&object) {
             Ok(Some(dataset)) => dataset,
             Ok(None) => continue,
-            // A dataset of a kind that is not read is no map; others may be.
+            // A dataset of an unsupported kind is not a map; other datasets may be.
             Err(error) => {
                 contents.first_error = contents.first_error.or(Some(error));
                 continue;
@@ -80,8 +80,8 @@ pub(super) fn read(file: &File) -> Result<Contents, FormatError> {
     Ok(contents)
 }
 
-/// The attributes of an object as far as there is room.
-fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attribute>, FormatError> {
+/// Returns the attributes of an object up to the limit.
+fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attribute>> {
     let mut attributes = Vec::new();
     for attribute in file.attributes(object)? {
         if HIDDEN.contains(&attribute.name) || *room == 0 {
@@ -93,7 +93,7 @@ fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attr
                 None => Value::Numbers(value.numbers(MAX_NUMBERS)?),
             }))
         });
-        // What cannot be read is no unit and no fill value.
+        // An attribute that cannot be read is neither a unit nor a fill value.
         if let Ok(Some(value)) = value {
             *room -= 1;
             attributes.push(Attribute { name: shown_name(attribute.name), value });
@@ -102,8 +102,8 @@ fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attr
     Ok(attributes)
 }
 
-/// The numbers of a variable in row order.
-pub(super) fn numbers(file: &File, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+/// Returns the numbers of a variable in row order.
+pub(super) fn numbers(file: &File, variable: &Variable) -> Result<Vec<f64>> {
     let dataset = file.dataset(&file.object(variable.at)?)?;
     let numbers = dataset.map(|dataset| file.numbers(&dataset)).transpose()?.flatten();
     Ok(numbers.unwrap_or_default())

@@ -1,8 +1,8 @@
-//! Objects of newer OPD files: a byte that tells the type, then the value.
+//! Objects of newer OPD files: a byte for the type, then the value.
 //!
-//! Lengths of texts and of quantities stand after the type: a byte that says how many bytes the length takes, then the
-//! length. A quantity is a `float64`, the name of its unit and the unit's symbol, each text after its length as
-//! `uint32`, and how the unit relates to that of the SI. This is the layout of values in the same vendor's OPDx files.
+//! Texts and quantities start with their length: a byte with the width of the length, then the length. A quantity
+//! consists of a `float64`, the name of its unit and the symbol of the unit, each text after its length as `uint32`,
+//! and the relation of the unit to the SI. The OPDx files of the same vendor use the same layout of values.
 
 use crate::Format;
 use crate::input::Input;
@@ -11,7 +11,7 @@ const INT32: u8 = 0x06;
 const TEXT: u8 = 0x12;
 const QUANTITY: u8 = 0x13;
 
-/// A text, an integer or a quantity in words; `None` for other objects and damaged ones.
+/// Returns a text, an integer or a quantity as text; `None` for other or damaged objects.
 pub(super) fn value(bytes: &[u8]) -> Option<String> {
     let (&kind, rest) = bytes.split_first()?;
     match kind {
@@ -31,7 +31,7 @@ pub(super) fn value(bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// The content after a length.
+/// Returns the content after a length.
 fn sized(bytes: &[u8]) -> Option<&[u8]> {
     let (&width, rest) = bytes.split_first()?;
     let (length, content) = rest.split_at_checked(width.into())?;

@@ -1,6 +1,6 @@
-//! What the codes in the header of a PLU file stand for.
+//! Names of the codes in the header of a PLU file.
 
-/// Types of a measurement, with the article for a message.
+/// Types of a measurement, with the article for messages.
 pub(super) const TYPES: [&str; 9] = [
     "an image",
     "a profile",
@@ -13,7 +13,7 @@ pub(super) const TYPES: [&str; 9] = [
     "thicknesses at coordinates",
 ];
 
-/// How heights were measured.
+/// Measurement principles.
 pub(super) const ALGORITHMS: [&str; 17] = [
     "confocal intensity",
     "confocal gradient",
@@ -34,10 +34,10 @@ pub(super) const ALGORITHMS: [&str; 17] = [
     "confocal random points",
 ];
 
-/// How a topography was put together.
+/// Assembly of a topography.
 pub(super) const METHODS: [&str; 2] = ["one field of view", "extended (stitched)"];
 
-/// Parts of the camera that were used.
+/// Areas of the camera.
 pub(super) const AREAS: [&str; 7] = [
     "128 × 128 points",
     "256 × 256 points",
@@ -64,7 +64,7 @@ pub(super) const HARDWARE: [&str; 12] = [
     "PLu apex",
 ];
 
-/// Objectives on whose codes the known tables of all versions agree; the rest stay numbers.
+/// Objectives with the same code in the known tables of all versions. Other codes remain numbers.
 const OBJECTIVES: [&str; 19] = [
     "",
     "Nikon EPI SLWD 20×",
@@ -87,18 +87,18 @@ const OBJECTIVES: [&str; 19] = [
     "Nikon EPI 150×",
 ];
 
-/// The name of a code, or the code where it has none.
-pub(super) fn of(names: &[&str], code: u32) -> String {
+/// Returns the name of a code, or the code if it has no name.
+pub(super) fn name_of(names: &[&str], code: u32) -> String {
     let name = usize::try_from(code).ok().and_then(|code| names.get(code)).filter(|name| !name.is_empty());
     name.map_or_else(|| format!("code {code}"), |name| (*name).to_owned())
 }
 
-/// The name of an objective.
+/// Returns the name of an objective.
 pub(super) fn objective(code: u32) -> String {
-    of(&OBJECTIVES, code)
+    name_of(&OBJECTIVES, code)
 }
 
-/// The name of a version of the format.
+/// Returns the name of a version of the format.
 pub(super) fn version(code: u8) -> String {
     match code {
         0 => "2000",

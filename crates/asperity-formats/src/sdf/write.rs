@@ -1,51 +1,46 @@
-//! Surface data files of ISO 25178-71.
+//! Writer of SDF.
 
 use std::fmt::Write;
 
+use crate::sample::stored;
 use crate::{Format, FormatError, Scan};
 
-/// How the heights are written.
+/// Form of a written file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SdfData {
     /// Binary, `float64`.
     #[default]
     Double,
-    /// Text, each number in the fewest digits that read back to the same `f64`.
+    /// Text. Each number has the fewest digits that read back to the same `f64`.
     Text,
 }
 
-/// Bytes of the manufacturer's name and of a date.
+/// Sizes in bytes of the manufacturer's name and of a date.
 const MANUFACTURER_BYTES: usize = 10;
 const DATE_BYTES: usize = 12;
 /// Code of `float64`.
 const DOUBLE: u8 = 7;
-/// What stands for a resolution that is not known.
+/// Value for an unknown resolution.
 const UNKNOWN_RESOLUTION: f64 = -1.0;
 
-/// The heights as a surface data file of ISO 25178-71.
+/// Writes a scan as a surface data file of ISO 25178-71.
 ///
-/// Heights are stored in metre, exactly as they are. Missing points are `BAD` in text and NaN in binary, which the free
-/// programs take for missing; the least `float64`, which the standard names, some of them take for a height. Version
-/// 1.0 counts to 65535; longer binary maps become version 2.0. The bytes hold no clock: without the `CreateDate` of a
-/// file that was read, the dates are zeros, which stand for none.
+/// Heights are stored exactly, in metre. Missing points are `BAD` in text and NaN in binary, which free programs read
+/// as missing; some of them read the least `float64`, the mark of the standard, as a height. Version 1.0 counts to
+/// 65535; larger binary maps become version 2.0. The bytes do not depend on the clock: without the `CreateDate` of an
+/// input file, the dates are zeros, which mean unknown.
 ///
 /// # Errors
-/// [`FormatError::NoPitch`]; [`FormatError::NotStorable`] for no points at all or a pitch that is none.
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with an
+/// invalid pixel size.
 pub fn write_sdf(scan: &Scan, data: SdfData) -> Result<Vec<u8>, FormatError> {
-    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Sdf })?;
-    let not_storable = |found: String, wanted| FormatError::NotStorable { format: Format::Sdf, found, wanted };
-    if scan.heights_m.is_empty() {
-        return Err(not_storable("a map without points".into(), "a map of at least one point"));
-    }
-    if ![dx_m, dy_m].iter().all(|pitch| pitch.is_finite() && *pitch > 0.0) {
-        return Err(not_storable(format!("the pixel size {dx_m:e} × {dy_m:e} m"), "positive lengths"));
-    }
+    let (_, pitch_m) = scan.to_store(Format::Sdf)?;
     let is_date = |date: &&String| date.len() == DATE_BYTES && date.bytes().all(|byte| byte.is_ascii_digit());
     let date = |name| scan.metadata.get(name).filter(is_date).map_or("0".repeat(DATE_BYTES), String::clone);
     let (created, modified) = (date("CreateDate"), date("ModDate"));
     Ok(match data {
-        SdfData::Text => text(scan, (dx_m, dy_m), &created, &modified),
-        SdfData::Double => binary(scan, (dx_m, dy_m), &created, &modified),
+        SdfData::Text => text(scan, pitch_m, &created, &modified),
+        SdfData::Double => binary(scan, pitch_m, &created, &modified),
     })
 }
 
@@ -63,10 +58,10 @@ fn binary(scan: &Scan, (dx_m, dy_m): (f64, f64), created: &str, modified: &str) 
     for number in [dx_m, dy_m, 1.0, UNKNOWN_RESOLUTION] {
         bytes.extend(number.to_le_bytes());
     }
-    // Neither compression nor checksum.
+    // No compression and no checksum.
     bytes.extend([0, DOUBLE, 0]);
-    for &z in &scan.heights_m {
-        bytes.extend(if z.is_finite() { z } else { f64::NAN }.to_le_bytes());
+    for z in &scan.heights_m {
+        bytes.extend(stored(z));
     }
     bytes
 }
@@ -86,7 +81,7 @@ fn text(scan: &Scan, (dx_m, dy_m): (f64, f64), created: &str, modified: &str) ->
         }
         text.push_str("\r\n");
     }
-    // An empty trailer.
+    // Empty trailer.
     text.push_str("*\r\n*\r\n");
     text.into_bytes()
 }

@@ -1,20 +1,25 @@
-//! An object: where its parts lie, and its numbers.
+//! Objects of a file: their parts and numbers.
+
+use std::cmp::Ordering;
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
 
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
-use super::streams::Unpacked;
 use super::{SIGNATURE_COMPRESSED, is_object};
-use crate::archive::{beyond_reason, damaged, may_hold};
+use crate::Format;
+use crate::archive::{beyond_reason, damage, damaged, may_hold};
+use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
-use crate::{Format, FormatError};
 
-/// The most streams of one object; writers use one, or one per processor.
+/// Maximum number of streams of one object. Writers use one, or one per processor.
 const MAX_STREAMS: u32 = 1 << 10;
-/// Bytes of the number of streams, and of the sizes of one.
+/// Size in bytes of the number of streams, and of the sizes of one.
 const COUNT_BYTES: usize = 4;
 const SIZES_BYTES: usize = 8;
 
-/// What an object type says, by the published numbering.
+/// Returns the published name of an object type: `Ok` for surfaces, `Err` for other types.
 pub(super) fn kind(code: i16) -> Result<&'static str, &'static str> {
     match code {
         0 => Ok("an object of unknown type"),
@@ -41,63 +46,49 @@ pub(super) fn kind(code: i16) -> Result<&'static str, &'static str> {
     }
 }
 
-/// Whether an object of a type is a surface with images of it in the objects that follow.
+/// Returns whether an object of a type is a surface with images of it in the following objects.
 pub(super) fn is_followed_by_images(code: i16) -> bool {
     matches!(code, 11 | 13 | 16)
 }
 
-/// An object of a file.
+/// Object of a file.
 pub(super) struct Object<'a> {
     pub(super) header: Header<'a>,
     pub(super) code: i16,
     pub(super) ny: usize,
     pub(super) nx: usize,
     sample: Sample,
-    /// First byte of the comment and of what follows the private zone.
-    comment_start: usize,
+    /// Offsets of the private zone and of the numbers from the start of the object.
     private_start: usize,
     data_start: usize,
-    /// Number of zlib streams, `None` for numbers as they are.
+    /// Number of zlib streams; `None` for plain numbers.
     streams: Option<usize>,
-    /// Bytes of all streams, unpacked and packed.
+    /// Sizes of all streams in bytes, unpacked and packed.
     raw: u64,
     packed: u64,
-    /// First byte behind the object.
-    pub(super) end: usize,
+    /// Size of the object in bytes.
+    end: usize,
 }
 
 impl<'a> Object<'a> {
-    /// The object that starts at a byte; all of its bytes are there.
-    fn open(header: Header<'a>) -> Result<Self, FormatError> {
+    /// Opens an object and checks that all of its bytes are present.
+    fn open(header: Header<'a>) -> Result<Self> {
         let input = header.input;
         let sample = header.sample()?;
         let (ny, nx) = header.shape()?;
-        let comment_start = header.start + HEADER_BYTES;
-        let private_start = comment_start + usize::from(header.u16(COMMENT_BYTES)?);
-        let data_start = private_start + usize::from(header.u16(PRIVATE_BYTES)?);
-        let object = Self {
-            header,
-            code: header.i16(OBJECT_TYPE)?,
-            ny,
-            nx,
-            sample,
-            comment_start,
-            private_start,
-            data_start,
-            streams: None,
-            raw: 0,
-            packed: 0,
-            end: data_start,
-        };
-        if input.bytes()[header.start..].starts_with(SIGNATURE_COMPRESSED) {
+        let private_start = HEADER_BYTES + usize::from(input.u16(COMMENT_BYTES.0, COMMENT_BYTES.1)?);
+        let data_start = private_start + usize::from(input.u16(PRIVATE_BYTES.0, PRIVATE_BYTES.1)?);
+        let (code, streams, raw, packed, end) = (header.i16(OBJECT_TYPE)?, None, 0, 0, data_start);
+        let object = Self { header, code, ny, nx, sample, private_start, data_start, streams, raw, packed, end };
+        if input.bytes().starts_with(SIGNATURE_COMPRESSED) {
             return object.with_directory();
         }
         let data = input.take("the heights", data_start, nx * ny * sample.size())?;
         Ok(Self { end: data_start + data.len(), ..object })
     }
 
-    /// The object with what the directory of its streams says.
-    fn with_directory(self) -> Result<Self, FormatError> {
+    /// Adds the directory of the streams.
+    fn with_directory(self) -> Result<Self> {
         let input = self.header.input;
         let count = input.u32("number of streams", self.data_start)?;
         if count > MAX_STREAMS {
@@ -115,13 +106,13 @@ impl<'a> Object<'a> {
         Ok(object)
     }
 
-    /// The byte behind the directory of so many streams.
+    /// Returns the offset of the first stream.
     fn streams_start(&self, streams: usize) -> usize {
         self.data_start + COUNT_BYTES + SIZES_BYTES * streams
     }
 
-    /// Size of an unpacked stream, and its packed bytes, which start at `start`.
-    fn stream(&self, number: usize, start: usize) -> Result<(u64, &'a [u8]), FormatError> {
+    /// Returns the unpacked size of a stream, and its packed bytes, which start at `start`.
+    fn stream(&self, number: usize, start: usize) -> Result<(u64, &'a [u8])> {
         let input = self.header.input;
         let sizes = self.data_start + COUNT_BYTES + SIZES_BYTES * number;
         let raw = input.u32("size of a stream", sizes)?;
@@ -130,13 +121,13 @@ impl<'a> Object<'a> {
         Ok((raw.into(), input.take("the bytes of a stream", start, packed)?))
     }
 
-    /// The comment.
-    pub(super) fn comment(&self) -> Result<String, FormatError> {
-        self.header.input.latin1("comment", self.comment_start, self.private_start - self.comment_start)
+    /// Returns the comment.
+    pub(super) fn comment(&self) -> Result<String> {
+        self.header.input.latin1("comment", HEADER_BYTES, self.private_start - HEADER_BYTES)
     }
 
-    /// The stored numbers.
-    pub(super) fn numbers(&self) -> Result<Vec<f64>, FormatError> {
+    /// Returns the stored numbers.
+    pub(super) fn numbers(&self) -> Result<Vec<f64>> {
         let count = self.nx * self.ny;
         let Some(streams) = self.streams else {
             return self.header.input.samples("the heights", self.data_start, count, self.sample);
@@ -149,42 +140,54 @@ impl<'a> Object<'a> {
         if !may_hold(self.packed, count as u64, self.sample) {
             return Err(beyond_reason(Format::Sur, "the heights", self.packed, wanted));
         }
-        let mut unpacked = Unpacked::new(self.sample, self.header.order, count);
-        let mut start = self.streams_start(streams);
+        // A number may begin in one stream and end in the next.
+        let (mut bytes, mut start) = (Vec::new(), self.streams_start(streams));
         for number in 0..streams {
             let (size, stream) = self.stream(number, start)?;
             start += stream.len();
             let name = format!("stream {}", number + 1);
-            unpacked.add(stream, size).map_err(|reason| damaged(Format::Sur, &name, reason))?;
+            unpack(stream, size, &mut bytes).map_err(|reason| damaged(Format::Sur, &name, reason))?;
         }
-        Ok(unpacked.values)
+        Ok(self.sample.decode_all(self.header.order, &bytes))
     }
 }
 
-/// The objects of a file, and what ended them before the end of the file.
+/// Appends the content of a zlib stream that should unpack to `size` bytes. An error describes the damage.
+fn unpack(stream: &[u8], size: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
+    // One more byte reveals surplus bytes, and makes the decoder compare the checksum at the end.
+    let unpacked = ZlibDecoder::new(stream).take(size + 1).read_to_end(bytes).map_err(|error| damage(&error))?;
+    match (unpacked as u64).cmp(&size) {
+        Ordering::Less => Err(format!("it unpacks to {unpacked} bytes, not to the stated {size}")),
+        Ordering::Equal => Ok(()),
+        Ordering::Greater => Err(format!("it unpacks to more than the stated {size} bytes")),
+    }
+}
+
+/// Returns the objects of a file, and a warning if bytes remain after them.
+///
+/// `check` checks the first header before the rest of the object is read.
 ///
 /// # Errors
-/// What is wrong with the first; later objects that are damaged end the list. `check` judges the first header before
-/// anything else of it is taken.
+/// The error of the first object. A later damaged object ends the list.
 pub(super) fn objects<'a>(
     input: Input<'a>,
-    check: impl Fn(&Header) -> Result<(), FormatError>,
-) -> Result<(Vec<Object<'a>>, Option<String>), FormatError> {
-    let header = Header::open(input, 0)?;
+    check: impl Fn(&Header) -> Result<()>,
+) -> Result<(Vec<Object<'a>>, Option<String>)> {
+    let header = Header::open(input)?;
     check(&header)?;
     let first = Object::open(header)?;
     let mut end = first.end;
     let mut objects = vec![first];
-    // `end` grows by a header at least, and is within the file.
+    // `end` grows by at least a header and stays within the file.
     while is_object(&input.bytes()[end..]) {
-        match Header::open(input, end).and_then(Object::open) {
+        match Header::open(input.from(end)).and_then(Object::open) {
             Ok(object) => {
-                end = object.end;
+                end += object.end;
                 objects.push(object);
             }
-            Err(error) => return Ok((objects, Some(format!("what follows the objects was left out: {error}")))),
+            Err(error) => return Ok((objects, Some(format!("the bytes after the objects were left out: {error}")))),
         }
     }
     let left = input.len() - end;
-    Ok((objects, (left > 0).then(|| format!("{left} bytes behind the last object were left out"))))
+    Ok((objects, (left > 0).then(|| format!("{left} bytes after the last object were left out"))))
 }

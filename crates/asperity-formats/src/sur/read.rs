@@ -1,8 +1,7 @@
-//! From a file to a scan.
+//! Reader of SUR.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
-
-use ndarray::Array2;
 
 use super::VOID_BELOW_MINIMUM;
 use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJECTS};
@@ -10,38 +9,38 @@ use super::header::{NAME_BYTES, SPECIAL_POINTS, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
 use crate::input::Input;
 use crate::large;
-use crate::scan::FITTING_SHAPE;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// Object types that surfaces may go by as well.
+use crate::unit::per_metre;
+use crate::{Format, ReadOptions, Scan};
+
+/// Object types that some writers use for surfaces.
 const UNKNOWN: i16 = 0;
 const PROFILE: i16 = 1;
 
-/// Reads a surface, the first unless told.
+/// Reads the selected surface, by default the first.
 ///
 /// # Errors
-/// Objects that are no surface, damaged streams, and headers that the bytes cannot bear out.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Objects that are not surfaces, damaged streams, and sizes beyond the end of the file.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (objects, left_out) = objects(Input::new(Format::Sur, bytes), check_kind)?;
     let mut warnings: Vec<String> = left_out.into_iter().collect();
     let first = &objects[0];
     let announced = first.header.i16(OBJECTS)?;
     if usize::try_from(announced).is_ok_and(|announced| announced > objects.len()) {
-        warnings.push(format!("the header announces {announced} objects; the file holds {}", objects.len()));
+        warnings.push(format!("the header declares {announced} objects; the file holds {}", objects.len()));
     }
     let (channels, surfaces) = surfaces(&objects)?;
     let channel = options.choose(Format::Sur, &channels)?;
     let object = surfaces[channel];
 
-    doubt_kind(object, &mut warnings)?;
+    warn_about_kind(object, &mut warnings)?;
     let mut heights = object.numbers()?;
     scale(&object.header, &mut heights, &mut warnings)?;
     let pitch_m = pitch(&object.header, &mut warnings)?;
     for axis in [X, Y, Z] {
         warnings.extend(object.header.ratio_warning(axis)?);
     }
-    // Writers describe the measurement in the first object only.
+    // Writers describe the measurement only in the first object.
     let mut metadata = BTreeMap::new();
     for object in [first, object] {
         metadata.extend(object.header.metadata()?);
@@ -50,14 +49,13 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
             metadata.insert("comment".into(), comment);
         }
     }
-    let heights_m = Array2::from_shape_vec((object.ny, object.nx), heights)
-        .map_err(|_| object.header.wrong(LINES, object.ny, FITTING_SHAPE))?;
+    let heights_m = object.header.input.matrix(LINES.0, LINES.1, (object.ny, object.nx), heights)?;
     let height_unit = Some(object.header.unit(Z.step_unit)?);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
-/// Refuses files that hold no surface.
-fn check_kind(header: &Header) -> Result<(), FormatError> {
+/// Refuses files without a surface.
+fn check_kind(header: &Header) -> Result<()> {
     let unsupported = |kind: &str| Err(header.input.unsupported(format!("the file holds {kind}"), "a surface"));
     match (header.i16(OBJECT_TYPE)?, header.i32(LINES)?) {
         (PROFILE, 1) => unsupported("a profile"),
@@ -65,22 +63,22 @@ fn check_kind(header: &Header) -> Result<(), FormatError> {
     }
 }
 
-/// Doubts surfaces that call themselves something else.
-fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<(), FormatError> {
-    // Gwyddion calls the surfaces that it writes profiles.
+/// Warns about surfaces with another object type.
+fn warn_about_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
+    // Gwyddion stores surfaces with the type of profiles.
     if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
-        warnings.push(format!("the file calls itself {kind}; its {} lines were read as a surface", object.ny));
+        warnings.push(format!("the type of the file is {kind}; its {} lines were read as a surface", object.ny));
     }
     if object.header.i16(INVERTED)? != 0 {
-        warnings.push("the file states that it holds an inverted surface; heights were taken as they stand".into());
+        warnings.push("the file states that it holds an inverted surface; heights were not inverted".into());
     }
     Ok(())
 }
 
-/// The objects that are height maps, with names of their own: those that they have, or their numbers.
+/// Returns the objects that are height maps with unique names: the names of the objects, or their numbers.
 ///
-/// Layers in other units, such as a phase, are no heights; nor are the images that belong to a surface.
-fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o Object<'a>>), FormatError> {
+/// Layers in other units, such as a phase, are not heights, and neither are the images that belong to a surface.
+fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o Object<'a>>)> {
     let (mut names, mut surfaces, mut seen) = (Vec::new(), Vec::new(), BTreeMap::new());
     let only_first = is_followed_by_images(objects[0].code);
     for object in objects.iter().take(if only_first { 1 } else { objects.len() }) {
@@ -104,12 +102,13 @@ fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o O
     Ok((names, surfaces))
 }
 
-/// Turns stored integers into metre, NaN where the point was not measured.
-fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<(), FormatError> {
+/// Converts stored integers to metre; NaN for missing points.
+fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let unit = header.unit(Z.step_unit)?;
     let per_metre = per_metre(&unit).ok_or_else(|| header.wrong(Z.step_unit, unit, "a unit of length"))?;
     let spacing_m = f64::from(header.f32(Z.spacing)?) / per_metre;
-    // Programs that divide the range of a flat map by the steps state 0: its one number is the offset.
+    // Programs that divide the range of a flat map by the number of steps state a spacing of 0. The height is then
+    // the offset.
     let is_flat = heights.iter().all(|z| Some(z) == heights.first());
     if !(spacing_m.is_finite() && (spacing_m != 0.0 || is_flat)) {
         return Err(header.wrong(Z.spacing, header.f32(Z.spacing)?, "a finite number other than 0"));
@@ -118,7 +117,7 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
     if !offset_m.is_finite() {
         return Err(header.wrong(Z.offset, header.f32(Z.offset)?, "a finite number"));
     }
-    // Integers of 32 bits and their neighbours are exact as f64.
+    // Integers of 32 bits are exact as f64.
     let (low, high) = (f64::from(header.i32(Z_MIN)?), f64::from(header.i32(Z_MAX)?));
     let void = low - f64::from(VOID_BELOW_MINIMUM);
     let marked = header.i16(SPECIAL_POINTS)? != 0;
@@ -144,13 +143,13 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
     Ok(())
 }
 
-/// The pitch in metre where both axes are lengths.
-fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+/// Returns the pitch in metre if the units of both axes are lengths.
+fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     let mut along = |axis: Axis| {
         let unit = header.unit(axis.step_unit)?;
         let Some(per_metre) = per_metre(&unit) else {
             let field = axis.step_unit.0;
-            warnings.push(format!("the {field} is `{unit}`, which is no unit of length; no pixel size was read"));
+            warnings.push(format!("the {field} is `{unit}`, which is not a unit of length; no pixel size was read"));
             return Ok(None);
         };
         Ok(Some(f64::from(header.f32(axis.spacing)?) / per_metre))

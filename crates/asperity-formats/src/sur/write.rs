@@ -1,23 +1,24 @@
-//! From a scan to a file of one surface.
+//! Writer of SUR.
 
 use super::header::{AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME};
 use super::{SIGNATURE, SurData, VOID_BELOW_MINIMUM};
+use crate::error::Result;
 use crate::{Format, FormatError, Scan};
 
-/// Micrometres and nanometres in a metre, and how the file spells them: µ is one byte of Latin-1.
+/// Number of units per metre and spelling of micrometre and nanometre. µ is one byte of Latin-1.
 const MICROMETRE: (f64, &str) = (1e6, "\u{b5}m");
 const NANOMETRE: (f64, &str) = (1e9, "nm");
-/// Type of a surface, and the version of the header.
+/// Object type of a surface, and version of the header.
 const SURFACE: i16 = 2;
 const VERSION: i16 = 1;
-/// Bytes that a comment may have.
+/// Maximum size of a comment in bytes.
 const MAX_COMMENT_BYTES: usize = i16::MAX as usize;
-/// The day that stands for an unknown one in files of other formats.
+/// Date that other formats use for an unknown one.
 const NO_DATE: &str = "1970-01-01";
-/// What the zone for the writing program says.
+/// Content of the zone of the writing program.
 const CLIENT: &str = "asperity";
 
-/// The stored numbers, from 0 up, and the spacing and offset that turn them into micrometres.
+/// Stored numbers from 0 up, and the spacing and offset that convert them to micrometre.
 struct Stored {
     points: Vec<u8>,
     highest: i32,
@@ -25,26 +26,23 @@ struct Stored {
     offset: f32,
 }
 
-/// The scan as a SUR file of one surface with plain integers. Equal scans give equal bytes.
+/// Writes a scan as a SUR file of one surface with plain integers. Equal scans give equal bytes.
 ///
-/// Numbers start at 0, and z offset and z spacing are `f32`: the offset is the lowest height rounded down, the spacing
-/// the range above it divided by the number of steps and rounded up, and heights are rounded to multiples of just these.
-/// So a height is off by half a step at most, and there is no error of scale. Where heights lie far from zero, the range
-/// grows by the rounding of the offset, which is 1.2e-7 of it at most. The pixel size is `f32` too: off by 6e-8 of it at
-/// most, and exact for whole nanometres up to 2²⁴. Readers that measure heights from the z minimum agree, since it is 0.
+/// Numbers start at 0. Offset and spacing are `f32`: the offset is the lowest height rounded down, the spacing is the
+/// range above it divided by the number of steps and rounded up, and heights are rounded to multiples of the rounded
+/// spacing. The error of a height is at most half a step, without an error of scale. For heights far from zero, the
+/// range grows by the rounding of the offset, at most 1.2e-7 of the offset. The pixel size is also `f32`, with a
+/// relative error of at most 6e-8; it is exact for whole nanometres up to 2²⁴. Readers that measure heights from the
+/// z minimum agree, since it is 0.
 ///
-/// Name, operator, date and comment are kept where the metadata have them, by the names of this format or of X3P; texts
-/// are cut to the widths of their fields, and characters beyond Latin-1 become `?`.
+/// Name, operator, date and comment are taken from the metadata, by the names of this format or of X3P. Texts are cut
+/// to the widths of their fields, and characters outside Latin-1 become `?`.
 ///
 /// # Errors
-/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with more than
-/// 2³¹ − 1 of them, or with lengths beyond `f32`.
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with more
+/// than 2³¹ − 1 points, or with lengths beyond the range of `f32`.
 pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
-    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Sur })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
+    let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Sur)?;
     let counts = [nx, ny, scan.heights_m.len()].map(i32::try_from);
     let [Ok(columns), Ok(lines), Ok(points)] = counts else {
         return Err(not_storable(format!("a map of {nx} × {ny} points"), "at most 2³¹ − 1 points"));
@@ -55,51 +53,51 @@ pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
     let known = |names: [&str; 2]| names.iter().find_map(|name| scan.metadata.get(*name)).map_or("", String::as_str);
     let comment = latin1(known(["comment", "Record2/Comment"]), MAX_COMMENT_BYTES);
 
-    let mut file = Bytes(Vec::with_capacity(HEADER_BYTES + comment.len() + stored.points.len()));
-    file.0.extend(SIGNATURE);
+    let mut file = Vec::with_capacity(HEADER_BYTES + comment.len() + stored.points.len());
+    file.extend(SIGNATURE);
     // Little-endian, one object.
-    file.i16s(&[0, 1, VERSION, SURFACE]);
-    file.text(known([OBJECT_NAME.0, ""]), NAME_BYTES);
-    file.text(known([OPERATOR_NAME.0, "Record2/Creator"]), NAME_BYTES);
+    file.extend([0, 1, VERSION, SURFACE].map(i16::to_le_bytes).as_flattened());
+    file.extend(field(known([OBJECT_NAME.0, ""]), NAME_BYTES));
+    file.extend(field(known([OPERATOR_NAME.0, "Record2/Creator"]), NAME_BYTES));
     // One channel of unknown acquisition and normal range; special points; absolute heights.
-    file.i16s(&[0, 0, 0, i16::from(scan.missing_points() > 0), 1]);
+    file.extend([0, 0, 0, i16::from(scan.missing_points() > 0), 1].map(i16::to_le_bytes).as_flattened());
     // Resolution of the gauge, points per spectrum.
-    file.zeros(8);
-    file.i16s(&[8 * data.sample().size() as i16]);
-    file.i32s(&[0, stored.highest, columns, lines, points]);
-    file.f32s(&[dx, dy, stored.spacing]);
-    // The units of lengths are those of steps, so the ratios are 1.
+    file.extend([0; 8]);
+    file.extend([8 * data.sample().size() as i16].map(i16::to_le_bytes).as_flattened());
+    file.extend([0, stored.highest, columns, lines, points].map(i32::to_le_bytes).as_flattened());
+    file.extend([dx, dy, stored.spacing].map(f32::to_le_bytes).as_flattened());
+    // Lengths have the units of steps, so the ratios are 1.
     for text in ["X", "Y", "Z", x_unit, y_unit, z_unit, x_unit, y_unit, z_unit] {
-        file.text(text, AXIS_TEXT_BYTES);
+        file.extend(field(text, AXIS_TEXT_BYTES));
     }
-    file.f32s(&[1.0; 3]);
+    file.extend([1.0; 3].map(f32::to_le_bytes).as_flattened());
     // No imprint, not inverted, not levelled; obsolete bytes.
-    file.zeros(6 + 12);
-    file.i16s(&date(known([DATE.0, "Record2/Date"])));
+    file.extend([0; 6 + 12]);
+    file.extend(date(known([DATE.0, "Record2/Date"])).map(i16::to_le_bytes).as_flattened());
     // Duration, size of compressed heights, obsolete bytes.
-    file.zeros(4 + 4 + 6);
-    file.i16s(&[comment.len() as i16, 0]);
-    file.text(CLIENT, CLIENT_ZONE_BYTES);
-    file.f32s(&[0.0, 0.0, stored.offset]);
-    // The axis of a series.
-    file.zeros(4 + 4 + 13 + 13);
-    file.0.extend(comment);
-    file.0.extend(stored.points);
-    Ok(file.0)
+    file.extend([0; 4 + 4 + 6]);
+    file.extend([comment.len() as i16, 0].map(i16::to_le_bytes).as_flattened());
+    file.extend(field(CLIENT, CLIENT_ZONE_BYTES));
+    file.extend([0.0, 0.0, stored.offset].map(f32::to_le_bytes).as_flattened());
+    // Axis of a series.
+    file.extend([0; 4 + 4 + 13 + 13]);
+    file.extend(comment);
+    file.extend(stored.points);
+    Ok(file)
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::Sur, found, wanted }
+    FormatError::not_storable(Format::Sur, found, wanted)
 }
 
-/// The pitch in micrometres, or in nanometres where it is exact in those alone.
-fn pitch(pitch_m: f64) -> Result<(f32, &'static str), FormatError> {
+/// Returns the pitch in micrometre, or in nanometre if it is exact only there.
+fn pitch(pitch_m: f64) -> Result<(f32, &'static str)> {
     let rounded = |(per_metre, unit): (f64, &'static str)| {
         let pitch = (pitch_m * per_metre) as f32;
         ((f64::from(pitch) / per_metre - pitch_m).abs(), pitch, unit)
     };
     let (micrometre, nanometre) = (rounded(MICROMETRE), rounded(NANOMETRE));
-    // An exact number is off by the rounding of the two conversions alone.
+    // An exact number differs only by the rounding of the two conversions.
     let is_exact = |error: f64| error <= 2.0 * f64::EPSILON * pitch_m;
     let (_, pitch, unit) = if is_exact(nanometre.0) && !is_exact(micrometre.0) { nanometre } else { micrometre };
     if !(pitch.is_normal() && pitch > 0.0) {
@@ -111,14 +109,14 @@ fn pitch(pitch_m: f64) -> Result<(f32, &'static str), FormatError> {
     Ok((pitch, unit))
 }
 
-/// Heights in steps above the offset.
-fn quantised(scan: &Scan, data: SurData) -> Result<Stored, FormatError> {
+/// Returns the heights in steps above the offset.
+fn quantised(scan: &Scan, data: SurData) -> Result<Stored> {
     let (low_m, high_m) = scan.height_range_m().unwrap_or((0.0, 0.0));
     let (low, high) = (low_m * MICROMETRE.0, high_m * MICROMETRE.0);
     let nearest = low as f32;
     let offset = if nearest.is_finite() && f64::from(nearest) > low { nearest.next_down() } else { nearest };
     let span = high - f64::from(offset);
-    // A spacing below the normal numbers would lose digits. A flat map has none of its own; any will do for zeros.
+    // A spacing below the normal numbers would lose digits. A flat map may have any spacing.
     let exact = if span > 0.0 { (span / f64::from(data.highest())).max(f32::MIN_POSITIVE.into()) } else { 1.0 };
     let spacing = exact as f32;
     let spacing = if f64::from(spacing) < exact { spacing.next_up() } else { spacing };
@@ -143,18 +141,19 @@ fn quantised(scan: &Scan, data: SurData) -> Result<Stored, FormatError> {
     Ok(Stored { points, highest, spacing, offset })
 }
 
-/// Latin-1 of a text, cut to so many bytes.
+/// Encodes a text as Latin-1, cut to `width` bytes.
 fn latin1(text: &str, width: usize) -> Vec<u8> {
     let shown = text.chars().filter(|c| !c.is_control() || matches!(c, '\n' | '\r' | '\t'));
     let byte = |c| match c {
-        // The Greek letter for the micro sign.
+        // Greek letter used for the micro sign.
         '\u{3bc}' => 0xb5,
         _ => u8::try_from(c).unwrap_or(b'?'),
     };
     shown.map(byte).take(width).collect()
 }
 
-/// Second, minute, hour, day, month, year and day of the week; zeros for what is no `yyyy-mm-ddThh:mm:ss`.
+/// Returns second, minute, hour, day, month, year and day of the week; zeros if the text is not
+/// `yyyy-mm-ddThh:mm:ss`.
 fn date(text: &str) -> [i16; 7] {
     let part = |range: std::ops::Range<usize>, low: i16, high: i16| {
         text.get(range)?.parse().ok().filter(|number| (low..=high).contains(number))
@@ -162,36 +161,15 @@ fn date(text: &str) -> [i16; 7] {
     let parts = || {
         let (year, month, day) = (part(0..4, 1, 9999)?, part(5..7, 1, 12)?, part(8..10, 1, 31)?);
         let (hour, minute, second) = (part(11..13, 0, 23)?, part(14..16, 0, 59)?, part(17..19, 0, 60)?);
-        // The day of the week is left open: writers do not agree on where it starts.
+        // The day of the week is left at 0: writers disagree on the first day.
         Some([second, minute, hour, day, month, year, 0])
     };
     if text.starts_with(NO_DATE) { [0; 7] } else { parts().unwrap_or_default() }
 }
 
-/// A file that grows field by field.
-struct Bytes(Vec<u8>);
-
-impl Bytes {
-    fn i16s(&mut self, numbers: &[i16]) {
-        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    }
-
-    fn i32s(&mut self, numbers: &[i32]) {
-        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    }
-
-    fn f32s(&mut self, numbers: &[f32]) {
-        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    }
-
-    fn zeros(&mut self, count: usize) {
-        self.0.extend(std::iter::repeat_n(0, count));
-    }
-
-    /// A text in a field of so many bytes, padded with spaces.
-    fn text(&mut self, text: &str, width: usize) {
-        let end = self.0.len() + width;
-        self.0.extend(latin1(text, width));
-        self.0.resize(end, b' ');
-    }
+/// Returns a text in a field of `width` bytes, padded with spaces.
+fn field(text: &str, width: usize) -> Vec<u8> {
+    let mut bytes = latin1(text, width);
+    bytes.resize(width, b' ');
+    bytes
 }

@@ -1,25 +1,24 @@
-//! Rows of numbers in lines of text, read from the bytes without a copy of any field.
+//! Rows of numbers in lines of text, parsed from the bytes without copying fields.
 //!
-//! A long text is cut at ends of lines and its pieces are read at the same time; the answer is the same for any number
-//! of them.
+//! Long texts are cut at line ends and parsed in parallel. The result does not depend on the number of pieces.
 
+use crate::error::Result;
 use rayon::prelude::*;
 
-use crate::error::shown;
-use crate::input::{Room, utf8_or_latin1};
+use crate::input::{TextLimit, utf8_or_latin1};
 use crate::large;
 use crate::text::Separator;
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
-/// Bytes below which another thread costs more than it saves.
+/// Size in bytes below which another thread costs more time than it saves.
 const BYTES_PER_THREAD: usize = 1 << 20;
-/// Pieces beyond which the memory, not the numbers, takes the time.
+/// Number of pieces above which memory access limits the speed.
 const MAX_PIECES: usize = 8;
-/// Places of a long text at which its numbers are counted to take memory for all, and bytes that are looked at there.
+/// Number of samples of a long text that estimate the number of values, and their size in bytes.
 const SAMPLES: usize = 8;
 const SAMPLE_BYTES: usize = 1 << 12;
 
-/// What a byte between numbers means.
+/// Class of a byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Class {
     Other,
@@ -29,14 +28,14 @@ enum Class {
     LineEnd,
 }
 
-/// How numbers stand in a text.
+/// Layout of numbers in a text.
 pub(crate) struct Layout {
     format: Format,
     separator: Separator,
     line_end: u8,
-    /// Values of every row; `None` where ends of lines mean nothing.
+    /// Number of values per row; `None` if line ends have no meaning.
     columns: Option<usize>,
-    /// Signs that start a comment.
+    /// Characters that start a comment.
     comment: &'static [u8],
     classes: [Class; 256],
 }
@@ -57,109 +56,75 @@ impl Layout {
         Self { format, separator, line_end, columns: None, comment, classes }
     }
 
-    /// The same where every row holds as many values.
+    /// Sets the number of values per row.
     pub(crate) fn with_columns(self, columns: usize) -> Self {
         Self { columns: Some(columns), ..self }
     }
 
-    /// Number of values in the first line of `bytes`, if all of them are values.
+    /// Returns the number of values in the first line of `bytes`; `None` if a field is not a value.
     pub(crate) fn count(&self, bytes: &[u8]) -> Option<usize> {
-        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
-        let mut table = Table::<Count>::default();
-        scanner.line(&mut table).ok().map(|()| table.values.len())
+        let (count, line) = self.tally(bytes);
+        line.is_ok().then_some(count)
     }
 
-    /// Number of values before the first fault of a line.
-    fn tally(&self, bytes: &[u8]) -> usize {
-        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
-        let mut table = Table::<Count>::default();
-        // A part of a row has fewer columns than a row.
-        let _ = scanner.line(&mut table);
-        table.values.len()
+    /// Counts the values before the first fault of a line. Too few columns are a fault.
+    fn tally(&self, bytes: &[u8]) -> (usize, Result<(), Fault>) {
+        let mut table = Table::default();
+        let line = Scanner { bytes, cursor: 0, layout: self }.line(&mut table);
+        (table.values.len(), line)
     }
 
-    /// Whether the first field of a line is a value.
+    /// Returns whether the first field of a line is a value.
     pub(crate) fn starts_with_value(&self, line: &[u8]) -> bool {
         let mut scanner = Scanner { bytes: line, cursor: 0, layout: self };
         scanner.skip_blanks();
-        !scanner.is_at_end() && scanner.field(&mut Table::<Count>::default()).is_some()
+        !scanner.is_at_end() && scanner.field(&mut Table::default()).is_some()
     }
 }
 
-/// What becomes of values.
-pub(crate) trait Values {
-    fn push(&mut self, value: f64);
-    fn len(&self) -> usize;
-}
-
-impl Values for Vec<f64> {
-    fn push(&mut self, value: f64) {
-        self.push(value);
-    }
-
-    fn len(&self) -> usize {
-        self.len()
-    }
-}
-
-/// Values that are only counted.
+/// Parsed rows.
 #[derive(Default)]
-struct Count(usize);
-
-impl Values for Count {
-    fn push(&mut self, _value: f64) {
-        self.0 += 1;
-    }
-
-    fn len(&self) -> usize {
-        self.0
-    }
-}
-
-/// Rows that were read.
-#[derive(Default)]
-pub(crate) struct Table<V = Vec<f64>> {
-    /// All values, row by row; NaN where missing.
-    pub(crate) values: V,
+pub(crate) struct Table {
+    /// All values, row by row; NaN for missing ones.
+    pub(crate) values: Vec<f64>,
     pub(crate) rows: usize,
-    /// Rows that end with a separator.
+    /// Number of rows that end with a separator.
     pub(crate) open_rows: usize,
-    /// Comments between and behind the rows, without their signs.
+    /// Comments between and after the rows, without their signs.
     pub(crate) comments: Vec<String>,
-    /// Whether a number had a comma for its decimal sign.
+    /// Whether a number has a decimal comma.
     pub(crate) decimal_comma: bool,
-    /// Room for further comments.
-    room: Room,
+    /// Limit of further comments.
+    room: TextLimit,
     lines: usize,
 }
 
-/// What is wrong with a line.
+/// Fault of a line.
 enum Fault {
     Value { column: usize, found: String },
     Ragged { found: usize },
     TooMany,
 }
 
-/// Reads all rows of `bytes`, which start on the line after `lines_before` others.
+/// Reads all rows of `bytes`, which start after `lines_before` lines.
 ///
 /// # Errors
-/// A field that is no number, a row that is longer or shorter than the layout says, or too many values, each with the
-/// number of its line.
-pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table, FormatError> {
+/// A field that is not a number, a row of another length than in the layout, or too many values, each with its line.
+pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table> {
     let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_PIECES);
-    // To ask for the number of threads starts them, which takes longer than to read a short text.
+    // A query for the number of threads starts them, which takes longer than reading a short text.
     let pieces = cut(bytes, layout.line_end, if wanted > 1 { wanted.min(rayon::current_num_threads()) } else { 1 });
     let per_byte = values_per_byte(bytes, layout);
     let results: Vec<_> = pieces
         .par_iter()
         .enumerate()
         .map(|(place, piece)| {
-            // All other pieces end up behind the first.
+            // The other pieces are appended to the first.
             let length = if place == 0 { bytes.len() } else { piece.len() };
             read_piece(piece, layout, (length as f64 * per_byte) as usize)
         })
         .collect();
-    let mut table = Table::<Vec<f64>>::default();
+    let mut table = Table::default();
     for result in results {
         let line = |lines: usize| lines_before + table.lines + lines + 1;
         let piece = result.map_err(|(lines, fault)| layout.error(fault, line(lines)))?;
@@ -169,18 +134,21 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
         table.append(piece);
     }
     match table.decimal_comma.then(|| line_with_point(bytes, layout)).flatten() {
-        Some(line) => Err(FormatError::Field {
-            format: layout.format,
-            field: "a decimal sign".into(),
-            at: Location::Line(lines_before + line + 1),
-            found: ".".into(),
-            wanted: "a comma, as in other numbers of the file".into(),
-        }),
+        Some(line) => {
+            let at = Location::Line(lines_before + line + 1);
+            Err(FormatError::field(
+                layout.format,
+                "a decimal sign",
+                at,
+                ".",
+                "a comma, as in other numbers of the file",
+            ))
+        }
         None => Ok(table),
     }
 }
 
-/// The first line that has a point outside of a comment.
+/// Returns the first line with a point outside of comments.
 fn line_with_point(bytes: &[u8], layout: &Layout) -> Option<usize> {
     let numbers = |line: &[u8]| {
         let starts = |(place, &byte): (usize, &u8)| {
@@ -191,7 +159,7 @@ fn line_with_point(bytes: &[u8], layout: &Layout) -> Option<usize> {
     bytes.split(|&byte| byte == layout.line_end).position(|line| line[..numbers(line)].contains(&b'.'))
 }
 
-/// Cuts bytes into pieces of about the same length that end with a line.
+/// Cuts bytes into pieces of similar length that end with a line.
 fn cut(bytes: &[u8], line_end: u8, count: usize) -> Vec<&[u8]> {
     let (mut pieces, mut rest) = (Vec::new(), bytes);
     for left in (2..=count).rev() {
@@ -205,7 +173,7 @@ fn cut(bytes: &[u8], line_end: u8, count: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// Values that a byte stands for, judged at some places and a little above; one is the most.
+/// Estimates the number of values per byte from samples, with a margin; at most 1.
 fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
     let is_border = |&byte: &u8| layout.classes[usize::from(byte)] != Class::Other;
     let samples = if bytes.len() > SAMPLES * SAMPLE_BYTES { SAMPLES } else { 1 };
@@ -213,18 +181,18 @@ fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
     for start in (0..samples).map(|sample| bytes.len() / samples * sample) {
         let sample = &bytes[start..bytes.len().min(start + SAMPLE_BYTES)];
         length += sample.len();
-        // Fields that the sample cuts would not read as numbers.
+        // Fields that the sample cuts are left out.
         let first = if start == 0 { Some(0) } else { sample.iter().position(is_border) };
         let end = sample.iter().rposition(is_border);
         let whole = first.zip(end).and_then(|(first, end)| sample.get(first..end)).unwrap_or_default();
-        values += whole.split(|&byte| byte == layout.line_end).map(|line| layout.tally(line)).sum::<usize>();
+        values += whole.split(|&byte| byte == layout.line_end).map(|line| layout.tally(line).0).sum::<usize>();
     }
     (1.01 * values as f64 / length.max(1) as f64).min(1.0)
 }
 
 fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
     let mut scanner = Scanner { bytes, cursor: 0, layout };
-    let mut table = Table { values: large::with_capacity(expected + 1), ..Table::<Vec<f64>>::default() };
+    let mut table = Table { values: large::with_capacity(expected + 1), ..Table::default() };
     while scanner.cursor < bytes.len() {
         scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
         scanner.cursor += 1;
@@ -252,7 +220,7 @@ impl Table {
     }
 }
 
-/// A place in a text.
+/// Position in a text.
 struct Scanner<'a> {
     bytes: &'a [u8],
     cursor: usize,
@@ -274,7 +242,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// Whether a row ends here.
+    /// Returns whether a row ends here.
     fn is_at_end(&self) -> bool {
         match self.class() {
             Class::LineEnd => true,
@@ -283,15 +251,15 @@ impl Scanner<'_> {
         }
     }
 
-    /// Reads one line up to its end.
-    fn line<V: Values>(&mut self, table: &mut Table<V>) -> Result<(), Fault> {
+    /// Parses one line up to its end.
+    fn line(&mut self, table: &mut Table) -> Result<(), Fault> {
         let before = table.values.len();
         self.skip_blanks();
         while !self.is_at_end() {
             match self.field(table) {
                 Some(value) => table.values.push(value),
                 None => {
-                    let (column, found) = (table.values.len() - before + 1, shown(&utf8_or_latin1(self.odd_field())));
+                    let (column, found) = (table.values.len() - before + 1, utf8_or_latin1(self.whole_field()));
                     return Err(Fault::Value { column, found });
                 }
             }
@@ -323,12 +291,12 @@ impl Scanner<'_> {
         }
     }
 
-    /// The value at the cursor, which moves to the separator or the field behind it; NaN where it is missing, `None`
-    /// where it is no number or beyond the range of `f64`.
-    fn field<V: Values>(&mut self, table: &mut Table<V>) -> Option<f64> {
+    /// Parses the value at the cursor and moves the cursor to the next separator or field. Returns NaN for a missing
+    /// value; `None` if the field is not a number or is beyond the range of `f64`.
+    fn field(&mut self, table: &mut Table) -> Option<f64> {
         let rest = &self.bytes[self.cursor..];
         let is_one = |length: &usize| self.layout.separator != Separator::Comma || !rest[..*length].contains(&b',');
-        if let Some(length) = no_number(rest).filter(is_one) {
+        if let Some(length) = special_number(rest).filter(is_one) {
             self.cursor += length;
             self.skip_blanks();
             return Some(f64::NAN);
@@ -347,7 +315,7 @@ impl Scanner<'_> {
                 return Some(value);
             }
         }
-        let field = self.odd_field();
+        let field = self.whole_field();
         let value = if missing(field) {
             f64::NAN
         } else if let Some(value) = number(field) {
@@ -361,11 +329,11 @@ impl Scanner<'_> {
         Some(value)
     }
 
-    /// The bytes up to the end of the field at the cursor.
-    fn odd_field(&self) -> &[u8] {
+    /// Returns the bytes up to the end of the field at the cursor.
+    fn whole_field(&self) -> &[u8] {
         let rest = &self.bytes[self.cursor..];
         let spaced = self.layout.separator == Separator::Space;
-        // The two words `No Data` are one field wherever they stand.
+        // The words `No Data` are always one field.
         let ends = |&byte: &u8| match self.layout.classes[usize::from(byte)] {
             Class::Blank => spaced,
             class => class != Class::Other,
@@ -381,7 +349,8 @@ impl Scanner<'_> {
         rest[..length].trim_ascii_end()
     }
 
-    /// A number such as `1,5`. In a single column without separators it could be two numbers as well.
+    /// Parses a number such as `1,5`. In a single column without separators it could also be two numbers, which is
+    /// refused.
     fn with_decimal_comma(&self, field: &[u8]) -> Option<f64> {
         let Layout { separator, columns, .. } = *self.layout;
         if separator == Separator::Comma || separator == Separator::Space && columns == Some(1) {
@@ -393,11 +362,11 @@ impl Scanner<'_> {
 
 const NO_DATA: &[u8] = b"No Data";
 
-/// Whether a field marks a point without a height.
+/// Returns whether a field marks a missing height.
 fn missing(field: &[u8]) -> bool {
     let is_nan = || {
         let unsigned = field.strip_prefix(b"-").unwrap_or(field);
-        // As C libraries write it: `-nan(ind)`.
+        // C libraries write `-nan(ind)`.
         unsigned.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"nan(")) && field.ends_with(b")")
     };
     field.is_empty()
@@ -407,8 +376,8 @@ fn missing(field: &[u8]) -> bool {
         || is_nan()
 }
 
-/// The length of what Microsoft's C library wrote for no number (`1.#QNAN`, `-1.#IND00`, `1,#INF`), where it starts here.
-fn no_number(bytes: &[u8]) -> Option<usize> {
+/// Returns the length of a special number of Microsoft's C library (`1.#QNAN`, `-1.#IND00`, `1,#INF`) at the start.
+fn special_number(bytes: &[u8]) -> Option<usize> {
     let unsigned = bytes.strip_prefix(b"-").unwrap_or(bytes);
     let word = unsigned.strip_prefix(b"1.#").or_else(|| unsigned.strip_prefix(b"1,#"))?;
     let letters = word.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(word.len());
@@ -417,7 +386,7 @@ fn no_number(bytes: &[u8]) -> Option<usize> {
     is_mark.then_some(bytes.len() - word.len() + letters + digits)
 }
 
-/// A number, NaN where it is infinite, `None` where it is beyond the range of `f64`.
+/// Parses a number: NaN if it is infinite, `None` if it is beyond the range of `f64`.
 fn number(field: &[u8]) -> Option<f64> {
     let value: f64 = std::str::from_utf8(field).ok()?.parse().ok()?;
     let names_infinity = || field.iter().any(|byte| byte.eq_ignore_ascii_case(&b'n'));
@@ -427,7 +396,7 @@ fn number(field: &[u8]) -> Option<f64> {
     }
 }
 
-/// A number with one comma between digits for its decimal sign.
+/// Parses a number with one comma between digits as decimal sign.
 pub(super) fn decimal_comma(field: &[u8]) -> Option<f64> {
     let place = field.iter().position(|&byte| byte == b',')?;
     let is_digit = |place: Option<usize>| place.and_then(|place| field.get(place)).is_some_and(u8::is_ascii_digit);
@@ -439,27 +408,27 @@ pub(super) fn decimal_comma(field: &[u8]) -> Option<f64> {
     number(&field)
 }
 
-/// What spreadsheets export where a cell has no value; the sign would start a comment otherwise.
+/// Errors that spreadsheets export for cells without a value. Their first character would otherwise start a comment.
 const SPREADSHEET_ERRORS: [&[u8]; 8] =
     [b"#N/A", b"#DIV/0!", b"#VALUE!", b"#REF!", b"#NAME?", b"#NUM!", b"#NULL!", b"#NV"];
 
-/// The error of a spreadsheet at the start of a field.
+/// Returns the error of a spreadsheet at the start of a field.
 fn spreadsheet_error(rest: &[u8]) -> Option<&[u8]> {
     let is_end = |byte: Option<&u8>| byte.is_none_or(|byte| matches!(byte, b',' | b';') || byte.is_ascii_whitespace());
     let error = SPREADSHEET_ERRORS.iter().find(|error| rest.starts_with(error) && is_end(rest.get(error.len())))?;
     rest.get(..error.len())
 }
 
-/// Where the comment of a line starts: its length where there is none.
+/// Returns the offset of the comment of a line; its length if there is none.
 pub(super) fn comment_start(line: &[u8]) -> usize {
-    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| no_number(&line[start..]).is_some());
+    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| special_number(&line[start..]).is_some());
     let starts = |(place, byte): (usize, &u8)| {
         super::COMMENT.contains(byte) && spreadsheet_error(&line[place..]).is_none() && !is_number(place)
     };
     line.iter().enumerate().position(starts).unwrap_or(line.len())
 }
 
-/// What a comment says, without the signs that start it.
+/// Returns a comment without the signs that start it.
 pub(super) fn comment(comment: &[u8], signs: &[u8]) -> String {
     let start = comment.iter().position(|byte| !signs.contains(byte)).unwrap_or(comment.len());
     utf8_or_latin1(comment[start..].trim_ascii())
@@ -470,24 +439,15 @@ impl Layout {
         let (format, at) = (self.format, Location::Line(line));
         match fault {
             Fault::Ragged { found } => FormatError::Ragged { line, found, wanted: self.columns.unwrap_or_default() },
-            Fault::TooMany => FormatError::TooLarge {
-                format,
-                field: "the number of values".into(),
-                at,
-                found: MAX_POINTS + 1,
-                limit: MAX_POINTS,
-            },
-            Fault::Value { column, found } => FormatError::Field {
-                format,
-                field: format!("value {column}"),
-                at,
-                wanted: match found.replace(',', ".").parse::<f64>() {
-                    Ok(_) => "a number with a decimal point".into(),
-                    Err(_) if format == Format::Sdf => "a number or BAD".into(),
-                    Err(_) => "a number, an empty field, nan, inf or BAD (start comments with # or %)".into(),
-                },
-                found,
-            },
+            Fault::TooMany => FormatError::too_large(format, "the number of values", at, MAX_POINTS + 1, MAX_POINTS),
+            Fault::Value { column, found } => {
+                let wanted = match found.replace(',', ".").parse::<f64>() {
+                    Ok(_) => "a number with a decimal point",
+                    Err(_) if format == Format::Sdf => "a number or BAD",
+                    Err(_) => "a number, an empty field, nan, inf or BAD (start comments with # or %)",
+                };
+                FormatError::field(format, format!("value {column}"), at, found, wanted)
+            }
         }
     }
 }

@@ -1,14 +1,14 @@
-//! A matrix as text.
+//! Writer of text.
 
 use std::fmt::Write;
 
 use crate::Scan;
 use crate::text::Separator;
 
-/// The heights in metre as text, one row per line, each number in the fewest digits that read back to the same `f64`,
-/// `nan` where missing.
+/// Writes the heights in metre as text, one row per line. Each number has the fewest digits that read back to the
+/// same `f64`; missing heights are `nan`.
 ///
-/// Two comments before them name the unit of the heights and the pixel size, where the scan has one. The metadata are
+/// Two comments before them state the unit of the heights and the pixel size, if the scan has one. The metadata are
 /// not stored.
 pub fn write_text(scan: &Scan, separator: Separator) -> Vec<u8> {
     let mut text = String::from("# unit: m\n");

@@ -1,7 +1,8 @@
-//! From strips or tiles to the numbers of a page.
+//! Unpacking of strips or tiles to the numbers of a page.
 //!
-//! Strips and tiles are unpacked row by row, so that no more is held than the page and one row.
+//! Strips and tiles are unpacked row by row, so that the memory holds no more than the page and one row.
 
+use crate::error::Result;
 use std::io::{self, Read};
 
 use flate2::read::ZlibDecoder;
@@ -10,16 +11,17 @@ use weezl::{BitOrder, LzwStatus};
 
 use super::directory::{Directory, Tag};
 use super::tag;
+use crate::Format;
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
 use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError};
+use crate::scan::Shape;
 
-/// Strips or tiles of one page.
+/// Maximum number of strips or tiles of one page.
 const MAX_CHUNKS: u64 = 1 << 16;
-/// Points in one row of a strip or tile.
+/// Maximum number of points in one row of a strip or tile.
 const MAX_ROW: u64 = 1 << 20;
 
-/// How the bytes of strips and tiles are packed.
+/// Compression of strips and tiles.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Packing {
     None,
@@ -28,37 +30,32 @@ enum Packing {
     PackBits,
 }
 
-/// How numbers were turned into others before packing.
+/// Transformation of the numbers before compression.
 #[derive(Clone, Copy)]
 enum Predictor {
     None,
-    /// Differences of neighbours.
+    /// Differences of neighbouring numbers.
     Horizontal,
-    /// Differences of neighbouring bytes after sorting the bytes of a row by significance.
+    /// Differences of neighbouring bytes, after grouping the bytes of a row by significance.
     FloatingPoint,
 }
 
-/// The strips or tiles of a page.
+/// Strips or tiles of a page.
 struct Chunks {
-    /// Columns and rows of one.
+    /// Number of columns and rows of each.
     shape: (usize, usize),
-    /// How many lie beside each other.
+    /// Number of strips or tiles side by side.
     across: usize,
     offsets: Vec<u64>,
-    /// Packed sizes in bytes; empty where nothing is packed.
+    /// Packed sizes in bytes; empty without compression.
     sizes: Vec<u64>,
 }
 
-/// The numbers of a page in row order.
+/// Returns the numbers of a page in row order.
 ///
 /// # Errors
-/// Packings that are not read, strips and tiles that the bytes cannot bear out, damaged streams.
-pub(super) fn decode(
-    directory: &Directory,
-    (ny, nx): (usize, usize),
-    sample: Sample,
-    order: ByteOrder,
-) -> Result<Vec<f64>, FormatError> {
+/// Unsupported compression, strips and tiles beyond the end of the file, damaged streams.
+pub(super) fn decode(directory: &Directory, (ny, nx): Shape, sample: Sample, order: ByteOrder) -> Result<Vec<f64>> {
     let input = directory.input;
     if directory.integer(tag::FILL_ORDER)?.is_some_and(|order| order != 1) {
         return Err(input.unsupported("the bits of every byte are reversed (FillOrder 2)", "FillOrder 1"));
@@ -90,7 +87,7 @@ pub(super) fn decode(
                     sample.decode(order, &row, &mut numbers);
                 }
                 Predictor::FloatingPoint => {
-                    sample.decode(ByteOrder::Big, &sorted_back(&mut row, sample.size()), &mut numbers);
+                    sample.decode(ByteOrder::Big, &ungroup_bytes(&mut row, sample.size()), &mut numbers);
                 }
             }
             values[y * nx + left..y * nx + left + columns].copy_from_slice(&numbers[..columns]);
@@ -99,11 +96,11 @@ pub(super) fn decode(
     Ok(values)
 }
 
-fn packing(directory: &Directory) -> Result<Packing, FormatError> {
+fn packing(directory: &Directory) -> Result<Packing> {
     let found = match directory.integer(tag::COMPRESSION)? {
         None | Some(1) => return Ok(Packing::None),
         Some(5) => return Ok(Packing::Lzw),
-        // 32946 is the number from before the method was registered.
+        // 32946 is the number of Deflate before its registration.
         Some(8 | 32946) => return Ok(Packing::Deflate),
         Some(32773) => return Ok(Packing::PackBits),
         Some(2..=4) => "fax".to_owned(),
@@ -118,27 +115,22 @@ fn packing(directory: &Directory) -> Result<Packing, FormatError> {
     Err(directory.input.unsupported(format!("the page is compressed by {found}"), wanted))
 }
 
-/// The predictor, which the specification knows of LZW only and libtiff of LZW and Deflate: files of other packings may
-/// state one that was never applied.
-fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<Predictor, FormatError> {
+/// Returns the predictor. The specification defines it for LZW only, libtiff for LZW and Deflate; files with other
+/// compression may state one that was never applied.
+fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<Predictor> {
     if matches!(packing, Packing::None | Packing::PackBits) {
         return Ok(Predictor::None);
     }
     match directory.integer(tag::PREDICTOR)? {
         None | Some(1) => Ok(Predictor::None),
         Some(2) => Ok(Predictor::Horizontal),
-        Some(3) if matches!(sample, Sample::F32 | Sample::F64) => Ok(Predictor::FloatingPoint),
+        Some(3) if sample.is_float() => Ok(Predictor::FloatingPoint),
         Some(other) => Err(directory.wrong(tag::PREDICTOR, other, "1, 2, or 3 for floating-point numbers")),
     }
 }
 
-/// Where strips or tiles lie, checked against the bytes.
-fn chunks(
-    directory: &Directory,
-    (ny, nx): (usize, usize),
-    sample: Sample,
-    packing: Packing,
-) -> Result<Chunks, FormatError> {
+/// Returns the places of strips or tiles, checked against the size of the file.
+fn chunks(directory: &Directory, (ny, nx): Shape, sample: Sample, packing: Packing) -> Result<Chunks> {
     let input = directory.input;
     let is_tiled = directory.integer(tag::TILE_WIDTH)?.is_some();
     let dimension = |tag: Tag, default: u64| {
@@ -167,7 +159,7 @@ fn chunks(
     };
     let offsets = listed(at)?;
     let sizes = if packing == Packing::None { Vec::new() } else { listed(sizes_at)? };
-    // Rows of tiles are full, below the page as well.
+    // Tiles are complete, also beyond the lower edge of the page.
     let rows = if is_tiled { down.saturating_mul(height) } else { ny as u64 };
     let points = (across * width).saturating_mul(rows);
     let unpacked = points.saturating_mul(sample.size() as u64);
@@ -201,7 +193,7 @@ fn unpacked<'a>(bytes: &'a [u8], packing: Packing) -> Box<dyn Read + 'a> {
     }
 }
 
-/// An LZW stream in the form of TIFF 6.0: codes from the highest bit on, of a width that grows one code early.
+/// LZW stream as in TIFF 6.0: codes from the highest bit on, of a width that grows one code early.
 struct Lzw<'a> {
     bytes: &'a [u8],
     decoder: Decoder,
@@ -224,12 +216,12 @@ impl Read for Lzw<'_> {
     }
 }
 
-/// A PackBits stream (TIFF 6.0, section 9): pieces of 1 to 128 bytes, as they are or one byte many times.
+/// PackBits stream (TIFF 6.0, section 9): pieces of 1 to 128 bytes, either literal or one repeated byte.
 struct PackBits<'a> {
     bytes: &'a [u8],
-    /// Bytes left of a piece that is as it is.
+    /// Number of bytes left in a literal piece.
     literal: usize,
-    /// How often the next byte is still to come.
+    /// Number of repetitions left of the next byte.
     repeat: usize,
 }
 
@@ -262,7 +254,7 @@ impl Read for PackBits<'_> {
     }
 }
 
-/// Turns differences of neighbouring numbers, taken as integers of `size` bytes, into the numbers.
+/// Sums up differences of neighbouring numbers, as integers of `size` bytes.
 fn add_neighbours(row: &mut [u8], size: usize, order: ByteOrder) {
     macro_rules! add {
         ($number:ty) => {{
@@ -289,8 +281,9 @@ fn add_neighbours(row: &mut [u8], size: usize, order: ByteOrder) {
     }
 }
 
-/// Turns differences of bytes, all highest ones of a row first, into big-endian numbers (Technical Note 3 of TIFF).
-fn sorted_back(row: &mut [u8], size: usize) -> Vec<u8> {
+/// Sums up differences of bytes, grouped by significance from the highest on, and returns big-endian numbers
+/// (Technical Note 3 of TIFF).
+fn ungroup_bytes(row: &mut [u8], size: usize) -> Vec<u8> {
     let mut sum = 0_u8;
     for byte in row.iter_mut() {
         sum = sum.wrapping_add(*byte);

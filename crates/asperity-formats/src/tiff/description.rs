@@ -1,4 +1,4 @@
-//! What ImageDescription says of units, in the conventions of ImageJ and of OME-XML.
+//! Units in ImageDescription, in the conventions of ImageJ and of OME-XML.
 
 use std::collections::BTreeMap;
 
@@ -7,21 +7,21 @@ use quick_xml::{Reader, XmlVersion};
 
 use crate::unit::per_metre;
 
-/// What a description says.
+/// Content of a description.
 #[derive(Default)]
 pub(super) struct Units {
-    /// The distance between points in metre.
+    /// Distance between points in metre.
     pub(super) pitch_m: Option<(f64, f64)>,
-    /// How often the units in which XResolution and YResolution count go into a metre.
+    /// Number of units of XResolution and YResolution per metre.
     pub(super) per_metre: Option<(f64, f64)>,
-    /// The straight line from stored numbers to metre: offset and slope.
+    /// Straight line from stored numbers to metre: offset and slope.
     pub(super) line_m: Option<(f64, f64)>,
-    /// The fields of a description in lines, or the description as a whole.
+    /// Fields of a description in lines, or the whole description.
     pub(super) metadata: BTreeMap<String, String>,
     pub(super) warnings: Vec<String>,
 }
 
-/// Reads a description; one of no known convention is metadata as a whole.
+/// Reads a description. A description of no known convention becomes metadata as a whole.
 pub(super) fn units(text: &str) -> Units {
     if text.starts_with("ImageJ=") {
         return image_j(text);
@@ -33,11 +33,11 @@ pub(super) fn units(text: &str) -> Units {
     units
 }
 
-/// Lines of the form `key=value`.
+/// Reads lines of the form `key=value`.
 fn image_j(text: &str) -> Units {
     let mut units = Units::default();
     for (key, value) in text.lines().filter_map(|line| line.split_once('=')) {
-        // Java's escape of the micro sign.
+        // Java escapes the micro sign.
         units.metadata.insert(key.trim().into(), value.trim().replace("\\u00B5", "µ"));
     }
     let value = |key: &str| units.metadata.get(key).map(String::as_str);
@@ -51,12 +51,12 @@ fn image_j(text: &str) -> Units {
         _ => None,
     };
     let doubt = (line_m.is_none() && value("cf").is_some()).then(|| {
-        "the calibration of ImageJ (cf, c0, c1, vunit) is no straight line to a length; it was left out".into()
+        "the calibration of ImageJ (cf, c0, c1, vunit) is not a linear conversion to a length; it was ignored".into()
     });
     Units { per_metre, line_m, warnings: doubt.into_iter().collect(), ..units }
 }
 
-/// The sizes of points in the first `Pixels` element.
+/// Returns the sizes of points in the first `Pixels` element.
 fn ome(text: &str) -> Option<(f64, f64)> {
     let mut reader = Reader::from_str(text);
     loop {
@@ -70,7 +70,7 @@ fn ome(text: &str) -> Option<(f64, f64)> {
                 };
                 let size = |name: &str| {
                     let size: f64 = attribute(name)?.trim().parse().ok()?;
-                    // The schema's default.
+                    // Default of the schema.
                     let unit = attribute(&format!("{name}Unit")).unwrap_or_else(|| "µm".into());
                     Some(size / per_metre(unit.trim())?)
                 };

@@ -1,30 +1,31 @@
-//! Directories of a TIFF file and the fields in them, of classic and of big files.
+//! Directories of a TIFF file and their fields, in classic and big files.
 
 use crate::FormatError;
+use crate::error::Result;
 use crate::input::{Input, utf8_or_latin1};
 use crate::sample::{ByteOrder, Sample};
 
-/// Fields that one directory may have; files of any kind have less than a hundred.
+/// Maximum number of fields of a directory. Files of any kind have fewer than a hundred.
 const MAX_ENTRIES: u64 = 1024;
 
-/// A field: its number and its name in the specification.
+/// Field: its number and its name in the specification.
 #[derive(Clone, Copy)]
 pub(super) struct Tag(pub(super) u16, pub(super) &'static str);
 
-/// A file, its order of bytes, and which of the two layouts it has.
+/// File and its layout.
 #[derive(Clone, Copy)]
 pub(super) struct File<'a> {
     pub(super) input: Input<'a>,
     big: bool,
 }
 
-/// A directory: the description of one page.
+/// Directory: the description of one page.
 pub(super) struct Directory<'a> {
     pub(super) input: Input<'a>,
-    /// Where it stands in the file.
+    /// Offset in the file.
     pub(super) offset: usize,
     entries: Vec<Entry>,
-    /// Where the next one stands, 0 after the last.
+    /// Offset of the next directory, 0 after the last.
     pub(super) next: u64,
 }
 
@@ -32,30 +33,30 @@ struct Entry {
     tag: u16,
     kind: u16,
     count: u64,
-    /// Where the values stand.
+    /// Offset of the values.
     values: usize,
 }
 
-/// Bytes of one value of a type, `None` for types that are not known.
+/// Returns the size in bytes of one value of a type; `None` for unknown types.
 fn size(kind: u16) -> Option<usize> {
     match kind {
-        // Bytes, texts and what is not defined.
+        // Bytes, texts and undefined values.
         1 | 2 | 6 | 7 => Some(1),
         3 | 8 => Some(2),
         // Longs, floats and offsets.
         4 | 9 | 11 | 13 => Some(4),
-        // Quotients, doubles, long longs and their offsets.
+        // Rational numbers, doubles, long longs and their offsets.
         5 | 10 | 12 | 16..=18 => Some(8),
         _ => None,
     }
 }
 
-/// The signature of a file and the layout behind it.
+/// Returns the byte order, and whether the file is big.
 fn layout(bytes: &[u8]) -> Option<(ByteOrder, bool)> {
     match bytes.get(..4)? {
         b"II\x2a\0" => Some((ByteOrder::Little, false)),
         b"MM\0\x2a" => Some((ByteOrder::Big, false)),
-        // Offsets of eight bytes, then zero.
+        // Size of offsets, 8, then zero.
         b"II\x2b\0" => (bytes.get(4..8)? == [8, 0, 0, 0]).then_some((ByteOrder::Little, true)),
         b"MM\0\x2b" => (bytes.get(4..8)? == [0, 8, 0, 0]).then_some((ByteOrder::Big, true)),
         _ => None,
@@ -67,26 +68,26 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 impl<'a> File<'a> {
-    pub(super) fn open(input: Input<'a>) -> Result<Self, FormatError> {
+    pub(super) fn open(input: Input<'a>) -> Result<Self> {
         let (order, big) =
             layout(input.bytes()).ok_or_else(|| input.wrong("signature", 0, "none of a TIFF file", "II* or MM*"))?;
         Ok(Self { input: input.with_order(order), big })
     }
 
-    /// Where the first directory stands.
-    pub(super) fn first(&self) -> Result<u64, FormatError> {
+    /// Returns the offset of the first directory.
+    pub(super) fn first(&self) -> Result<u64> {
         self.offset("offset of the first directory", if self.big { 8 } else { 4 })
     }
 
-    fn offset(&self, field: &str, at: usize) -> Result<u64, FormatError> {
+    fn offset(&self, field: &str, at: usize) -> Result<u64> {
         if self.big { self.input.u64(field, at) } else { self.input.u32(field, at).map(u64::from) }
     }
 
-    /// The directory at an offset.
+    /// Returns the directory at an offset.
     ///
     /// # Errors
-    /// A place or a number of fields that the bytes cannot bear out.
-    pub(super) fn directory(&self, offset: u64) -> Result<Directory<'a>, FormatError> {
+    /// An offset or a number of fields beyond the end of the file.
+    pub(super) fn directory(&self, offset: u64) -> Result<Directory<'a>> {
         const FIELD: &str = "directory";
         let input = self.input;
         let offset = usize::try_from(offset).unwrap_or(usize::MAX);
@@ -104,7 +105,7 @@ impl<'a> File<'a> {
         for at in (start..end).step_by(width) {
             let (tag, kind) = (input.u16(FIELD, at)?, input.u16(FIELD, at + 2)?);
             let (count, values) = (self.offset(FIELD, at + 4)?, at + width - inline);
-            // The specification has readers pass over types that they do not know.
+            // By the specification, readers skip unknown types.
             let Some(size) = size(kind) else { continue };
             let is_inline = count.saturating_mul(size as u64) <= inline as u64;
             let values =
@@ -120,13 +121,13 @@ impl Directory<'_> {
         self.entries.iter().find(|entry| entry.tag == tag.0 && entry.count > 0)
     }
 
-    /// The error for a field whose value cannot be right.
+    /// Returns the error for a field whose value is invalid.
     pub(super) fn wrong(&self, tag: Tag, found: impl ToString, wanted: &str) -> FormatError {
         self.input.wrong(tag.1, self.entry(tag).map_or(self.offset, |entry| entry.values), found, wanted)
     }
 
-    /// The whole numbers of a field, at most `limit` of them, `None` where it is absent.
-    pub(super) fn integers(&self, tag: Tag, limit: u64) -> Result<Option<Vec<u64>>, FormatError> {
+    /// Returns at most `limit` whole numbers of a field; `None` if it is absent.
+    pub(super) fn integers(&self, tag: Tag, limit: u64) -> Result<Option<Vec<u64>>> {
         let Some(entry) = self.entry(tag) else { return Ok(None) };
         let (input, at) = (self.input, entry.values);
         let size = match entry.kind {
@@ -147,13 +148,13 @@ impl Directory<'_> {
         (at..at + length).step_by(size).map(number).collect::<Result<_, _>>().map(Some)
     }
 
-    /// The first whole number of a field, `None` where it is absent.
-    pub(super) fn integer(&self, tag: Tag) -> Result<Option<u64>, FormatError> {
+    /// Returns the first whole number of a field; `None` if it is absent.
+    pub(super) fn integer(&self, tag: Tag) -> Result<Option<u64>> {
         Ok(self.integers(tag, 1)?.and_then(|numbers| numbers.first().copied()))
     }
 
-    /// A number that may be a quotient, `None` where the field is absent or the quotient is none.
-    pub(super) fn real(&self, tag: Tag) -> Result<Option<f64>, FormatError> {
+    /// Returns a number that may be rational; `None` if the field is absent or the denominator is 0.
+    pub(super) fn real(&self, tag: Tag) -> Result<Option<f64>> {
         let Some(entry) = self.entry(tag) else { return Ok(None) };
         let (input, at) = (self.input, entry.values);
         let number = match entry.kind {
@@ -168,8 +169,8 @@ impl Directory<'_> {
         Ok(Some(number).filter(|number| number.is_finite()))
     }
 
-    /// A text, UTF-8 or Latin-1, `None` where it is absent or empty.
-    pub(super) fn text(&self, tag: Tag) -> Result<Option<String>, FormatError> {
+    /// Returns a text in UTF-8 or Latin-1; `None` if it is absent or empty.
+    pub(super) fn text(&self, tag: Tag) -> Result<Option<String>> {
         let Some(entry) = self.entry(tag).filter(|entry| matches!(entry.kind, 1 | 2 | 7)) else { return Ok(None) };
         let length = usize::try_from(entry.count).unwrap_or(usize::MAX);
         let bytes = self.input.take(tag.1, entry.values, length)?;
@@ -178,24 +179,18 @@ impl Directory<'_> {
         Ok(Some(text).filter(|text| !text.is_empty()))
     }
 
-    /// The bytes that a field's values take if they are text.
+    /// Returns the size of a text field in bytes.
     pub(super) fn length(&self, tag: Tag) -> u64 {
         self.entry(tag).map_or(0, |entry| entry.count)
     }
 }
 
-/// The number type that a page's fields for bits and kind of number make, `None` for what is not read.
+/// Returns the number type of a page from its bits per sample and its sample format; `None` if it is not supported.
 pub(super) fn sample(bits: u64, kind: u64) -> Option<Sample> {
-    match (kind, bits) {
-        // Kind 4, undefined, is what some programs write for integers without a sign.
-        (1 | 4, 8) => Some(Sample::U8),
-        (1 | 4, 16) => Some(Sample::U16),
-        (1 | 4, 32) => Some(Sample::U32),
-        (2, 8) => Some(Sample::I8),
-        (2, 16) => Some(Sample::I16),
-        (2, 32) => Some(Sample::I32),
-        (3, 32) => Some(Sample::F32),
-        (3, 64) => Some(Sample::F64),
+    match kind {
+        // Some programs write kind 4, undefined, for unsigned integers.
+        1 | 2 | 4 if bits <= 32 => Sample::integer(bits, kind == 2),
+        3 => Sample::float(bits),
         _ => None,
     }
 }

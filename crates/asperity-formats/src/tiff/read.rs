@@ -1,5 +1,6 @@
-//! From a file to a scan.
+//! Reader of TIFF.
 
+use crate::error::Result;
 use ndarray::{Array2, Axis};
 
 use super::description::{Units, units};
@@ -11,32 +12,32 @@ use crate::sample::{ByteOrder, Sample};
 use crate::selection::{some_of, unique};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// Pages that one file may have.
+/// Maximum number of pages of one file.
 const MAX_PAGES: usize = 4096;
-/// Pages whose fields are compared with those of vendors.
+/// Number of pages that are checked for fields of vendors.
 const VENDOR_PAGES: usize = 8;
-/// Bytes of a page's name beyond which it goes without.
+/// Maximum size of the name of a page in bytes. Longer names are ignored.
 const MAX_NAME_BYTES: u64 = 256;
-/// Resolutions per inch that programs write that know of no size: none, those of screens, those of printers.
+/// Resolutions per inch that programs write without knowing a size: none, of screens, of printers.
 const DEFAULTS: [f64; 7] = [1.0, 72.0, 96.0, 100.0, 150.0, 300.0, 600.0];
-/// Texts that are metadata.
+/// Text fields that become metadata.
 const TEXTS: [Tag; 9] = [
-    tag::DOCUMENT_NAME,
+    Tag(269, "DocumentName"),
     tag::MAKE,
     tag::MODEL,
     tag::PAGE_NAME,
-    tag::SOFTWARE,
-    tag::DATE_TIME,
-    tag::ARTIST,
-    tag::HOST_COMPUTER,
-    tag::COPYRIGHT,
+    Tag(305, "Software"),
+    Tag(306, "DateTime"),
+    Tag(315, "Artist"),
+    Tag(316, "HostComputer"),
+    Tag(33432, "Copyright"),
 ];
 
-/// Reads the chosen page.
+/// Reads the selected page.
 ///
 /// # Errors
-/// Directories that the bytes cannot bear out, files without a page of one number per point, packings that are not read.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Directories beyond the end of the file, files without a page of one number per point, unsupported compression.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let file = File::open(Input::new(Format::Tiff, bytes))?;
     let order = if bytes.starts_with(b"MM") { ByteOrder::Big } else { ByteOrder::Little };
     let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
@@ -74,7 +75,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
     let place = options.choose(Format::Tiff, &names)?;
     let (offset, sample) = maps[place];
     let page = file.directory(offset)?;
-    // Programs describe all pages in the first.
+    // Programs describe all pages in the first one.
     let own = page.text(tag::IMAGE_DESCRIPTION)?;
     let description = match own {
         Some(description) => Some(description),
@@ -85,17 +86,17 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
     scan.metadata.extend(units.metadata);
     scan.warnings.extend(units.warnings);
     if options.channel.is_none() && !others.is_empty() {
-        scan.warnings.push(format!("pages that are no heights were left out: {}", some_of(&others)));
+        scan.warnings.push(format!("pages other than heights were left out: {}", some_of(&others)));
     }
     Ok(scan.with_channels(names, place))
 }
 
-/// The error for the page of a vendor that keeps its heights, or their scale, in fields of its own.
+/// Returns the error for a page of a vendor that stores heights, or their scale, in private fields.
 ///
-/// JPK numbers its fields from 32768 on; Park's start at 50432 (its magic number) and hold the heights beside a picture of them.
-/// Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
-fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
-    // Descriptions of instruments take some kilobytes.
+/// JPK numbers its fields from 32768 on. Park's fields start at 50432 (its magic number) and hold the heights beside
+/// a picture. Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
+fn vendor(page: &Directory) -> Result<Option<FormatError>> {
+    // Descriptions of instruments take a few kilobytes.
     const MAX_DESCRIPTION: u64 = 1 << 16;
     let has = |tag: u16| page.length(Tag(tag, "")) > 0;
     let name = if (50432..=50435).any(has) {
@@ -114,17 +115,17 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
             || text(tag::MODEL)?.contains("LEXT");
         is_olympus.then_some("an Olympus LEXT file")
     };
-    Ok(name.map(|name| FormatError::NotRead { name, way_out: TO_GWY }))
+    Ok(name.map(|name| FormatError::NotRead { name, advice: TO_GWY }))
 }
 
-/// The number type of a page of one number per point, or why it is none.
-fn numbers(page: &Directory) -> Result<Result<Sample, String>, FormatError> {
+/// Returns the number type of a page with one number per point, or the reason why the page is not a map.
+fn numbers(page: &Directory) -> Result<Result<Sample, String>> {
     let subfile = page.integer(tag::NEW_SUBFILE_TYPE)?.unwrap_or(0);
     if subfile & 1 != 0 {
         return Ok(Err("is a smaller copy of another".into()));
     }
     let colours = match page.integer(tag::PHOTOMETRIC)? {
-        // Writers of numbers that are no picture leave it out.
+        // Writers of data other than pictures omit the field.
         None | Some(0 | 1) => None,
         Some(2) => Some("in colours (RGB)"),
         Some(3) => Some("in colours of a palette"),
@@ -146,36 +147,29 @@ fn numbers(page: &Directory) -> Result<Result<Sample, String>, FormatError> {
     Ok(sample(bits, kind).ok_or_else(|| format!("has numbers of {bits} bits and SampleFormat {kind}")))
 }
 
-/// The heights and the pitch of a page.
-fn map(
-    page: &Directory,
-    sample: Sample,
-    order: ByteOrder,
-    units: &Units,
-    options: &ReadOptions,
-) -> Result<Scan, FormatError> {
+/// Reads the heights and the pitch of a page.
+fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, options: &ReadOptions) -> Result<Scan> {
     let dimension = |tag: Tag| {
         let found = page.integer(tag)?.ok_or_else(|| page.input.missing(tag.1, page.offset, "a whole number"))?;
-        Ok::<_, FormatError>((tag.1, page.offset, i64::try_from(found).unwrap_or(i64::MAX)))
+        Ok::<_, FormatError>((tag.1, page.offset, found))
     };
     let (ny, nx) = page.input.shape(dimension(tag::IMAGE_LENGTH)?, dimension(tag::IMAGE_WIDTH)?)?;
     let mut values = decode::decode(page, (ny, nx), sample, order)?;
     let mut scan = Scan::new(Array2::zeros((0, 0)), None);
     remove_voids(page, sample, &mut values)?;
-    let is_integer = !matches!(sample, Sample::F32 | Sample::F64);
+    let is_integer = !sample.is_float();
     match units.line_m {
         Some((offset_m, slope_m)) => {
             values.iter_mut().for_each(|z| *z = *z * slope_m + offset_m);
             scan.height_unit = units.metadata.get("vunit").cloned();
         }
         None if is_integer && options.height_unit.is_none() => {
-            let doubt = "the numbers are integers, counts without a unit; they were taken as heights in metre";
+            let doubt = "the numbers are integers, counts without a unit; they count as heights in metre";
             scan.warnings.push(doubt.into());
         }
         None => (),
     }
-    let values = Array2::from_shape_vec((ny, nx), values)
-        .map_err(|_| page.wrong(tag::IMAGE_WIDTH, nx, "a width that fits the numbers"))?;
+    let values = page.input.matrix(tag::IMAGE_WIDTH.1, page.offset, (ny, nx), values)?;
     let pitch_m = pitch(page, units, &mut scan.warnings)?;
     let turned = page.integer(tag::ORIENTATION)?.unwrap_or(1);
     (scan.heights_m, scan.pitch_m) = match turned {
@@ -190,18 +184,18 @@ fn map(
     Ok(scan)
 }
 
-/// Takes out the numbers that stand for no value.
-fn remove_voids(page: &Directory, sample: Sample, values: &mut [f64]) -> Result<(), FormatError> {
+/// Sets the numbers that mark missing points to NaN.
+fn remove_voids(page: &Directory, sample: Sample, values: &mut [f64]) -> Result<()> {
     let Some(text) = page.text(tag::GDAL_NODATA)? else { return Ok(()) };
     let void: f64 = text.parse().map_err(|_| page.wrong(tag::GDAL_NODATA, &text, "a number"))?;
-    // The text has the digits of a double also where the numbers are single.
+    // The text has the digits of a double also if the numbers are in single precision.
     let void = if sample == Sample::F32 { f64::from(void as f32) } else { void };
     values.iter_mut().filter(|z| **z == void).for_each(|z| *z = f64::NAN);
     Ok(())
 }
 
-/// The distance between points along the stored rows and columns.
-fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+/// Returns the distance between points along the stored rows and columns.
+fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
     if units.pitch_m.is_some() {
         return Ok(units.pitch_m);
     }
@@ -213,7 +207,7 @@ fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<
     let unit_m = match page.integer(tag::RESOLUTION_UNIT)?.unwrap_or(2) {
         2 => 0.0254,
         3 => 0.01,
-        // Other values say that there is no absolute size.
+        // Other values mean that there is no absolute size.
         _ => return Ok(None),
     };
     if unit_m == 0.0254 && DEFAULTS.contains(&x) {
@@ -224,10 +218,10 @@ fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<
     Ok(Some((unit_m / x, unit_m / y)))
 }
 
-/// Turns and mirrors stored rows and columns so that row 0 is at the top and column 0 at the left.
+/// Rotates and mirrors stored rows and columns so that row 0 is at the top and column 0 at the left.
 ///
-/// The Orientation tag says where row 0 and column 0 are: 1 top left, 2 top right, 3 bottom right, 4 bottom left, and the
-/// same for rows that are columns, 5 left top, 6 right top, 7 right bottom, 8 left bottom.
+/// The Orientation tag defines the place of row 0 and column 0: 1 top left, 2 top right, 3 bottom right, 4 bottom
+/// left, and with rows stored as columns 5 left top, 6 right top, 7 right bottom, 8 left bottom.
 fn upright(stored: Array2<f64>, orientation: u64) -> Array2<f64> {
     let mut turned = if orientation > 4 { stored.reversed_axes() } else { stored };
     if matches!(orientation, 3 | 4 | 7 | 8) {

@@ -1,13 +1,14 @@
-//! What a VK4 file says besides its heights.
+//! Metadata of a VK4 file.
 
 use std::collections::BTreeMap;
 
-use super::conditions::{Conditions, Field, offset};
-use crate::input::Input;
+use super::conditions::{number, offset};
+use crate::input::{Field, Input, utf16_text};
+use crate::sample::ByteOrder;
 
-/// Where the version of Keyence's library stands: four bytes, the main number last.
+/// Offset of the version of Keyence's library: four bytes, the main number last.
 const LIBRARY_VERSION: usize = 4;
-/// The entry of the table of offsets for title and name of the lens.
+/// Entry of the table of offsets for title and name of the lens.
 const STRINGS_ENTRY: usize = 16;
 
 /// Year, month, day, hour, minute, second.
@@ -16,7 +17,7 @@ const DATE: [Field; 6] =
 /// Minutes by which that time is ahead of UTC, signed.
 const UTC_OFFSET: Field = Field("difference from UTC", 7);
 
-/// Numbers of the measurement conditions, what they are divided by, and their unit.
+/// Numbers of the measurement conditions, their divisors and their units.
 const NUMBERS: [(Field, f64, &str); 27] = [
     (Field("image layers", 11), 1.0, ""),
     (Field("run mode", 12), 1.0, ""),
@@ -47,16 +48,14 @@ const NUMBERS: [(Field, f64, &str); 27] = [
     (Field("height effective bit depth", 75), 1.0, ""),
 ];
 
-/// The fields that are there.
-pub(super) fn metadata(input: Input, conditions: &Conditions) -> BTreeMap<String, String> {
-    let number = |(field, divisor, unit): &(Field, f64, &str)| {
-        let number = f64::from(conditions.u32(*field).ok()?) / divisor;
+/// Returns the fields that are present.
+pub(super) fn metadata(input: Input, conditions: &Input) -> BTreeMap<String, String> {
+    let in_words = |(field, divisor, unit): &(Field, f64, &str)| {
+        let number = f64::from(number(conditions, *field).ok()?) / divisor;
         Some((field.0.to_owned(), format!("{number}{unit}")))
     };
-    let mut metadata: BTreeMap<_, _> = NUMBERS.iter().filter_map(number).collect();
-    let mut insert = |name: &str, value: Option<String>| {
-        metadata.extend(value.filter(|value| !value.is_empty()).map(|value| (name.to_owned(), value)));
-    };
+    let mut metadata: BTreeMap<_, _> = NUMBERS.iter().filter_map(in_words).collect();
+    let mut insert = |name: &str, value: Option<String>| metadata.extend(value.map(|value| (name.to_owned(), value)));
     insert("date", date(conditions));
     let version = input.take("library version", LIBRARY_VERSION, 4).ok();
     let version = version.map(|bytes| bytes.iter().rev().map(u8::to_string).collect::<Vec<_>>().join("."));
@@ -67,9 +66,9 @@ pub(super) fn metadata(input: Input, conditions: &Conditions) -> BTreeMap<String
     metadata
 }
 
-/// Day and time of the measurement with their distance from UTC.
-fn date(conditions: &Conditions) -> Option<String> {
-    let number = |field| conditions.u32(field).ok();
+/// Returns date and time of the measurement with their offset from UTC.
+fn date(conditions: &Input) -> Option<String> {
+    let number = |field| number(conditions, field).ok();
     let [year, month, day, hour, minute, second] = DATE.map(number);
     let day = day.filter(|&day| day > 0)?;
     let ahead = number(UTC_OFFSET)?.cast_signed();
@@ -86,19 +85,18 @@ fn date(conditions: &Conditions) -> Option<String> {
     ))
 }
 
-/// Title and name of the lens.
+/// Returns title and name of the lens.
 fn strings(input: Input) -> (Option<String>, Option<String>) {
     let Ok(Some(start)) = offset(input, "the strings", STRINGS_ENTRY) else { return (None, None) };
     let Some((title, end)) = string(input, start) else { return (None, None) };
     (Some(title), string(input, end).map(|(lens, _)| lens))
 }
 
-/// A text in UTF-16 after the number of its units, and where it ends.
+/// Returns a text in UTF-16 after the number of its units, and the offset of its end.
 fn string(input: Input, start: usize) -> Option<(String, usize)> {
     let units = usize::try_from(input.u32("a string's length", start).ok()?).ok()?;
     let bytes = input.take("a string", start + 4, 2 * units).ok()?;
-    let (units, _) = bytes.as_chunks();
-    let units = units.iter().map(|&unit| u16::from_le_bytes(unit)).take_while(|&unit| unit != 0);
-    let text: String = char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-    Some((text.trim().to_owned(), start + 4 + bytes.len()))
+    let text = utf16_text(bytes, ByteOrder::Little);
+    let text = text.split('\0').next().unwrap_or_default().trim();
+    Some((text.to_owned(), start + 4 + bytes.len()))
 }

@@ -1,32 +1,31 @@
-//! From an archive to a scan.
+//! Reader of X3P.
 
+use crate::error::{Result, shown};
 use md5::{Digest, Md5};
-use ndarray::Array2;
 
 use super::{CHECKSUM, MAIN, path, sample};
-use crate::archive::{Archive, damaged, hexadecimal};
-use crate::error::shown;
+use crate::archive::{Archive, hexadecimal};
 use crate::sample::Sample;
-use crate::scan::{Dimension, shape};
+use crate::scan;
 use crate::xml::{Document, Value};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// The largest `main.xml`, in bytes: room for a data list of two million points.
+/// Largest `main.xml` in bytes: it holds a data list of two million points.
 const MAX_MAIN_BYTES: u64 = 1 << 26;
-/// The largest checksum file, in bytes.
+/// Largest checksum file in bytes.
 const MAX_CHECKSUM_BYTES: u64 = 1 << 12;
-/// Bytes that a validity file may have beyond those that its points need.
+/// Maximum number of surplus bytes in a validity file.
 const VALIDITY_PADDING: u64 = 1 << 12;
-/// The most layers of one file.
+/// Maximum number of layers of one file.
 const MAX_LAYERS: u64 = 1 << 12;
-/// The origin of files whose first line is at the top, where a file states one.
+/// Origin of files whose first line is at the top.
 const TOP_LEFT: &str = "NW";
-/// A program that takes the integers of the format for unsigned when it writes; it names itself as the manufacturer.
+/// Program that writes the integers as unsigned. It names itself as the manufacturer.
 const UNSIGNED_WRITER: &str = "SurfaceTopography";
-/// The only feature type that is a height map.
+/// Feature type of a height map.
 const SURFACE: &str = "SUR";
 
-/// The stored matrix and the layer of it that is read.
+/// Stored matrix and the selected layer.
 struct Matrix {
     ny: usize,
     nx: usize,
@@ -35,28 +34,28 @@ struct Matrix {
 }
 
 impl Matrix {
-    /// Points of one layer.
+    /// Returns the number of points of one layer.
     fn points(&self) -> usize {
         self.nx * self.ny
     }
 
-    /// Points before the layer. A few thousand layers of 2²⁸ points are far from the end of `u64`.
+    /// Returns the number of points before the layer. A few thousand layers of 2²⁸ points fit into `u64`.
     fn skipped(&self) -> u64 {
         self.layer * self.points() as u64
     }
 
-    /// Points of all layers.
+    /// Returns the number of points of all layers.
     fn total(&self) -> u64 {
         self.layers * self.points() as u64
     }
 }
 
-/// Reads a layer of a surface, the first unless told.
+/// Reads the selected layer of a surface, by default the first.
 ///
 /// # Errors
-/// Damaged archives and descriptions, records that are no surface on an incremental grid, and data that do not fill the
-/// stated dimensions. A checksum that does not fit is only a warning.
-pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+/// Damaged archives and descriptions, records that are not surfaces on an incremental grid, and data that do not fill
+/// the stated dimensions. A wrong checksum only gives a warning.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::X3p, bytes)?;
     archive.enter_folder_of(MAIN)?;
     let main = archive.read_whole(MAIN, MAX_MAIN_BYTES)?;
@@ -71,11 +70,13 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
     let matrix = Matrix { ny, nx, layers, layer: channel as u64 };
     let (sample, increment, offset_m) = z_axis(&document, &mut warnings)?;
 
-    let mut heights = stored(&mut archive, &document, sample, &matrix, &mut warnings)?;
+    let mut record = Record { archive, document, matrix, warnings };
+    let mut heights = record.stored(sample)?;
     for z in &mut heights {
         *z = *z * increment + offset_m;
     }
-    mask(&mut archive, &document, &mut heights, &matrix, &mut warnings)?;
+    record.mask(&mut heights)?;
+    let Record { document, mut warnings, .. } = record;
 
     let pitch_m = document.number(&axis_path("CX", "Increment"))?.zip(document.number(&axis_path("CY", "Increment"))?);
     if pitch_m.is_none() {
@@ -83,17 +84,15 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
     }
     if let Some(origin) = document.text(path::ORIGIN).filter(|origin| *origin != TOP_LEFT) {
         let origin = shown(origin);
-        warnings
-            .push(format!("the file states the origin `{origin}`; its first line was taken for the top all the same"));
+        warnings.push(format!("the file states the origin `{origin}`; its first line was read as the top line"));
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| damaged(Format::X3p, MAIN, "its heights do not fill their shape".into()))?;
+    let heights_m = scan::matrix(Format::X3p, path::POINT_DATA, document.at(0), (ny, nx), heights)?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
-/// Type of the stored numbers, and increment and offset that make them metre.
-fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f64, f64), FormatError> {
+/// Returns the type of the stored numbers, and the increment and offset that convert them to metre.
+fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f64, f64)> {
     let (type_path, increment_path) = (axis_path("CZ", "DataType"), axis_path("CZ", "Increment"));
     let letter = document.required(&type_path, "I, L, F or D")?;
     let sample =
@@ -101,29 +100,28 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
     let is_integer = matches!(sample, Sample::I16 | Sample::I32);
     let sample = match sample {
         Sample::I16 | Sample::I32 if document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER) => {
-            warnings.push(format!("{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read so"));
+            warnings.push(format!(
+                "{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read as unsigned"
+            ));
             if sample == Sample::I16 { Sample::U16 } else { Sample::U32 }
         }
         _ => sample,
     };
     let increment = match document.number(&increment_path)? {
-        // The schema asks for an increment of integers only; a zero of floats can but mean that there is none.
+        // The schema requires an increment only for integers. An increment of 0 for floats means that there is none.
         Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),
-        Some(0.0) => {
-            warnings.push("the increment of CZ is 0; the floating-point heights were taken for metre".into());
-            1.0
-        }
-        Some(increment) => increment,
-        None => {
-            if is_integer {
-                warnings.push("CZ has integers and no increment; they were taken for metre".into());
+        Some(increment) if increment != 0.0 => increment,
+        found => {
+            match found {
+                Some(_) => warnings.push("the increment of CZ is 0; the floating-point heights count as metre".into()),
+                None if is_integer => warnings.push("CZ has integers and no increment; they count as metre".into()),
+                None => (),
             }
             1.0
         }
     };
     if document.text(&axis_path("CZ", "AxisType")) == Some("I") {
-        warnings
-            .push("CZ calls itself incremental, which the format rules out; its numbers were read as heights".into());
+        warnings.push("the type of CZ is incremental, against the format; its numbers were read as heights".into());
     }
     Ok((sample, increment, document.number(&axis_path("CZ", "Offset"))?.unwrap_or(0.0)))
 }
@@ -133,19 +131,14 @@ fn axis_path(axis: &str, field: &str) -> String {
 }
 
 /// Compares `main.xml` with its checksum.
-fn check_main(
-    archive: &mut Archive,
-    main: &[u8],
-    document: &Document,
-    warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
+fn check_main(archive: &mut Archive, main: &[u8], document: &Document, warnings: &mut Vec<String>) -> Result<()> {
     let link = document.text(path::CHECKSUM_FILE).filter(|link| archive.contains(link)).unwrap_or(CHECKSUM);
     if !archive.contains(link) {
         warnings.push(format!("the archive holds no {link}; {MAIN} could not be verified"));
         return Ok(());
     }
     let content = archive.read_whole(link, MAX_CHECKSUM_BYTES)?;
-    // Lines of the form `sum *file`; a sum alone can only mean main.xml.
+    // Lines have the form `sum *file`. A sum alone belongs to main.xml.
     let content = String::from_utf8_lossy(&content);
     let stated = content.lines().find_map(|line| {
         let (sum, file) = line.trim().split_once([' ', '\t']).unwrap_or((line.trim(), MAIN));
@@ -167,130 +160,123 @@ fn compare(file: &str, stated: &str, found: &str, warnings: &mut Vec<String>) {
     }
 }
 
-/// Refuses records that are no surface on an incremental grid.
-fn check_kind(document: &Document) -> Result<(), FormatError> {
+/// Refuses records that are not surfaces on an incremental grid.
+fn check_kind(document: &Document) -> Result<()> {
     let feature = document.required(path::FEATURE_TYPE, "SUR (a surface)")?;
-    let unsupported =
-        |found: String| Err(FormatError::Unsupported { format: Format::X3p, found, wanted: "a surface (SUR)" });
-    match feature.text.as_str() {
-        SURFACE => (),
-        "PRF" => return unsupported("the record is a profile (PRF)".into()),
-        "PCL" => return unsupported("the record is a point cloud (PCL)".into()),
-        other => return unsupported(format!("the record has the feature type `{}`", shown(other))),
-    }
-    if document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none() {
-        return unsupported("the record is a list of points (ListDimension), a profile or a point cloud".into());
+    let is_list = document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none();
+    let kind = match feature.text.as_str() {
+        SURFACE if is_list => Some("is a list of points (ListDimension), a profile or a point cloud".into()),
+        SURFACE => None,
+        "PRF" => Some("is a profile (PRF)".into()),
+        "PCL" => Some("is a point cloud (PCL)".into()),
+        other => Some(format!("has the feature type `{}`", shown(other))),
+    };
+    if let Some(kind) = kind {
+        return Err(FormatError::unsupported(Format::X3p, format!("the record {kind}"), "a surface (SUR)"));
     }
     for axis in ["CX", "CY"] {
         if document.text(&axis_path(axis, "AxisType")) == Some("A") {
             let found = format!("the axis {axis} is absolute, so that the points lie on no regular grid");
-            return Err(FormatError::Unsupported {
-                format: Format::X3p,
-                found,
-                wanted: "incremental x and y axes (I)",
-            });
+            return Err(FormatError::unsupported(Format::X3p, found, "incremental x and y axes (I)"));
         }
     }
     Ok(())
 }
 
-/// Checked rows, columns and layers.
-fn dimensions(document: &Document) -> Result<(usize, usize, u64), FormatError> {
-    let dimension = |field: &'static str| {
-        document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
-    };
-    let (ny, nx) = shape(Format::X3p, &dimension(path::SIZE_Y)?, &dimension(path::SIZE_X)?)?;
+/// Returns the checked numbers of rows, columns and layers.
+fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
+    let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
     if document.text(path::SIZE_Z).is_none() {
         return Ok((ny, nx, 1));
     }
     let (layers, offset) = document.integer(path::SIZE_Z)?;
     match u64::try_from(layers) {
-        Ok(found) if found > MAX_LAYERS => Err(FormatError::TooLarge {
-            format: Format::X3p,
-            field: path::SIZE_Z.into(),
-            at: document.at(offset),
-            found,
-            limit: MAX_LAYERS,
-        }),
+        Ok(found) if found > MAX_LAYERS => {
+            Err(FormatError::too_large(Format::X3p, path::SIZE_Z, document.at(offset), found, MAX_LAYERS))
+        }
         Ok(layers) if layers > 0 => Ok((ny, nx, layers)),
         _ => Err(document.wrong(path::SIZE_Z, &layers.to_string(), offset, "1 or more")),
     }
 }
 
-/// The numbers of the layer as they are stored.
-fn stored(
-    archive: &mut Archive,
-    document: &Document,
-    sample: Sample,
-    matrix: &Matrix,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<f64>, FormatError> {
-    let Some(link) = document.text(path::POINT_DATA) else {
-        return listed(document, matrix, warnings);
-    };
-    let numbers = archive.read_numbers_at(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
-    let wanted = matrix.total() * sample.size() as u64;
-    match (numbers.md5, document.text(path::POINT_DATA_MD5)) {
-        (None, _) if numbers.length > wanted => warnings.push(format!("{link} is longer than the stated dimensions")),
-        (None, _) => warnings.push(format!("{link} goes on beyond reason behind the layer and could not be verified")),
-        (Some(found), stated) => {
-            if numbers.length < wanted {
-                warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));
-            }
-            if let Some(stated) = stated {
-                compare(link, stated, &found, warnings);
-            }
-        }
-    }
-    Ok(numbers.values)
+/// Archive, its description, and the selected layer.
+struct Record<'a> {
+    archive: Archive<'a>,
+    document: Document,
+    matrix: Matrix,
+    warnings: Vec<String>,
 }
 
-/// The numbers of a data list in `main.xml`.
-fn listed(document: &Document, matrix: &Matrix, warnings: &mut Vec<String>) -> Result<Vec<f64>, FormatError> {
-    let Some(list) = &document.list else {
-        return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
-    };
-    if let Some(Value { text, offset }) = &document.wrong_datum {
-        return Err(document.wrong(path::DATUM, text, *offset, "one number, or nothing for a missing point"));
-    }
-    let total = matrix.total();
-    let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
-    match list.get(start..).and_then(|rest| rest.get(..matrix.points())) {
-        Some(layer) => {
-            if list.len() as u64 != total {
-                warnings.push(format!("the data list has {} values, not the stated {total}", list.len()));
+impl Record<'_> {
+    /// Reads the stored numbers of the layer.
+    fn stored(&mut self, sample: Sample) -> Result<Vec<f64>> {
+        let Self { archive, document, matrix, warnings } = self;
+        let Some(link) = document.text(path::POINT_DATA) else { return self.listed() };
+        let (numbers, unpacked) =
+            archive.read_numbers(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
+        let wanted = matrix.total() * sample.size() as u64;
+        match (unpacked.md5, document.text(path::POINT_DATA_MD5)) {
+            (None, _) if unpacked.length > wanted => {
+                warnings.push(format!("{link} is longer than the stated dimensions"))
             }
-            Ok(layer.to_vec())
+            (None, _) => warnings.push(format!("{link} is too long after the layer and could not be verified")),
+            (Some(found), stated) => {
+                if unpacked.length < wanted {
+                    warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));
+                }
+                if let Some(stated) = stated {
+                    compare(link, stated, &found, warnings);
+                }
+            }
         }
-        None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
+        Ok(numbers)
     }
-}
 
-/// Takes out the heights that the validity file marks: one bit per point, the lowest bit first, 1 for a valid point.
-///
-/// The file may unpack as far as it must: the points that it tells of have been unpacked, and are 16 times as many bits.
-fn mask(
-    archive: &mut Archive,
-    document: &Document,
-    heights: &mut [f64],
-    matrix: &Matrix,
-    warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
-    let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
-    // Layers follow each other without padding, so a layer may start within a byte.
-    let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
-    let length = (shift + heights.len()).div_ceil(8);
-    let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
-    let (bits, unpacked) = archive.read_part(link, "the validity bits", (start, length), total)?;
-    match (unpacked.md5, document.text(path::VALID_POINTS_MD5)) {
-        (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
-        (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
-        (_, None) => (),
-    }
-    for (point, z) in (shift..).zip(heights) {
-        if bits[point / 8] >> (point % 8) & 1 == 0 {
-            *z = f64::NAN;
+    /// Reads the numbers of the layer from the data list in `main.xml`.
+    fn listed(&mut self) -> Result<Vec<f64>> {
+        let Self { document, matrix, warnings, .. } = self;
+        let Some(list) = &document.list else {
+            return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
+        };
+        if let Some(Value { text, offset }) = &document.wrong_datum {
+            return Err(document.wrong(path::DATUM, text, *offset, "one number, or nothing for a missing point"));
+        }
+        let total = matrix.total();
+        let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
+        match list.get(start..).and_then(|rest| rest.get(..matrix.points())) {
+            Some(layer) => {
+                if list.len() as u64 != total {
+                    warnings.push(format!("the data list has {} values, not the stated {total}", list.len()));
+                }
+                Ok(layer.to_vec())
+            }
+            None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
         }
     }
-    Ok(())
+
+    /// Sets the heights that the validity file marks to NaN: one bit per point, the lowest bit first, 1 for a valid
+    /// point.
+    ///
+    /// The unpacked size of this file is not limited: its points have already been unpacked, and take at least 16
+    /// times as many bits.
+    fn mask(&mut self, heights: &mut [f64]) -> Result<()> {
+        let Self { archive, document, matrix, warnings } = self;
+        let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
+        // Layers have no padding between them, so a layer may start within a byte.
+        let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
+        let length = (shift + heights.len()).div_ceil(8);
+        let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
+        let (bits, unpacked) = archive.read_part(link, "the validity bits", (start, length), total)?;
+        match (unpacked.md5, document.text(path::VALID_POINTS_MD5)) {
+            (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
+            (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
+            (_, None) => (),
+        }
+        for (point, z) in (shift..).zip(heights) {
+            if bits[point / 8] >> (point % 8) & 1 == 0 {
+                *z = f64::NAN;
+            }
+        }
+        Ok(())
+    }
 }

@@ -1,5 +1,6 @@
-//! From a scan to an archive.
+//! Writer of X3P.
 
+use crate::error::Result;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
@@ -12,18 +13,19 @@ use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
 use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit};
+use crate::sample::stored;
 use crate::{Format, FormatError, Scan};
 
-/// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
+/// Schema of ISO 5436-2, which ISO 25178-72 adopted and readers look for.
 const NAMESPACE: &str = "http://www.opengps.eu/2008/ISO5436_2";
 /// Highest number in a file of 16-bit integers; the lowest is 0.
 const INT16_STEPS: f64 = 32767.0;
-/// Stated where the scan does not know a date; the schema demands one.
+/// Date for scans without a date; the schema requires one.
 const NO_DATE: &str = "1970-01-01T00:00:00Z";
-/// Stated where the scan does not know a text.
+/// Text for unknown fields.
 const UNKNOWN: &str = "not available";
 
-/// Binary files and the z axis that turns their numbers into metre.
+/// Binary files, and the z axis that converts their numbers to metre.
 struct Stored {
     points: Vec<u8>,
     valid: Option<Vec<u8>>,
@@ -31,25 +33,16 @@ struct Stored {
     offset_m: f64,
 }
 
-/// The scan as an X3P file. Equal scans give equal bytes.
+/// Writes a scan as an X3P file. Equal scans give equal bytes.
 ///
-/// The measurement's description (`Record2/…` of the metadata; operator, date and comment of other formats) is kept; what
-/// is unknown reads "not available".
-///
-/// Files are deflated, unless they would become so small that the reader would take them for a bomb.
+/// The description of the measurement is taken from the metadata (`Record2/…`; operator, date and comment of other
+/// formats). Unknown texts read "not available".
 ///
 /// # Errors
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
-/// heights beyond the number type.
+/// heights beyond the range of the number type.
 pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
-    let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::X3p })?;
-    let (ny, nx) = scan.heights_m.dim();
-    if ny == 0 || nx == 0 {
-        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
-    }
-    if [pitch_m.0, pitch_m.1].iter().any(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
-        return Err(not_storable(format!("a pixel size of {} × {} m", pitch_m.0, pitch_m.1), "positive numbers"));
-    }
+    let (_, pitch_m) = scan.to_store(Format::X3p)?;
     let stored = match data {
         X3pData::Int16 => int16(scan)?,
         X3pData::Float32 => float32(scan)?,
@@ -63,14 +56,11 @@ pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
     archive(&files, data)
 }
 
-fn not_storable(found: String, wanted: &'static str) -> FormatError {
-    FormatError::NotStorable { format: Format::X3p, found, wanted }
-}
-
-/// A zip archive whose bytes depend on nothing but its files: no clock, no host.
+/// Returns a zip archive whose bytes depend only on its files, not on clock or host.
 ///
-/// Files are deflated, unless that makes them so small that the reader would take them for a bomb: ideal gratings.
-fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>, FormatError> {
+/// Files are deflated, unless their packed size would exceed the unpacking limit of the reader, as for ideal
+/// gratings.
+fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>> {
     let deflated = zip(files, |_| CompressionMethod::Deflated).map_err(unwritten)?;
     let mut written = ZipArchive::new(Cursor::new(&deflated)).map_err(unwritten)?;
     let mut refused = Vec::new();
@@ -78,7 +68,7 @@ fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>, FormatErro
         let packed = written.by_index_raw(place).map_err(unwritten)?.compressed_size();
         let is_read = match name {
             POINT_DATA => may_hold(packed, (bytes.len() / data.sample().size()) as u64, data.sample()),
-            // Bounded by the points.
+            // The number of points limits them.
             VALID_POINTS => true,
             _ => bytes.len() as u64 <= unpacked_limit(packed),
         };
@@ -111,30 +101,31 @@ fn zip<'a>(files: &[(&'a str, &[u8])], method: impl Fn(&'a str) -> CompressionMe
 }
 
 fn float64(scan: &Scan) -> Stored {
-    let number = |&z: &f64| if z.is_finite() { z } else { f64::NAN }.to_le_bytes();
-    Stored { points: scan.heights_m.iter().flat_map(number).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
+    Stored { points: scan.heights_m.iter().flat_map(stored).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
 }
 
-fn float32(scan: &Scan) -> Result<Stored, FormatError> {
+fn float32(scan: &Scan) -> Result<Stored> {
     let mut points = Vec::with_capacity(4 * scan.heights_m.len());
     for &z in &scan.heights_m {
         let narrow = if z.is_finite() { z as f32 } else { f32::NAN };
         if narrow.is_infinite() {
-            return Err(not_storable(format!("a height of {z:e} m"), "heights within the range of f32"));
+            let found = format!("a height of {z:e} m");
+            return Err(FormatError::not_storable(Format::X3p, found, "heights within the range of f32"));
         }
         points.extend(narrow.to_le_bytes());
     }
     Ok(Stored { points, valid: None, increment: 1.0, offset_m: 0.0 })
 }
 
-/// Heights in [`INT16_STEPS`] equal steps from the lowest to the highest.
-fn int16(scan: &Scan) -> Result<Stored, FormatError> {
+/// Stores heights in [`INT16_STEPS`] equal steps from the lowest to the highest.
+fn int16(scan: &Scan) -> Result<Stored> {
     let (low, high) = scan.height_range_m().unwrap_or((0.0, 0.0));
     let step = (high - low) / INT16_STEPS;
     if !step.is_finite() {
-        return Err(not_storable(format!("heights from {low:e} to {high:e} m"), "a range that fits f64"));
+        let found = format!("heights from {low:e} to {high:e} m");
+        return Err(FormatError::not_storable(Format::X3p, found, "a range that fits f64"));
     }
-    // A flat map has no step of its own; any will do for numbers that are all zero.
+    // A flat map may have any step.
     let increment = if step > 0.0 { step } else { 1.0 };
     let mut points = Vec::with_capacity(2 * scan.heights_m.len());
     let mut valid = vec![0_u8; scan.heights_m.len().div_ceil(8)];
@@ -151,27 +142,27 @@ fn int16(scan: &Scan) -> Result<Stored, FormatError> {
     Ok(Stored { points, valid: (!complete).then_some(valid), increment, offset_m: low })
 }
 
-/// Elements of `Record2` that scans of other formats know by other names.
+/// Elements of `Record2` and their names in the metadata of other formats.
 const OTHER_NAMES: [(&str, &str); 3] = [("Date", "date"), ("Creator", "operator name"), ("Comment", "comment")];
 
-/// The text of a metadata field as XML content.
+/// Returns a metadata field as XML content.
 fn known(metadata: &BTreeMap<String, String>, field: &str) -> Option<String> {
     let other_name = OTHER_NAMES.iter().find(|(element, _)| *element == field).map(|(_, name)| *name);
     let other = || metadata.get(other_name?).filter(|text| field != "Date" || is_date_time(text));
     let value = metadata.get(&format!("Record2/{field}")).or_else(other)?;
-    // XML 1.0 has no place for other control characters, not even escaped.
+    // XML 1.0 does not allow other control characters, even escaped.
     let text: String = value.chars().filter(|c| !c.is_control() || matches!(c, '\n' | '\t')).collect();
     Some(escape(text.as_str()).into_owned())
 }
 
-/// Whether a text has the form `yyyy-mm-ddThh:mm:ss`, which the schema demands of dates.
+/// Returns whether a text has the form `yyyy-mm-ddThh:mm:ss`, which the schema requires for dates.
 fn is_date_time(text: &str) -> bool {
     let form = b"0000-00-00T00:00:00";
     let fits = |(found, form): (u8, &u8)| if *form == b'0' { found.is_ascii_digit() } else { found == *form };
     text.len() == form.len() && text.bytes().zip(form).all(fits)
 }
 
-/// The description, in the order that the schema demands.
+/// Returns the description, in the order that the schema requires.
 fn main_xml(scan: &Scan, (dx_m, dy_m): (f64, f64), data: X3pData, stored: &Stored) -> String {
     let (ny, nx) = scan.heights_m.dim();
     let field = |name: &str| known(&scan.metadata, name);

@@ -1,13 +1,13 @@
-//! The grid under a list of points.
+//! Grid of a list of points.
 
-/// Part of a step by which a point may lie beside its grid point.
+/// Maximum distance of a point from its grid point, as a fraction of a step.
 pub(super) const TOLERANCE: f64 = 0.25;
-/// Grid points per point of the list above which the grid is taken for a mistake.
+/// Maximum number of grid points per point of the list.
 pub(super) const MAX_SPREAD: f64 = 4.0;
-/// Part of the range of a coordinate below which differences are rounding.
+/// Fraction of the range of a coordinate below which differences are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A list of points, `[x, y, z]` after one another.
+/// List of points, `[x, y, z]` one after the other.
 #[derive(Clone, Copy)]
 pub(super) struct Points<'a>(pub(super) &'a [f64]);
 
@@ -19,24 +19,24 @@ pub(super) struct Axis {
     pub(super) lines: usize,
 }
 
-/// Heights on a grid: rows from the lowest y on, NaN where no point lies.
+/// Heights on a grid: rows from the lowest y on, NaN for grid points without a point.
 pub(super) struct Grid {
     pub(super) axes: [Axis; 2],
     pub(super) heights: Vec<f64>,
 }
 
-/// Why points are no grid.
+/// Reason why points do not form a grid.
 #[derive(Debug, PartialEq)]
 pub(super) enum NoGrid {
-    /// A coordinate of a point is no number.
+    /// A coordinate of a point is not finite.
     NotFinite { point: usize, axis: usize },
     /// All points have the same coordinate along an axis, or there are too few.
     Line { axis: usize },
-    /// The grid would be mostly empty.
+    /// Most of the grid would be empty.
     Sparse { columns: f64, rows: f64 },
-    /// A point lies between grid points, by so many steps.
+    /// A point is `steps` steps away from a grid point.
     Off { point: usize, axis: usize, steps: f64 },
-    /// Two points lie on one grid point.
+    /// Two points are on one grid point.
     Twice { point: usize },
 }
 
@@ -49,15 +49,15 @@ impl<'a> Points<'a> {
         self.0.chunks_exact(3).map(move |point| point[axis])
     }
 
-    /// Distances between points that follow each other, unsorted.
+    /// Returns the distances between successive points.
     fn steps(self, axis: usize) -> Vec<f64> {
         self.coordinates(axis).zip(self.coordinates(axis).skip(1)).map(|(a, b)| (b - a).abs()).collect()
     }
 
-    /// Puts the points on the grid that they imply.
+    /// Arranges the points on their grid.
     ///
-    /// Points in lines, in whatever order: along a line the coordinate that changes fast steps by the pitch, and the
-    /// other only jitters. Coordinates closer than the steps allow are one grid line.
+    /// Points are in lines of any order: along a line the fast coordinate changes by the pitch, and the other only
+    /// jitters. Coordinates closer than the steps allow belong to one grid line.
     pub(super) fn grid(self) -> Result<Grid, NoGrid> {
         for axis in [0, 1] {
             if let Some(point) = self.coordinates(axis).position(|x| !x.is_finite()) {
@@ -66,9 +66,9 @@ impl<'a> Points<'a> {
         }
         let usual = [0, 1].map(|axis| part(&mut self.steps(axis), 0.5));
         let fast = usize::from(usual[1] > usual[0]);
-        // Where points are missing the usual step may be several grid steps, but a quarter of them is one.
+        // With missing points the usual step may be several grid steps, but a quarter of the steps are single.
         let step = Some(part(&mut self.steps(fast), 0.25)).filter(|step| *step > 0.0).unwrap_or(usual[fast]);
-        // Uniform jitter of ±j makes the slow coordinate step by 0.6 j as a rule, and by 2 j at most.
+        // Uniform jitter of ±j gives the slow coordinate a median step of 0.6 j, and at most 2 j.
         let width = |axis| if axis == fast { step / 2.0 } else { 4.0 * usual[axis] };
         let axis = |axis| Axis::fit(self.coordinates(axis).collect(), width(axis)).ok_or(NoGrid::Line { axis });
         let axes = [axis(0)?, axis(1)?];
@@ -105,7 +105,7 @@ impl<'a> Points<'a> {
 }
 
 impl Axis {
-    /// The lines on which coordinates lie that are one where less than `width` apart.
+    /// Fits grid lines to coordinates. Coordinates less than `width` apart belong to one line.
     fn fit(mut coordinates: Vec<f64>, width: f64) -> Option<Self> {
         coordinates.sort_unstable_by(f64::total_cmp);
         let (low, high) = (*coordinates.first()?, *coordinates.last()?);
@@ -125,7 +125,7 @@ impl Axis {
     }
 }
 
-/// The value below which a part of the values lies; NaN where there is none.
+/// Returns the quantile of the values; NaN if there is none.
 fn part(values: &mut [f64], part: f64) -> f64 {
     match values.len().checked_sub(1) {
         Some(last) => *values.select_nth_unstable_by((last as f64 * part) as usize, f64::total_cmp).1,
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn rounded_coordinates_give_the_true_step() {
-        // 10/3 steps printed as whole numbers: 3 or 4 apart.
+        // Steps of 10/3 printed as whole numbers: 3 or 4 apart.
         let coordinates: Vec<f64> = (0..31).map(|line| (f64::from(line) * 10.0 / 3.0).round()).collect();
         let found = axis(&coordinates, 0.0).unwrap();
         assert_eq!(found.lines, 31);
@@ -157,13 +157,13 @@ mod tests {
     }
 
     #[test]
-    fn one_line_is_no_axis() {
+    fn one_line_is_not_an_axis() {
         assert_eq!(axis(&[2.0, 2.0, 2.0], 0.0), None);
         assert_eq!(axis(&[], 0.0), None);
     }
 
     #[test]
-    fn coordinates_beyond_all_range_are_no_axis() {
+    fn coordinates_beyond_the_range_of_f64_are_not_an_axis() {
         assert_eq!(axis(&[-1e308, 0.0, 1e308], 0.0), None);
     }
 }

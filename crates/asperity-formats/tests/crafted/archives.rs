@@ -1,4 +1,4 @@
-//! Archives, compressed streams, and what they hold.
+//! Archives and compressed streams.
 
 use std::io::{Cursor, Write};
 

@@ -81,7 +81,7 @@ fn frt(blocks: &[(u16, Vec<u8>)]) -> Vec<u8> {
     bytes
 }
 
-/// An OPD file of these blocks behind a wavelength: name, type, content.
+/// Returns an OPD file of these blocks after a wavelength: name, type, content.
 fn opd(blocks: &[(String, u16, Vec<u8>)]) -> Vec<u8> {
     let wavelength = ("Wavelength".to_owned(), 7, 600_f32.to_le_bytes().to_vec());
     let entry = |name: &str, kind: u16, length: usize| {

@@ -1,6 +1,6 @@
-//! Large files whose bytes bear out what they declare, made to take time or memory.
+//! Large files that are as large as they declare, made to take time or memory.
 //!
-//! `ASPERITY_CRAFTED_MIB` sets how large they are (default 4).
+//! `ASPERITY_CRAFTED_MIB` sets their size (default 4).
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod archives;

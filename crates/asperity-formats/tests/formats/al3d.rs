@@ -7,7 +7,7 @@ const NAN: f64 = f64::NAN;
 /// The number next to 3e15 that `f32` has; its text in the file is rounded.
 const INVALID: f32 = 3e15;
 
-/// What a test says of an AL3D file; the rest is as MeasureSuite writes it.
+/// Variable parts of an AL3D file. The rest is as written by MeasureSuite.
 struct Al3d {
     /// Columns and rows.
     size: (usize, usize),
@@ -187,31 +187,31 @@ fn damaged_tags_of_the_repeatability_leave_all_depths() {
         ("DepthImageResPtr", "-1", "the number of a plane"),
         ("DepthResFilterVal", "1.#QNAN", "DepthResFilterVal"),
         ("DepthResShiftVal", "fine", "DepthResShiftVal"),
-        // A filter of 0 would leave nothing: there is none.
+        // A filter of 0 would exclude every depth, so there is no filter.
         ("DepthResFilterVal", "0", ""),
     ] {
         let mut file = Al3d::with_texture();
         file.tags.iter_mut().filter(|(known, _)| *known == key).for_each(|tag| tag.1 = value);
         let scan = read_bytes(&file.bytes()).unwrap_or_else(|error| panic!("{key}: {error}"));
         assert_heights(&scan, &[0.25, NAN, 0.5, NAN, -0.125, 0.0]);
-        let told = scan.warnings.iter().any(|warning| {
+        let is_reported = scan.warnings.iter().any(|warning| {
             warning.starts_with("no depth was left out for its repeatability") && warning.contains(reason)
         });
-        assert_eq!(told, !reason.is_empty(), "{key}: {:?}", scan.warnings);
+        assert_eq!(is_reported, !reason.is_empty(), "{key}: {:?}", scan.warnings);
     }
 }
 
 #[test]
-fn depths_that_do_not_reach_the_texture_are_doubted() {
-    let doubted = |bytes: &[u8]| {
+fn depths_that_do_not_reach_the_texture_give_a_warning() {
+    let gives_warning = |bytes: &[u8]| {
         read_bytes(bytes).unwrap().warnings.iter().any(|warning| warning.contains("another image starts after"))
     };
     let file = Al3d::with_texture();
     let mut bytes = file.bytes();
-    assert!(!doubted(&bytes));
+    assert!(!gives_warning(&bytes));
     let tag = bytes.windows(4).position(|window| window == b"Rows").unwrap();
     bytes[tag + 20] = b'1';
-    assert!(doubted(&bytes));
+    assert!(gives_warning(&bytes));
 }
 
 #[test]
@@ -255,6 +255,6 @@ fn damaged_tags_are_named() {
     assert!(with(place(b"Rows") + 20, b"999999999").contains("the limit is"));
     assert!(with(place(b"Cols"), b"cols").contains("Cols is missing"));
     assert!(with(place(b"PixelSizeX") + 20, b"fine").contains("wanted a finite number"));
-    assert!(with(place(b"DepthImageOffset") + 20, b"17\0").contains("a byte behind the tags"));
+    assert!(with(place(b"DepthImageOffset") + 20, b"17\0").contains("a byte after the tags"));
     assert!(with(place(b"DepthImageOffset") + 20, b"99999").contains("the depths (byte 99999) stop after 0 bytes"));
 }

@@ -13,7 +13,7 @@ enum Text {
     Utf16Big,
 }
 
-/// A header of so many characters, in the encoding of the variant, filled up with spaces, and the data.
+/// Returns a header of `characters` characters in the encoding of the variant, filled up with spaces, and the data.
 fn file(lines: &[&str], text: Text, characters: usize, data: &[u8]) -> Vec<u8> {
     let mut header: String = lines.iter().flat_map(|line| [line, "\n"]).collect();
     if matches!(text, Text::Utf16Marked) {
@@ -128,7 +128,7 @@ fn headers_in_unicode_are_read_in_either_order() {
 }
 
 #[test]
-fn a_longer_header_ends_where_it_says() {
+fn a_longer_header_ends_at_its_stated_size() {
     for (text, format) in [(Text::Ascii, "fileformat = bcrstm"), (Text::Utf16, "fileformat = bcrstm_unicode")] {
         let mut lines = with("headersize = 3000");
         lines[0] = format;
@@ -154,7 +154,7 @@ fn units_that_are_not_named_are_nanometre() {
 }
 
 #[test]
-fn the_mark_is_a_height_where_the_header_says_that_no_point_is_missing() {
+fn the_mark_is_a_height_if_the_header_declares_no_missing_points() {
     let scan = read(&with("voidpixels = 0"));
     assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, 16383.5e-9, 3e-9]);
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights equal the code")), "{:?}", scan.warnings);
@@ -172,9 +172,9 @@ fn a_pixel_size_needs_lengths() {
 }
 
 #[test]
-fn what_is_no_height_map_is_refused_with_its_reason() {
+fn records_other_than_height_maps_are_refused_with_the_reason() {
     assert_eq!(refused(&with("forcecurve = 1")), "BCR: the file holds force curves; wanted a height map");
-    assert_eq!(refused(&with("zunit = V")), "BCR: the values are in V, which is no length; wanted heights");
+    assert_eq!(refused(&with("zunit = V")), "BCR: the values are in V, which is not a length; wanted heights");
     assert!(refused(&with("fileformat = bcrz")).starts_with("BCR: fileformat (byte 0) is `bcrz`"));
     assert!(refused(&without("xpixels")).starts_with("BCR: xpixels is missing"));
     assert!(refused(&with("ypixels = two")).starts_with("BCR: ypixels (byte 0) is `two`; wanted a whole number"));

@@ -4,6 +4,7 @@ use crate::assert_heights;
 use crate::fixture::Fixture;
 use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
 
+mod damaged;
 pub(crate) mod hdf5;
 
 const NAN: f64 = f64::NAN;
@@ -241,7 +242,7 @@ fn chunked() -> Map {
     let shuffled: Vec<u8> = first.iter().step_by(2).chain(first.iter().skip(1).step_by(2)).copied().collect();
     let chunks = vec![
         ([0, 0], 0, zlib(&shuffled)),
-        // Elements beyond the edge are stored, and of no meaning; the mask leaves both filters out.
+        // Elements beyond the edge are stored without meaning. The mask skips both filters.
         ([0, 3], 0b11, chunk([4, -1, -1, 8, -1, -1])),
         ([2, 0], 0b11, chunk([9, -2, 11, -1, -1, -1])),
     ];
@@ -264,7 +265,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     ]
 }
 
-/// What Mx says of the instrument.
+/// Returns attributes of Mx on the instrument.
 fn system() -> Vec<Message> {
     let stamp =
         datatype::compound(&[("Seconds", 4, datatype::integer(4, false)), ("Zone", 4, datatype::integer(4, false))]);
@@ -294,7 +295,7 @@ fn the_x_converter_counts_along_columns_and_the_y_converter_along_rows() {
 }
 
 #[test]
-fn units_of_length_are_those_of_mx() {
+fn units_of_length_are_spelt_as_in_mx() {
     for (unit, height_m) in [("Meters", 100.0), ("MilliMeters", 0.1), ("MicroMeters", 1e-4), ("nm", 1e-7)] {
         let scan = read(Map { unit: Some(unit), ..Map::default() });
         assert_eq!(scan.heights_m[[0, 0]], height_m, "{unit}");
@@ -304,7 +305,7 @@ fn units_of_length_are_those_of_mx() {
 }
 
 #[test]
-fn the_unit_of_the_converter_counts_when_the_dataset_states_none() {
+fn the_unit_of_the_converter_applies_if_the_dataset_states_none() {
     let scan = read(Map { unit: None, ..Map::default() });
     assert_eq!(scan.heights_m[[0, 0]], 100e-9);
     let [x, y, _] = Map::default().converters;
@@ -507,103 +508,6 @@ fn hdf5_files_of_other_programs_are_not_claimed() {
     let root = other.group(&[("Results", 104)], &[]);
     assert_eq!(Format::detect(&other.finish(0, root)), Some(Format::NetCdf));
     assert_eq!(Format::detect(&one(Map::default())), Some(Format::Datx));
-    // A root that cannot be looked into is taken for damage.
+    // A root that cannot be read counts as damaged.
     assert_eq!(Format::detect(b"\x89HDF\r\n\x1a\n"), Some(Format::Datx));
-}
-
-/// Reads a file that is made to do harm, within the limits of time and memory.
-fn read_harmful(bytes: &[u8]) -> Result<Scan, FormatError> {
-    let start = std::time::Instant::now();
-    let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(bytes));
-    let took = start.elapsed();
-    assert!(took.as_secs_f64() < 2.0, "{took:?}");
-    assert!(peak <= (64 << 20) + 2 * bytes.len(), "{peak} bytes of memory for {} of input", bytes.len());
-    scan
-}
-
-#[test]
-fn a_tree_whose_nodes_are_shared_ends_as_an_error() {
-    let mut file = Hdf5::new();
-    let mut node = file.append(&fields![*b"SNOD", [1, 0], [0, 0]]);
-    // Each level refers sixty times to the one below: 60⁸ symbol table nodes.
-    for level in 0..8 {
-        let children = vec![(vec![0; 8], node); 60];
-        node = file.tree(0, level, &children, &[0; 8]);
-    }
-    let heap = file.append(&fields![*b"HEAP", [0; 4], 8_u64.to_le_bytes(), 1_u64.to_le_bytes(), node.to_le_bytes()]);
-    let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), heap.to_le_bytes()])]);
-    let message = read_harmful(&file.finish(0, root)).unwrap_err().to_string();
-    assert!(message.contains("shared too often"), "{message}");
-}
-
-#[test]
-fn a_tree_that_is_its_own_child_ends_as_an_error() {
-    let mut file = Hdf5::new();
-    let next = file.append(&[]);
-    let node = file.tree(0, 1, &[(vec![0; 8], next)], &[0; 8]);
-    assert_eq!(node, next);
-    let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), node.to_le_bytes()])]);
-    assert!(read_harmful(&file.finish(0, root)).is_err());
-}
-
-#[test]
-fn a_header_that_goes_on_in_itself_ends_as_an_error() {
-    let mut file = Hdf5::new();
-    // A continuation of the 24 bytes of this very message.
-    let next = file.append(&[]);
-    let root = file.object(&[(0x10, fields![(next + 16).to_le_bytes(), 24_u64.to_le_bytes()])]);
-    assert_eq!(root, next);
-    let message = read_harmful(&file.finish(0, root)).unwrap_err().to_string();
-    assert!(message.contains("the number of messages"), "{message}");
-}
-
-#[test]
-fn a_text_that_many_attributes_share_takes_no_memory() {
-    let mut file = Hdf5::with_heap(1 << 21);
-    let text = vec![b'x'; 1 << 20];
-    let reference = file.keep(&text);
-    let attributes: Vec<Message> = (0..3000)
-        .map(|number| attribute(&format!("text {number}"), &datatype::long_text(), &reference.of(text.len())))
-        .collect();
-    let described = file.group(&[], &attributes);
-    let described = file.group(&[("{A}", described)], &[]);
-    let map = Map::default().append(&mut file);
-    let kind = file.group(&[("{1}", map)], &[]);
-    let data = file.group(&[("Surface", kind)], &[]);
-    let root = file.group(&[("Attributes", described), ("Data", data)], &[]);
-    let scan = read_harmful(&file.finish(0, root)).unwrap();
-    assert_eq!(scan.heights_m[[0, 0]], 100e-9);
-}
-
-#[test]
-fn shapes_that_the_bytes_cannot_fill_are_refused() {
-    let huge = read_harmful(&one(Map { shape: [1 << 31, 1 << 31], ..Map::default() }));
-    assert!(matches!(huge, Err(FormatError::TooLarge { .. })), "{huge:?}");
-    let long = read_harmful(&one(Map { shape: [1 << 14, 1 << 14], ..Map::default() }));
-    assert!(matches!(long, Err(FormatError::Truncated { wanted: 0x8000_0000, .. })), "{long:?}");
-    // Chunks that were never written would be filled, and chunks far larger than the map unpacked.
-    for (shape, chunk) in [([1 << 12, 1 << 12], [16, 16]), ([2, 3], [1 << 15, 1 << 15])] {
-        let map = Map { shape, store: Store::Chunked(chunk, vec![], vec![]), ..Map::default() };
-        let refused = read_harmful(&one(map));
-        assert!(matches!(refused, Err(FormatError::TooLarge { .. })), "{refused:?}");
-    }
-}
-
-#[test]
-fn chunks_that_are_there_twice_or_off_their_grid_or_too_short_are_refused() {
-    let numbers = Map::default().numbers;
-    let chunk = |row, column, bytes: &[u8]| ([row, column], 0, bytes.to_vec());
-    for (chunks, reason) in [
-        (vec![chunk(0, 0, &numbers), chunk(0, 0, &numbers)], "a place of its own"),
-        (vec![chunk(1, 0, &numbers)], "a multiple of the chunk size"),
-        (vec![chunk(2, 0, &numbers)], "a multiple of the chunk size"),
-        (vec![chunk(0, 0, &numbers[1..])], "it unpacks to 47 bytes; wanted 48"),
-    ] {
-        let map = Map { store: Store::Chunked([2, 3], vec![], chunks), ..Map::default() };
-        let message = refusal(&one(map));
-        assert!(message.contains(reason), "{message}");
-    }
-    let bomb = zlib(&[numbers.clone(), numbers].concat());
-    let map = Map { store: Store::Chunked([2, 3], pipeline(&[(1, 6)]), vec![([0, 0], 0, bomb)]), ..Map::default() };
-    assert!(refusal(&one(map)).contains("it unpacks to 52 bytes; wanted 48"));
 }

@@ -40,7 +40,7 @@ fn unknown_content_is_shown() {
 }
 
 #[test]
-fn extensions_choose_what_is_written() {
+fn the_extension_decides_the_written_format() {
     let folder = tempfile::tempdir().unwrap();
     for (name, format, keeps_pitch) in [
         ("a.x3p", Format::X3p, true),
@@ -72,7 +72,7 @@ fn extensions_choose_what_is_written() {
 }
 
 #[test]
-fn a_file_is_replaced_as_a_whole_and_nothing_stays_beside_it() {
+fn a_file_is_replaced_as_a_whole_without_leftovers() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.x3p");
     fs::write(&path, "old").unwrap();

@@ -2,17 +2,17 @@
 
 use crate::fixtures::{gzip, zip};
 
-/// A small file and what is known of it.
+/// Small file and its properties.
 #[derive(Clone)]
 pub(crate) struct Fixture {
-    /// The format and what is special about the file.
+    /// Format and distinguishing feature of the file.
     pub(crate) name: &'static str,
     pub(crate) content: Content,
     /// The first bytes without which the file must be refused; 0 where a beginning of it is a file as well.
     pub(crate) needed: usize,
 }
 
-/// Bytes, and where damage to them would only be found by a checksum, what the checksum is taken of.
+/// Bytes. If only a checksum would reveal damage to them, also the bytes that the checksum covers.
 #[derive(Clone)]
 pub(crate) enum Content {
     Bytes(Vec<u8>),

@@ -89,7 +89,7 @@ pub(crate) fn md5(bytes: &[u8]) -> String {
     Md5::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What a test says of an X3P file; the rest is as in the samples of openGPS.
+/// Variable parts of an X3P file. The rest is as in the samples of openGPS.
 pub(crate) struct X3p {
     pub(crate) feature: &'static str,
     pub(crate) x_axis_type: &'static str,
@@ -177,7 +177,7 @@ impl X3p {
     }
 }
 
-/// What a test says of an object of a SUR file; the rest is as MountainsMap writes it.
+/// Variable parts of an object of a SUR file. The rest is as written by MountainsMap.
 #[derive(Clone)]
 pub(crate) struct Sur {
     pub(crate) signature: &'static [u8; 12],

@@ -40,7 +40,7 @@ fn rhk(version: &str) -> Vec<u8> {
     [[0xaa, 0].as_slice(), &version, &[0; 64]].concat()
 }
 
-/// A Leica file: a block of XML in UTF-16 behind its size and the number of its letters.
+/// Returns a Leica file: a block of XML in UTF-16 after its size and the number of its letters.
 fn leica() -> Vec<u8> {
     let xml: Vec<u8> = "<LMSDataContainerHeader/>".encode_utf16().flat_map(u16::to_le_bytes).collect();
     let letters = (xml.len() as u32 / 2).to_le_bytes();
@@ -48,7 +48,7 @@ fn leica() -> Vec<u8> {
 }
 
 #[test]
-fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
+fn files_of_known_formats_are_refused_by_name_with_advice() {
     let stl = [[b' '; 80].as_slice(), &2_u32.to_le_bytes(), &[1; 100]].concat();
     let bitmap = [b"BM".as_slice(), &[70, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0], &[0; 50]].concat();
     let tar = [[b'a'; 257].as_slice(), b"ustar\x0000"].concat();
@@ -101,14 +101,14 @@ fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
         (b"{\n  \"heights\": [1, 2]\n}".to_vec(), "a JSON text", "NPY or text"),
         (b"[[1, 2], [3, 4]]".to_vec(), "a JSON text", "NPY or text"),
     ];
-    for (bytes, name, way_out) in cases {
+    for (bytes, name, advice) in cases {
         assert_eq!(Format::detect(&bytes), None, "{name}");
         let message = refusal(&bytes);
         assert!(
             message.starts_with(&format!("this is {name}")) && message.contains(", which is not read; "),
             "{message}"
         );
-        assert!(message.contains(way_out), "{message}");
+        assert!(message.contains(advice), "{message}");
         // Within a gzip stream as well.
         assert_eq!(refusal(&gzip(&bytes)), message);
     }
@@ -128,7 +128,7 @@ fn hdf5_files_that_are_neither_datx_nor_netcdf_are_refused_by_name() {
 }
 
 #[test]
-fn ordinary_text_and_bytes_are_taken_for_no_other_format() {
+fn ordinary_text_and_bytes_match_no_other_format() {
     for text in ["1 2\n3 4\n", "# solid ground\n1 2\n3 4\n", "# output image data of a plane\n1 2\n3 4\n"] {
         assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text), "{text}");
     }
@@ -175,8 +175,8 @@ fn a_file_beyond_the_limit_is_refused_with_its_own_size() {
 }
 
 #[test]
-fn archives_that_are_cut_off_are_told_in_words() {
-    // The name of the main file stands in the first half of the one, and only in the directory of the other.
+fn archives_that_are_cut_off_are_described() {
+    // One archive has the name of the main file in its first half, the other only in the directory.
     let noise: Vec<u8> = (0..4000_u32).map(|n| (n.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     for (files, message) in [
         (

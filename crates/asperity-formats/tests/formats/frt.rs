@@ -69,7 +69,7 @@ impl Frt {
         let image =
             |kind: u32, nx: u32, ny: u32, bits: u32, numbers: Vec<u8>| [u32s(&[kind, nx, ny, bits]), numbers].concat();
         let images = [
-            // What the current buffer is, in four numbers.
+            // Description of the current buffer: four numbers.
             u16s(&[3, 0, 0, 0]),
             image(0x0000_0002, 2, 2, 16, u16s(&[9, 9, 9, 9])),
             // Second buffer of the bottom sensor: computed thickness.
@@ -147,7 +147,7 @@ fn a_range_is_the_number_of_points_times_their_distance() {
 }
 
 #[test]
-fn a_negative_range_counts_by_its_magnitude_and_one_of_0_is_none() {
+fn the_magnitude_of_a_negative_range_is_used_and_0_is_no_range() {
     let turned = Frt::single().with(0x0067, f64s(&[-3e-3, 4e-3]));
     assert_eq!(reading(&turned).pitch_m, Some((1e-3, 2e-3)));
     assert!(warns(&turned, "the x range is -0.003 m"));
@@ -171,7 +171,7 @@ fn numbers_outside_of_the_valid_range_are_missing() {
 }
 
 #[test]
-fn what_the_blocks_say_is_kept() {
+fn blocks_become_metadata() {
     let scan = reading(&Frt::single());
     for (field, text) in [
         ("description", "hob ground, µ = 0.1"),
@@ -217,7 +217,7 @@ fn numbers_of_32_bits_are_signed_and_ranges_span_every_image() {
 }
 
 #[test]
-fn images_that_show_no_heights_are_refused() {
+fn images_other_than_heights_are_refused() {
     let intensity = [u16s(&[1, 0, 0, 0]), u32s(&[2, 2, 2, 16]), u16s(&[9, 9, 9, 9])].concat();
     let message = error(&Frt::single().with(0x007d, intensity));
     assert_eq!(message, "FRT: the file holds no topography, only other images; wanted an image of heights");
@@ -247,16 +247,17 @@ fn blocks_may_come_in_any_order() {
 }
 
 #[test]
-fn scales_of_single_buffers_are_doubted_because_their_aliases_are_not_known() {
+fn scales_of_single_buffers_give_a_warning_because_their_aliases_are_not_known() {
     // Number of buffers; alias, scale, offset, absolute.
     let buffer = |scale: f64, offset: f64| [u32s(&[1, 0x24]), f64s(&[scale, offset]), u32s(&[0])].concat();
-    for (scale, offset, doubted) in [(1e-8, 0.0, false), (1.0, 0.0, false), (2e-8, 0.0, true), (1e-8, 1e-6, true)] {
-        assert_eq!(warns(&Frt::single().with(0x00ab, buffer(scale, offset)), "block 0x00ab"), doubted);
+    for (scale, offset, gives_warning) in [(1e-8, 0.0, false), (1.0, 0.0, false), (2e-8, 0.0, true), (1e-8, 1e-6, true)]
+    {
+        assert_eq!(warns(&Frt::single().with(0x00ab, buffer(scale, offset)), "block 0x00ab"), gives_warning);
     }
 }
 
 #[test]
-fn roundness_and_units_of_no_length_are_doubted() {
+fn roundness_and_units_other_than_lengths_give_a_warning() {
     assert!(warns(&Frt::single().with(0x009b, u32s(&[1])), "the file states a measurement of roundness"));
     assert!(warns(&Frt::single().with(0x009f, b"\x01\x00V".to_vec()), "the z unit is `V`"));
     let micron = Frt::single().with(0x009f, b"\x02\x00\xb5m".to_vec());
@@ -265,7 +266,7 @@ fn roundness_and_units_of_no_length_are_doubted() {
 }
 
 #[test]
-fn a_count_of_blocks_that_does_not_fit_is_doubted() {
+fn a_count_of_blocks_that_does_not_fit_gives_a_warning() {
     let mut bytes = Frt::single().bytes();
     bytes[16] += 1;
     bytes.extend([0; 5]);
@@ -275,7 +276,7 @@ fn a_count_of_blocks_that_does_not_fit_is_doubted() {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_parts_are_named() {
     for (tag, part) in
         [(0x000b, "block 0x000b"), (0x0066, "block 0x0066 (image size)"), (0x006c, "block 0x006c (sensor)")]
     {
@@ -292,7 +293,7 @@ fn profiles_are_refused() {
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let sized = |size: [u32; 3]| read_bytes(&Frt::single().with(0x0066, u32s(&size)).bytes());
     assert!(matches!(sized([u32::MAX, u32::MAX, 16]), Err(FormatError::TooLarge { .. })));
     assert!(matches!(sized([16384, 16384, 32]), Err(FormatError::Truncated { wanted: 1_073_741_824, .. })));

@@ -143,7 +143,7 @@ fn heights_pitch_and_rows_are_as_stored() {
 }
 
 #[test]
-fn units_with_prefixes_are_taken_at_their_word_with_a_warning() {
+fn units_with_prefixes_are_applied_with_a_warning() {
     for (written, per_metre) in [("nm", 1e9), ("µm", 1e6), ("um", 1e6), ("mm", 1e3), ("Å", 1e10)] {
         let scan = read(("m", written));
         assert_heights(&scan, &HEIGHTS.map(|z| z / per_metre));
@@ -156,7 +156,7 @@ fn units_with_prefixes_are_taken_at_their_word_with_a_warning() {
 }
 
 #[test]
-fn a_file_without_any_unit_is_taken_in_metre_with_a_warning() {
+fn a_file_without_any_unit_counts_as_metre_with_a_warning() {
     let scan = read(("", ""));
     assert_heights(&scan, &HEIGHTS);
     assert_eq!(scan.pitch_m, Some((2e-6, 4e-6)));
@@ -164,7 +164,7 @@ fn a_file_without_any_unit_is_taken_in_metre_with_a_warning() {
 }
 
 #[test]
-fn lateral_units_that_are_no_lengths_give_no_pitch() {
+fn lateral_units_other_than_lengths_give_no_pitch() {
     for unit in ["", "px", "s", "A"] {
         let scan = read((unit, "m"));
         assert_eq!(scan.pitch_m, None);
@@ -173,7 +173,7 @@ fn lateral_units_that_are_no_lengths_give_no_pitch() {
 }
 
 #[test]
-fn values_that_are_no_lengths_are_refused() {
+fn values_other_than_lengths_are_refused() {
     // A is the ampere and not the ångström; no unit beside metres is a plain number.
     for unit in ["A", "deg", "V", ""] {
         let found = message(&file(&[image(0, "Current", ("m", unit))]));
@@ -228,7 +228,7 @@ fn an_image_without_title_has_its_key_for_a_name() {
 }
 
 #[test]
-fn files_of_gwyddion_1_are_refused_with_a_way_out() {
+fn files_of_gwyddion_1_are_refused_with_advice() {
     let mut bytes = full();
     bytes[3] = b'O';
     assert_eq!(Format::detect(&bytes), Some(Format::Gwy));
@@ -236,7 +236,7 @@ fn files_of_gwyddion_1_are_refused_with_a_way_out() {
 }
 
 #[test]
-fn damage_is_told_with_field_and_place() {
+fn damage_is_reported_with_field_and_place() {
     let with = |components: &[Vec<u8>]| {
         file(&[component("/0/data", b'o', object("GwyDataField", &[components.concat(), unit("si_unit_z", "m")]))])
     };
@@ -269,7 +269,7 @@ fn scan() -> Scan {
 }
 
 #[test]
-fn what_is_written_is_what_the_layout_says() {
+fn written_files_follow_the_layout() {
     let mean = (1e-9 + 3e-9 - 4e-9 + 5e-9 + 6.5e-9) / 5.0;
     let metre = ["si_unit_xy", "si_unit_z"].map(|name| unit(name, "m"));
     let size = [integer("xres", 3), integer("yres", 2), double("xreal", 3.0 * 1.5e-6), double("yreal", 5e-6)].concat();
@@ -290,7 +290,7 @@ fn what_is_written_is_what_the_layout_says() {
 }
 
 #[test]
-fn what_is_written_is_read_again() {
+fn written_files_are_read_back() {
     let read = read_bytes(&write_gwy(&scan()).unwrap()).unwrap();
     assert_eq!(bits(&read), bits(&scan()));
     let (dx, dy) = read.pitch_m.unwrap();

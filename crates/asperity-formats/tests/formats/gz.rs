@@ -25,16 +25,16 @@ fn a_gzip_stream_in_another_is_refused() {
 }
 
 #[test]
-fn a_damaged_gzip_stream_is_told() {
+fn a_damaged_gzip_stream_is_reported() {
     let mut bytes = gzip(TEXT);
     let end = bytes.len();
-    // The checksum stands eight bytes before the end (RFC 1952).
+    // The checksum is eight bytes before the end (RFC 1952).
     bytes[end - 8] ^= 1;
     assert!(read_bytes(&bytes).unwrap_err().to_string().starts_with("gzip: stream: "));
 }
 
 #[test]
-fn a_gzip_stream_that_is_cut_off_is_told_in_words() {
+fn a_gzip_stream_that_is_cut_off_is_described() {
     let bytes = gzip(TEXT);
     let message = read_bytes(&bytes[..bytes.len() / 2]).unwrap_err().to_string();
     assert_eq!(message, "gzip: stream: the compressed stream ends early; the file is cut off");

@@ -53,17 +53,17 @@ fn a_stated_unit_replaces_that_of_the_file_with_a_warning() {
         for (z, wanted) in replaced.heights_m.iter().zip(wanted) {
             assert!((z / wanted - 1.0).abs() < 1e-12, "{z:e}, wanted {wanted:e}");
         }
-        let told = format!("the stated height unit, {other}, replaces the file's {own}");
-        assert!(replaced.warnings.contains(&told), "{:?}", replaced.warnings);
+        let expected = format!("the stated height unit, {other}, replaces the file's {own}");
+        assert!(replaced.warnings.contains(&expected), "{:?}", replaced.warnings);
     }
-    // What is no length has no scale.
+    // Values that are not lengths have no scale.
     let scan = read(b"# Value units: V\n1 2\n3 4\n", "um");
     assert_heights(&scan, &[1e-6, 2e-6, 3e-6, 4e-6]);
     assert_eq!(scan.warnings, ["the stated height unit, um, replaces the file's V"]);
 }
 
 #[test]
-fn a_word_that_is_no_unit_of_length_is_refused() {
+fn a_word_other_than_a_unit_of_length_is_refused() {
     let error = "V".parse::<asperity_formats::LengthUnit>().unwrap_err();
     assert!(matches!(error, FormatError::UnknownUnit { .. }), "{error}");
 }

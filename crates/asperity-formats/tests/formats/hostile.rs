@@ -1,6 +1,6 @@
-//! No input makes a reader panic, hang or take much memory; what it answers is free.
+//! No input makes a reader panic, hang or take much memory. The result may be a scan or an error.
 //!
-//! `ASPERITY_MUTATIONS` sets how many damaged files each fixture is turned into (default 400), `ASPERITY_MUTATE` limits
+//! `ASPERITY_MUTATIONS` sets the number of damaged copies of each fixture (default 400), `ASPERITY_MUTATE` limits
 //! them to fixtures whose name contains it.
 
 use std::io::{Cursor, Write};
@@ -34,7 +34,7 @@ const FOREIGN_WORDS: [&str; 11] = [
     "invalid code",
 ];
 
-/// Reads, and checks that what is read keeps the promises of a scan, and the reader those of the crate.
+/// Reads a file, and checks the invariants of the scan and the limits of the crate.
 fn read(name: &str, bytes: &[u8]) -> bool {
     let start = Instant::now();
     let (scan, peak) = peak_bytes(|| read_bytes(bytes));
@@ -168,7 +168,7 @@ const EXTREMES: [u64; 12] = [
 const WORDS: [&[u8]; 10] =
     [b"0", b"-1", b"99999999999", b"1e999", b"nan", b"inf", b"", b"\n", b" 18446744073709551615 ", b"1e-400"];
 
-/// Damages bytes in one of the ways in which files come to harm or are made to harm.
+/// Damages bytes in one of several accidental or malicious ways.
 fn damage(bytes: &mut Vec<u8>, noise: &mut Noise) {
     let place = noise.below(bytes.len() + 1);
     match noise.below(9) {
@@ -219,7 +219,7 @@ fn damage(bytes: &mut Vec<u8>, noise: &mut Noise) {
     }
 }
 
-/// A damaged copy: of the file, or of what its checksums protect.
+/// Returns a damaged copy of the file, or of the bytes that its checksums cover.
 fn damaged(fixture: &Fixture, noise: &mut Noise) -> Vec<u8> {
     let mut content = fixture.content.clone();
     let times = 1 + noise.below(4);

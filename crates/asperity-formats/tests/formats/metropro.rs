@@ -7,7 +7,7 @@ use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a file; the rest is as a NewView writes it.
+/// Variable parts of a file. The rest is as written by a NewView.
 struct MetroPro {
     magic: u32,
     format: u16,
@@ -217,17 +217,17 @@ fn an_unknown_lateral_resolution_leaves_no_pixel_size() {
 }
 
 #[test]
-fn a_camera_without_square_pixels_is_doubted() {
-    let doubted = |file: MetroPro| {
+fn a_camera_without_square_pixels_gives_a_warning() {
+    let gives_warning = |file: MetroPro| {
         read_bytes(&file.bytes()).unwrap().warnings.iter().any(|warning| warning.contains("pixels of the camera"))
     };
-    assert!(!doubted(MetroPro::default()));
-    assert!(!doubted(MetroPro { camera_pixel_m: (0.0, 0.0), ..MetroPro::default() }));
-    assert!(doubted(MetroPro { camera_pixel_m: (7.5e-6, 9e-6), ..MetroPro::default() }));
+    assert!(!gives_warning(MetroPro::default()));
+    assert!(!gives_warning(MetroPro { camera_pixel_m: (0.0, 0.0), ..MetroPro::default() }));
+    assert!(gives_warning(MetroPro { camera_pixel_m: (7.5e-6, 9e-6), ..MetroPro::default() }));
 }
 
 #[test]
-fn inverted_data_stay_as_they_are_with_a_warning() {
+fn inverted_data_are_not_changed_and_give_a_warning() {
     let plain = read_bytes(&MetroPro::default().bytes()).unwrap();
     let inverted = read_bytes(&MetroPro { sign: 1, ..MetroPro::default() }.bytes()).unwrap();
     assert_eq!(crate::bits(&plain), crate::bits(&inverted));
@@ -299,7 +299,7 @@ fn headers_that_contradict_themselves_or_give_no_heights_are_errors() {
 }
 
 #[test]
-fn sizes_that_the_bytes_cannot_bear_out_are_errors() {
+fn sizes_that_exceed_the_file_are_errors() {
     let long = MetroPro { size: (16384, 16384), ..MetroPro::default() }.bytes();
     assert!(matches!(read_bytes(&long), Err(FormatError::Truncated { found: 24, wanted: 1_073_741_824, .. })));
     let huge = MetroPro { size: (u16::MAX, u16::MAX), ..MetroPro::default() }.bytes();
@@ -313,7 +313,7 @@ fn sizes_that_the_bytes_cannot_bear_out_are_errors() {
 }
 
 #[test]
-fn bytes_after_the_phase_are_doubted() {
+fn bytes_after_the_phase_give_a_warning() {
     let mut bytes = MetroPro::default().bytes();
     bytes.extend([0; 3]);
     let scan = read_bytes(&bytes).unwrap();

@@ -35,7 +35,7 @@ type Atts = Vec<(&'static str, Att)>;
 #[derive(Clone)]
 struct Var(&'static str, Vec<usize>, Atts, u32, Vec<u8>);
 
-/// A file of a classic format; a dimension of length 0 is that of the records.
+/// File of a classic format. A dimension of length 0 is the record dimension.
 #[derive(Clone)]
 struct Classic {
     version: u8,
@@ -58,7 +58,7 @@ fn unit(unit: &'static str) -> Atts {
 }
 
 impl Default for Classic {
-    /// What SurfaceTopography writes of two points along x and three along y, 1.5 µm and 2 µm apart.
+    /// Returns a file as written by SurfaceTopography: two points along x and three along y, 1.5 µm and 2 µm apart.
     fn default() -> Self {
         let side = |length| [unit("um"), vec![("length", Att::Double(length)), ("periodic", Att::Int(1))]].concat();
         Self {
@@ -116,7 +116,7 @@ impl Classic {
         };
         fields![
             [b'C', b'D', b'F', self.version],
-            // A number of records with all bits set stands for an unknown one.
+            // A number of records with all bits set means unknown.
             self.count(self.records.unwrap_or(u64::MAX)),
             self.list(0x0a, &self.dimensions.iter().map(dimension).collect::<Vec<_>>()),
             self.attributes(&self.attributes),
@@ -257,7 +257,7 @@ fn a_file_of_surfacetopography_is_turned_to_rows_of_y() {
 }
 
 #[test]
-fn rows_of_x_stay_as_they_are() {
+fn rows_of_x_are_not_turned() {
     let mut file = Classic { dimensions: vec![("y", 2), ("x", 3)], ..Classic::default() };
     file.variables[0].0 = "y";
     file.variables[2].0 = "x";
@@ -383,7 +383,7 @@ fn maps_in_a_unit_of_length_are_channels_and_heights_is_the_first() {
 }
 
 #[test]
-fn files_without_a_map_of_heights_are_refused_with_what_they_hold() {
+fn files_without_a_map_of_heights_are_refused_with_their_content() {
     let mut file = Classic::default();
     file.variables[1] = Var("current", vec![0, 1], unit("A/m"), 6, doubles(&[8.0; 6]));
     assert!(file.refusal().starts_with("NetCDF: the file holds `current` (A/m); wanted"), "{}", file.refusal());
@@ -408,7 +408,7 @@ fn heights_without_a_unit_are_in_that_of_the_positions_or_in_metre() {
 }
 
 #[test]
-fn positions_in_no_length_give_no_pitch() {
+fn positions_without_a_length_unit_give_no_pitch() {
     let mut file = Classic::default();
     file.variables[0].2 = unit("s");
     let scan = file.read();
@@ -417,20 +417,20 @@ fn positions_in_no_length_give_no_pitch() {
 }
 
 #[test]
-fn positions_go_before_the_stated_length_of_a_side() {
+fn positions_take_precedence_over_the_stated_length_of_a_side() {
     let mut file = Classic::default();
     // A side of 1.5 µm is the distance between the first and the last of two points.
     file.variables[0].2[1].1 = Att::Double(1.5);
     let scan = file.read();
     assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
-    assert!(scan.warnings[0].starts_with("the length of x means pixels of 0.75 um"), "{:?}", scan.warnings);
-    // Positions that were never written leave the length, of three points.
+    assert!(scan.warnings[0].starts_with("the length of x gives pixels of 0.75 um"), "{:?}", scan.warnings);
+    // Positions that were never written leave the length of three points.
     file.variables[2].4 = doubles(&[9.969209968386869e36; 3]);
     assert_eq!(file.read().pitch_m, Some((1.5e-6, 2e-6)));
 }
 
 #[test]
-fn uneven_positions_are_doubted_and_falling_ones_are_not() {
+fn uneven_positions_give_a_warning_and_falling_ones_do_not() {
     let mut file = Classic::default();
     file.variables[2].4 = doubles(&[4.0, 2.0, 0.0]);
     let scan = file.read();
@@ -463,7 +463,7 @@ fn only_known_versions_are_claimed() {
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let huge = Classic { dimensions: vec![("x", 1 << 30), ("y", 1 << 30)], ..Classic::default() };
     assert!(matches!(read_bytes(&huge.bytes()), Err(FormatError::TooLarge { .. })));
     let long = Classic { dimensions: vec![("x", 1 << 14), ("y", 1 << 14)], ..Classic::default() };

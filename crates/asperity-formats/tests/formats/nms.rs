@@ -5,7 +5,7 @@ use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of an NMS file; the rest is as µsoft writes it.
+/// Variable parts of an NMS file. The rest is as written by µsoft.
 struct Nms {
     data_type: i32,
     dimension_type: i32,
@@ -136,7 +136,7 @@ fn the_texts_of_the_header_are_kept() {
 }
 
 #[test]
-fn unknown_versions_and_sizes_of_the_header_are_doubted() {
+fn unknown_versions_and_sizes_of_the_header_give_a_warning() {
     let scan = read_bytes(&Nms { version: b"OM_MS_3.0", ..Nms::default() }.bytes()).unwrap();
     assert!(scan.warnings.iter().any(|warning| warning.contains("OM_MS_3.0")), "{:?}", scan.warnings);
     let scan = read_bytes(&Nms { header_size: 4096, ..Nms::default() }.bytes()).unwrap();
@@ -160,7 +160,7 @@ fn profiles_and_other_numbers_are_refused_with_a_reason() {
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     for (file, field) in [
         (Nms { dimension_type: 2, ..Nms::default() }, "dimension type"),
         (Nms { n_range: (5, 5), ..Nms::default() }, "n_high"),

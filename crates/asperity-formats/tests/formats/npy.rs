@@ -73,7 +73,7 @@ fn all_header_versions_and_spellings_read() {
 }
 
 #[test]
-fn what_is_no_map_of_numbers_is_refused() {
+fn arrays_other_than_matrices_of_numbers_are_refused() {
     for descr in ["<c16", "|b1", "<f2", "<U8", "|O", "|i2", "=f8", "", "<", "µ8"] {
         let error = read_bytes(&npy(1, &header(descr, "False", "(1, 2)"), &[0; 64])).unwrap_err();
         assert!(matches!(error, FormatError::Unsupported { format: Format::Npy, .. }), "{descr}: {error}");

@@ -23,7 +23,7 @@ fn map(values: &[f64; 6]) -> Vec<u8> {
 
 const GAP: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, f64::INFINITY];
 
-/// As a contact solution leaves it.
+/// Returns arrays as stored by a contact solution.
 fn contact() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("pressure_pa.npy", map(&[0.0; 6])),
@@ -83,7 +83,7 @@ fn two_dimensional_arrays_of_lengths_are_channels_by_name() {
 }
 
 #[test]
-fn an_array_called_height_or_z_is_the_main_one() {
+fn an_array_named_height_or_z_is_the_main_map() {
     for (main, value) in [("z.npy", 5.0), ("heights_m.npy", 5.0), ("Height_um.npy", 5e-6)] {
         let scan = read(&[("x.npy", map(&[1.0; 6])), (main, map(&[5.0; 6]))]);
         assert_eq!(scan.channel, 1);
@@ -157,7 +157,7 @@ fn a_flat_map_unpacks_and_a_bomb_does_not() {
 }
 
 #[test]
-fn arrays_that_are_no_numbers_or_no_maps_are_left_out() {
+fn arrays_other_than_maps_of_numbers_are_left_out() {
     let scan = read(&[
         ("name.npy", array("<U3", false, "()", &[0; 12])),
         ("valid.npy", array("|b1", false, "(2, 3)", &[1; 6])),
@@ -168,7 +168,7 @@ fn arrays_that_are_no_numbers_or_no_maps_are_left_out() {
         ("readme.txt", b"no array".to_vec()),
     ]);
     assert_eq!(scan.channels, ["z"]);
-    assert_eq!(scan.warnings, ["arrays that are no heights were left out: name, valid, x, stack, none"]);
+    assert_eq!(scan.warnings, ["arrays other than heights were left out: name, valid, x, stack, none"]);
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn quantity_object(name: &'static str, number: f64, unit: &str, symbol: &str) ->
         content.extend((text.len() as u32).to_le_bytes());
         content.extend(text.as_bytes());
     }
-    // Factor to the unit of the SI and what dimension it has.
+    // Factor to the SI unit, and the dimension.
     content.extend(1e6_f64.to_le_bytes());
     content.extend([1, 0, 0, 0]);
     (name, 15, [&[0x13, 1, content.len() as u8], content.as_slice()].concat())
@@ -86,7 +86,7 @@ fn new_file() -> Vec<Block> {
         ("Raw", 3, floats(2_f32.powi(127))),
         ("SecArr_0", 3, floats(7.0)),
         ("Image", 3, array(3, 2, 1, [9; 6])),
-        // An object of a type that is not known.
+        // An object of an unknown type.
         ("1D_Channels", 15, vec![0x7d, 1, 7, 0, 0, 0, 0, 0x7f, 0xff, 0xff]),
         ("Mystery", 99, vec![1, 2, 3]),
         text("Date", b"7/7/2015"),
@@ -112,7 +112,7 @@ fn old_file() -> Vec<Block> {
 }
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    // What stands after the last block that is needed may be lost.
+    // The bytes after the last block that is needed may be absent.
     let needed = |blocks: &[Block], last: &str| {
         let end = blocks.iter().rposition(|(name, ..)| *name == last).unwrap() + 1;
         let lost: usize = blocks[end..].iter().map(|(.., content)| content.len()).sum();
@@ -164,7 +164,7 @@ fn a_number_whose_length_is_overstated_moves_no_block() {
     let mut blocks = old_file();
     blocks.insert(0, float("ImageModificat~0", 1.5));
     let mut bytes = file(&blocks);
-    // The entry behind the two bytes and that of the directory: 16 bytes of name, 2 of type, the length.
+    // The entry after the two bytes and the entry of the directory: 16 bytes of name, 2 of type, the length.
     let length = 2 + 24 + 18;
     assert_eq!(bytes[length..length + 4], 4_i32.to_le_bytes());
     bytes[length..length + 4].copy_from_slice(&40_i32.to_le_bytes());
@@ -191,7 +191,7 @@ fn every_mark_of_a_missing_float_is_known() {
 }
 
 #[test]
-fn pixels_are_in_millimetre_and_as_high_as_their_aspect_says() {
+fn pixels_are_in_millimetre_and_as_high_as_their_aspect() {
     let scan = read_bytes(&file(&new_file())).unwrap();
     let (dx_m, dy_m) = scan.pitch_m.unwrap();
     // 0.002 as float32.
@@ -261,7 +261,7 @@ fn texts_numbers_and_simple_objects_are_kept() {
 }
 
 #[test]
-fn blocks_that_are_lost_at_the_end_are_told() {
+fn blocks_that_are_lost_at_the_end_are_reported() {
     let bytes = file(&new_file());
     let scan = read_bytes(&bytes[..bytes.len() - 1]).unwrap();
     assert!(scan.warnings.iter().any(|warning| warning.contains("`ImageWidth`")), "{:?}", scan.warnings);
@@ -269,7 +269,7 @@ fn blocks_that_are_lost_at_the_end_are_told() {
 }
 
 #[test]
-fn a_file_without_heights_is_refused_with_what_it_holds() {
+fn a_file_without_heights_is_refused_with_its_content() {
     for (blocks, reason) in
         [(without(new_file(), "Raw"), "the arrays SecArr_0, Image"), (vec![float("Wavelength", 1.0)], "no array")]
     {

@@ -7,14 +7,14 @@ const NAN: f64 = f64::NAN;
 /// The height of a lost point.
 const LOST: f32 = 1_000_001.0;
 
-/// Rows, columns, heights in µm, and the bytes of the colour images behind them.
+/// Rows, columns, heights in µm, and the bytes of the colour images after them.
 struct Layer {
     shape: (u32, u32),
     heights_um: Vec<f32>,
     colours: Vec<u8>,
 }
 
-/// What a test says of a PLU file; the rest is as a DCM 3D writes it.
+/// Variable parts of a PLU file. The rest is as written by a DCM 3D.
 struct Plu {
     date: &'static [u8],
     shape: (u32, u32),
@@ -145,15 +145,15 @@ fn layers_follow_each_other_behind_range_and_images() {
 }
 
 #[test]
-fn a_layer_that_is_stated_and_not_there_is_doubted() {
+fn a_layer_that_is_stated_and_not_there_gives_a_warning() {
     let scan = read_bytes(&Plu { layers: 2, ..Plu::default() }.bytes()).unwrap();
     assert_eq!(scan.channels.len(), 1);
-    let doubted = |layers| {
+    let gives_warning = |layers| {
         let scan = read_bytes(&Plu { layers, ..Plu::default() }.bytes()).unwrap();
         scan.warnings.iter().any(|warning| warning.starts_with("the header states"))
     };
-    assert!(doubted(2) && doubted(255));
-    assert!(!doubted(1) && !doubted(0));
+    assert!(gives_warning(2) && gives_warning(255));
+    assert!(!gives_warning(1) && !gives_warning(0));
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn only_a_date_and_small_codes_make_the_format() {
 }
 
 #[test]
-fn shapes_that_the_bytes_cannot_bear_out_are_errors() {
+fn shapes_that_exceed_the_file_are_errors() {
     let of_shape = |shape| {
         let mut file = Plu::default();
         file.data[0].shape = shape;

@@ -5,7 +5,7 @@ use crate::fixture::{Content, Fixture};
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a PLUX file; the rest is as the program SensoSCAN writes it.
+/// Variable parts of a PLUX file. The rest is as written by the program SensoSCAN.
 struct Plux {
     size: (u32, u32),
     pitch: &'static str,
@@ -106,7 +106,7 @@ fn the_field_of_view_by_name_is_the_side_of_a_pixel_in_micrometres() {
 }
 
 #[test]
-fn sides_like_the_numbers_of_points_are_doubted() {
+fn sides_like_the_numbers_of_points_give_a_warning() {
     let pitch = "<FOV_X>300</FOV_X><FOV_Y>200</FOV_Y>";
     let scan = read_bytes(&Plux { pitch, ..Plux::default() }.bytes()).unwrap();
     assert_eq!(scan.pitch_m, Some((3e-4, 2e-4)));
@@ -164,7 +164,7 @@ fn layers_without_heights_are_refused_with_a_reason() {
 }
 
 #[test]
-fn dimensions_that_the_files_cannot_bear_out_are_errors() {
+fn dimensions_that_exceed_the_file_are_errors() {
     let of_size = |size| read_bytes(&Plux { size, ..Plux::default() }.bytes());
     let error = of_size((3, 3)).unwrap_err().to_string();
     assert_eq!(error, "PLUX: the numbers (LAYER_0.raw, byte 0) stop after 24 bytes; wanted 36");
@@ -176,7 +176,7 @@ fn dimensions_that_the_files_cannot_bear_out_are_errors() {
 }
 
 #[test]
-fn an_index_of_a_map_without_a_layer_is_refused_as_plux_and_any_other_index_is_none() {
+fn an_index_without_a_layer_is_refused_as_plux_and_other_indexes_are_not_plux() {
     let archive = |index: String| Content::Zip(vec![("index.xml".into(), index.into_bytes())]).bytes();
     let plux = archive(Plux { layers: "", ..Plux::default() }.index());
     assert_eq!(Format::detect(&plux), Some(Format::Plux));

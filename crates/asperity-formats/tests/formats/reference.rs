@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use asperity_formats::{Scan, read};
 use serde_json::Value;
 
-/// The folder that `ASPERITY_REFERENCE` names.
+/// Returns the folder in `ASPERITY_REFERENCE`.
 #[expect(clippy::print_stdout, reason = "a skipped test says so")]
 fn surfaces() -> Option<PathBuf> {
     let folder = std::env::var_os("ASPERITY_REFERENCE");
@@ -53,24 +53,13 @@ fn instrument_files_have_their_published_shape_pitch_voids_and_heights() {
         let shape = [wanted["ny"].as_u64(), wanted["nx"].as_u64()].map(|n| n.unwrap() as usize);
         assert_eq!(scan.heights_m.shape(), shape, "{name}");
         assert_eq!(scan.missing_points() as u64, wanted["n_missing"].as_u64().unwrap(), "{name}");
-        // The loaders behind the reference hold some pitches as f32, others as text of six digits.
-        let (mut dx_m, mut dy_m) = scan.pitch_m.unwrap();
-        let mut unit = 1.0;
-        if name == "st_tmd-1.tmd" {
-            // The reference took millimetre for micrometre: the file shows a coin, a dime of 17.9 mm, on 18.96 units.
-            (dx_m, dy_m, unit) = (1e-3 * dx_m, 1e-3 * dy_m, 1e-3);
-        }
+        // The loaders of the reference store some pitches as f32, others as text of six digits.
+        let (dx_m, dy_m) = scan.pitch_m.unwrap();
         assert_close(dx_m, &wanted["dx_m"], 1e-6, name);
         assert_close(dy_m, &wanted["dy_m"], 1e-6, name);
         let flat = without_plane(&scan);
         let moment = |f: &dyn Fn(f64) -> f64| flat.iter().map(|&z| f(z)).sum::<f64>() / flat.len() as f64;
         let sq_m = moment(&|z| z * z).sqrt();
-        if name == "st_nms-1.nms" {
-            // The header maps the numbers 0 to 65535 onto its lowest and highest height, and the data use both ends once;
-            // the loader behind the reference divides by 65534, which puts the highest point above the stated maximum.
-            unit *= 65535.0 / 65534.0;
-        }
-        let sq_m = unit * sq_m;
         let statistics = &wanted["own_numpy_after_LS_plane"];
         if statistics["Sq_m"].is_null() {
             // The smallest sample has no statistics in the reference, but its lowest and highest height.
@@ -81,9 +70,9 @@ fn instrument_files_have_their_published_shape_pitch_voids_and_heights() {
             continue;
         }
         assert_close(sq_m, &statistics["Sq_m"], 1e-6, &format!("{name}: Sq"));
-        assert_close(unit * moment(&f64::abs), &statistics["Sa_m"], 1e-6, &format!("{name}: Sa"));
-        assert_close(moment(&|z| (unit * z).powi(3)) / sq_m.powi(3), &statistics["Ssk"], 1e-4, &format!("{name}: Ssk"));
-        assert_close(moment(&|z| (unit * z).powi(4)) / sq_m.powi(4), &statistics["Sku"], 1e-6, &format!("{name}: Sku"));
+        assert_close(moment(&f64::abs), &statistics["Sa_m"], 1e-6, &format!("{name}: Sa"));
+        assert_close(moment(&|z| z.powi(3)) / sq_m.powi(3), &statistics["Ssk"], 1e-4, &format!("{name}: Ssk"));
+        assert_close(moment(&|z| z.powi(4)) / sq_m.powi(4), &statistics["Sku"], 1e-6, &format!("{name}: Sku"));
         compared += 1;
     }
     assert_eq!(compared, 11, "files with reference values");

@@ -116,15 +116,15 @@ fn x3p_needs_a_pitch_and_a_point() {
 }
 
 #[test]
-fn x3p_bytes_depend_on_nothing_but_the_scan() {
+fn x3p_bytes_depend_only_on_the_scan() {
     let bytes = write_x3p(&scan(), X3pData::Int16).unwrap();
     assert_eq!(bytes, write_x3p(&scan(), X3pData::Int16).unwrap());
-    // Some readers know the format by these five bytes (version 2.0); then no flags, deflated, 1980-01-01 00:00.
+    // Some readers detect the format by these five bytes (version 2.0). No flags, deflated, 1980-01-01 00:00 follow.
     assert_eq!(bytes[..14], *b"PK\x03\x04\x14\x00\x00\x00\x08\x00\x00\x00\x21\x00");
 }
 
 #[test]
-fn x3p_stores_unpacked_what_would_look_like_a_bomb() {
+fn x3p_stores_files_unpacked_that_would_exceed_the_limit() {
     // 2100² points are more than the 2²² that any archive may hold, and zeros deflate a thousandfold.
     let mut flat = Scan::new(Array2::zeros((2100, 2100)), Some((1e-6, 1e-6)));
     flat.heights_m[[7, 5]] = NAN;
@@ -173,7 +173,7 @@ fn sur_rounds_heights_to_half_a_step_and_the_pitch_to_single_precision() {
 }
 
 #[test]
-fn sur_keeps_what_it_has_stored_once() {
+fn sur_is_unchanged_by_a_second_round_trip() {
     for (data, _) in SUR_STEPS {
         let once = sur(&scan(), data);
         let twice = sur(&once, data);
@@ -280,7 +280,7 @@ fn sur_keeps_name_operator_date_and_comment_of_either_format() {
 }
 
 #[test]
-fn sur_bytes_depend_on_nothing_but_the_scan() {
+fn sur_bytes_depend_only_on_the_scan() {
     for (data, _) in SUR_STEPS {
         assert_eq!(write_sur(&scan(), data).unwrap(), write_sur(&scan(), data).unwrap());
     }

@@ -6,7 +6,7 @@ use crate::{assert_heights, bits};
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a binary file.
+/// Variable parts of a binary file.
 struct Binary {
     version: &'static [u8; 8],
     size: (u32, u32),
@@ -45,7 +45,7 @@ impl Binary {
                 _ => bytes.extend((count as u16).to_le_bytes()),
             }
         }
-        // The scales, and the resolution of heights, which is not known.
+        // Scales, and the unknown resolution of heights.
         for number in [self.scale[0], self.scale[1], self.scale[2], -1.0] {
             bytes.extend(number.to_le_bytes());
         }
@@ -60,7 +60,7 @@ impl Binary {
     }
 }
 
-/// The example of the standard, with other heights and a point that was not measured.
+/// Example of the standard, with other heights and a missing point.
 const TEXT: &str = "aISO-1.0\r\nManufacID = ISOTC213\r\nCreateDate = 040120100853\r\nModDate = 050320101353\r\n\
     NumPoints = 3\r\nNumProfiles = 2\r\nXscale = 1.0E-6\r\nYscale = 2.0E-6\r\nZscale = 1.0E-6\r\n\
     Zresolution = 1.0E-9\r\nCompression = 0\r\nDataType = 7\r\nCheckType = 0\r\n*\r\n\
@@ -200,18 +200,18 @@ fn texts_of_other_programs_are_read() {
 }
 
 #[test]
-fn more_numbers_than_points_are_doubted() {
+fn more_numbers_than_points_give_a_warning() {
     let scan = read_bytes(TEXT.replace("NumProfiles = 2", "NumProfiles = 1").as_bytes()).unwrap();
     assert_eq!(scan.heights_m.dim(), (1, 3));
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.starts_with("3 numbers behind")), "{:?}", scan.warnings);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.starts_with("3 numbers after")), "{:?}", scan.warnings);
 }
 
 #[test]
-fn what_is_not_a_map_is_refused_with_its_reason() {
+fn files_without_a_map_are_refused_with_the_reason() {
     let refused = |file: Binary| read_bytes(&file.bytes()).unwrap_err().to_string();
     let message = refused(Binary { size: (6, 1), scale: [1e-6, 0.0, 1e-6], ..Binary::default() });
     assert_eq!(message, "SDF: the file holds a single profile; wanted the profiles of a surface");
-    // The codes stand behind 8 + 10 + 12 + 12 + 2 + 2 + 4 · 8 bytes.
+    // The codes are after 8 + 10 + 12 + 12 + 2 + 2 + 4 · 8 bytes.
     let message = refused(Binary { codes: [1, 5, 0], ..Binary::default() });
     assert!(message.starts_with("SDF: Compression (byte 78) is `1`"), "{message}");
     let message = refused(Binary { codes: [0, 5, 1], ..Binary::default() });
@@ -231,7 +231,7 @@ fn what_is_not_a_map_is_refused_with_its_reason() {
 }
 
 #[test]
-fn what_is_wrong_in_a_text_names_its_line() {
+fn errors_in_a_text_name_the_line() {
     let refused = |from: &str, to: &str| read_bytes(TEXT.replace(from, to).as_bytes()).unwrap_err().to_string();
     assert_eq!(
         refused("NumPoints = 3", "NumPoints = three"),
@@ -265,7 +265,7 @@ fn both_forms_keep_every_bit_of_heights_and_pitch() {
 }
 
 #[test]
-fn the_binary_form_is_that_of_the_standard() {
+fn the_binary_form_follows_the_standard() {
     let bytes = write_sdf(&scan(), SdfData::default()).unwrap();
     assert_eq!(bytes.len(), 8 + 10 + 2 * 12 + 2 * 2 + 4 * 8 + 3 + 6 * 8);
     assert_eq!(bytes[..42], *b"bISO-1.0asperity  000000000000000000000000");
@@ -294,7 +294,7 @@ fn maps_beyond_the_counts_of_version_1_become_version_2() {
 }
 
 #[test]
-fn what_the_format_cannot_store_is_refused() {
+fn scans_that_the_format_cannot_store_are_refused() {
     let without = Scan { pitch_m: None, ..scan() };
     assert!(matches!(write_sdf(&without, SdfData::Double), Err(FormatError::NoPitch { .. })));
     for pitch_m in [(0.0, 1e-6), (1e-6, NAN)] {

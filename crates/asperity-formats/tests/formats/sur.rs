@@ -58,13 +58,13 @@ fn int16_heights_are_scaled_shifted_and_voids_are_two_below_the_minimum() {
 }
 
 #[test]
-fn a_height_outside_of_the_stated_range_is_doubted() {
+fn a_height_outside_of_the_stated_range_gives_a_warning() {
     let scan = read_bytes(&Sur::default().bytes()).unwrap();
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights are outside")), "{:?}", scan.warnings);
 }
 
 #[test]
-fn a_spacing_of_0_is_that_of_a_flat_map() {
+fn a_spacing_of_0_is_read_as_a_flat_map() {
     let flat = |numbers: [i16; 6]| {
         let data = numbers.iter().flat_map(|z| z.to_le_bytes()).collect();
         Sur { spacing: [1.0, 1.0, 0.0], special_points: 0, z_range: (0, 7), data, ..Sur::default() }.bytes()
@@ -128,7 +128,7 @@ fn units_are_lengths_in_several_spellings() {
 }
 
 #[test]
-fn a_height_that_is_no_length_is_an_error_and_a_position_that_is_none_a_warning() {
+fn heights_without_a_length_unit_are_an_error_and_positions_a_warning() {
     let error = read_bytes(&Sur { units: [b"mm", b"mm", b"V"], ..Sur::default() }.bytes()).unwrap_err();
     assert!(error.to_string().starts_with("SUR: z step unit (byte 212) is `V`; wanted a unit of length"), "{error}");
     let scan = read_bytes(&Sur { units: [b"s", b"mm", b"mm"], ..Sur::default() }.bytes()).unwrap();
@@ -137,16 +137,16 @@ fn a_height_that_is_no_length_is_an_error_and_a_position_that_is_none_a_warning(
 }
 
 #[test]
-fn a_unit_ratio_that_contradicts_the_units_is_doubted() {
+fn a_unit_ratio_that_contradicts_the_units_gives_a_warning() {
     let mut bytes = Sur::default().bytes();
-    let doubted = |bytes: &[u8]| read_bytes(bytes).unwrap().warnings.iter().any(|w| w.contains("x unit ratio"));
-    assert!(!doubted(&bytes));
+    let gives_warning = |bytes: &[u8]| read_bytes(bytes).unwrap().warnings.iter().any(|w| w.contains("x unit ratio"));
+    assert!(!gives_warning(&bytes));
     // Steps in µm, lengths in mm: the ratio is 1000 or its inverse.
     bytes[228..244].copy_from_slice(b"mm              ");
-    assert!(doubted(&bytes));
+    assert!(gives_warning(&bytes));
     for ratio in [1000_f32, 0.001] {
         bytes[276..280].copy_from_slice(&ratio.to_le_bytes());
-        assert!(!doubted(&bytes));
+        assert!(!gives_warning(&bytes));
     }
 }
 
@@ -178,7 +178,7 @@ fn comment_and_private_zone_are_skipped_by_their_sizes() {
 }
 
 #[test]
-fn compressed_heights_are_those_of_the_streams_one_after_the_other() {
+fn compressed_heights_are_the_joined_streams() {
     let plain = read_bytes(&int32(false).bytes()).unwrap();
     assert_heights(&plain, &[1020e-9, 141e-6, NAN, 400e-9]);
     // Whole numbers, a number across two streams, a stream without bytes.
@@ -193,7 +193,7 @@ fn compressed_heights_are_those_of_the_streams_one_after_the_other() {
 }
 
 #[test]
-fn streams_that_are_packed_in_earnest_are_read() {
+fn deflated_streams_are_read() {
     let heights: Vec<u8> = (0..100_000).flat_map(|n: i32| (n % 997 + 100).to_le_bytes()).collect();
     let file = Sur { bits: 32, size: (400, 250), z_range: (100, 1096), ..Sur::default() };
     let plain = Sur { data: heights.clone(), ..file.clone() }.bytes();
@@ -309,7 +309,7 @@ fn surfaces_of_a_series_are_channels_by_their_names() {
 }
 
 #[test]
-fn objects_that_are_no_heights_are_left_out_of_the_channels() {
+fn objects_other_than_heights_are_not_channels() {
     let layer = |name, unit| Sur { name, object_type: 8, objects: 3, units: [b"mm", b"mm", unit], ..Sur::default() };
     let layers = [layer(b"phase", b"deg"), layer(b"height", b"nm"), layer(b"potential", b"V")];
     let scan = read_bytes(&layers.map(|layer| layer.bytes()).concat()).unwrap();
@@ -329,20 +329,22 @@ fn objects_that_are_no_heights_are_left_out_of_the_channels() {
 }
 
 #[test]
-fn what_follows_the_objects_and_what_is_missing_of_them_is_doubted() {
-    let doubts = |bytes: &[u8]| {
+fn surplus_bytes_and_missing_objects_give_a_warning() {
+    let warnings_of = |bytes: &[u8]| {
         let scan = read_bytes(bytes).unwrap();
         assert_eq!(scan.channels.len(), 1);
         scan.warnings.join("; ")
     };
     let mut trailing = Sur::default().bytes();
     trailing.extend([0; 7]);
-    assert!(doubts(&trailing).contains("7 bytes behind the last object were left out"));
-    assert!(doubts(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("announces 3 objects; the file holds 1"));
+    assert!(warnings_of(&trailing).contains("7 bytes after the last object were left out"));
+    assert!(
+        warnings_of(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("declares 3 objects; the file holds 1")
+    );
     let cut = [Sur::default().bytes(), Sur::default().bytes()].concat();
     let heights = cut.len() - 12;
     let wanted = format!("the heights (byte {heights}) stop after 11 bytes; wanted 12");
-    assert!(doubts(&cut[..cut.len() - 1]).contains(&wanted));
+    assert!(warnings_of(&cut[..cut.len() - 1]).contains(&wanted));
 }
 
 #[test]
@@ -363,13 +365,13 @@ fn other_objects_are_refused_with_a_reason() {
 }
 
 #[test]
-fn many_lines_called_a_profile_are_a_surface_with_a_warning() {
+fn a_profile_of_many_lines_is_a_surface_with_a_warning() {
     let scan = read_bytes(&Sur { object_type: 1, ..Sur::default() }.bytes()).unwrap();
-    assert!(scan.warnings.iter().any(|warning| warning.contains("calls itself a profile")));
+    assert!(scan.warnings.iter().any(|warning| warning.contains("the type of the file is a profile")));
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let huge = Sur { size: (i32::MAX, i32::MAX), ..Sur::default() }.bytes();
     assert!(matches!(read_bytes(&huge), Err(FormatError::TooLarge { .. })));
     let long = Sur { size: (16384, 16384), ..Sur::default() }.bytes();

@@ -1,4 +1,4 @@
-//! The table of formats: what it says of itself, and that the README shows it.
+//! The table of formats, and its copy in the README.
 
 use asperity_formats::{Description, Format, Tested, descriptions};
 

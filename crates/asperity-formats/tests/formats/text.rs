@@ -9,7 +9,7 @@ const NAN: f64 = f64::NAN;
 /// As Gwyddion exports data fields with a header.
 const GWYDDION: &str = "# Channel: Topography\n# Width: 3.0 µm\n# Height: 1.00 µm\n# Value units: m\n\
     1e-09\t2e-09\t3e-09\n4e-09\t5e-09\t6e-09\n";
-/// As SPIP exports images: lengths in nanometre, and ones where points are missing behind the heights.
+/// Export of SPIP: lengths in nanometre; after the heights a map with 1 for missing points.
 const SPIP: &str = "# File Format = ASCII\r\n# Created by SPIP 4.6.5.0\r\n# x-pixels = 3\r\n# y-pixels = 2\r\n\
     # x-length = 30\r\n# y-length = 10\r\n# x-offset = 0\r\n# Bit2nm = 0.5\r\n# voidpixels = 1\r\n\
     # Start of Data:\r\n1\t2\t3\r\n4\t5\t6\r\n0\t0\t0\r\n0\t1\t0\r\n";
@@ -18,7 +18,7 @@ const ESRI: &str = "ncols 3\nnrows 2\nxllcorner 0.0\nyllcorner 0.0\ncellsize 0.5
     1e-9 2e-9 3e-9\n4e-9 -9999 6e-9\n";
 const DECIMAL_COMMAS: &str = "# unit: nm\n1,5;-2,5;3\n4,25E0;;6\n";
 
-/// Two of Gwyddion's channels in one file, and one that is no height.
+/// Returns two of Gwyddion's channels in one file, and one that is not a height.
 fn two_channels() -> String {
     let phase = GWYDDION.replace("Topography", "Phase").replace("Value units: m", "Value units: deg");
     let zoom = "# Channel: Zoom\n# Width: 4 nm\n# Height: 2 nm\n# Value units: nm\n1 2\n";
@@ -91,7 +91,7 @@ fn text_in_utf16_is_read_as_spreadsheets_write_it() {
 }
 
 #[test]
-fn labels_of_rows_and_columns_are_no_heights() {
+fn labels_of_rows_and_columns_are_left_out() {
     let heights = [1e-6, 2e-6, 3e-6, 4e-6];
     for text in [
         // As pandas writes a frame, and a spreadsheet with coordinates.
@@ -143,7 +143,7 @@ fn ragged_rows_name_their_line() {
 }
 
 #[test]
-fn what_is_no_number_names_its_line_and_column() {
+fn fields_that_are_not_numbers_name_line_and_column() {
     let error = read_bytes(b"1 2\n3 x4\n").unwrap_err();
     assert!(error.to_string().starts_with("text: value 2 (line 2) is `x4`; wanted a number"), "{error}");
     let error = read_bytes(b"1;2\n3;4,5,6\n").unwrap_err();
@@ -176,7 +176,7 @@ fn text_without_numbers_is_an_error() {
 }
 
 #[test]
-fn a_list_of_points_is_doubted() {
+fn a_list_of_points_gives_a_warning() {
     let list: String = (0..20).map(|i| format!("{i} {i} 0.5\n")).collect();
     let scan = read_bytes(list.as_bytes()).unwrap();
     assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("points x y z")), "{:?}", scan.warnings);
@@ -205,7 +205,7 @@ fn gwyddion_states_the_size_of_all_points() {
 }
 
 #[test]
-fn channels_of_one_file_are_told_apart() {
+fn channels_of_one_file_are_distinguished() {
     let text = two_channels();
     let scan = read_bytes(text.as_bytes()).unwrap();
     assert_heights(&scan, &HEIGHTS_M);
@@ -230,7 +230,7 @@ fn channels_of_one_file_are_told_apart() {
 }
 
 #[test]
-fn spip_counts_in_nanometre_and_marks_voids_behind_the_heights() {
+fn spip_uses_nanometre_and_marks_voids_after_the_heights() {
     let scan = read_bytes(SPIP.as_bytes()).unwrap();
     assert_eq!(scan.heights_m.dim(), (2, 3));
     assert_heights(&scan, &[0.5e-9, 1e-9, 1.5e-9, 2e-9, NAN, 3e-9]);
@@ -242,7 +242,7 @@ fn spip_counts_in_nanometre_and_marks_voids_behind_the_heights() {
 }
 
 #[test]
-fn an_esri_grid_is_read_whatever_its_lines() {
+fn an_esri_grid_is_read_with_any_line_breaks() {
     let wanted = [1e-9, 2e-9, 3e-9, 4e-9, NAN, 6e-9];
     for text in [
         ESRI.to_owned(),
@@ -310,7 +310,7 @@ fn a_pixel_size_is_stated_in_many_ways() {
 }
 
 #[test]
-fn doubts_about_the_pixel_size_are_told() {
+fn doubts_about_the_pixel_size_are_reported() {
     let warnings = |header: &str| read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap().warnings;
     let found = warnings("# Width: 10 um");
     assert!(matches!(found.as_slice(), [one] if one.contains("a width but no height")), "{found:?}");
@@ -388,8 +388,8 @@ fn a_conversion_factor_is_written_in_many_ways() {
 fn a_conversion_factor_without_a_unit_leads_to_metre_with_a_warning() {
     let scan = read_bytes(format!("# unit: rad\n# conversion factor = 6.3e-8\n{MATRIX}").as_bytes()).unwrap();
     assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
-    let told = "the header states `conversion factor: 6.3e-8` without a unit; it was taken to give metre";
-    assert_eq!(scan.warnings, [told]);
+    let expected = "the header states `conversion factor: 6.3e-8` without a unit; metre was assumed";
+    assert_eq!(scan.warnings, [expected]);
 }
 
 #[test]
@@ -414,8 +414,8 @@ fn a_conversion_factor_that_is_not_applied_is_quoted() {
     ] {
         let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
         assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
-        let told = format!("the header states {quoted}, which was not used");
-        assert!(scan.warnings.contains(&told), "{header}: {:?}", scan.warnings);
+        let expected = format!("the header states {quoted}, which was not used");
+        assert!(scan.warnings.contains(&expected), "{header}: {:?}", scan.warnings);
     }
     // Koala states the factor of phases also above heights.
     let scan = read_bytes(format!("data unit=m\nheight conversion factor (-> m)=0\n{MATRIX}").as_bytes()).unwrap();
@@ -423,7 +423,7 @@ fn a_conversion_factor_that_is_not_applied_is_quoted() {
 }
 
 #[test]
-fn a_conversion_factor_that_is_no_number_or_zero_is_refused_with_its_line() {
+fn an_invalid_conversion_factor_is_refused_with_its_line() {
     for value in ["abc", "0", "nan", "inf", "-0.0", "1,250", "1,2,3"] {
         let text = format!("# data unit: rad\n\n# height conversion factor (-> m) = {value}\n{MATRIX}");
         let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
@@ -434,7 +434,7 @@ fn a_conversion_factor_that_is_no_number_or_zero_is_refused_with_its_line() {
 }
 
 #[test]
-fn a_size_with_a_unit_of_its_own_is_a_length_whatever_its_number() {
+fn a_size_with_a_unit_is_always_a_length() {
     for header in [
         "# Width: 3.0 µm\n# Height: 2.0 µm",
         "# Width [um]: 3\n# Height [um]: 2",
@@ -446,13 +446,13 @@ fn a_size_with_a_unit_of_its_own_is_a_length_whatever_its_number() {
         let (dx_m, dy_m) = scan.pitch_m.unwrap_or_else(|| panic!("{header}"));
         assert!((dx_m / 1e-6 - 1.0).abs() < 1e-14 && (dy_m / 1e-6 - 1.0).abs() < 1e-14, "{header}: {dx_m} {dy_m}");
     }
-    // The unit of the heights makes no lengths of the numbers of points.
+    // The unit of the heights does not turn numbers of points into lengths.
     let scan = read_bytes(format!("# Width: 3\n# Height: 2\n# unit: um\n{MATRIX}").as_bytes()).unwrap();
     assert_eq!(scan.pitch_m, None);
 }
 
 #[test]
-fn a_unit_that_is_no_length_is_doubted() {
+fn a_unit_other_than_a_length_gives_a_warning() {
     for (header, shown) in [
         ("# Value units: V", "`Value units: V`"),
         // A current, and no Ångström.
@@ -479,7 +479,7 @@ fn a_header_without_comment_signs_must_be_keys_with_values() {
 }
 
 #[test]
-fn decimal_commas_are_read_where_commas_separate_nothing() {
+fn decimal_commas_are_read_if_commas_are_no_separators() {
     for text in [
         "1,5;2,25;-3\n0;1e-3;7,0E1",
         "1,5\t2,25\t-3\n0\t1e-3\t7,0E1",
@@ -492,7 +492,7 @@ fn decimal_commas_are_read_where_commas_separate_nothing() {
     }
     let scan = read_bytes(DECIMAL_COMMAS.as_bytes()).unwrap();
     assert_heights(&scan, &[1.5e-9, -2.5e-9, 3e-9, 4.25e-9, NAN, 6e-9]);
-    // Commas with spaces behind them separate.
+    // Commas followed by spaces are separators.
     assert_heights(&read_bytes(b"1, 2, 3").unwrap(), &[1.0, 2.0, 3.0]);
     assert_heights(&read_bytes(b"1,5").unwrap(), &[1.0, 5.0]);
     for (text, line) in [("1,5;2\n1.5;2\n", 2), ("1.5;2 # 1,5\n3;2,5\n", 1)] {
@@ -510,14 +510,14 @@ fn marks_of_other_programs_are_missing_too() {
 }
 
 #[test]
-fn what_c_libraries_write_for_no_number_is_missing_and_no_comment() {
+fn special_numbers_of_c_libraries_are_missing_heights() {
     for text in ["1.#QNAN 2 -1.#IND\n4 1.#INF00 -nan(ind)\n", "1.#SNAN;2;1.#qnan0\n4;-1.#INF;nan(snan) # 1.#IND\n"] {
         let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
         assert_heights(&scan, &[NAN, 2.0, NAN, 4.0, NAN, NAN]);
     }
     // With a decimal comma.
     assert_heights(&read_bytes(b"0,5;1,#QNAN\n-1,#IND;2,5\n").unwrap(), &[0.5, NAN, NAN, 2.5]);
-    // At the end of a line without anything behind it.
+    // At the end of a line.
     assert_heights(&read_bytes(b"2 1.#IND").unwrap(), &[2.0, NAN]);
     // Comments that touch a number stay comments.
     assert_heights(&read_bytes(b"2 1.#a comment\n3 1.#INFO\n4 1#IND\n").unwrap(), &[2.0, 1.0, 3.0, 1.0, 4.0, 1.0]);
@@ -550,7 +550,7 @@ fn a_long_text_is_the_same_in_pieces() {
         );
     }
     assert_eq!(scan.metadata["comment"].lines().count(), 30);
-    // Row 2900 stands behind the unit, 2900 rows, and a blank line for each of 29 comments before.
+    // Row 2900 follows the unit, 2900 rows, and a blank line for each of 29 comments.
     let start = text.lines().take(2930).map(|line| line.len() + 1).sum::<usize>();
     text.replace_range(start..start + 1, "x");
     let error = read_bytes(text.as_bytes()).unwrap_err().to_string();

@@ -197,7 +197,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
             "TIFF of ImageJ",
             tiff(CLASSIC, &[resolved.clone().with(270, Value::Text(IMAGE_J)).with(296, Value::Short(1))]),
         ),
-        // The second page's twelve bytes stand last, and the first page is read.
+        // The twelve bytes of the second page are at the end, and the first page is read.
         Fixture { needed: two_pages.len() - 12, ..Fixture::whole("TIFF with OME-XML", two_pages) },
         Fixture::whole("TIFF big with tiles", tiff(KINDS[2], &[tiles(KINDS[2]).with(42113, Value::Text("5"))])),
         Fixture::whole("TIFF with PackBits", tiff(CLASSIC, &[strips.with(274, Value::Short(6))])),
@@ -232,7 +232,7 @@ fn floats_are_heights_in_metre_in_every_layout() {
 }
 
 #[test]
-fn integers_are_counts_with_a_warning() {
+fn integers_give_a_warning() {
     let values: [i64; 6] = [1, 2, 127, -128, -1, 0];
     for width in [1, 2, 4] {
         for kind in KINDS {
@@ -278,7 +278,7 @@ fn differences_of_neighbours_are_summed() {
         let page = |packed| Page::new(16, 1, packed).with(317, Value::Short(2));
         let packed = page(zlib(&raw)).with(259, Value::Short(8));
         assert_heights(&read_bytes(&tiff(kind, &[packed])).unwrap(), &[500.0, 502.0, 501.0, 65535.0, 0.0, 1.0]);
-        // Without packing there is no predictor, whatever its field says.
+        // Without compression there is no predictor, whatever the value of its field.
         let plain = page(raw);
         assert_heights(&read_bytes(&tiff(kind, &[plain])).unwrap(), &[500.0, 2.0, 65535.0, 65535.0, 1.0, 1.0]);
     }
@@ -343,12 +343,12 @@ fn resolutions_per_inch_and_centimetre_give_the_pitch() {
     assert_eq!(read(&page(3)).pitch_m, Some((0.01 / 2540.0, 0.01 / 1270.0)));
     // No absolute unit.
     assert_eq!(read(&page(1)).pitch_m, None);
-    for (per_inch, doubted) in [(1, true), (72, true), (300, true), (25400, false)] {
+    for (per_inch, gives_warning) in [(1, true), (72, true), (300, true), (25400, false)] {
         let page = floats().with(282, Value::Rational(per_inch, 1)).with(283, Value::Rational(per_inch, 1));
         let scan = read(&page);
         assert_eq!(scan.pitch_m, Some((0.0254 / per_inch as f64, 0.0254 / per_inch as f64)));
-        let told = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
-        assert_eq!(told, doubted, "{per_inch}: {:?}", scan.warnings);
+        let is_reported = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
+        assert_eq!(is_reported, gives_warning, "{per_inch}: {:?}", scan.warnings);
     }
     let none = floats().with(282, Value::Rational(1, 0)).with(283, Value::Rational(1, 0));
     assert_eq!(read(&none).pitch_m, None);
@@ -467,7 +467,7 @@ fn a_flat_page_unpacks_within_bounds_and_a_bomb_does_not() {
     assert!(flat.len() < 1 << 16);
     let (scan, peak) = peak_bytes(|| read_bytes(&flat).unwrap());
     assert_eq!(scan.heights_m.dim(), (2048, 2048));
-    // The heights, and what unpacking one row takes.
+    // The heights, and the memory for unpacking one row.
     assert!(peak < (8 << 22) + (1 << 20), "{peak}");
     let error = read_bytes(&page(2049, zlib(&vec![0; 8 * 2049 * 2049]))).unwrap_err().to_string();
     assert!(error.contains("more than 256 times as many"), "{error}");
@@ -476,7 +476,7 @@ fn a_flat_page_unpacks_within_bounds_and_a_bomb_does_not() {
 #[test]
 fn directories_that_lead_back_are_refused() {
     let mut bytes = tiff(CLASSIC, &[floats()]);
-    // The next directory stands behind two bytes of a count and 12 bytes of each field.
+    // The offset of the next directory follows two bytes of a count and 12 bytes per field.
     let fields = usize::from(bytes[8]);
     bytes[10 + 12 * fields] = 8;
     let error = read_bytes(&bytes).unwrap_err().to_string();

@@ -7,7 +7,7 @@ use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// What a test says of a file.
+/// Variable parts of a file.
 struct Tmd {
     title: &'static [u8],
     comment: &'static [u8],
@@ -101,7 +101,7 @@ fn comments_of_any_length_end_with_a_zero_or_are_filled_with_zeros() {
 }
 
 #[test]
-fn bytes_after_the_heights_are_doubted() {
+fn bytes_after_the_heights_give_a_warning() {
     let mut bytes = Tmd::default().bytes();
     assert!(read_bytes(&bytes).unwrap().warnings.iter().all(|warning| !warning.contains("follow")));
     bytes.extend([0; 5]);
@@ -132,7 +132,7 @@ fn other_versions_are_refused() {
 }
 
 #[test]
-fn sizes_that_the_bytes_cannot_bear_out_are_errors() {
+fn sizes_that_exceed_the_file_are_errors() {
     let huge = Tmd { size: (u32::MAX, u32::MAX), ..Tmd::default() }.bytes();
     assert!(matches!(read_bytes(&huge), Err(FormatError::TooLarge { .. })));
     let long = Tmd { size: (1 << 14, 1 << 14), ..Tmd::default() }.bytes();

@@ -38,7 +38,7 @@ impl Layer {
     }
 }
 
-/// What a test says of a VK4 file.
+/// Variable parts of a VK4 file.
 #[derive(Clone)]
 struct Vk4 {
     signature: &'static [u8; 4],
@@ -182,7 +182,7 @@ fn numbers_of_every_width_are_unsigned() {
 }
 
 #[test]
-fn heights_of_0_are_told_and_kept() {
+fn heights_of_0_are_kept_with_a_warning() {
     let warned = |scan: &Scan| scan.warnings.iter().any(|warning| warning.starts_with("1 heights are 0"));
     assert!(warned(&reading(&Vk4::default())));
     let full = Layer { data: u32s(&[1, 2, 3, 4, 5, 6]), ..Layer::of_32_bits() };
@@ -275,7 +275,7 @@ fn points_of_the_image_of_errors_are_missing() {
 }
 
 #[test]
-fn an_image_of_errors_that_does_not_fit_is_left_out_and_told() {
+fn an_image_of_errors_that_does_not_fit_is_left_out_with_a_warning() {
     for (image, reason) in [
         (errors(2, 2, 1, 2, &[1; 4]), "width (ErrorImageData, byte 0) is `2`; wanted 3"),
         (errors(3, 3, 1, 3, &[1; 9]), "height (ErrorImageData, byte 4) is `3`; wanted 2"),
@@ -319,18 +319,18 @@ fn archives_without_a_vk4_file_and_previews_beyond_the_file_are_refused() {
 }
 
 #[test]
-fn text_that_starts_with_vk6_is_no_vk6_file() {
+fn text_that_starts_with_vk6_is_not_a_vk6_file() {
     assert_eq!(Format::detect(b"VK6 sample\n1 2\n3 4\n"), Some(Format::Text));
 }
 
 #[test]
-fn compression_counts_by_the_size_in_bytes_only() {
+fn compression_is_detected_by_the_size_in_bytes_only() {
     let marked = Layer { compression: u32::from_le_bytes(*b"MC32"), ..Layer::of_32_bits() };
     assert_eq!(crate::bits(&reading(&layered(marked.clone()))), crate::bits(&reading(&Vk4::default())));
     let packed = Layer { data: vec![1; 20], ..marked };
     let message = read_bytes(&layered(packed).bytes()).unwrap_err().to_string();
     assert!(
-        message.contains("byte size") && message.contains("is `20`; wanted 24, as heights that are not compressed"),
+        message.contains("byte size") && message.contains("is `20`; wanted 24, the size of uncompressed heights"),
         "{message}"
     );
 }
@@ -342,13 +342,13 @@ fn files_of_images_only_are_refused() {
 }
 
 #[test]
-fn another_file_type_is_told() {
+fn another_file_type_is_reported() {
     let scan = reading(&Vk4 { file_type: 2, ..Vk4::default() });
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("the file type is 2, not 0")));
 }
 
 #[test]
-fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+fn headers_that_exceed_the_file_are_errors() {
     let sized = |size, bits| read_bytes(&layered(Layer { size, bits, ..Layer::of_32_bits() }).bytes());
     assert!(matches!(sized((u32::MAX, u32::MAX), 32), Err(FormatError::TooLarge { .. })));
     for (size, bits, wanted) in [((0, 2), 32, "width"), ((3, 0), 32, "height"), ((3, 2), 24, "bit depth")] {

@@ -24,7 +24,7 @@ fn text(scan: &Scan) -> String {
     String::from_utf8(write_vtk(scan).unwrap()).unwrap()
 }
 
-/// The bytes of an array behind the eight of their size.
+/// Returns the bytes of an array after the eight bytes of their size.
 fn array_bytes(text: &str, kind: &str, name: &str) -> Option<Vec<u8>> {
     let start = format!("<DataArray type=\"{kind}\" Name=\"{name}\" format=\"binary\">");
     let content = text.split_once(&start)?.1.split_once("</DataArray>").unwrap().0;
@@ -46,7 +46,7 @@ fn the_last_row_is_written_first_and_missing_points_are_marked() {
 }
 
 #[test]
-fn extent_and_spacing_are_those_of_the_points() {
+fn extent_and_spacing_follow_the_points() {
     let text = text(&scan());
     for wanted in [
         r#"<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">"#,

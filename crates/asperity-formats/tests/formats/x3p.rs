@@ -139,7 +139,7 @@ fn main_xml_may_be_utf16_or_latin1() {
 }
 
 #[test]
-fn files_may_lie_in_a_folder_beside_what_desktops_leave() {
+fn files_may_be_in_a_folder_beside_files_of_desktops() {
     let file = X3p { folder: "land 1/", ..X3p::default() };
     let main = file.main_xml();
     let checksum = format!("{} *main.xml", md5(main.as_bytes()));
@@ -221,8 +221,8 @@ fn layer(text: &str) -> ReadOptions {
     ReadOptions { channel: Some(text.into()), ..ReadOptions::default() }
 }
 
-/// Three layers of 2 × 3 numbers in nanometre: hundreds tell the layer, tens the line, ones the column. Point (1, 0) of
-/// the second layer is not valid: bit 6 + 3, across a border of bytes.
+/// Returns three layers of 2 × 3 numbers in nanometre: the hundreds are the layer, the tens the line, the ones the
+/// column. Point (1, 0) of the second layer is not valid: bit 6 + 3, across a border of bytes.
 fn layered() -> X3p {
     let numbers = [11, 12, 13, 21, 22, 23].map(|point| [100, 200, 300].map(|layer| layer + point));
     X3p {
@@ -442,11 +442,11 @@ fn a_zip_archive_is_known_by_main_xml() {
 }
 
 #[test]
-fn increments_that_say_nothing_are_doubted() {
+fn increments_of_zero_give_a_warning() {
     let file = |z_axis, data: Vec<u8>| X3p { z_axis, size: (2, 1, 1), data, ..X3p::default() }.bytes();
-    let read = |bytes: &[u8], doubt: &str| {
+    let read = |bytes: &[u8], expected: &str| {
         let scan = read_bytes(bytes).unwrap();
-        assert!(scan.warnings.iter().any(|warning| warning.contains(doubt)), "{doubt}: {:?}", scan.warnings);
+        assert!(scan.warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {:?}", scan.warnings);
         scan
     };
     let integers = le([-3_i16, 5].map(i16::to_le_bytes));
@@ -463,7 +463,7 @@ fn increments_that_say_nothing_are_doubted() {
 }
 
 #[test]
-fn the_first_line_is_the_top_one_and_another_origin_is_doubted() {
+fn the_first_line_is_the_top_one_and_another_origin_gives_a_warning() {
     let file = X3p { size: (1, 4, 1), ..X3p::default() };
     let with_origin = |origin: &str| {
         let main = file.main_xml().replace("</Axes>", &format!("<Origin>{origin}</Origin></Axes>"));

@@ -14,7 +14,7 @@ fn height((row, column): (usize, usize)) -> f64 {
     (4 * row + column) as f64 / 8.0
 }
 
-/// Where a point lies: row 0 has the smallest y.
+/// Returns the position of a point: row 0 has the smallest y.
 fn position((row, column): (usize, usize)) -> (f64, f64) {
     (10.0 + PITCH.0 * column as f64, -1.5 + PITCH.1 * row as f64)
 }
@@ -155,7 +155,7 @@ fn units_stand_in_the_header() {
 }
 
 #[test]
-fn wide_spacing_without_a_unit_is_doubted() {
+fn wide_spacing_without_a_unit_gives_a_warning() {
     let points = list(&by_rows(), " ");
     let scan = read(&points);
     assert!(scan.warnings.iter().any(|warning| warning.starts_with("no unit is stated")), "{:?}", scan.warnings);
@@ -238,7 +238,7 @@ fn a_zygo_file_has_heights_in_micrometre_and_pixels_from_the_top() {
     assert_eq!(scan.pitch_m, None);
     assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("not calibrated")), "{:?}", scan.warnings);
     let cut = zygo("1e-05").replace("\n#\n", "\n");
-    assert!(read_bytes(cut.as_bytes()).unwrap_err().to_string().contains("the line `#` behind the header is missing"));
+    assert!(read_bytes(cut.as_bytes()).unwrap_err().to_string().contains("the line `#` after the header is missing"));
 }
 
 #[test]
@@ -252,7 +252,7 @@ fn maps_of_three_columns_stay_maps() {
         assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text), "{text}");
         assert_eq!(read_bytes(text.as_bytes()).unwrap().heights_m.ncols(), 3);
     }
-    // A pixel size tells a map that looks like points.
+    // A pixel size distinguishes a map from points.
     let text = format!("# pixel size: 1 um\n{}", list(&by_rows(), " "));
     assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text));
 }
@@ -271,10 +271,10 @@ fn points_beside_the_grid_or_on_one_another_name_their_line() {
 }
 
 #[test]
-fn what_is_no_point_names_its_line() {
+fn lines_that_are_not_points_are_named() {
     let mut text: String = (0..900).map(|point| format!("{} {} 0.5\n", point % 30, point / 30)).collect();
     text.insert_str(0, "# points\n");
-    // The point (17, 25) on line 2 + 25 · 30 + 17, beyond what tells that the text is a list of points.
+    // The point (17, 25) is on line 2 + 25 · 30 + 17, after the lines that show a list of points.
     let refused = |to: &str| read_bytes(text.replace("\n17 25 0.5\n", to).as_bytes()).unwrap_err().to_string();
     assert_eq!(refused("\n17 25 0.5 7\n"), "XYZ: the number of values (line 769) is `4`; wanted 3: x, y and z");
     assert!(refused("\n17 one 0.5\n").starts_with("XYZ: value 2 (line 769) is `one`; wanted a number"));
@@ -289,7 +289,7 @@ fn points_that_span_a_giant_grid_are_refused() {
 }
 
 #[test]
-fn a_map_as_xyz_lies_like_the_same_map_as_sur_and_as_a_matrix() {
+fn a_map_has_one_orientation_as_xyz_sur_and_matrix() {
     // Neither symmetric nor square; positions grow from line to line, as ISO 25178-72 and the SUR format count them.
     let heights = ndarray::Array2::from_shape_fn((5, 7), |(row, column)| 1e-6 * (3 * row * row + column) as f64);
     let map = Scan::new(heights, Some((2e-6, 3e-6)));
@@ -336,7 +336,7 @@ fn points_on_no_grid_are_refused() {
             );
             assert!(error.contains("interpolate the heights onto one"), "{error}");
         }
-        // A pixel size tells a map.
+        // A pixel size marks a map.
         let text = format!("# pixel size: 1 um\n{points}");
         assert_eq!(read_bytes(text.as_bytes()).unwrap().heights_m.dim(), (400, 3));
     }
@@ -360,6 +360,6 @@ fn three_columns_in_a_file_named_xyz_are_points() {
     for (name, text) in [("map.txt", map), ("map.xyz", "1 2\n3 4\n"), ("map.xyz", sized)] {
         assert_eq!(write(name, text).unwrap().format, Some(Format::Text), "{name}: {text}");
     }
-    // Too few points for the steps to tell.
+    // Too few points to detect steps.
     assert_eq!(write("grid.xyz", "0 0 1\n1 0 2\n0 1 3\n1 1 4\n").unwrap().heights_m.dim(), (2, 2));
 }

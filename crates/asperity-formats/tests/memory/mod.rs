@@ -29,8 +29,8 @@ fn count(bytes: isize) {
 }
 
 #[expect(unsafe_code, reason = "counting allocations needs an allocator; every call goes to the system's unchanged")]
-// SAFETY: every method passes its arguments to `System` and returns what it returns; counting touches no memory but two
-// static numbers, and thread locals that need no initialisation and no destructor.
+// SAFETY: every method passes its arguments to `System` and returns its result. Counting touches only two static
+// numbers, and thread locals that need no initialisation and no destructor.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
@@ -59,8 +59,8 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// What `work` returns, and the most bytes that all threads held during it beyond those that they held before. Other tests
-/// must not run meanwhile.
+/// Returns the result of `work`, and the maximum number of bytes that all threads held during it in addition to the
+/// bytes held before. Other tests must not run meanwhile.
 #[allow(dead_code, reason = "each test program uses one of the two")]
 pub(crate) fn peak_bytes_of_all_threads<T>(work: impl FnOnce() -> T) -> (T, usize) {
     let before = HELD_BY_ALL.load(Ordering::Relaxed);
@@ -69,7 +69,8 @@ pub(crate) fn peak_bytes_of_all_threads<T>(work: impl FnOnce() -> T) -> (T, usiz
     (value, PEAK_OF_ALL.load(Ordering::Relaxed).saturating_sub(before).max(0) as usize)
 }
 
-/// What `work` returns, and the most bytes that this thread held during it beyond those that it held before.
+/// Returns the result of `work`, and the maximum number of bytes that this thread held during it in addition to the
+/// bytes held before.
 pub(crate) fn peak_bytes<T>(work: impl FnOnce() -> T) -> (T, usize) {
     let before = HELD.get();
     PEAK.set(before);
@@ -78,7 +79,7 @@ pub(crate) fn peak_bytes<T>(work: impl FnOnce() -> T) -> (T, usize) {
 }
 
 #[test]
-fn the_peak_counts_what_is_held_at_one_time() {
+fn the_peak_counts_memory_held_at_one_time() {
     let (kept, peak) = peak_bytes(|| {
         drop(std::hint::black_box(vec![1_u8; 5000]));
         std::hint::black_box(vec![1_u8; 3000])

@@ -1,9 +1,10 @@
-//! HDF5 files assembled structure by structure from the HDF5 File Format Specification, version 3.0; the numbers of its
-//! sections are in the comments.
+//! HDF5 files assembled structure by structure from the HDF5 File Format Specification, version 3.0. Comments give
+//! the numbers of its sections.
 //!
-//! A structure is appended when all that it refers to is in the file, so addresses are known; the superblock comes last.
+//! A structure is appended after all structures that it refers to, so their addresses are known. The superblock comes
+//! last.
 
-/// What stands for an address where there is nothing.
+/// Address that marks an absent object.
 pub(crate) const UNDEFINED: u64 = u64::MAX;
 
 /// Types of object header messages (IV.A.2).
@@ -29,7 +30,7 @@ pub(crate) struct Hdf5 {
     heap_bytes: usize,
 }
 
-/// Where the first structure starts, the global heap: behind the superblock of version 1, which is the longest.
+/// Offset of the first structure, the global heap: after the superblock of version 1, which is the longest.
 const START: usize = 104;
 /// The least size of a collection (III.E).
 const HEAP_BYTES: usize = 4096;
@@ -162,7 +163,7 @@ impl Hdf5 {
         self.object(&[&[table], attributes].concat())
     }
 
-    /// A node of a version 1 B-tree (III.A.1): its keys, what is behind them, and the key after the last.
+    /// Appends a node of a version 1 B-tree (III.A.1): its keys, their addresses, and the key after the last.
     pub(crate) fn tree(&mut self, kind: u8, level: u8, children: &[(Vec<u8>, u64)], last: &[u8]) -> u64 {
         let mut entries = Vec::new();
         for (key, child) in children {
@@ -383,7 +384,8 @@ pub(crate) mod datatype {
         ]
     }
 
-    /// IEEE 754; the bits tell byte order, implied one before the point (2 in bits 4 and 5), and the place of the sign.
+    /// IEEE 754. The bits are the byte order, the implied one before the point (2 in bits 4 and 5), and the place of
+    /// the sign.
     pub(crate) fn float(bytes: u8, is_big_endian: bool) -> Vec<u8> {
         let (exponent, mantissa, bias) = if bytes == 4 { (8, 23, 127_u32) } else { (11, 52, 1023) };
         let precision = 8 * u16::from(bytes);
@@ -486,7 +488,7 @@ pub(crate) fn fill_value(value: &[u8]) -> Message {
 
 /// Bob Jenkins' lookup3 with the start value 0, the checksum of metadata (II.B).
 fn lookup3(bytes: &[u8]) -> u32 {
-    /// What each of the three words is changed by in a turn: the word, and by how much its forerunner is rotated.
+    /// Steps of a turn for the three words: the word, and the rotation of its predecessor.
     const FINAL: [(usize, u32); 7] = [(2, 14), (0, 11), (1, 25), (2, 16), (0, 4), (1, 14), (2, 24)];
     const MIX: [(usize, u32); 6] = [(0, 4), (1, 6), (2, 8), (0, 16), (1, 19), (2, 4)];
     let mut words = [0xdead_beef_u32.wrapping_add(bytes.len() as u32); 3];
@@ -515,7 +517,7 @@ fn lookup3(bytes: &[u8]) -> u32 {
 }
 
 #[test]
-fn the_checksum_is_that_of_the_published_examples() {
+fn the_checksum_equals_the_published_examples() {
     // From the comments of lookup3.c, for the start value 0.
     assert_eq!(lookup3(b""), 0xdead_beef);
     assert_eq!(lookup3(b"Four score and seven years ago"), 0x1777_0551);

@@ -1,0 +1,144 @@
+//! Conversion factors of heights in the header of a text.
+
+use super::header::{COMMENT, DECIMAL_SIGN, Header, Pair, bare, is_one_of, unit};
+use crate::error::Result;
+
+const BIT_TO_NM: &str = "bit2nm";
+const FACTOR: &str = "conversion factor";
+/// Words beside it in keys that convert heights.
+const OF_HEIGHTS: &str = "height|heights|z|data|value|values";
+
+/// Conversion factor of heights.
+#[derive(Clone, Copy)]
+pub(super) struct Factor<'a> {
+    pub(super) pair: &'a Pair,
+    pub(super) value: f64,
+    /// Unit before the conversion, if the header names it.
+    pub(super) source: Option<&'a str>,
+    /// Unit after the conversion and its number per metre, if the header names it.
+    pub(super) target: Option<(&'a str, Option<f64>)>,
+}
+
+/// Conversion factors of a header.
+pub(super) struct Factors<'a> {
+    /// Factor to apply.
+    pub(super) used: Option<Factor<'a>>,
+    /// Pairs with factors that are not applied.
+    pub(super) unused: Vec<&'a Pair>,
+}
+
+impl Pair {
+    /// Returns whether this pair states a conversion factor.
+    fn is_factor(&self) -> bool {
+        self.name == BIT_TO_NM
+            || self.name.contains(FACTOR)
+            || self.name == COMMENT && self.value.to_lowercase().contains(FACTOR)
+    }
+
+    /// Returns the factor for heights; `None` for another factor. Its value is NaN if it is not a number.
+    fn factor(&self, has_decimal_commas: bool) -> Option<Factor<'_>> {
+        let (value, behind) = factor_value(&self.value, has_decimal_commas).unwrap_or((f64::NAN, ""));
+        if self.name == BIT_TO_NM {
+            return Some(Factor { pair: self, value, source: None, target: Some(("nm", Some(1e9))) });
+        }
+        let (before, after) = self.name.split_once(FACTOR)?;
+        if !before.split_whitespace().chain(after.split_whitespace()).all(|word| is_one_of(OF_HEIGHTS, word)) {
+            return None;
+        }
+        let bracket = self.key.split_once(['(', '[']).map_or("", |(_, bracket)| bracket);
+        let (stated, other) = (units_of_factor(bracket), units_of_factor(behind));
+        let target = match [stated.1, other.1].map(|name| name.map(|name| (name, unit(name)))) {
+            // Units that contradict each other are ignored.
+            [Some((name, per_metre)), Some((_, other))] => Some((name, per_metre.filter(|_| per_metre == other))),
+            [target, other] => target.or(other),
+        };
+        Some(Factor { pair: self, value, source: stated.0.or(other.0), target })
+    }
+}
+
+/// Returns the number at the start of a text and the text after it. A comma between digits is the decimal sign unless
+/// it may separate thousands.
+fn factor_value(text: &str, has_decimal_commas: bool) -> Option<(f64, &str)> {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let sign = usize::from(text.starts_with(['+', '-']));
+    let comma = sign + digits(&text[sign..]);
+    let (value, length) = match text[comma..].strip_prefix(',') {
+        Some(rest) => {
+            let decimals = digits(rest);
+            let ends = !rest[decimals..].starts_with(['e', 'E', ',', '.']);
+            let may_be_thousands =
+                ends && decimals == 3 && (1..=3).contains(&(comma - sign)) && !text[sign..].starts_with('0');
+            if decimals == 0 || comma == sign || may_be_thousands && !has_decimal_commas {
+                return None;
+            }
+            fast_float2::parse_partial(text.replacen(',', ".", 1)).ok()?
+        }
+        None => fast_float2::parse_partial(text).ok()?,
+    };
+    let behind = &text[length..];
+    (!behind.starts_with([',', '.'])).then(|| (value, behind.trim()))
+}
+
+/// Returns the units before and after a conversion: `V -> nm`, `-> nm`, `nm/V` or `nm`.
+fn units_of_factor(text: &str) -> (Option<&str>, Option<&str>) {
+    let arrow = ["->", "→"].into_iter().find_map(|arrow| text.split_once(arrow));
+    let (source, target) = match (arrow, text.split_once('/')) {
+        (Some((source, target)), _) | (None, Some((target, source))) => (source, target),
+        (None, None) => ("", text),
+    };
+    let named = |unit| Some(bare(unit)).filter(|unit| !unit.is_empty());
+    (named(source), named(target))
+}
+
+/// Returns whether two units are equal.
+fn is_same_unit(one: &str, other: &str) -> bool {
+    bare(one).eq_ignore_ascii_case(bare(other)) || unit(one).is_some_and(|one| unit(other) == Some(one))
+}
+
+impl Header {
+    /// Returns the factor that converts numbers to heights, and the pairs of other factors.
+    ///
+    /// `Bit2nm` of SPIP converts to nanometre, `height conversion factor (-> m)` to any unit, unless the numbers are
+    /// already in it. A factor without a unit converts to metre if it is the only one and no unit of length is
+    /// stated.
+    ///
+    /// # Errors
+    /// A factor that is not a number or is 0, if no unit of length is stated.
+    pub(super) fn factors(&self) -> Result<Factors<'_>, &Pair> {
+        let stated = self.height_unit();
+        let length = stated.and_then(|(_, _, per_metre)| per_metre);
+        let has_decimal_commas = self.find(DECIMAL_SIGN).is_some();
+        let (mut known, mut unused) = (Vec::new(), Vec::new());
+        for pair in self.pairs.iter().filter(|pair| pair.is_factor()) {
+            let Some(factor) = pair.factor(has_decimal_commas) else {
+                unused.push(pair);
+                continue;
+            };
+            let is_bit = pair.name == BIT_TO_NM;
+            let leads_nowhere = matches!(factor.target, Some((_, None)));
+            // Koala states the factor of phases also for heights.
+            let is_done =
+                length.is_some() && !is_bit && factor.target.map_or(Some(1.0), |(_, target)| target) == length;
+            let is_of_other_unit =
+                stated.zip(factor.source).is_some_and(|((_, unit, _), source)| !is_same_unit(unit, source));
+            if is_done && !factor.source.is_some_and(|source| unit(source) == length) {
+                continue;
+            }
+            if leads_nowhere || is_of_other_unit || factor.target.is_none() && length.is_some() {
+                unused.push(pair);
+            } else if factor.value.is_finite() && factor.value != 0.0 {
+                known.push(factor);
+            } else if length.is_some() && !is_bit {
+                unused.push(pair);
+            } else {
+                return Err(pair);
+            }
+        }
+        let named = known.iter().position(|factor| factor.pair.name == BIT_TO_NM);
+        let named = named.or_else(|| known.iter().position(|factor| factor.target.is_some()));
+        let place = named.or_else(|| Some(0).filter(|_| known.len() == 1));
+        let used = place.map(|place| known.remove(place));
+        unused.extend(known.iter().map(|factor| factor.pair));
+        Ok(Factors { used, unused })
+    }
+}
