@@ -1,27 +1,36 @@
-//! A drawing surface in pixels with a tenth of a pixel as resolution, over the SVG backend of plotters.
-//!
-//! The backend places everything at whole units, which would show as steps in a curve. The canvas therefore draws on
-//! ten units per pixel and states the true size in the header, so that a figure is 640 px wide and smooth.
+//! A drawing surface in pixels that writes SVG.
 
-use plotters::prelude::{Color, DrawingBackend, FontFamily, IntoFont, RGBColor, SVGBackend, ShapeStyle};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontTransform, TextStyle};
+use std::fmt::{self, Display};
 
-use crate::ReportError;
+use crate::markup::escape;
 
-/// Units of the drawing per pixel.
-const UNITS: f64 = 10.0;
-/// plotters divides a font size by this factor when it writes SVG.
-const FONT_SCALE: f64 = 1.24;
 const FONT_FAMILY: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 /// Size of tick labels and legends in pixels.
 pub(crate) const TEXT: f64 = 13.0;
 /// Size of axis labels in pixels.
 pub(crate) const LABEL: f64 = 14.0;
 /// Colour of axes and text.
-pub(crate) const INK: RGBColor = RGBColor(34, 34, 34);
-/// Colour of grid lines.
-pub(crate) const GRID: RGBColor = RGBColor(226, 226, 226);
+pub(crate) const INK: Colour = Colour(34, 34, 34);
+/// Colour of the background.
+pub(crate) const WHITE: Colour = Colour(255, 255, 255);
+/// Pen of frames and ticks.
+pub(crate) const THIN: Pen = Pen::new(INK, 1.0, Dash::Solid);
+/// Pen of grid lines.
+pub(crate) const GRID: Pen = Pen::new(Colour(226, 226, 226), 0.8, Dash::Solid);
+
+/// A colour in sRGB: red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Colour(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+
+impl Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(red, green, blue) = self;
+        write!(f, "#{red:02x}{green:02x}{blue:02x}")
+    }
+}
+
+/// A point in pixels, y downward.
+pub(crate) type Point = (f64, f64);
 
 /// A rectangle in pixels, y downward.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,12 +54,21 @@ impl Rect {
         self.bottom - self.top
     }
 
+    pub(crate) fn centre(&self) -> Point {
+        (0.5 * (self.left + self.right), 0.5 * (self.top + self.bottom))
+    }
+
+    /// Reports whether a point lies in the rectangle, with half a pixel to spare.
+    pub(crate) fn contains(&self, (x, y): Point) -> bool {
+        x >= self.left - 0.5 && x <= self.right + 0.5 && y >= self.top - 0.5 && y <= self.bottom + 0.5
+    }
+
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
     }
 }
 
-/// How a line is broken, so that curves differ without colour too.
+/// Dash pattern of a line, so that curves differ without colour too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Dash {
     Solid,
@@ -61,14 +79,14 @@ pub(crate) enum Dash {
 }
 
 impl Dash {
-    /// Lengths drawn and left out in turn, in pixels.
-    fn pattern(self) -> &'static [f64] {
+    /// Returns the SVG attribute with the lengths drawn and left out in turn, in pixels.
+    fn attribute(self) -> &'static str {
         match self {
-            Self::Solid => &[],
-            Self::Dashed => &[8.0, 4.0],
-            Self::Dotted => &[2.0, 3.0],
-            Self::Alternating => &[10.0, 3.5, 2.0, 3.5],
-            Self::Long => &[16.0, 5.0],
+            Self::Solid => "",
+            Self::Dashed => " stroke-dasharray=\"8 4\"",
+            Self::Dotted => " stroke-dasharray=\"2 3\"",
+            Self::Alternating => " stroke-dasharray=\"10 3.5 2 3.5\"",
+            Self::Long => " stroke-dasharray=\"16 5\"",
         }
     }
 }
@@ -76,24 +94,19 @@ impl Dash {
 /// Colour, width in pixels, dash and opacity of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pen {
-    pub(crate) colour: RGBColor,
+    pub(crate) colour: Colour,
     pub(crate) width: f64,
     pub(crate) dash: Dash,
     pub(crate) opacity: f64,
 }
 
 impl Pen {
-    pub(crate) fn new(colour: RGBColor, width: f64, dash: Dash) -> Self {
+    pub(crate) const fn new(colour: Colour, width: f64, dash: Dash) -> Self {
         Self { colour, width, dash, opacity: 1.0 }
-    }
-
-    fn style(&self) -> ShapeStyle {
-        let width = (self.width * UNITS).round().max(1.0) as u32;
-        self.colour.mix(self.opacity).stroke_width(width)
     }
 }
 
-/// Where a text lies relative to its point.
+/// Position of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Align {
     Start,
@@ -103,171 +116,121 @@ pub(crate) enum Align {
     Upward,
 }
 
-/// The figure while it is drawn.
-pub(crate) struct Canvas<'a> {
-    backend: SVGBackend<'a>,
+/// A figure under construction.
+#[derive(Default)]
+pub(crate) struct Canvas {
+    /// Images, which lie below everything else.
     images: String,
+    body: String,
 }
 
-fn units((x, y): (f64, f64)) -> (i32, i32) {
-    ((x * UNITS).round() as i32, (y * UNITS).round() as i32)
+/// Rounds a coordinate to a tenth of a pixel.
+fn px(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+fn path(points: &[Point]) -> String {
+    points.iter().map(|(x, y)| format!("{},{}", px(*x), px(*y))).collect::<Vec<_>>().join(" ")
 }
 
-/// An SVG document of `width` × `height` pixels with an accessible title and description.
-///
-/// # Errors
-/// Whatever `content` reports.
+fn opaque(opacity: f64) -> String {
+    if opacity == 1.0 { String::new() } else { format!(" opacity=\"{opacity}\"") }
+}
+
+/// Draws an SVG document of `width` × `height` pixels with an accessible title and description.
 pub(crate) fn draw(
     (width, height): (f64, f64),
     title: &str,
     description: &str,
-    content: impl FnOnce(&mut Canvas<'_>) -> Result<(), ReportError>,
-) -> Result<String, ReportError> {
-    let mut raw = String::new();
-    let size = ((width * UNITS) as u32, (height * UNITS) as u32);
-    let images = {
-        let mut canvas = Canvas { backend: SVGBackend::with_string(&mut raw, size), images: String::new() };
-        content(&mut canvas)?;
-        canvas.backend.present().map_err(|error| ReportError::Drawing { message: error.to_string() })?;
-        std::mem::take(&mut canvas.images)
-    };
-    // The first tag is the backend's header; maps lie below everything that it drew.
-    let body = raw.split_once('>').map_or("", |(_, body)| body);
-    let (title, description) = (escape(title), escape(description));
-    Ok(format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{title}\" stroke-linejoin=\"round\">\n\
+    content: impl FnOnce(&mut Canvas),
+) -> String {
+    let mut canvas = Canvas::default();
+    content(&mut canvas);
+    let (width, height, title, description) = (px(width), px(height), escape(title), escape(description));
+    let Canvas { images, body } = canvas;
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         role=\"img\" aria-label=\"{title}\" stroke-linejoin=\"round\" font-family=\"{FONT_FAMILY}\">\n\
          <title>{title}</title>\n<desc>{description}</desc>\n\
-         <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{images}{body}",
-        w = size.0,
-        h = size.1,
-    ))
+         <rect width=\"{width}\" height=\"{height}\" fill=\"{WHITE}\"/>\n{images}{body}</svg>\n"
+    )
 }
 
-impl Canvas<'_> {
-    fn check<E: std::fmt::Display>(result: Result<(), E>) -> Result<(), ReportError> {
-        result.map_err(|error| ReportError::Drawing { message: error.to_string() })
+impl Canvas {
+    /// Draws a line through points.
+    pub(crate) fn line(&mut self, points: &[Point], pen: Pen) {
+        self.body += &format!(
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{}{}/>\n",
+            path(points),
+            pen.colour,
+            px(pen.width),
+            pen.dash.attribute(),
+            opaque(pen.opacity)
+        );
     }
 
-    /// A line through points, broken as the pen says.
-    pub(crate) fn line(&mut self, points: &[(f64, f64)], pen: Pen) -> Result<(), ReportError> {
-        let style = pen.style();
-        for piece in dashes(points, pen.dash.pattern()) {
-            let mut path: Vec<(i32, i32)> = piece.into_iter().map(units).collect();
-            path.dedup();
-            if path.len() > 1 {
-                Self::check(self.backend.draw_path(path, &style))?;
-            }
-        }
-        Ok(())
+    /// Draws a filled polygon.
+    pub(crate) fn polygon(&mut self, points: &[Point], colour: Colour, opacity: f64) {
+        self.body += &format!("<polygon points=\"{}\" fill=\"{colour}\"{}/>\n", path(points), opaque(opacity));
     }
 
-    /// A filled polygon.
-    pub(crate) fn polygon(&mut self, points: &[(f64, f64)], colour: RGBColor, opacity: f64) -> Result<(), ReportError> {
-        let style = colour.mix(opacity).filled();
-        Self::check(self.backend.fill_polygon(points.iter().copied().map(units), &style))
-    }
-
-    /// A filled rectangle.
-    pub(crate) fn fill(&mut self, rect: Rect, colour: RGBColor) -> Result<(), ReportError> {
-        let (from, to) = (units((rect.left, rect.top)), units((rect.right, rect.bottom)));
-        Self::check(self.backend.draw_rect(from, to, &colour.filled(), true))
-    }
-
-    /// The outline of a rectangle.
-    pub(crate) fn frame(&mut self, rect: Rect, pen: Pen) -> Result<(), ReportError> {
+    /// Draws a filled rectangle.
+    pub(crate) fn fill(&mut self, rect: Rect, colour: Colour, opacity: f64) {
         let Rect { left, top, right, bottom } = rect;
-        self.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top), (right, top)], pen)
+        self.polygon(&[(left, top), (right, top), (right, bottom), (left, bottom)], colour, opacity);
     }
 
-    /// A filled disc with a white rim, so that it stands out on curves.
-    pub(crate) fn disc(&mut self, centre: (f64, f64), radius: f64, colour: RGBColor) -> Result<(), ReportError> {
-        for (radius, colour) in [(radius + 1.0, RGBColor(255, 255, 255)), (radius, colour)] {
-            let radius = (radius * UNITS).round() as u32;
-            Self::check(self.backend.draw_circle(units(centre), radius, &colour.filled(), true))?;
+    /// Draws the outline of a rectangle.
+    pub(crate) fn frame(&mut self, rect: Rect, pen: Pen) {
+        let Rect { left, top, right, bottom } = rect;
+        self.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top), (right, top)], pen);
+    }
+
+    /// Draws a filled disc with a white rim, so that it stands out on curves.
+    pub(crate) fn disc(&mut self, centre: Point, radius: f64, colour: Colour) {
+        self.dot(centre, radius + 1.0, WHITE, 1.0);
+        self.dot(centre, radius, colour, 1.0);
+    }
+
+    /// Draws a filled disc without a rim.
+    pub(crate) fn dot(&mut self, (x, y): Point, radius: f64, colour: Colour, opacity: f64) {
+        let (x, y, radius, opacity) = (px(x), px(y), px(radius), opaque(opacity));
+        self.body += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{colour}\"{opacity}/>\n");
+    }
+
+    /// Draws an interval as a horizontal line with bars of ± `cap` pixels at its ends.
+    pub(crate) fn interval(&mut self, (low, high): (f64, f64), y: f64, cap: f64, pen: Pen) {
+        self.line(&[(low, y), (high, y)], pen);
+        for x in [low, high] {
+            self.line(&[(x, y - cap), (x, y + cap)], pen);
         }
-        Ok(())
     }
 
-    /// A small filled disc without a rim.
-    pub(crate) fn dot(
-        &mut self,
-        centre: (f64, f64),
-        radius: f64,
-        colour: RGBColor,
-        opacity: f64,
-    ) -> Result<(), ReportError> {
-        let radius = (radius * UNITS).round() as u32;
-        Self::check(self.backend.draw_circle(units(centre), radius, &colour.mix(opacity).filled(), true))
-    }
-
-    /// A text whose vertical middle lies at the point.
-    pub(crate) fn text(&mut self, at: (f64, f64), text: &str, size: f64, align: Align) -> Result<(), ReportError> {
-        let mut font = (FontFamily::Name(FONT_FAMILY), size * UNITS * FONT_SCALE).into_font();
-        if align == Align::Upward {
-            font = font.transform(FontTransform::Rotate270);
-        }
-        let horizontal = match align {
-            Align::Start => HPos::Left,
-            Align::Middle | Align::Upward => HPos::Center,
-            Align::End => HPos::Right,
+    /// Writes a text whose vertical middle lies at the point.
+    pub(crate) fn text(&mut self, (x, y): Point, text: &str, size: f64, align: Align) {
+        let (x, y, text) = (px(x), px(y), escape(text));
+        let (anchor, turn) = match align {
+            Align::Start => ("start", String::new()),
+            Align::Middle => ("middle", String::new()),
+            Align::End => ("end", String::new()),
+            Align::Upward => ("middle", format!(" transform=\"rotate(-90,{x},{y})\"")),
         };
-        let style = TextStyle::from(font).color(&INK).pos(Pos::new(horizontal, VPos::Center));
-        Self::check(self.backend.draw_text(text, &style, units(at)))
+        self.body += &format!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"{INK}\"{turn}>{text}</text>\n"
+        );
     }
 
-    /// A PNG image stretched over a rectangle, its pixels kept sharp, below all that is drawn.
+    /// Places a PNG image over a rectangle, its pixels kept sharp, below everything else.
     pub(crate) fn image(&mut self, rect: Rect, data_uri: &str) {
-        let ((x, y), (right, bottom)) = (units((rect.left, rect.top)), units((rect.right, rect.bottom)));
-        self.images.push_str(&format!(
-            "<image x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \
-             style=\"image-rendering:pixelated\" href=\"{data_uri}\"/>\n",
-            right - x,
-            bottom - y,
-        ));
+        let (x, y, width, height) = (px(rect.left), px(rect.top), px(rect.width()), px(rect.height()));
+        self.images += &format!(
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+             style=\"image-rendering:pixelated\" href=\"{data_uri}\"/>\n"
+        );
     }
 }
 
-/// The drawn pieces of a broken line.
-fn dashes(points: &[(f64, f64)], pattern: &[f64]) -> Vec<Vec<(f64, f64)>> {
-    if pattern.is_empty() {
-        return vec![points.to_vec()];
-    }
-    let mut pieces = Vec::new();
-    let mut piece: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
-    let (mut index, mut left) = (0, pattern[0]);
-    for pair in points.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let length = (to.0 - from.0).hypot(to.1 - from.1);
-        let mut done = 0.0;
-        while length - done > left {
-            done += left;
-            let at = (from.0 + (to.0 - from.0) * done / length, from.1 + (to.1 - from.1) * done / length);
-            if index % 2 == 0 {
-                piece.push(at);
-                pieces.push(std::mem::take(&mut piece));
-            } else {
-                piece = vec![at];
-            }
-            index = (index + 1) % pattern.len();
-            left = pattern[index];
-        }
-        left -= length - done;
-        if index % 2 == 0 {
-            piece.push(to);
-        }
-    }
-    if index % 2 == 0 && piece.len() > 1 {
-        pieces.push(piece);
-    }
-    pieces
-}
-
-/// Width of a text in pixels from typical widths of sans-serif letters; fonts are known to the viewer only.
+/// Returns the width of a text in pixels from typical widths of sans-serif letters; only the viewer knows its fonts.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     let width = |c: char| match c {
         'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '’' | '“' | '”' => 0.34,
@@ -283,29 +246,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dashes_cover_the_drawn_share_of_the_path_and_follow_its_corners() {
-        let path = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0)];
-        let pieces = dashes(&path, &[8.0, 4.0]);
-        let length = |points: &Vec<(f64, f64)>| -> f64 {
-            points.windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).sum()
-        };
-        // 60 px hold exactly five periods of 12 px, each with 8 px drawn.
-        assert_eq!(pieces.len(), 5);
-        assert!((pieces.iter().map(length).sum::<f64>() - 40.0).abs() < 1e-9);
-        assert!(pieces.iter().any(|piece| piece.contains(&(30.0, 0.0))));
-        assert_eq!(dashes(&path, &[]), vec![path.to_vec()]);
+    fn lines_are_written_in_tenths_of_a_pixel_with_their_dashes() {
+        let mut canvas = Canvas::default();
+        let pen = Pen { opacity: 0.5, ..Pen::new(Colour(0, 114, 178), 1.8, Dash::Dashed) };
+        canvas.line(&[(0.0, 1.04), (30.06, 2.0)], pen);
+        let wanted = "<polyline points=\"0,1 30.1,2\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.8\" \
+                      stroke-dasharray=\"8 4\" opacity=\"0.5\"/>\n";
+        assert_eq!(canvas.body, wanted);
     }
 
     #[test]
     fn the_header_states_pixels_and_the_text_is_escaped() {
         let svg = draw((640.0, 300.0), "a < b & \"c\"", "d", |canvas| {
-            canvas.text((10.0, 10.0), "<script>", TEXT, Align::Start)
-        })
-        .unwrap();
+            canvas.text((10.0, 10.0), "<script>", TEXT, Align::Start);
+        });
         assert!(svg.contains("width=\"640\" height=\"300\""));
-        assert!(svg.contains("viewBox=\"0 0 6400 3000\""));
+        assert!(svg.contains("viewBox=\"0 0 640 300\""));
         assert!(svg.contains("a &lt; b &amp; &quot;c&quot;"));
         assert!(svg.contains("&lt;script&gt;") && !svg.contains("<script>"));
-        assert!(svg.contains("font-size=\"130\""));
+        assert!(svg.contains("font-size=\"13\""));
     }
 }

@@ -1,111 +1,117 @@
 //! Maps as images: fields become indexed PNGs with a colour bar.
 
 use crate::axis::Axis;
-use crate::canvas::{Align, Canvas, Dash, INK, LABEL, Pen, Rect, TEXT, text_width};
-use crate::chart::fitting_ticks;
-use crate::format::{Dimension, Unit};
-use crate::image;
+use crate::canvas::{Align, Canvas, LABEL, Pen, Rect, TEXT, THIN, text_width};
+use crate::chart::{draw_x_ticks, label_x_axis};
+use crate::format::Dimension;
+use crate::image::{ColourBar, indexed, scale_palette, shade};
 use crate::palette::{MISSING, NO_CONTACT};
 use crate::{Field, ReportError};
 
 /// Larger fields are averaged over blocks before they are embedded.
-const MOST_POINTS: usize = 640 * 640;
-const MOST_ALONG: usize = 2600;
+const MAX_POINTS: usize = 640 * 640;
+const MAX_ALONG: usize = 2600;
 
-/// What a field holds, and so how it is coloured.
+/// Quantity of a field, which determines its colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Kind {
-    /// Heights: relative to their mean.
+    /// Heights relative to their mean.
     Height,
-    /// Pressures: from zero; points at exactly zero carry no contact.
+    /// Pressures from zero; points at exactly zero are not in contact.
     Pressure,
-    /// Contact probabilities, between the least and the largest.
+    /// Contact probabilities from the least to the largest.
     Probability,
-    /// Relative errors, from zero.
+    /// Relative errors from zero.
     Error,
 }
 
-/// A field ready to be embedded.
+impl Kind {
+    /// Returns the label of the colour bar and the dimension of the values.
+    fn label(self) -> (&'static str, Dimension) {
+        match self {
+            Self::Height => ("Height", Dimension::Length),
+            Self::Pressure => ("Pressure", Dimension::Pressure),
+            Self::Probability => ("P(contact)", Dimension::None),
+            Self::Error => ("Leave-one-out error / variance", Dimension::None),
+        }
+    }
+}
+
+/// A field as an image with its colour bar.
 #[derive(Debug, Clone)]
 pub(crate) struct Raster {
     data_uri: String,
     kind: Kind,
     width_m: f64,
     height_m: f64,
-    /// Ends of the colour scale in SI units.
-    low: f64,
-    high: f64,
+    colour_bar: ColourBar,
     /// Points along an edge that were averaged into one pixel.
-    pub(crate) block: usize,
-    pub(crate) missing: usize,
+    block: usize,
+    missing: usize,
 }
 
-/// The mean over present points of blocks of k × k points; a block mostly missing is missing.
+/// Averages the present points of blocks of k × k points. A block without a majority of present points is missing.
 fn averaged(field: &Field, block: usize) -> (usize, usize, Vec<f64>) {
     if block == 1 {
         return (field.nx, field.ny, field.values.clone());
     }
     let (nx, ny) = (field.nx.div_ceil(block), field.ny.div_ceil(block));
-    let mut means = Vec::with_capacity(nx * ny);
-    for row in 0..ny {
-        for column in 0..nx {
-            let (mut sum, mut present, mut all) = (0.0, 0usize, 0usize);
-            for y in row * block..((row + 1) * block).min(field.ny) {
-                for x in column * block..((column + 1) * block).min(field.nx) {
-                    let value = field.values[y * field.nx + x];
-                    all += 1;
-                    if value.is_finite() {
-                        sum += value;
-                        present += 1;
-                    }
+    let mean = |place: usize| {
+        let (row, column) = (place / nx * block, place % nx * block);
+        let (mut sum, mut present, mut all) = (0.0, 0usize, 0usize);
+        for y in row..(row + block).min(field.ny) {
+            for value in &field.values[y * field.nx + column..y * field.nx + (column + block).min(field.nx)] {
+                all += 1;
+                if value.is_finite() {
+                    sum += value;
+                    present += 1;
                 }
             }
-            means.push(if 2 * present > all { sum / present as f64 } else { f64::NAN });
         }
-    }
-    (nx, ny, means)
+        if 2 * present > all { sum / present as f64 } else { f64::NAN }
+    };
+    (nx, ny, (0..nx * ny).map(mean).collect())
 }
 
-/// A field reduced to what an image shows.
-struct Shown {
+/// A field reduced to the pixels of an image.
+struct Pixels<'a> {
+    field: &'a Field,
+    kind: Kind,
     nx: usize,
     ny: usize,
-    /// Heights relative to their mean, pressures as they are.
+    /// Heights relative to their mean, other quantities as they are.
     values: Vec<f64>,
     block: usize,
     /// Ends of the field's own colour scale.
     scale: (f64, f64),
 }
 
-impl Shown {
-    /// `None` when no value is present.
-    fn of(field: &Field, kind: Kind) -> Option<Self> {
-        let mut block = 1;
-        while field.nx.div_ceil(block) * field.ny.div_ceil(block) > MOST_POINTS
-            || field.nx.max(field.ny).div_ceil(block) > MOST_ALONG
-        {
-            block += 1;
-        }
+impl<'a> Pixels<'a> {
+    /// Reduces a field; `None` if no value is present.
+    fn new(field: &'a Field, kind: Kind) -> Option<Self> {
+        let fits = |block: &usize| {
+            let (nx, ny) = (field.nx.div_ceil(*block), field.ny.div_ceil(*block));
+            nx * ny <= MAX_POINTS && nx.max(ny) <= MAX_ALONG
+        };
+        let block = (1..).find(fits)?;
         let (nx, ny, mut values) = averaged(field, block);
         let mut present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-        if present.is_empty() {
-            return None;
-        }
-        if kind == Kind::Height {
+        if kind == Kind::Height && !present.is_empty() {
             let mean = present.iter().sum::<f64>() / present.len() as f64;
             present.iter_mut().for_each(|v| *v -= mean);
             values.iter_mut().for_each(|v| *v -= mean);
         }
         present.sort_by(f64::total_cmp);
+        let (least, largest) = (*present.first()?, *present.last()?);
         let quantile = |q: f64| present[((present.len() - 1) as f64 * q).round() as usize];
-        // A few outliers must not take the whole scale; they saturate.
+        // The scale saturates, so that a few outliers do not take all of it.
         let (low, high) = match kind {
             Kind::Height => (quantile(0.001), quantile(0.999)),
-            Kind::Pressure => (0.0, quantile(0.999).max(0.5 * present[present.len() - 1])),
-            Kind::Probability => (present[0], present[present.len() - 1]),
-            Kind::Error => (0.0, present[present.len() - 1]),
+            Kind::Pressure => (0.0, quantile(0.999).max(0.5 * largest)),
+            Kind::Probability => (least, largest),
+            Kind::Error => (0.0, largest),
         };
-        // A flat field has no scale of its own; it lies in the middle of a small one.
+        // A flat field lies in the middle of a small scale.
         let magnitude = field.values.iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
         let scale = match kind {
             Kind::Height if high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
@@ -113,146 +119,124 @@ impl Shown {
             Kind::Probability if high <= low => (0.0, 1.0),
             _ => (low, high),
         };
-        Some(Self { nx, ny, values, block, scale })
+        Some(Self { field, kind, nx, ny, values, block, scale })
     }
 
-    fn coloured(&self, field: &Field, kind: Kind, (low, high): (f64, f64)) -> Result<Raster, ReportError> {
-        let span = high - low;
-        let indices: Vec<u8> = self
-            .values
-            .iter()
-            .map(|&v| {
-                if !v.is_finite() {
-                    0
-                } else if kind == Kind::Pressure && v <= 0.0 {
-                    1
-                } else {
-                    image::shade((v - low) / span)
-                }
-            })
-            .collect();
+    fn coloured(&self, (low, high): (f64, f64)) -> Result<Raster, ReportError> {
+        let &Self { field, kind, nx, ny, block, .. } = self;
+        let index = |value: &f64| match value {
+            value if !value.is_finite() => 0,
+            value if kind == Kind::Pressure && *value <= 0.0 => 1,
+            value => shade((value - low) / (high - low)),
+        };
+        let indices: Vec<u8> = self.values.iter().map(index).collect();
+        let (label, dimension) = kind.label();
         Ok(Raster {
-            data_uri: image::indexed(self.nx, self.ny, &indices, image::scale_palette())?,
+            data_uri: indexed(nx, ny, &indices, scale_palette())?,
             kind,
             width_m: field.nx as f64 * field.dx_m,
             height_m: field.ny as f64 * field.dy_m,
-            low,
-            high,
-            block: self.block,
+            colour_bar: ColourBar::new(Axis::linear(label, dimension.unit(low.abs().max(high.abs())), (low, high)))?,
+            block,
             missing: field.values.iter().filter(|v| !v.is_finite()).count(),
         })
     }
 }
 
 impl Raster {
-    /// The image of a field; `None` when no value is present.
+    /// Encodes the image of a field; `None` if no value is present.
     ///
     /// # Errors
-    /// The PNG encoder's.
+    /// The PNG encoder failed.
     pub(crate) fn new(field: &Field, kind: Kind) -> Result<Option<Self>, ReportError> {
-        Shown::of(field, kind).map(|shown| shown.coloured(field, kind, shown.scale)).transpose()
+        Pixels::new(field, kind).map(|pixels| pixels.coloured(pixels.scale)).transpose()
     }
 
-    /// The images of several fields on one colour scale, which holds that of each; those without values are left out.
+    /// Encodes the images of several fields on one colour scale, which contains the scale of each. Fields without values are left
+    /// out.
     ///
     /// # Errors
-    /// The PNG encoder's.
-    pub(crate) fn on_one_scale<'a>(
+    /// The PNG encoder failed.
+    pub(crate) fn with_common_scale<'a>(
         fields: impl IntoIterator<Item = &'a Field>,
         kind: Kind,
     ) -> Result<Vec<Self>, ReportError> {
-        let shown: Vec<(&Field, Shown)> =
-            fields.into_iter().filter_map(|field| Some((field, Shown::of(field, kind)?))).collect();
-        let low = shown.iter().fold(f64::INFINITY, |low, (_, shown)| low.min(shown.scale.0));
-        let high = shown.iter().fold(f64::NEG_INFINITY, |high, (_, shown)| high.max(shown.scale.1));
-        shown.iter().map(|(field, shown)| shown.coloured(field, kind, (low, high))).collect()
+        let all: Vec<Pixels<'_>> = fields.into_iter().filter_map(|field| Pixels::new(field, kind)).collect();
+        let low = all.iter().fold(f64::INFINITY, |low, pixels| low.min(pixels.scale.0));
+        let high = all.iter().fold(f64::NEG_INFINITY, |high, pixels| high.max(pixels.scale.1));
+        all.iter().map(|pixels| pixels.coloured((low, high))).collect()
     }
 
-    /// Height of the drawn image per width.
+    /// Returns the height of the drawn image over its width.
     pub(crate) fn aspect(&self) -> f64 {
         self.height_m / self.width_m
     }
 
-    /// What the field holds.
-    pub(crate) fn kind(&self) -> Kind {
-        self.kind
-    }
-
-    /// Length of the field along x in metre.
+    /// Returns the length of the field along x in metre.
     pub(crate) fn width_m(&self) -> f64 {
         self.width_m
     }
 
-    /// Draws image and frame into `plot` with length axes at the left and below.
-    pub(crate) fn draw(&self, canvas: &mut Canvas<'_>, plot: Rect, shows_x: bool) -> Result<(), ReportError> {
-        self.draw_image(canvas, plot)?;
+    /// Reports whether the legend has an entry.
+    pub(crate) fn has_legend(&self) -> bool {
+        self.kind == Kind::Pressure || self.missing > 0
+    }
+
+    /// Reports whether points are missing.
+    pub(crate) fn has_missing(&self) -> bool {
+        self.missing > 0
+    }
+
+    /// Returns a sentence on the pixels for a caption; empty if each pixel is one point.
+    pub(crate) fn pixel_sentence(&self) -> String {
+        match self.block {
+            1 => String::new(),
+            block => format!(" Each pixel is the mean of {block} × {block} points."),
+        }
+    }
+
+    /// Draws image and frame into `plot`, with the axes if wanted.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, plot: Rect, shows_x: bool, shows_y: bool) {
+        canvas.image(plot, &self.data_uri);
+        canvas.frame(plot, THIN);
         let unit = Dimension::Length.unit(self.width_m.max(self.height_m));
         if shows_x {
-            self.draw_x_axis(canvas, plot)?;
+            let x = Axis::linear("x", unit.clone(), (0.0, self.width_m));
+            draw_x_ticks(canvas, plot, &x, None, true);
+            label_x_axis(canvas, plot, &x);
         }
-        self.draw_y_axis(canvas, plot, if shows_x { unit } else { Dimension::Length.unit(self.height_m) })
-    }
-
-    /// Draws the image and its frame.
-    pub(crate) fn draw_image(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
-        canvas.image(plot, &self.data_uri);
-        canvas.frame(plot, Pen::new(INK, 1.0, Dash::Solid))
-    }
-
-    /// Draws the axis below `plot`.
-    pub(crate) fn draw_x_axis(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
-        let pen = Pen::new(INK, 1.0, Dash::Solid);
-        let x = Axis::linear("x", Dimension::Length.unit(self.width_m.max(self.height_m)), (0.0, self.width_m));
-        for tick in fitting_ticks(&x, plot.width()) {
-            let at = plot.left + tick.position * plot.width();
-            canvas.line(&[(at, plot.bottom), (at, plot.bottom + 5.0)], pen)?;
-            canvas.text((at, plot.bottom + 15.0), &tick.label, TEXT, Align::Middle)?;
+        if shows_y {
+            // A narrow strip has a unit of its own along y.
+            let unit = if self.aspect() < 0.1 { Dimension::Length.unit(self.height_m) } else { unit };
+            let y = Axis::linear("y", unit, (0.0, self.height_m));
+            for tick in y.ticks((plot.height() / 110.0).max(2.0) as usize) {
+                let at = plot.top + tick.position * plot.height();
+                canvas.line(&[(plot.left - 5.0, at), (plot.left, at)], THIN);
+                canvas.text((plot.left - 8.0, at), &tick.label, TEXT, Align::End);
+            }
+            canvas.text((plot.left - 50.0, plot.centre().1), &y.label(), LABEL, Align::Upward);
         }
-        let middle = 0.5 * (plot.left + plot.right);
-        canvas.text((middle, plot.bottom + 36.0), &x.label(), LABEL, Align::Middle)
-    }
-
-    /// Draws the axis at the left of `plot`.
-    pub(crate) fn draw_y_axis(&self, canvas: &mut Canvas<'_>, plot: Rect, unit: Unit) -> Result<(), ReportError> {
-        let pen = Pen::new(INK, 1.0, Dash::Solid);
-        let y = Axis::linear("y", unit, (0.0, self.height_m));
-        for tick in y.ticks((plot.height() / 110.0).max(2.0) as usize) {
-            let at = plot.top + tick.position * plot.height();
-            canvas.line(&[(plot.left - 5.0, at), (plot.left, at)], pen)?;
-            canvas.text((plot.left - 8.0, at), &tick.label, TEXT, Align::End)?;
-        }
-        let middle = 0.5 * (plot.top + plot.bottom);
-        canvas.text((plot.left - 50.0, middle), &y.label(), LABEL, Align::Upward)
     }
 
     /// Draws the colour bar into `bar`, its ticks and label at the right.
-    pub(crate) fn colour_bar(&self, canvas: &mut Canvas<'_>, bar: Rect) -> Result<(), ReportError> {
-        let (name, dimension) = match self.kind {
-            Kind::Height => ("Height", Dimension::Length),
-            Kind::Pressure => ("Pressure", Dimension::Pressure),
-            Kind::Probability => ("P(contact)", Dimension::None),
-            Kind::Error => ("Leave-one-out error / variance", Dimension::None),
-        };
-        let axis = Axis::linear(name, dimension.unit(self.low.abs().max(self.high.abs())), (self.low, self.high));
-        image::colour_bar(canvas, bar, &axis)
+    pub(crate) fn draw_colour_bar(&self, canvas: &mut Canvas, bar: Rect) {
+        self.colour_bar.draw(canvas, bar);
     }
 
-    /// What the reserved colours mean, from `at` to the right.
-    pub(crate) fn legend(&self, canvas: &mut Canvas<'_>, at: (f64, f64)) -> Result<(), ReportError> {
-        let mut x = at.0;
+    /// Draws the meaning of the reserved colours, from `(x, y)` to the right.
+    pub(crate) fn draw_legend(&self, canvas: &mut Canvas, (mut x, y): (f64, f64)) {
         let missing = format!("missing ({} points)", self.missing);
         let entries = [
             (self.kind == Kind::Pressure, NO_CONTACT, "no contact (p = 0)"),
             (self.missing > 0, MISSING, missing.as_str()),
         ];
         for (_, colour, text) in entries.iter().filter(|(wanted, _, _)| *wanted) {
-            let swatch = Rect::new(x, at.1 - 6.0, 18.0, 12.0);
-            canvas.fill(swatch, *colour)?;
-            canvas.frame(swatch, Pen::new(INK, 0.8, Dash::Solid))?;
-            canvas.text((x + 24.0, at.1), text, TEXT, Align::Start)?;
+            let swatch = Rect::new(x, y - 6.0, 18.0, 12.0);
+            canvas.fill(swatch, *colour, 1.0);
+            canvas.frame(swatch, Pen { width: 0.8, ..THIN });
+            canvas.text((x + 24.0, y), text, TEXT, Align::Start);
             x += 24.0 + text_width(text, TEXT) + 20.0;
         }
-        Ok(())
     }
 }
 
@@ -311,7 +295,7 @@ mod tests {
     fn a_flat_field_is_drawn_in_one_colour_on_a_scale_around_zero() {
         let field = Field { nx: 2, ny: 2, dx_m: 1.0, dy_m: 1.0, values: vec![0.1; 4] };
         let raster = Raster::new(&field, Kind::Height).unwrap().unwrap();
-        assert_eq!((raster.low, raster.high), (-1e-9, 1e-9));
+        assert_eq!(raster.colour_bar.axis.ends(), (-1e-9, 1e-9));
         assert!(decoded(&raster).2.iter().all(|&pixel| pixel == 128 || pixel == 129));
     }
 }

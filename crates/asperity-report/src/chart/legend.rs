@@ -1,13 +1,12 @@
-//! The legend of one or several charts.
+//! Legend of one or several charts.
 
-use super::{Chart, Mark, SYMBOL, Series};
-use crate::ReportError;
+use super::{Chart, DISC, Mark, SYMBOL, Series};
 use crate::canvas::{Align, Canvas, Pen, Rect, TEXT, text_width};
 
 /// Height of one row of the legend in pixels.
-const LEGEND_ROW: f64 = 21.0;
+const ROW: f64 = 21.0;
 
-/// The named series of several charts, each name once, in rows that fit `width`.
+/// The named series of several charts, each name once, in rows that fit a width.
 pub(super) struct Legend<'a> {
     rows: Vec<Vec<(f64, &'a Series)>>,
 }
@@ -15,10 +14,13 @@ pub(super) struct Legend<'a> {
 impl<'a> Legend<'a> {
     pub(super) fn new(charts: impl IntoIterator<Item = &'a Chart>, left: f64, width: f64) -> Self {
         let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
-        let mut seen: Vec<&str> = Vec::new();
+        let mut seen: Vec<&str> = vec![""];
         let mut x = f64::INFINITY;
         for series in charts.into_iter().flat_map(|chart| &chart.series) {
-            let Some(name) = series.name.as_deref().filter(|name| !seen.contains(name)) else { continue };
+            let name = series.name.as_str();
+            if seen.contains(&name) {
+                continue;
+            }
             seen.push(name);
             let length = 38.0 + text_width(name, TEXT) + 18.0;
             if x + length > left + width {
@@ -32,44 +34,42 @@ impl<'a> Legend<'a> {
     }
 
     pub(super) fn height(&self) -> f64 {
-        if self.rows.is_empty() { 0.0 } else { LEGEND_ROW * self.rows.len() as f64 + 6.0 }
+        if self.rows.is_empty() { 0.0 } else { ROW * self.rows.len() as f64 + 6.0 }
     }
 
-    pub(super) fn draw(&self, canvas: &mut Canvas<'_>, top: f64) -> Result<(), ReportError> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, top: f64) {
         for (row, entries) in self.rows.iter().enumerate() {
-            let y = top + LEGEND_ROW * (row as f64 + 0.5) + 4.0;
+            let y = top + ROW * (row as f64 + 0.5) + 4.0;
             for (x, series) in entries {
-                let (from, to) = ((*x, y), (*x + 32.0, y));
-                match &series.mark {
-                    Mark::Symbol { shape, colour, .. } => shape.draw(canvas, (x + 16.0, y), SYMBOL, *colour)?,
-                    Mark::Line { pen, .. }
-                    | Mark::Vertical { pen, .. }
-                    | Mark::Horizontal { pen, .. }
-                    | Mark::Span { pen, .. } => {
-                        canvas.line(&[from, to], Pen { opacity: pen.opacity.max(0.7), ..*pen })?;
-                    }
-                    Mark::Points { pen, .. } => {
-                        canvas.line(&[from, to], *pen)?;
-                        canvas.disc((*x + 16.0, y), 3.2, pen.colour)?;
-                    }
-                    Mark::Band { colour, .. } | Mark::Bars { colour, .. } | Mark::Region { colour, .. } => {
-                        let (left, right, top, bottom) = (x + 4.0, x + 28.0, y - 6.0, y + 6.0);
-                        let box_ = [(left, top), (right, top), (right, bottom), (left, bottom)];
-                        canvas.polygon(&box_, *colour, 0.30)?;
-                    }
-                    Mark::Dots { colour, .. } => {
-                        for place in [(x + 9.0, y + 2.0), (x + 16.0, y - 3.0), (x + 23.0, y + 1.0)] {
-                            canvas.dot(place, 2.0, *colour, 0.8)?;
-                        }
-                    }
-                    Mark::Patch { colour } => canvas.fill(Rect::new(x + 4.0, y - 6.0, 24.0, 12.0), *colour)?,
-                    Mark::Note { .. } => {}
-                }
-                if let Some(name) = &series.name {
-                    canvas.text((*x + 38.0, y), name, TEXT, Align::Start)?;
-                }
+                draw_sample(canvas, (*x, y), &series.mark);
+                canvas.text((*x + 38.0, y), &series.name, TEXT, Align::Start);
             }
         }
-        Ok(())
+    }
+}
+
+/// Draws the sample of a mark beside its name.
+fn draw_sample(canvas: &mut Canvas, (x, y): (f64, f64), mark: &Mark) {
+    let line = [(x, y), (x + 32.0, y)];
+    let patch = Rect::new(x + 4.0, y - 6.0, 24.0, 12.0);
+    match mark {
+        Mark::Symbol { shape, colour, .. } => shape.draw(canvas, (x + 16.0, y), SYMBOL, *colour),
+        Mark::Line { pen, .. } | Mark::Vertical { pen, .. } | Mark::Horizontal { pen, .. } | Mark::Span { pen, .. } => {
+            canvas.line(&line, Pen { opacity: pen.opacity.max(0.7), ..*pen });
+        }
+        Mark::Points { pen, .. } => {
+            canvas.line(&line, *pen);
+            canvas.disc((x + 16.0, y), DISC, pen.colour);
+        }
+        Mark::Band { colour, .. } | Mark::Bars { colour, .. } | Mark::Region { colour, .. } => {
+            canvas.fill(patch, *colour, 0.30);
+        }
+        Mark::Dots { colour, .. } => {
+            for place in [(x + 9.0, y + 2.0), (x + 16.0, y - 3.0), (x + 23.0, y + 1.0)] {
+                canvas.dot(place, 2.0, *colour, 0.8);
+            }
+        }
+        Mark::Patch { colour } => canvas.fill(patch, *colour, 1.0),
+        Mark::Note { .. } => {}
     }
 }

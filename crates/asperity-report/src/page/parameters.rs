@@ -1,4 +1,4 @@
-//! The parameters of a measured surface, in groups, and the laws of its heights.
+//! The parameters of a measured surface, in groups, and the distributions fitted to its heights.
 
 use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
 
@@ -30,7 +30,7 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
         &[
             ("Sal_m", "Sal", "autocorrelation length, shortest distance to 0.2"),
             ("Str", "Str", "texture aspect ratio (1: no lay, 0: a lay)"),
-            ("Std_rad", "Std", "direction of the lay, anticlockwise from x; of meaning where Str is small"),
+            ("Std_rad", "Std", "direction of the lay, anticlockwise from x; meaningful if Str is small"),
             ("Ssw_m", "Ssw", "dominant wavelength"),
             ("correlation_length_x_m", "ℓx", "correlation length along x, to 1/e"),
             ("correlation_length_y_m", "ℓy", "correlation length along y, to 1/e"),
@@ -81,7 +81,7 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
         &[
             ("psd_reliable_low_rad_per_m", "q", "spectrum reliable from (wavelength)"),
             ("psd_reliable_high_rad_per_m", "q", "spectrum reliable to (wavelength)"),
-            ("psd_upper_limit", "", "what ends the reliable spectrum"),
+            ("psd_upper_limit", "", "limit of the reliable spectrum"),
             ("hurst", "H", "Hurst exponent"),
             ("hurst_range_low_m", "τ", "shortest lag of its fit"),
             ("hurst_range_high_m", "τ", "longest lag of its fit"),
@@ -102,12 +102,12 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
     ("Form", &[("form_radius_m", "R", "radius of the cylinder or sphere that was removed")]),
 ];
 
-/// All parameters in the order of the table.
+/// Returns all parameters in the order of the table.
 fn all() -> impl Iterator<Item = &'static Parameter> {
     GROUPS.iter().flat_map(|(_, parameters)| parameters.iter())
 }
 
-/// Place of a surface parameter in its table, its symbol and its meaning, by its key.
+/// Returns the place of a surface parameter in its table, its symbol and its meaning, by its key.
 pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)> {
     all()
         .enumerate()
@@ -179,7 +179,7 @@ impl Known {
         word.or_else(|| counts[place?].map(|count| count.to_string())).map(Self::Text)
     }
 
-    /// Value and interval, or dashes: three digits, more where the interval is narrower.
+    /// Formats value and interval, or dashes, with three digits, and more if the interval is narrower.
     fn shown(&self, key: &str) -> (String, String) {
         let none = || DASH.to_owned();
         let (value, interval, standard_error) = match self {
@@ -190,12 +190,12 @@ impl Known {
         let (text, limits) = match (interval, standard_error) {
             (Some(limits), _) => dimension.show_apart(value, limits.into()),
             (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
-            // The pixels are known, not estimated.
+            // Pixel sizes are exact.
             (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), none()),
             (None, None) => (dimension.show_short(value), none()),
         };
         match dimension {
-            // A wavenumber says little to the eye.
+            // A wavelength is easier to judge than a wavenumber.
             Dimension::Wavenumber if value > 0.0 => {
                 let wavelength = Dimension::Length.show_short(std::f64::consts::TAU / value);
                 (format!("{text} ({wavelength})"), limits)
@@ -204,7 +204,7 @@ impl Known {
         }
     }
 
-    /// Standard deviations of one scan and between scans in the unit of the parameter, or dashes.
+    /// Formats the standard deviations of one scan and between scans in the unit of the parameter, or dashes.
     fn spreads(&self, key: &str) -> [String; 2] {
         let Self::Number { stds, .. } = self else { return [DASH, DASH].map(str::to_owned) };
         let dimension = Dimension::of_key(key).1;
@@ -212,7 +212,7 @@ impl Known {
     }
 }
 
-/// The groups of parameters that the results hold: meaning, symbol, value and interval.
+/// Returns the groups of parameters in the results: meaning, symbol, value and interval.
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let mut rows = Vec::new();
     for (title, parameters) in GROUPS {
@@ -235,7 +235,7 @@ pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     DataTable::new(&caption, &headers, rows, "results.json").without_empty_columns()
 }
 
-/// Every scan of a part with the parameters that are asked for first.
+/// Returns every scan of a part with its most important parameters.
 pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     const KEYS: [(&str, &str); 6] = [
         ("Sq_m", "Sq"),
@@ -255,8 +255,8 @@ pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     Some(DataTable::new("Scans of the part", &headers, rows.collect(), "results.json"))
 }
 
-/// The laws fitted to the heights, best first.
-pub(super) fn laws(run: &Run) -> Option<DataTable> {
+/// Returns the distributions fitted to the heights, best first.
+pub(super) fn distributions(run: &Run) -> Option<DataTable> {
     let table: &Table = run.tables.get("height_fits")?;
     let cell = |value: f64, digits| significant(value, digits);
     let rows = height_fits(table)
@@ -273,19 +273,19 @@ pub(super) fn laws(run: &Run) -> Option<DataTable> {
             ]
         })
         .collect();
-    let worth = table.column("effective_heights").and_then(|values| values.first()).filter(|n| n.is_finite());
-    let worth = worth.map_or(String::new(), |n| {
-        format!("; the correlated heights are worth {} independent ones", significant(*n, 2))
+    let size = table.column("effective_heights").and_then(|values| values.first()).filter(|n| n.is_finite());
+    let size = size.map_or(String::new(), |n| {
+        format!("; effective sample size of the correlated heights: {}", significant(*n, 2))
     });
-    // Of several scans the figures and this table show the first.
+    // The figures and this table show the first of several scans.
     let first = run.results.surface.as_ref().and_then(SurfaceResult::part).and_then(|part| part.scans.first());
     let of = first.map_or(String::new(), |scan| format!(" of {}", scan.file));
-    let caption = format!("Laws fitted to the heights{of}, ranked by Akaike’s criterion{worth}");
-    let headers = ["Rank", "Law", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
+    let caption = format!("Distributions fitted to the heights{of}, ranked by Akaike’s criterion{size}");
+    let headers = ["Rank", "Distribution", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
     Some(DataTable::new(&caption, &headers, rows, "tables/height_fits.csv").without_empty_columns())
 }
 
-/// Parameters with the symbols of the literature.
+/// Formats the parameters with the symbols of the literature.
 fn parameters_of(fit: &HeightFit) -> String {
     let symbol = |name: &str| match name {
         "mu" => "µ",
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_stand_above_their_parameters_and_intervals_beside_them() {
+    fn groups_precede_their_parameters_and_intervals_are_beside_them() {
         let table = |interval| table(&MeasuredSurface::Scan(Box::new(scan(1.0234e-6, Some(0.5), interval))));
         let found = table(Some([9.9e-7, 1.06e-6]));
         let spaced: Vec<Vec<String>> =
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_of_several_scans_has_their_scatter_and_a_row_for_each() {
+    fn a_part_has_standard_deviations_between_scans_and_a_row_for_each_scan() {
         let pooled = PooledResult {
             value: 1.1e-6,
             interval: [0.9e-6, 1.3e-6],
