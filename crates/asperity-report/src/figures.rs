@@ -5,9 +5,7 @@ pub(crate) mod pressure;
 pub(crate) mod surface;
 pub(crate) mod vibration;
 
-use crate::canvas::{Canvas, Rect, draw};
-use crate::chart::{Chart, WIDTH, figure};
-use crate::raster::{Kind, Raster};
+use crate::plot::{Align, Canvas, Chart, Kind, LABEL, Raster, Rect, WIDTH, draw, figure};
 use crate::{Figure, ReportError, Run, Table};
 
 /// A figure with its title, its caption and the files that hold its data.
@@ -22,17 +20,19 @@ pub(crate) struct CaptionedFigure {
 }
 
 impl CaptionedFigure {
-    /// Draws charts in that many columns with one legend above them; `None` without charts.
+    /// Draws charts of some tables in that many columns with one legend above them; `None` without charts.
     pub(crate) fn from_charts(
         name: &'static str,
         title: &str,
         caption: impl Into<String>,
         columns: usize,
         charts: &[Chart],
+        tables: &[&str],
     ) -> Option<Self> {
         let caption = caption.into();
         let svg = (!charts.is_empty()).then(|| figure(title, &caption, columns, charts))?;
-        Some(Self { name, title: title.into(), caption, sources: Vec::new(), svg })
+        let drawn = Self { name, title: title.into(), caption, sources: Vec::new(), svg };
+        Some(drawn.with_tables(tables))
     }
 
     /// Draws on a canvas of some size.
@@ -95,24 +95,53 @@ fn field_map(
     caption: &str,
 ) -> Result<Option<CaptionedFigure>, ReportError> {
     let raster = run.fields.get(name).map(|field| Raster::new(field, kind)).transpose()?.flatten();
-    Ok(raster.map(|raster| raster_map(&raster, name, title, caption)))
+    Ok(raster.and_then(|raster| raster_map(&raster, name, title, caption)))
 }
 
-/// Draws a raster with axes, colour bar and legend.
-fn raster_map(raster: &Raster, name: &'static str, title: &str, caption: &str) -> CaptionedFigure {
-    let caption = format!("{caption}{}", raster.pixel_sentence());
-    let (left, room, tallest): (f64, f64, f64) = (92.0, 400.0, 400.0);
-    let width = room.min(tallest / raster.aspect()).max(40.0);
-    let height = (width * raster.aspect()).clamp(40.0, tallest);
-    let legend = if raster.has_legend() { 30.0 } else { 10.0 };
-    // Maps of all shapes are centred in the same width.
-    let plot = Rect::new(left + 0.5 * (room - width), legend, width, height);
-    let bar = height.max(100.0);
-    let size = (WIDTH, (legend + bar.max(height + 52.0)).ceil() + 2.0);
-    let drawn = CaptionedFigure::from_drawing(name, title, caption, size, |canvas| {
-        raster.draw_legend(canvas, (plot.left, 14.0));
-        raster.draw(canvas, plot, true, true);
-        raster.draw_colour_bar(canvas, Rect::new(plot.right + 18.0, plot.top, 16.0, bar));
-    });
-    drawn.with_fields(&[name])
+/// Draws a raster as a map.
+fn raster_map(raster: &Raster, name: &'static str, title: &str, caption: &str) -> Option<CaptionedFigure> {
+    Some(raster_panels(name, title, caption, &[("", raster)], 1, (WIDTH, 400.0))?.with_fields(&[name]))
+}
+
+/// Draws rasters of one colour scale with their names in a grid of panels, with axes, colour bar and legend. `size` is the width of
+/// the figure and the largest height of all rows of panels. Panels of all shapes are centred in the same width.
+pub(crate) fn raster_panels(
+    name: &'static str,
+    title: &str,
+    caption: &str,
+    panels: &[(&str, &Raster)],
+    columns: usize,
+    size: (f64, f64),
+) -> Option<CaptionedFigure> {
+    const LEFT: f64 = 92.0;
+    const RIGHT: f64 = 118.0;
+    const BETWEEN: f64 = 36.0;
+    let (first_name, first) = panels.first()?;
+    let rows = panels.len().div_ceil(columns);
+    let room = (size.0 - LEFT - RIGHT + BETWEEN) / columns as f64 - BETWEEN;
+    let tallest = size.1 / rows as f64;
+    let width = room.min(tallest / first.aspect()).max(40.0);
+    let height = (width * first.aspect()).clamp(40.0, tallest);
+    let left = LEFT + 0.5 * (room - width) * columns as f64;
+    let legend = panels.iter().find(|(_, raster)| raster.has_legend());
+    let above = if first_name.is_empty() { 8.0 } else { 32.0 };
+    let top = |row: usize| if legend.is_some() { 22.0 } else { 0.0 } + above + (height + above) * row as f64;
+    let bottom = top(rows - 1) + height;
+    let right = left + (width + BETWEEN) * columns as f64 - BETWEEN;
+    let bar = Rect::new(right + 18.0, top(0), 16.0, (bottom - top(0)).max(100.0));
+    let caption = format!("{caption}{}", first.pixel_sentence());
+    let size = (size.0, (bottom + 54.0).max(bar.bottom + 2.0).ceil());
+    Some(CaptionedFigure::from_drawing(name, title, caption, size, |canvas| {
+        if let Some((_, raster)) = legend {
+            raster.draw_legend(canvas, (left, 14.0));
+        }
+        for (number, (name, raster)) in panels.iter().enumerate() {
+            let (row, column) = (number / columns, number % columns);
+            let plot = Rect::new(left + (width + BETWEEN) * column as f64, top(row), width, height);
+            // The lowest panel of a column has the x axis.
+            raster.draw(canvas, plot, number + columns >= panels.len(), column == 0);
+            canvas.text((plot.left, plot.top - 12.0), name, LABEL, Align::Start);
+        }
+        first.draw_colour_bar(canvas, bar);
+    }))
 }

@@ -9,20 +9,13 @@
 //! - NaN in tables and `None` in results mean undefined. Curves are interrupted there and cells show a dash.
 //! - All text of the caller is escaped: HTML is written from literal templates only.
 
-mod axis;
-mod canvas;
-mod chart;
 mod figures;
 mod fits;
 mod format;
-mod image;
 mod markup;
 mod page;
-mod palette;
-mod polyline;
-mod raster;
+mod plot;
 mod record;
-mod symbol;
 mod twin;
 
 use std::collections::BTreeMap;

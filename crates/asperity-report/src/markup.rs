@@ -23,7 +23,7 @@ pub(crate) fn escape(text: &str) -> String {
 pub(crate) struct Html(String);
 
 impl Html {
-    /// Takes a literal of this crate or a drawing of [`crate::canvas::draw`], in which texts are escaped already.
+    /// Takes a literal of this crate or a drawing of [`crate::plot::draw`], in which texts are escaped already.
     pub(crate) fn from_markup(markup: String) -> Self {
         Self(markup)
     }

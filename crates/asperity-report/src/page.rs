@@ -64,6 +64,7 @@ impl Page<'_> {
 }
 
 /// A section of a page.
+#[derive(Default)]
 pub(crate) struct Section {
     id: &'static str,
     title: &'static str,
@@ -84,20 +85,19 @@ impl Section {
     ) -> Option<Self> {
         tables.retain(|table| !table.rows.is_empty());
         let is_empty = tables.is_empty() && figures.is_empty();
-        (!is_empty).then(|| Self { id, title, lead: lead.into(), tables, figures, list: Html::default() })
+        (!is_empty).then(|| Self { id, title, lead: lead.into(), tables, figures, ..Self::default() })
     }
 
     /// Returns a section of sentences; `None` without any.
     pub(crate) fn sentences(id: &'static str, title: &'static str, lead: &str, items: &[String]) -> Option<Self> {
-        let (tables, figures) = (Vec::new(), Vec::new());
-        (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), tables, figures, list: unordered(items) })
+        let list = unordered(items);
+        (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), list, ..Self::default() })
     }
 
     /// Returns the section of the references.
     pub(crate) fn references(works: &[&str]) -> Self {
         let list = html!("<ol>{}</ol>\n", items(works));
-        let (tables, figures) = (Vec::new(), Vec::new());
-        Self { id: "references", title: "References", lead: String::new(), tables, figures, list }
+        Self { id: "references", title: "References", list, ..Self::default() }
     }
 
     /// Returns the section of the provenance; `None` without it.

@@ -2,13 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, stacked};
 use crate::figures::CaptionedFigure;
 use crate::figures::friction::{correlation, distribution};
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLUE, GREEN, VERMILION};
+use crate::plot::{Axis, BLUE, Chart, Dash, GREEN, Pen, VERMILION, range, stacked};
 use crate::{Figure, ReportError, Table};
 
 /// Word for the data in the figures.
@@ -58,7 +55,7 @@ pub fn record_figures(tables: &BTreeMap<String, Table>) -> Result<Vec<Figure>, R
         ),
     ];
     let figures = drawn.into_iter().filter_map(|(name, title, description, charts)| {
-        CaptionedFigure::from_charts(name, title, description, 1, &charts).map(Figure::from)
+        CaptionedFigure::from_charts(name, title, description, 1, &charts, &[]).map(Figure::from)
     });
     Ok(figures.collect())
 }

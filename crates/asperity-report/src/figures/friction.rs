@@ -9,8 +9,8 @@ mod uncertainty;
 mod windows;
 
 use super::{CaptionedFigure, columns, positive};
-use crate::chart::Chart;
 use crate::page::{distribution_name, operating_level};
+use crate::plot::Chart;
 use crate::{ReportError, Run, Table};
 
 /// Draws the figures of the friction coefficient.
@@ -74,7 +74,7 @@ pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
         ),
     ];
     let drawn = drawn.into_iter().filter_map(|(name, title, caption, charts)| {
-        Some(CaptionedFigure::from_charts(name, title, caption, 1, &charts)?.with_tables(&[name]))
+        CaptionedFigure::from_charts(name, title, caption, 1, &charts, &[name])
     });
     let first = [levels::load_curve(run), cutoff::figure(run)].into_iter().flatten();
     first.chain(drawn).chain(uncertainty::figure(run)).collect()

@@ -8,10 +8,7 @@ mod scalars;
 pub(super) mod sensitivities;
 
 use super::{CaptionedFigure, columns, field_map};
-use crate::canvas::{Dash, Pen};
-use crate::palette::{BLUE, GREEN, ORANGE, PLUM, PURPLE, SKY, VERMILION, pen};
-use crate::raster::Kind;
-use crate::symbol::Shape;
+use crate::plot::{BLUE, Dash, GREEN, Kind, ORANGE, PLUM, PURPLE, Pen, SKY, Shape, VERMILION, pen};
 use crate::{ReportError, Run};
 
 /// Draws the figures for which the run holds data.

@@ -8,7 +8,7 @@ mod structure;
 use asperity_results::{SurfaceResult, SurfaceStatistics};
 
 use super::{CaptionedFigure, columns, field_map, positive, present, raster_map};
-use crate::raster::{Kind, Raster};
+use crate::plot::{Kind, Raster};
 use crate::{Field, ReportError, Run};
 
 /// Draws the figures for which the run holds data.
@@ -37,7 +37,7 @@ fn maps(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
         if rasters.len() > 1 { ", scan and realisation on one colour scale, each over its own field" } else { "" };
     let caption = format!("Heights relative to their mean{common}; {SATURATE}{which}");
     let drawn = shown.iter().zip(&rasters);
-    maps.extend(drawn.map(|(((name, title), _), raster)| raster_map(raster, name, title, &caption)));
+    maps.extend(drawn.filter_map(|(((name, title), _), raster)| raster_map(raster, name, title, &caption)));
     Ok(maps)
 }
 

@@ -16,9 +16,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use super::{CaptionedFigure, columns, present};
-use crate::canvas::{Colour, Dash, Pen, WHITE};
-use crate::chart::Chart;
-use crate::palette::{BLUE, GREEN, ORANGE, VERMILION};
+use crate::plot::{BLUE, Chart, Colour, Dash, GREEN, ORANGE, Pen, VERMILION, WHITE};
 use crate::{Figure, ReportError, Run, Table};
 
 /// The tables of a command or of a run, by name.

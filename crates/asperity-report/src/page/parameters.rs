@@ -115,20 +115,16 @@ pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)
         .map(|(place, (_, symbol, meaning))| (place, *symbol, *meaning))
 }
 
-/// A parameter of a scan or of a part.
-enum Known {
-    /// A count or a word.
-    Text(String),
-    Number {
-        value: f64,
-        interval: Option<Pair>,
-        standard_error: Option<f64>,
-        stds: [Option<f64>; 2],
-    },
+/// The cells of a parameter of a scan or of a part.
+struct Known {
+    value: String,
+    interval: String,
+    /// Standard deviations of one scan and between scans.
+    stds: [String; 2],
 }
 
 impl Known {
-    fn of(measured: &MeasuredSurface, key: &str) -> Option<Self> {
+    fn new(measured: &MeasuredSurface, key: &str) -> Option<Self> {
         match measured {
             MeasuredSurface::Stated {} => None,
             MeasuredSurface::Scan(scan) => Self::of_scan(scan, key),
@@ -138,22 +134,17 @@ impl Known {
 
     fn of_scan(scan: &SurfaceStatistics, key: &str) -> Option<Self> {
         let counts = [Some(scan.nx), Some(scan.ny), Some(scan.missing_points), Some(scan.outliers)];
-        Self::text(counts, &scan.psd_upper_limit, key).or_else(|| {
+        Self::of_text(counts, &scan.psd_upper_limit, key).or_else(|| {
             let spread = scan.intervals.get(key);
-            let standard_error = spread.map(|spread| spread.standard_error);
-            Some(Self::Number {
-                value: scan.number(key)?,
-                interval: spread.map(|spread| spread.interval),
-                standard_error: if key == "hurst" { scan.hurst_se } else { standard_error },
-                stds: [None; 2],
-            })
+            let error = if key == "hurst" { scan.hurst_se } else { spread.map(|spread| spread.standard_error) };
+            Some(Self::of_number(key, scan.number(key)?, spread.map(|spread| spread.interval), error, [None; 2]))
         })
     }
 
     fn of_part(part: &PartStatistics, key: &str) -> Option<Self> {
         let counts = [part.nx, part.ny, Some(part.missing_points), Some(part.outliers)];
         let pooled = part.pooled.get(key);
-        Self::text(counts, &part.psd_upper_limit, key).or_else(|| {
+        Self::of_text(counts, &part.psd_upper_limit, key).or_else(|| {
             let value = match key {
                 "dx_m" => part.dx_m,
                 "dy_m" => part.dy_m,
@@ -163,52 +154,43 @@ impl Known {
                 "hurst_range_high_m" => part.hurst_range_high_m,
                 _ => pooled.map(|pooled| pooled.value),
             };
-            Some(Self::Number {
-                value: value?,
-                interval: pooled.map(|pooled| pooled.interval),
-                standard_error: pooled.map(|pooled| pooled.standard_error),
-                stds: pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]),
-            })
+            let error = pooled.map(|pooled| pooled.standard_error);
+            let stds = pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]);
+            Some(Self::of_number(key, value?, pooled.map(|pooled| pooled.interval), error, stds))
         })
     }
 
-    fn text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
+    /// Formats a count or a word.
+    fn of_text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
         const COUNTS: [&str; 4] = ["nx", "ny", "missing_points", "outliers"];
         let word = (key == "psd_upper_limit").then(|| psd_upper_limit.replace('_', " "));
         let place = COUNTS.iter().position(|count| *count == key);
-        word.or_else(|| counts[place?].map(|count| count.to_string())).map(Self::Text)
+        let value = word.or_else(|| counts[place?].map(|count| count.to_string()))?;
+        Some(Self { value, interval: DASH.into(), stds: [DASH, DASH].map(str::to_owned) })
     }
 
-    /// Formats value and interval, or dashes, with three digits, and more if the interval is narrower.
-    fn shown(&self, key: &str) -> (String, String) {
-        let none = || DASH.to_owned();
-        let (value, interval, standard_error) = match self {
-            Self::Text(text) => return (text.clone(), none()),
-            Self::Number { value, interval, standard_error, .. } => (*value, *interval, *standard_error),
-        };
+    /// Formats value and interval with three digits, and more if the interval is narrower, and the standard deviations.
+    fn of_number(
+        key: &str,
+        value: f64,
+        interval: Option<Pair>,
+        standard_error: Option<f64>,
+        stds: [Option<f64>; 2],
+    ) -> Self {
         let dimension = Dimension::of_key(key).1;
-        let (text, limits) = match (interval, standard_error) {
+        let (mut text, interval) = match (interval, standard_error) {
             (Some(limits), _) => dimension.show_apart(value, limits.into()),
             (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
             // Pixel sizes are exact.
-            (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), none()),
-            (None, None) => (dimension.show_short(value), none()),
+            (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), DASH.into()),
+            (None, None) => (dimension.show_short(value), DASH.into()),
         };
-        match dimension {
-            // A wavelength is easier to judge than a wavenumber.
-            Dimension::Wavenumber if value > 0.0 => {
-                let wavelength = Dimension::Length.show_short(std::f64::consts::TAU / value);
-                (format!("{text} ({wavelength})"), limits)
-            }
-            _ => (text, limits),
+        // A wavelength is easier to judge than a wavenumber.
+        if dimension == Dimension::Wavenumber && value > 0.0 {
+            text += &format!(" ({})", Dimension::Length.show_short(std::f64::consts::TAU / value));
         }
-    }
-
-    /// Formats the standard deviations of one scan and between scans in the unit of the parameter, or dashes.
-    fn spreads(&self, key: &str) -> [String; 2] {
-        let Self::Number { stds, .. } = self else { return [DASH, DASH].map(str::to_owned) };
-        let dimension = Dimension::of_key(key).1;
-        stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)))
+        let stds = stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)));
+        Self { value: text, interval, stds }
     }
 }
 
@@ -216,16 +198,15 @@ impl Known {
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let mut rows = Vec::new();
     for (title, parameters) in GROUPS {
-        let present = parameters.iter().filter_map(|parameter| Some((parameter, Known::of(measured, parameter.0)?)));
+        let present = parameters.iter().filter_map(|(key, symbol, meaning)| {
+            let Known { value, interval, stds: [within, between] } = Known::new(measured, key)?;
+            Some(vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, within, between])
+        });
         let present: Vec<_> = present.collect();
-        if present.is_empty() {
-            continue;
+        if !present.is_empty() {
+            rows.push(vec![title.to_owned()]);
+            rows.extend(present);
         }
-        rows.push(vec![title.to_owned()]);
-        rows.extend(present.into_iter().map(|((key, symbol, meaning), known)| {
-            let ((value, interval), [within, between]) = (known.shown(key), known.spreads(key));
-            vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, within, between]
-        }));
     }
     let caption = match measured {
         MeasuredSurface::Part(part) => format!("Surface parameters of the part from {} scans", part.scan_count),
@@ -247,7 +228,7 @@ pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     ];
     let rows = surface.part()?.scans.iter().map(|scan| {
         let cell = |(key, _): &(&str, &str)| {
-            Known::of_scan(&scan.statistics, key).map_or_else(|| DASH.into(), |known| known.shown(key).0)
+            Known::of_scan(&scan.statistics, key).map_or_else(|| DASH.into(), |known| known.value)
         };
         std::iter::once(scan.file.clone()).chain(KEYS.iter().map(cell)).collect()
     });

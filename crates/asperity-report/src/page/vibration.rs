@@ -113,15 +113,15 @@ fn by_upscaling(
 
 /// Returns the damping ratios at which the fraction of time in vibration falls below certain values.
 fn crossings(vibration: &VibrationResult) -> DataTable {
-    let mut shares: Vec<f64> = upscalings(vibration)
+    let mut fractions: Vec<f64> = upscalings(vibration)
         .iter()
         .flat_map(|(_, part)| part.crossings.iter().map(|crossing| crossing.share))
         .collect();
-    shares.sort_by(|a, b| b.total_cmp(a));
-    shares.dedup();
-    let rows = shares.into_iter().map(|share| -> (String, Cell) {
+    fractions.sort_by(|a, b| b.total_cmp(a));
+    fractions.dedup();
+    let rows = fractions.into_iter().map(|fraction| -> (String, Cell) {
         let cell = move |part: &EnsembleResult| {
-            let Some(found) = part.crossings.iter().find(|crossing| crossing.share == share) else {
+            let Some(found) = part.crossings.iter().find(|crossing| crossing.share == fraction) else {
                 return DASH.into();
             };
             match (found.damping_ratio, found.damping_ratio_interval) {
@@ -131,7 +131,7 @@ fn crossings(vibration: &VibrationResult) -> DataTable {
                 (ratio, interval) => shown(Dimension::None, ratio, interval),
             }
         };
-        (format!("{} %", significant(100.0 * share, 3)), Box::new(cell))
+        (format!("{} %", significant(100.0 * fraction, 3)), Box::new(cell))
     });
     let caption = "Damping ratio at which the fraction of time in vibration falls below a value: the mean over the trajectories, which \
                    start in stick, over the second half of the duration; brackets are 95 % intervals";
@@ -144,7 +144,7 @@ fn motion(vibration: &VibrationResult) -> DataTable {
         Box::new(move |part| part.motion.as_ref().map_or_else(|| DASH.into(), &text))
     }
     fn kind(kind: KindResult) -> Cell {
-        cell(move |motion| percent(motion.kind_shares.get(&kind).copied().filter(|share| *share > 0.0), 4))
+        cell(move |motion| percent(motion.kind_shares.get(&kind).copied().filter(|fraction| *fraction > 0.0), 4))
     }
     let number = |value: Option<f64>, interval: Option<Pair>| shown(Dimension::None, value, interval);
     let rows: [(&str, Cell); 10] = [

@@ -1,13 +1,12 @@
 //! Maps side by side, parameters of the scan among those of the twins, and functions with their bands.
 
 use super::{TwinRun, distance, inside_share, named, percent, statistics};
-use crate::axis::{Axis, range};
-use crate::canvas::{Align, Canvas, Dash, GRID, LABEL, Pen, Rect, TEXT, THIN};
-use crate::chart::{Chart, WIDTH, draw_x_ticks, label_x_axis};
-use crate::figures::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, columns, positive, raster_panels};
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::{BLUE, GREY, SKY, VERMILION};
-use crate::raster::{Kind, Raster};
+use crate::plot::{
+    Align, Axis, BLUE, Canvas, Chart, Dash, GREY, GRID, Kind, Pen, Raster, Rect, SKY, TEXT, THIN, VERMILION, WIDTH,
+    draw_x_ticks, label_x_axis, range,
+};
 use crate::{ReportError, Table};
 
 /// Draws the figures for which the run holds data.
@@ -21,56 +20,22 @@ pub(super) fn figures(run: &TwinRun) -> Result<Vec<CaptionedFigure>, ReportError
 
 /// Draws the scan and the first two twins on one colour scale, side by side, or one below the other if they are wide.
 fn maps(run: &TwinRun) -> Result<Option<CaptionedFigure>, ReportError> {
+    /// Least height over width of maps side by side.
     const SIDE_BY_SIDE: f64 = 0.45;
-    const TALLEST: f64 = 460.0;
-    /// Width of a figure that spans the page.
-    const WIDE: f64 = 960.0;
+    /// Size of a figure that spans the page, with one row and with several.
+    const WIDE: (f64, f64) = (960.0, 460.0);
+    const TALL: (f64, f64) = (960.0, 1000.0);
     let rasters = Raster::with_common_scale(run.scan.iter().chain(run.twins.iter().take(2)), Kind::Height)?;
-    let Some(first) = rasters.first() else { return Ok(None) };
-    let names: Vec<String> = match run.scan {
-        Some(_) => ["Scan", "Twin 1", "Twin 2"],
-        None => ["Twin 1", "Twin 2", "Twin 3"],
-    }
-    .map(str::to_owned)
-    .into();
-    let (left, right, gap, above, below): (f64, f64, f64, f64, f64) = (70.0, 100.0, 20.0, 26.0, 52.0);
-    let count = rasters.len() as f64;
-    let room = WIDE - left - right;
-    let aspect = rasters.iter().map(Raster::aspect).fold(0.0, f64::max);
-    let in_a_row = first.aspect() >= SIDE_BY_SIDE;
-    let width = if in_a_row { ((room - gap * (count - 1.0)) / count).min(TALLEST / aspect).max(30.0) } else { room };
-    let mut corner = (left, above);
-    let places = rasters.iter().map(|raster| {
-        let height = (width * raster.aspect()).max(30.0);
-        let plot = Rect::new(corner.0, corner.1, width, if in_a_row { height.min(TALLEST) } else { height });
-        corner = if in_a_row { (plot.right + gap, above) } else { (left, plot.bottom + above) };
-        plot
-    });
-    let plots: Vec<Rect> = places.collect();
-    let bottom = plots.iter().map(|plot| plot.bottom).fold(0.0, f64::max);
-    let edge = plots.iter().map(|plot| plot.right).fold(0.0, f64::max);
-    let bar = Rect::new(edge + 18.0, above, 16.0, (bottom - above).clamp(100.0, TALLEST));
-    let missing = first.has_missing() && run.scan.is_some();
-    let legend = bottom.max(bar.bottom - below) + below;
-    let size = (WIDE, (legend + if missing { 26.0 } else { 4.0 }).ceil());
-    let caption = format!(
-        "Heights relative to their mean, all on one colour scale, which saturates beyond the 0.1 % and 99.9 % quantiles. The scan \
-         is shown after preparation, the twins as drawn.{}",
-        first.pixel_sentence()
-    );
+    let names = run.scan.as_ref().map(|_| "Scan").into_iter().chain(["Twin 1", "Twin 2"]);
+    let panels: Vec<(&str, &Raster)> = names.zip(&rasters).collect();
+    let in_a_row = rasters.first().is_none_or(|first| first.aspect() >= SIDE_BY_SIDE);
+    let (columns, size) = if in_a_row { (panels.len().max(1), WIDE) } else { (1, TALL) };
     let title = "Heights of the scan and of its twins";
-    let mut drawn = CaptionedFigure::from_drawing("maps", title, caption, size, |canvas| {
-        for (i, (raster, plot)) in rasters.iter().zip(&plots).enumerate() {
-            raster.draw(canvas, *plot, in_a_row || i + 1 == rasters.len(), !in_a_row || i == 0);
-            canvas.text((plot.left, plot.top - 12.0), &names[i], LABEL, Align::Start);
-        }
-        first.draw_colour_bar(canvas, bar);
-        if missing {
-            first.draw_legend(canvas, (left, legend + 8.0));
-        }
-    });
-    drawn.sources = vec!["twin_0001".into(), "twin_0002".into()];
-    Ok(Some(drawn))
+    let caption = "Heights relative to their mean, all on one colour scale, which saturates beyond the 0.1 % and 99.9 % quantiles. \
+                   The scan is shown after preparation, the twins as drawn.";
+    let mut drawn = raster_panels("maps", title, caption, &panels, columns, size);
+    drawn.iter_mut().for_each(|figure| figure.sources = vec!["twin_0001".into(), "twin_0002".into()]);
+    Ok(drawn)
 }
 
 /// Draws every statistic of the scan among those of its twins, in standard deviations of the twins.
@@ -189,9 +154,7 @@ fn density(run: &TwinRun) -> Option<CaptionedFigure> {
         "Heights about their mean, form removed; left linear, right logarithmic to show the tails.{}",
         inside_sentence(run, &[(NAME, "")])
     );
-    Some(
-        CaptionedFigure::from_charts(NAME, "Probability density of heights", caption, 2, &charts)?.with_tables(&[NAME]),
-    )
+    CaptionedFigure::from_charts(NAME, "Probability density of heights", caption, 2, &charts, &[NAME])
 }
 
 fn correlation(run: &TwinRun) -> Option<CaptionedFigure> {
@@ -214,9 +177,7 @@ fn correlation(run: &TwinRun) -> Option<CaptionedFigure> {
         inside_sentence(run, &[("acf_x", " of the lags along x"), ("acf_y", " along y")])
     );
     let tables: Vec<&str> = curves.iter().map(|(name, _, _)| *name).collect();
-    let figure =
-        CaptionedFigure::from_charts("acf", "Autocorrelation of heights", caption, charts.len().max(1), &charts)?;
-    Some(figure.with_tables(&tables))
+    CaptionedFigure::from_charts("acf", "Autocorrelation of heights", caption, charts.len(), &charts, &tables)
 }
 
 fn spectrum(run: &TwinRun) -> Option<CaptionedFigure> {
@@ -243,5 +204,5 @@ fn spectrum(run: &TwinRun) -> Option<CaptionedFigure> {
         inside_sentence(run, &points)
     );
     let title = "Power spectral density of heights";
-    Some(CaptionedFigure::from_charts("psd", title, caption, charts.len().max(1), &charts)?.with_tables(&tables))
+    CaptionedFigure::from_charts("psd", title, caption, charts.len(), &charts, &tables)
 }

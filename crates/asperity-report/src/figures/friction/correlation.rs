@@ -2,12 +2,9 @@
 
 use super::{columns, positive};
 use crate::Table;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::Chart;
 use crate::format::{Dimension, Unit};
 use crate::page::in_words;
-use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION, pen};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Pen, VERMILION, pen, range};
 
 /// Draws the autocorrelation with that of the window alone and with the models fitted to it; `data` names the data.
 pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {

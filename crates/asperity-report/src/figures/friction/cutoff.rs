@@ -3,12 +3,8 @@
 use asperity_results::CutoffResult;
 
 use super::{CaptionedFigure, columns, positive};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark};
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION};
-use crate::symbol::Shape;
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 use crate::{Run, Table};
 
 const NAME: &str = "friction_cutoff";
@@ -22,7 +18,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         cutoff.map_or("", |cutoff| &cutoff.known)
     );
     let title = "The friction coefficient over the shortest wavelength";
-    Some(CaptionedFigure::from_charts(NAME, title, caption.trim_end(), 1, &[chart])?.with_tables(&[NAME]))
+    CaptionedFigure::from_charts(NAME, title, caption.trim_end(), 1, &[chart], &[NAME])
 }
 
 fn chart(table: &Table, cutoff: Option<&CutoffResult>) -> Option<Chart> {

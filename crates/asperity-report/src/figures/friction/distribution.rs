@@ -2,12 +2,9 @@
 
 use super::columns;
 use crate::Table;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::Chart;
 use crate::format::Unit;
 use crate::page::in_words;
-use crate::palette::{BLACK, BLUE, GREEN, GREY, OLIVE, ORANGE, PURPLE, SKY, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILION, range};
 
 /// Draws the histogram with the chosen distribution and the other fitted ones; Beta stands out.
 pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart> {

@@ -1,12 +1,9 @@
 //! Moments and load over penetration (Fig. 3 of the paper).
 
 use super::{CaptionedFigure, columns, positive};
-use crate::axis::{Axis, range};
-use crate::canvas::{Colour, Dash, Pen};
-use crate::chart::{Chart, stacked};
 use crate::format::{Dimension, Unit, significant};
 use crate::page::conditions;
-use crate::palette::{BLUE, GREY, ORANGE, VERMILION};
+use crate::plot::{Axis, BLUE, Chart, Colour, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 use crate::{Run, Table};
 
 /// A band this much wider than the curves is cut off.
@@ -85,8 +82,8 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
              windows for one. The numbers at the points are the percentile of heights above the plane; “at load” is the level at the \
              mean pressure of the machine. {conditions}{over}{cut}"
         );
-        let figure = CaptionedFigure::from_charts(name, title, caption.trim_end(), 1, &charts)?.with_tables(&[NAME]);
-        Some(if over.is_empty() { figure } else { figure.with_tables(&[UNCERTAIN]) })
+        let tables: &[&str] = if over.is_empty() { &[NAME] } else { &[NAME, UNCERTAIN] };
+        CaptionedFigure::from_charts(name, title, caption.trim_end(), 1, &charts, tables)
     });
     drawn.collect()
 }
@@ -204,7 +201,7 @@ pub(super) fn load_curve(run: &Run) -> Option<CaptionedFigure> {
     let caption = "Mean pressure over the nominal area, and contact area over nominal area, against the mean depth of the plane \
                    below the highest point of each strip; shaded: 95 % interval over the strips.";
     let charts = stacked(panels.into_iter().flatten().collect(), 190.0);
-    Some(CaptionedFigure::from_charts(NAME, "Load over penetration", caption, 1, &charts)?.with_tables(&[NAME]))
+    CaptionedFigure::from_charts(NAME, "Load over penetration", caption, 1, &charts, &[NAME])
 }
 
 #[cfg(test)]

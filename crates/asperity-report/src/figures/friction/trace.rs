@@ -1,12 +1,8 @@
 //! Friction along the track, below the pressure on the strip.
 
 use super::{CaptionedFigure, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Align, Pen, Rect};
-use crate::chart::{Chart, WIDTH};
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::pen;
-use crate::raster::{Kind, Raster};
+use crate::plot::{Align, Axis, Chart, Kind, Pen, Raster, Rect, WIDTH, pen, range};
 use crate::{ReportError, Run, Table};
 
 const NAME: &str = "friction_trace";
@@ -41,8 +37,7 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
     let trace = "μ = F/N of the window centred at each position, by percentile of heights above the plane; at most five levels.";
     Ok(match (&strip, chart) {
         (Some(strip), chart) => Some(with_strip(strip, chart, trace)),
-        (None, chart) => CaptionedFigure::from_charts(NAME, TITLE, trace, 1, chart.as_slice())
-            .map(|figure| figure.with_tables(&[NAME])),
+        (None, chart) => CaptionedFigure::from_charts(NAME, TITLE, trace, 1, chart.as_slice(), &[NAME]),
     })
 }
 
@@ -126,7 +121,7 @@ mod tests {
             columns: vec![row("position_m", &[1.5e-3, 2.5e-3, 3.5e-3, 4.5e-3]), row("mu", &[1.0, 2.0, 3.0, 4.0])],
         };
         let chart = trace_chart(&table, Some(&strip)).unwrap();
-        let crate::chart::Mark::Line { x, y, .. } = &chart.series[0].mark else { panic!("a curve") };
+        let crate::plot::Mark::Line { x, y, .. } = &chart.series[0].mark else { panic!("a curve") };
         assert!(x.iter().zip([0.5e-3, 1.5e-3, 2.5e-3, 3.5e-3]).all(|(x, wanted)| (x - wanted).abs() < 1e-12), "{x:?}");
         assert_eq!(*y, [4.0, 1.0, 2.0, 3.0]);
         assert_eq!(chart.x.ends(), (0.0, 4e-3));

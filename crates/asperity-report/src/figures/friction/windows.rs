@@ -4,11 +4,8 @@ use asperity_results::LevelResult;
 
 use super::{columns, positive};
 use crate::Table;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, stacked};
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLACK, BLUE, GREEN, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Pen, VERMILION, range, stacked};
 
 /// ℓ/W of the e^{−s/ℓ} that is closest to the triangle 1 − s/W of the window alone, by least squares over 0 < s < W.
 const TRIANGLE_LENGTH: f64 = 0.614_290_278;

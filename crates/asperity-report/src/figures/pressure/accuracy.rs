@@ -5,12 +5,9 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI};
 use asperity_results::{MethodEntry, PressureResult};
 
 use super::{CaptionedFigure, columns, style};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark, stacked};
 use crate::format::Unit;
 use crate::page::method_name;
-use crate::palette::{BLACK, GREY};
+use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
 use crate::{Run, Table};
 
 /// Larger errors are not drawn: such a distribution is unrelated to the true one.
@@ -46,10 +43,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
                    below the dotted line they are due to the reference.";
     let title = "Error and cost of the methods";
     let charts = stacked(charts.collect(), 152.0);
-    Some(
-        CaptionedFigure::from_charts("pressure_accuracy", title, caption, 1, &charts)?
-            .with_tables(&["pressure_methods"]),
-    )
+    CaptionedFigure::from_charts("pressure_accuracy", title, caption, 1, &charts, &["pressure_methods"])
 }
 
 /// Draws one measure over the work; `None` without points.

@@ -2,12 +2,9 @@
 
 use super::{CaptionedFigure, columns, style};
 use crate::Run;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, stacked};
 use crate::format::{Dimension, Unit};
 use crate::page::method_name;
-use crate::palette::{BLACK, GREY, ORANGE, VERMILION};
+use crate::plot::{Axis, BLACK, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 
 const NAME: &str = "pressure_cdf";
 const BANDS: &str = "pressure_bands";
@@ -118,9 +115,8 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     }
     let mut charts = if charts.len() > 1 { stacked(charts, 290.0) } else { charts };
     charts.iter_mut().skip(1).for_each(|chart| chart.height = if bands.is_some() { 230.0 } else { 190.0 });
-    let figure =
-        CaptionedFigure::from_charts(NAME, "Distribution of the contact pressure by method", caption, 1, &charts)?;
-    Some(figure.with_tables(if bands.is_some() { &[NAME, BANDS] } else { &[NAME] }))
+    let tables: &[&str] = if bands.is_some() { &[NAME, BANDS] } else { &[NAME] };
+    CaptionedFigure::from_charts(NAME, "Distribution of the contact pressure by method", caption, 1, &charts, tables)
 }
 
 /// Draws the differences from the reference, the first of the methods. Also returns the methods beyond the frame: a biased method

@@ -4,12 +4,12 @@ use asperity_results::{MethodEntry, Pair, PressureResult};
 
 use super::{CaptionedFigure, style};
 use crate::Run;
-use crate::axis::{Axis, range};
-use crate::canvas::{Align, Canvas, Colour, Dash, GRID, Pen, Rect, TEXT, THIN};
-use crate::chart::{WIDTH, draw_x_ticks, label_x_axis};
 use crate::format::Dimension;
 use crate::page::method_name;
-use crate::palette::{BLACK, GREY};
+use crate::plot::{
+    Align, Axis, BLACK, Canvas, Colour, Dash, GREY, GRID, Pen, Rect, TEXT, THIN, WIDTH, draw_x_ticks, label_x_axis,
+    range,
+};
 
 /// Height of a row in pixels.
 const ROW: f64 = 24.0;

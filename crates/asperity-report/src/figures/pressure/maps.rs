@@ -2,11 +2,9 @@
 
 use asperity_results::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, PressureResult};
 
-use crate::canvas::{Align, LABEL, Rect};
-use crate::chart::WIDTH;
-use crate::figures::{CaptionedFigure, field_map};
+use crate::figures::{CaptionedFigure, field_map, raster_panels};
 use crate::format::{Dimension, significant};
-use crate::raster::{Kind, Raster};
+use crate::plot::{Kind, Raster, WIDTH};
 use crate::{Field, ReportError, Run};
 
 /// Mean and quantiles with their titles.
@@ -16,11 +14,6 @@ const STATISTICS: [(&str, &str); 4] = [
     ("pressure_quantile_50", "Median"),
     ("pressure_quantile_90", "90 % quantile"),
 ];
-/// Distance of the first panel from the left edge, distance between panels, and room above each for its name, in pixels.
-const LEFT: f64 = 92.0;
-const BETWEEN: f64 = 36.0;
-const NAME: f64 = 24.0;
-
 /// A field with its name and its title.
 type Panel<'a> = (&'static str, &'static str, &'a Field);
 
@@ -89,33 +82,12 @@ fn statistics(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> {
     let (varied, flat): (Vec<_>, Vec<_>) = all.iter().copied().partition(|(_, _, field)| constant(field).is_none());
     let (panels, hidden) = if varied.is_empty() { (all.clone(), Vec::new()) } else { (varied, flat) };
     let rasters = Raster::with_common_scale(panels.iter().map(|(_, _, field)| *field), Kind::Pressure)?;
-    let Some(first) = rasters.first() else { return Ok(None) };
-    let columns = panels.len().min(2);
-    let rows = panels.len().div_ceil(columns);
-    let room = (430.0 - BETWEEN * (columns as f64 - 1.0)) / columns as f64;
-    let tallest = 560.0 / rows as f64;
-    let width = room.min(tallest / first.aspect()).max(40.0);
-    let height = (width * first.aspect()).clamp(40.0, tallest);
-    let left = LEFT + 0.5 * (room - width) * columns as f64;
-    let top = |row: usize| 26.0 + NAME + (height + NAME + 8.0) * row as f64;
-    let bottom = top(rows - 1) + height;
+    let panels: Vec<(&str, &Raster)> = panels.iter().map(|(_, title, _)| *title).zip(&rasters).collect();
+    let columns = panels.len().clamp(1, 2);
     let title = "Mean and quantiles of the pressure of every cell";
-    let size = (WIDTH, bottom + 54.0);
-    let drawn = CaptionedFigure::from_drawing("pressure_quantiles", title, caption(run, &hidden), size, |canvas| {
-        if panels.iter().any(|(_, _, field)| field.values.contains(&0.0)) {
-            first.draw_legend(canvas, (left, 14.0));
-        }
-        for (number, ((_, name, _), raster)) in panels.iter().zip(&rasters).enumerate() {
-            let (row, column) = (number / columns, number % columns);
-            let plot = Rect::new(left + (width + BETWEEN) * column as f64, top(row), width, height);
-            // The lowest panel of a column has the x axis.
-            raster.draw(canvas, plot, number + columns >= panels.len(), column == 0);
-            canvas.text((plot.left, plot.top - 12.0), name, LABEL, Align::Start);
-        }
-        let right = left + width * columns as f64 + BETWEEN * (columns as f64 - 1.0);
-        first.draw_colour_bar(canvas, Rect::new(right + 18.0, top(0), 16.0, (bottom - top(0)).max(100.0)));
-    });
-    Ok(Some(drawn.with_fields(&all.iter().map(|(name, _, _)| *name).collect::<Vec<_>>())))
+    let drawn = raster_panels("pressure_quantiles", title, &caption(run, &hidden), &panels, columns, (WIDTH, 560.0));
+    let fields: Vec<&str> = all.iter().map(|(name, _, _)| *name).collect();
+    Ok(drawn.map(|figure| figure.with_fields(&fields)))
 }
 
 fn caption(run: &Run, hidden: &[Panel<'_>]) -> String {

@@ -4,12 +4,8 @@ use asperity_results::ScalarQuantile;
 
 use super::{CaptionedFigure, columns};
 use crate::Run;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark};
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLACK, BLUE, VERMILION};
-use crate::symbol::Shape;
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, Mark, Pen, Shape, VERMILION, range};
 
 const NAME: &str = "pressure_scalars";
 const TABLE: &str = "pressure_scalar_laws";
@@ -52,8 +48,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         "Distribution functions over the realisations of the surface: contact area over nominal area, load over nominal \
          area, {also}, by the default method for the pressure. Intervals that are not visible are narrower than their rings."
     );
-    let columns = charts.len().clamp(1, per_row);
-    Some(CaptionedFigure::from_charts(NAME, title, caption, columns, &charts)?.with_tables(&[TABLE, NAME]))
+    CaptionedFigure::from_charts(NAME, title, caption, charts.len().min(per_row), &charts, &[TABLE, NAME])
 }
 
 fn quantiles<'a>(run: &'a Run, name: &str) -> &'a [ScalarQuantile] {

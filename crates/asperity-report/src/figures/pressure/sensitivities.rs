@@ -4,11 +4,11 @@ use asperity_results::{IndexEntry, Pair, SensitivityEntry};
 
 use super::CaptionedFigure;
 use crate::Run;
-use crate::axis::Axis;
-use crate::canvas::{Align, Canvas, Colour, Dash, GRID, LABEL, Pen, Rect, TEXT, THIN, text_width};
-use crate::chart::{WIDTH, draw_x_ticks, label_x_axis};
 use crate::format::{Unit, fixed};
-use crate::palette::{BLACK, BLUE, ORANGE};
+use crate::plot::{
+    Align, Axis, BLACK, BLUE, Canvas, Colour, Dash, GRID, LABEL, ORANGE, Pen, Rect, TEXT, THIN, WIDTH, draw_x_ticks,
+    label_x_axis, text_width,
+};
 
 const NAME: &str = "pressure_sensitivities";
 /// Height of the rows of a variable, of a bar, and of the room above and below the rows of a panel, in pixels.

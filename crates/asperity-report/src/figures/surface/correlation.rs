@@ -1,11 +1,8 @@
 //! Autocorrelation along x and y with its bands, the model, and the correlation lengths.
 
 use super::{CaptionedFigure, columns, scan, scan_sentence};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::Chart;
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Pen, VERMILION, range};
 use crate::{Run, Table};
 
 const NAME: &str = "height_acf";
@@ -120,9 +117,5 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         caption += " Ribbons are pointwise 95 % bands.";
     }
     caption += &scan_sentence(run);
-    let columns = charts.len().max(1);
-    Some(
-        CaptionedFigure::from_charts(NAME, "Autocorrelation of heights", caption, columns, &charts)?
-            .with_tables(&[NAME]),
-    )
+    CaptionedFigure::from_charts(NAME, "Autocorrelation of heights", caption, charts.len(), &charts, &[NAME])
 }

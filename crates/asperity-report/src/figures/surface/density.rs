@@ -1,12 +1,9 @@
 //! Density of heights with the distributions that fit best.
 
 use super::{CaptionedFigure, columns, scan_sentence};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::Chart;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::Dimension;
-use crate::palette::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, ORANGE, PURPLE, Pen, VERMILION, range};
 use crate::{Run, Table};
 
 const NAME: &str = "height_pdf";
@@ -89,6 +86,5 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         scan_sentence(run)
     );
     let charts = [linear, logarithmic].map(|chart| chart.with_height(300.0));
-    let figure = CaptionedFigure::from_charts(NAME, "Probability density of heights", caption, 2, &charts)?;
-    Some(figure.with_tables(&[NAME]))
+    CaptionedFigure::from_charts(NAME, "Probability density of heights", caption, 2, &charts, &[NAME])
 }

@@ -2,11 +2,8 @@
 
 use super::{CaptionedFigure, columns, positive, present, scan, scan_sentence};
 use crate::Run;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark};
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, VERMILION, range};
 
 /// Table of the profiles at all wavenumbers, which every run has.
 const ALL: &str = "height_psd";
@@ -161,6 +158,6 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     }
     caption += &reliable.as_ref().map_or_else(String::new, Reliable::sentence);
     caption += &scan_sentence(run);
-    let figure = CaptionedFigure::from_charts(ALL, "Power spectral density of heights", caption, 1, &charts)?;
-    Some(figure.with_tables(&present(run, &[RADIAL, PROFILES[0], PROFILES[1], ALL])))
+    let tables = present(run, &[RADIAL, PROFILES[0], PROFILES[1], ALL]);
+    CaptionedFigure::from_charts(ALL, "Power spectral density of heights", caption, 1, &charts, &tables)
 }

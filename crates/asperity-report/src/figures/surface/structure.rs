@@ -2,11 +2,8 @@
 
 use super::{CaptionedFigure, columns, positive, scan, scan_sentence};
 use crate::Run;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::Chart;
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::{BLACK, BLUE, GREY, ORANGE, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range};
 
 const NAME: &str = "structure_function";
 
@@ -51,8 +48,5 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         scan_sentence(run)
     );
     let chart = chart.with_height(340.0);
-    Some(
-        CaptionedFigure::from_charts(NAME, "Structure functions of heights", caption, 1, &[chart])?
-            .with_tables(&[NAME]),
-    )
+    CaptionedFigure::from_charts(NAME, "Structure functions of heights", caption, 1, &[chart], &[NAME])
 }

@@ -2,12 +2,8 @@
 
 use super::{ATTRACTORS, CaptionedFigure, Tables, columns, outlined};
 use crate::ReportError;
-use crate::axis::{Axis, range};
-use crate::canvas::{Colour, Dash, Pen, WHITE};
-use crate::chart::{Backdrop, Chart, Mark};
 use crate::format::Unit;
-use crate::image;
-use crate::palette::{BLACK, VERMILION, pale};
+use crate::plot::{Axis, BLACK, Backdrop, Chart, Colour, Dash, Mark, Pen, VERMILION, WHITE, indexed, pale, range};
 
 /// Largest number of pixels of the image along an axis.
 const MAX_ALONG: usize = 4096;
@@ -40,13 +36,8 @@ pub(super) fn figure(tables: &Tables) -> Result<Option<CaptionedFigure>, ReportE
     }
     let caption = "Every point of the phase plane in the colour of the attractor that a mass started there reaches, with the border \
                    between them and the limit cycle.";
-    Ok(CaptionedFigure::from_charts(
-        "basin",
-        "Attractors over the phase plane",
-        caption,
-        1,
-        &[chart.with_height(420.0)],
-    ))
+    let charts = [chart.with_height(420.0)];
+    Ok(CaptionedFigure::from_charts("basin", "Attractors over the phase plane", caption, 1, &charts, &[]))
 }
 
 /// A regular grid of cells, row by row in order of velocity, from the centres of its cells.
@@ -79,6 +70,6 @@ impl Grid {
         let index = |found: &f64| ATTRACTORS.iter().position(|(kind, _, _)| kind == found).map_or(0, |k| k as u8 + 1);
         let rows = (0..self.rows).rev().map(|row| &attractor[row * self.columns..(row + 1) * self.columns]);
         let indices: Vec<u8> = rows.flatten().map(index).collect();
-        image::indexed(self.columns, self.rows, &indices, std::iter::once(WHITE).chain(tints).collect())
+        indexed(self.columns, self.rows, &indices, std::iter::once(WHITE).chain(tints).collect())
     }
 }

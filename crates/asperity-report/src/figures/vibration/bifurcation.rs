@@ -4,11 +4,8 @@ use serde_json::Value;
 
 use super::{ATTRACTORS, CaptionedFigure, Tables, axis_label, columns};
 use crate::Table;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark, stacked};
 use crate::format::{Unit, significant};
-use crate::palette::{BLACK, GREY};
+use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
 
 /// Directions of the parameter: table and name, and width and opacity of the lines. A broad pale line upwards lies under a thin
 /// line downwards, so that both are visible where they agree.
@@ -33,7 +30,7 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
     let caption = "Least and largest velocity and displacement of the motion as a parameter slowly rises (broad) and slowly falls \
                    (thin). Where the two differ, more than one attractor exists.";
     let charts = stacked(charts.collect(), 240.0);
-    CaptionedFigure::from_charts("bifurcation", "Attractors over a parameter", caption, 1, &charts)
+    CaptionedFigure::from_charts("bifurcation", "Attractors over a parameter", caption, 1, &charts, &[])
 }
 
 /// Draws curves in the colour of the attractor, with a dot at each point without neighbours.

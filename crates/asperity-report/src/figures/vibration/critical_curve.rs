@@ -3,11 +3,8 @@
 use serde_json::Value;
 
 use super::{CaptionedFigure, Tables, axis_label, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, stacked};
 use crate::format::Unit;
-use crate::palette::{BLACK, BLUE, ORANGE, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, ORANGE, Pen, VERMILION, range, stacked};
 
 /// Least ratio of the ends of a parameter for a logarithmic axis.
 const WIDE: f64 = 4.0;
@@ -37,7 +34,7 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
     let gap = if locked { None } else { gap(axis(), x, critical, hopf) };
     let caption = "ζ_c, at which the stick-slip cycle ends, and ζ_H, above which steady sliding is stable. Between the two both exist.";
     let charts = stacked(std::iter::once(chart).chain(gap).collect(), height);
-    CaptionedFigure::from_charts("critical_curve", "Critical damping along a parameter", caption, 1, &charts)
+    CaptionedFigure::from_charts("critical_curve", "Critical damping along a parameter", caption, 1, &charts, &[])
 }
 
 /// Draws the width of the region in which both exist, which is often too narrow to be visible.

@@ -3,11 +3,8 @@
 use asperity_results::VibrationResult;
 
 use super::{CaptionedFigure, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Colour, Dash, Pen};
-use crate::chart::{Chart, stacked};
 use crate::format::{Unit, significant};
-use crate::palette::{BLACK, BLUE, GREY, VERMILION};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, GREY, Pen, VERMILION, range, stacked};
 use crate::{Run, Table};
 
 const NAME: &str = "cycles_over_damping";
@@ -35,7 +32,7 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
     ];
     let drawn = drawn.into_iter().filter_map(|(name, title, caption, charts)| {
         let charts = sweep.stacked(charts.into_iter().flatten().collect());
-        Some(CaptionedFigure::from_charts(name, title, caption, 1, &charts)?.with_tables(&[NAME]))
+        CaptionedFigure::from_charts(name, title, caption, 1, &charts, &[NAME])
     });
     drawn.collect()
 }

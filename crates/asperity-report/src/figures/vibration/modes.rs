@@ -3,12 +3,8 @@
 use serde_json::Value;
 
 use super::{CaptionedFigure, Tables, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark, stacked};
 use crate::format::{Unit, significant};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
-use crate::symbol::Shape;
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, Shape, VERMILION, range, stacked};
 
 /// Contact states of the mass: number in tables, name and pen.
 const CONTACTS: [(f64, &str, Pen); 4] = [
@@ -53,7 +49,7 @@ pub(super) fn over_friction(answer: &Value, tables: &Tables) -> Option<Captioned
     let caption = "Growth rate and frequency of the two modes of small motion about steady sliding. Where the frequencies meet without \
                    damping one mode begins to grow; damping moves the loss of stability to the critical coefficient.";
     let charts = stacked(charts.collect(), 220.0);
-    CaptionedFigure::from_charts("modes", "Modes over the friction coefficient", caption, 1, &charts)
+    CaptionedFigure::from_charts("modes", "Modes over the friction coefficient", caption, 1, &charts, &[])
 }
 
 /// Draws vertical lines at the characteristic friction coefficients.
@@ -97,5 +93,5 @@ pub(super) fn cycle(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> 
     let charts: Vec<Chart> = charts.collect();
     let caption = "One period of the motion without fluctuation: the path of the mass in its plane, and its velocity along the belt over \
                    its displacement.";
-    CaptionedFigure::from_charts("mode_cycle", "The vibration in the plane", caption, charts.len().max(1), &charts)
+    CaptionedFigure::from_charts("mode_cycle", "The vibration in the plane", caption, charts.len(), &charts, &[])
 }

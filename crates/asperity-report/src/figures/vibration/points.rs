@@ -1,11 +1,8 @@
 //! Distributions of the points at which the mass sticks again and at which it leaves the belt.
 
 use super::{CaptionedFigure, Tables, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Colour, Dash, Pen};
-use crate::chart::Chart;
 use crate::format::Unit;
-use crate::palette::{BLACK, BLUE, ORANGE};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, ORANGE, Pen, range};
 use crate::{Run, Table};
 
 /// Draws the re-attachment points of a run.
@@ -19,8 +16,7 @@ pub(super) fn of_run(run: &Run) -> Option<CaptionedFigure> {
     let (names, charts): (Vec<&'static str>, Vec<Chart>) = panels.into_iter().filter_map(chart).unzip();
     let caption = "Histogram of the displacement at which the mass sticks again, with the normal distribution of equal mean and \
                    standard deviation (the paper’s Fig. 5b).";
-    let figure = CaptionedFigure::from_charts("reattachment", "Re-attachment points", caption, 1, &charts)?;
-    Some(figure.with_tables(&names))
+    CaptionedFigure::from_charts("reattachment", "Re-attachment points", caption, 1, &charts, &names)
 }
 
 /// Draws the points of a command.
@@ -35,7 +31,7 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
     let title = "Re-attachment and detachment points";
     let caption = "Histograms of the displacements at which cycles stick again and at which the mass detaches, with the normal \
                    distributions of equal mean and standard deviation.";
-    CaptionedFigure::from_charts("reattachment", title, caption, 1, &charts)
+    CaptionedFigure::from_charts("reattachment", title, caption, 1, &charts, &[])
 }
 
 fn histogram(table: &Table, axis: &str, bars: &str, colour: Colour) -> Option<Chart> {

@@ -2,11 +2,8 @@
 
 use super::{CaptionedFigure, Tables, columns, separated};
 use crate::Run;
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Mark};
 use crate::format::Unit;
-use crate::palette::{PURPLE, SKY, VERMILION};
+use crate::plot::{Axis, Chart, Dash, Mark, PURPLE, Pen, SKY, VERMILION, range};
 
 /// Points of a cloud that are further apart in τ are drawn as points, closer ones as curves.
 const DENSE: f64 = 0.3;
@@ -26,7 +23,7 @@ pub(super) fn of_run(run: &Run) -> Option<CaptionedFigure> {
         "Displacement and velocity of the mass (the paper’s Fig. 5a). On the flat upper side the mass sticks to the belt.{cloud}"
     );
     let drawn: Vec<&str> = drawn.into_iter().rev().collect();
-    Some(CaptionedFigure::from_charts("limit_cycle", "Phase portrait", caption, 1, &[chart])?.with_tables(&drawn))
+    CaptionedFigure::from_charts("limit_cycle", "Phase portrait", caption, 1, &[chart], &drawn)
 }
 
 /// Draws the portrait of a command. A map of attractors includes the cycle.
@@ -34,7 +31,7 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
     let (chart, _) = portrait(tables, "deterministic limit cycle").filter(|_| !tables.contains_key("basin"))?;
     let caption = "Displacement and velocity of many trajectories, each for about one period at the end of its time, and the limit \
                    cycle without fluctuation over them. On the flat upper side the mass sticks to the belt.";
-    CaptionedFigure::from_charts("phase_portrait", "Phase portrait", caption, 1, &[chart])
+    CaptionedFigure::from_charts("phase_portrait", "Phase portrait", caption, 1, &[chart], &[])
 }
 
 /// Draws the chart. Also returns its tables from the lowest to the uppermost curve.

@@ -5,12 +5,9 @@ use std::f64::consts::TAU;
 use serde_json::Value;
 
 use super::{CaptionedFigure, Tables, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::Chart;
 use crate::figures::positive;
 use crate::format::{Unit, fixed, show_range, significant};
-use crate::palette::{BLUE, VERMILION};
+use crate::plot::{Axis, BLUE, Chart, Dash, Pen, VERMILION, range};
 
 pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
     let table = tables.get("sound_spectrum")?;
@@ -37,7 +34,7 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
     }
     let caption = "One-sided power spectral density of the velocity dX/dτ over the frequency relative to the natural frequency; its \
                    integral is the variance.";
-    CaptionedFigure::from_charts("sound_spectrum", "Spectrum of the velocity", caption, 1, &[chart])
+    CaptionedFigure::from_charts("sound_spectrum", "Spectrum of the velocity", caption, 1, &[chart], &[])
 }
 
 /// Returns the level in a sentence.

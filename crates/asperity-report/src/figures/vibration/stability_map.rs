@@ -4,12 +4,10 @@ use asperity_results::{MapResolutionResult, MapResult};
 use serde_json::Value;
 
 use super::{CaptionedFigure, Tables, axis_label, columns, outlined, present, separated};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen, Rect};
-use crate::chart::{Backdrop, Chart, WIDTH};
 use crate::format::{Unit, significant};
-use crate::image::{self, ColourBar};
-use crate::palette::{BLACK, VERMILION};
+use crate::plot::{
+    Axis, BLACK, Backdrop, Chart, ColourBar, Dash, Pen, Rect, VERMILION, WIDTH, indexed, range, scale_palette, shade,
+};
 use crate::{ReportError, Run, Table};
 
 /// Largest number of pixels of the image along an axis.
@@ -134,10 +132,10 @@ impl<'a> Cells<'a> {
             let (left, right) = (place(x_low[cell], self.x, nx), place(x_high[cell], self.x, nx));
             for row in place(y_low[cell], self.y, ny)..place(y_high[cell], self.y, ny) {
                 let start = (ny - 1 - row) * nx;
-                indices[start + left..start + right.max(left)].fill(image::shade(probability[cell]));
+                indices[start + left..start + right.max(left)].fill(shade(probability[cell]));
             }
         }
-        image::indexed(nx, ny, &indices, image::scale_palette())
+        indexed(nx, ny, &indices, scale_palette())
     }
 }
 

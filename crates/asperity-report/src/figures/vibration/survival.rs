@@ -1,11 +1,8 @@
 //! Duration of vibration.
 
 use super::{CaptionedFigure, Tables, columns, present};
-use crate::axis::{Axis, range};
-use crate::canvas::{Colour, Dash, Pen};
-use crate::chart::Chart;
 use crate::format::Unit;
-use crate::palette::{BLUE, VERMILION};
+use crate::plot::{Axis, BLUE, Chart, Colour, Dash, Pen, VERMILION, range};
 use crate::{Run, Table};
 
 /// A table with the name, colour and dash of its curve.
@@ -42,5 +39,5 @@ fn drawn(curves: &[Curve<'_>]) -> Option<CaptionedFigure> {
     let caption = "Fraction of the trajectories that have vibrated without interruption up to the time τ, with 95 % intervals. Vibration \
                    ends when the mass then slips for three natural periods without a swing that sticks, exceeds the velocity of the \
                    belt or belongs to a slip cycle; trajectories without such a swing leave it at τ = 0.";
-    CaptionedFigure::from_charts("survival", "Duration of vibration", caption, 1, &[chart])
+    CaptionedFigure::from_charts("survival", "Duration of vibration", caption, 1, &[chart], &[])
 }

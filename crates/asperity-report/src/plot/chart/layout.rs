@@ -1,7 +1,7 @@
 //! Figures of several charts.
 
 use super::{Chart, Legend};
-use crate::canvas::{Rect, draw};
+use crate::plot::canvas::{Rect, draw};
 
 /// Width of a figure in pixels.
 pub(crate) const WIDTH: f64 = 640.0;

@@ -1,6 +1,6 @@
 //! Colours that remain distinct to colour-blind readers and in grey prints.
 
-use crate::canvas::{Colour, Dash, Pen, WHITE};
+use crate::plot::canvas::{Colour, Dash, Pen, WHITE};
 
 pub(crate) const BLUE: Colour = Colour(0, 114, 178);
 pub(crate) const VERMILION: Colour = Colour(213, 94, 0);

@@ -1,11 +1,11 @@
 //! Maps as images: fields become indexed PNGs with a colour bar.
 
-use crate::axis::Axis;
-use crate::canvas::{Align, Canvas, LABEL, Pen, Rect, TEXT, THIN, text_width};
-use crate::chart::{draw_x_ticks, label_x_axis};
 use crate::format::Dimension;
-use crate::image::{ColourBar, indexed, scale_palette, shade};
-use crate::palette::{MISSING, NO_CONTACT};
+use crate::plot::axis::Axis;
+use crate::plot::canvas::{Align, Canvas, LABEL, Pen, Rect, TEXT, THIN, text_width};
+use crate::plot::chart::{draw_x_ticks, label_x_axis};
+use crate::plot::image::{ColourBar, indexed, scale_palette, shade};
+use crate::plot::palette::{MISSING, NO_CONTACT};
 use crate::{Field, ReportError};
 
 /// Larger fields are averaged over blocks before they are embedded.
@@ -41,13 +41,14 @@ impl Kind {
 #[derive(Debug, Clone)]
 pub(crate) struct Raster {
     data_uri: String,
-    kind: Kind,
     width_m: f64,
     height_m: f64,
     colour_bar: ColourBar,
     /// Points along an edge that were averaged into one pixel.
     block: usize,
     missing: usize,
+    /// Whether a pixel is at zero pressure.
+    no_contact: bool,
 }
 
 /// Averages the present points of blocks of k × k points. A block without a majority of present points is missing.
@@ -133,12 +134,12 @@ impl<'a> Pixels<'a> {
         let (label, dimension) = kind.label();
         Ok(Raster {
             data_uri: indexed(nx, ny, &indices, scale_palette())?,
-            kind,
             width_m: field.nx as f64 * field.dx_m,
             height_m: field.ny as f64 * field.dy_m,
             colour_bar: ColourBar::new(Axis::linear(label, dimension.unit(low.abs().max(high.abs())), (low, high)))?,
             block,
             missing: field.values.iter().filter(|v| !v.is_finite()).count(),
+            no_contact: kind == Kind::Pressure && self.values.iter().any(|value| *value <= 0.0),
         })
     }
 }
@@ -179,12 +180,7 @@ impl Raster {
 
     /// Reports whether the legend has an entry.
     pub(crate) fn has_legend(&self) -> bool {
-        self.kind == Kind::Pressure || self.missing > 0
-    }
-
-    /// Reports whether points are missing.
-    pub(crate) fn has_missing(&self) -> bool {
-        self.missing > 0
+        self.no_contact || self.missing > 0
     }
 
     /// Returns a sentence on the pixels for a caption; empty if each pixel is one point.
@@ -226,10 +222,8 @@ impl Raster {
     /// Draws the meaning of the reserved colours, from `(x, y)` to the right.
     pub(crate) fn draw_legend(&self, canvas: &mut Canvas, (mut x, y): (f64, f64)) {
         let missing = format!("missing ({} points)", self.missing);
-        let entries = [
-            (self.kind == Kind::Pressure, NO_CONTACT, "no contact (p = 0)"),
-            (self.missing > 0, MISSING, missing.as_str()),
-        ];
+        let entries =
+            [(self.no_contact, NO_CONTACT, "no contact (p = 0)"), (self.missing > 0, MISSING, missing.as_str())];
         for (_, colour, text) in entries.iter().filter(|(wanted, _, _)| *wanted) {
             let swatch = Rect::new(x, y - 6.0, 18.0, 12.0);
             canvas.fill(swatch, *colour, 1.0);

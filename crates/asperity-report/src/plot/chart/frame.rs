@@ -1,8 +1,8 @@
 //! Ticks, grid and labels around the plot of a chart.
 
 use super::{Backdrop, Chart};
-use crate::axis::{Axis, Tick};
-use crate::canvas::{Align, Canvas, GRID, LABEL, Pen, Rect, TEXT, THIN, text_width};
+use crate::plot::axis::{Axis, Tick};
+use crate::plot::canvas::{Align, Canvas, GRID, LABEL, Pen, Rect, TEXT, THIN, text_width};
 
 impl Chart {
     /// Draws the image behind the marks, the grid, the ticks and the labels.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::canvas::{Canvas, Colour, Dash, Pen, Point};
+use crate::plot::canvas::{Canvas, Colour, Dash, Pen, Point};
 
 /// Shape of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

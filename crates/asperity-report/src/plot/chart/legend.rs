@@ -1,7 +1,7 @@
 //! Legend of one or several charts.
 
 use super::{Chart, DISC, Mark, SYMBOL, Series};
-use crate::canvas::{Align, Canvas, Pen, Rect, TEXT, text_width};
+use crate::plot::canvas::{Align, Canvas, Pen, Rect, TEXT, text_width};
 
 /// Height of one row of the legend in pixels.
 const ROW: f64 = 21.0;

@@ -4,9 +4,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::ReportError;
-use crate::axis::Axis;
-use crate::canvas::{Align, Canvas, Colour, LABEL, Rect, TEXT, THIN, text_width};
-use crate::palette::{MISSING, NO_CONTACT, colour_scale};
+use crate::plot::axis::Axis;
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Rect, TEXT, THIN, text_width};
+use crate::plot::palette::{MISSING, NO_CONTACT, colour_scale};
 
 /// Palette entries below the colour scale: missing points, then points at exactly zero.
 const RESERVED: u8 = 2;

@@ -1,6 +1,6 @@
 //! Clipping and simplification of polylines in pixels.
 
-use crate::canvas::{Point, Rect};
+use crate::plot::canvas::{Point, Rect};
 
 /// Returns the parts of a polyline inside a rectangle (Liang & Barsky on each segment).
 pub(crate) fn clipped(points: &[Point], rect: Rect) -> Vec<Vec<Point>> {

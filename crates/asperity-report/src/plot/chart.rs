@@ -7,10 +7,10 @@ mod legend;
 pub(crate) use self::frame::{draw_x_ticks, label_x_axis};
 pub(crate) use self::layout::{WIDTH, figure, stacked};
 use self::legend::Legend;
-use crate::axis::Axis;
-use crate::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, THIN, text_width};
-use crate::polyline::{clipped, simplified};
-use crate::symbol::Shape;
+use crate::plot::axis::Axis;
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, THIN, text_width};
+use crate::plot::polyline::{clipped, simplified};
+use crate::plot::symbol::Shape;
 
 /// Curves are simplified by at most this distance in pixels.
 const TOLERANCE: f64 = 0.12;
