@@ -1,9 +1,9 @@
-//! The laws fitted to heights, read from the table `height_fits`.
+//! Distributions fitted to heights, read from the table `height_fits`.
 
 use crate::Table;
 
-/// Laws as columns name them, and as a reader does.
-const LAWS: [(&str, &str); 9] = [
+/// Distributions by their name in columns, with the name for readers.
+const DISTRIBUTIONS: [(&str, &str); 9] = [
     ("johnson_su", "Johnson SU"),
     ("johnson_sb", "Johnson SB"),
     ("johnson_sl", "Johnson SL"),
@@ -15,12 +15,12 @@ const LAWS: [(&str, &str); 9] = [
     ("beta", "Beta"),
 ];
 
-/// A row of the table.
+/// A fitted distribution: a row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct HeightFit {
     pub(crate) rank: usize,
-    /// The law as columns name it.
-    pub(crate) law: &'static str,
+    /// Name of the distribution in columns.
+    pub(crate) distribution: &'static str,
     /// Names of the parameters with their unit suffixes, and values in SI.
     pub(crate) parameters: Vec<(String, f64)>,
     pub(crate) delta_aic: f64,
@@ -30,29 +30,29 @@ pub(crate) struct HeightFit {
 }
 
 impl HeightFit {
-    /// The law as a reader calls it.
+    /// Returns the name of the distribution for readers.
     pub(crate) fn name(&self) -> &'static str {
-        LAWS.iter().find(|(law, _)| *law == self.law).map_or(self.law, |(_, name)| name)
+        DISTRIBUTIONS.iter().find(|(own, _)| *own == self.distribution).map_or(self.distribution, |(_, name)| name)
     }
 }
 
-/// The rows whose law is known, best first: that whose parameters are there.
+/// Returns the rows of known distributions, best first. The columns with parameters identify the distribution of a row.
 pub(crate) fn height_fits(table: &Table) -> Vec<HeightFit> {
     let rows = table.columns.first().map_or(0, |(_, values)| values.len());
     let fits = (0..rows).filter_map(|row| {
-        let parameters = |law: &str| -> Vec<(String, f64)> {
+        let parameters = |distribution: &str| -> Vec<(String, f64)> {
             let own = |(name, values): &(String, Vec<f64>)| {
-                let name = name.strip_prefix(law)?.strip_prefix('_')?;
+                let name = name.strip_prefix(distribution)?.strip_prefix('_')?;
                 Some((name.to_owned(), values.get(row).copied().filter(|value| value.is_finite())?))
             };
             table.columns.iter().filter_map(own).collect()
         };
-        let (law, parameters) =
-            LAWS.iter().map(|(law, _)| (*law, parameters(law))).find(|(_, parameters)| !parameters.is_empty())?;
+        let mut known = DISTRIBUTIONS.iter().map(|(distribution, _)| (*distribution, parameters(distribution)));
+        let (distribution, parameters) = known.find(|(_, parameters)| !parameters.is_empty())?;
         let cell = |name: &str| table.column(name).and_then(|values| values.get(row)).copied().unwrap_or(f64::NAN);
         Some(HeightFit {
             rank: row + 1,
-            law,
+            distribution,
             parameters,
             delta_aic: cell("delta_aic"),
             weight: cell("akaike_weight"),

@@ -1,11 +1,11 @@
-//! Numbers as a reader wants them: engineering units, an uncertainty that sets the digits, a true minus sign.
+//! Numbers for readers: engineering units, digits set by the uncertainty, a true minus sign.
 
 use std::f64::consts::PI;
 
 /// Keeps a number and its unit or uncertainty on one line.
 const NO_BREAK: char = '\u{a0}';
 
-/// A unit of display: its symbol and its size in SI.
+/// A unit of display: symbol and size in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Unit {
     pub(crate) symbol: String,
@@ -17,18 +17,18 @@ impl Unit {
         Self { symbol: symbol.into(), si }
     }
 
-    /// A number without dimension.
+    /// Returns the unit of a dimensionless number.
     pub(crate) fn none() -> Self {
         Self::new("", 1.0)
     }
 
-    /// The reciprocal of this unit, for densities.
+    /// Returns the reciprocal of this unit, for densities.
     pub(crate) fn inverse(&self) -> Self {
         if self.symbol.is_empty() { Self::none() } else { Self::new(format!("1/{}", self.symbol), 1.0 / self.si) }
     }
 }
 
-/// What a number measures, and so which units fit it.
+/// Dimension of a number, which determines its units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Dimension {
     None,
@@ -68,7 +68,7 @@ const SUFFIXES: [(&str, Dimension); 16] = [
 ];
 
 impl Dimension {
-    /// The dimension that a key's unit suffix states, and the key without it.
+    /// Returns a key without its unit suffix, and the dimension of the suffix.
     pub(crate) fn of_key(key: &str) -> (&str, Self) {
         SUFFIXES
             .iter()
@@ -96,7 +96,7 @@ impl Dimension {
         }
     }
 
-    /// The unit in which `largest` (SI) has one to three digits before the point, as far as units reach.
+    /// Returns the unit in which `largest` (SI) has one to three digits before the point, if there is one, otherwise the nearest.
     pub(crate) fn unit(self, largest: f64) -> Unit {
         if let Self::Other(symbol) = self {
             return Unit::new(symbol, 1.0);
@@ -109,19 +109,19 @@ impl Dimension {
         chosen.map_or_else(Unit::none, |(symbol, si)| Unit::new(*symbol, *si))
     }
 
-    /// A value in SI with its engineering unit.
+    /// Formats a value in SI with its engineering unit and four digits.
     pub(crate) fn show(self, value: f64) -> String {
         let unit = self.unit(value);
         attach(&significant(value / unit.si, 4), &unit)
     }
 
-    /// As [`Dimension::show`] with three digits, for notes in figures.
+    /// Formats a value as [`Dimension::show`] does, with three digits, for notes in figures.
     pub(crate) fn show_short(self, value: f64) -> String {
         let unit = self.unit(value);
         attach(&significant(value / unit.si, 3), &unit)
     }
 
-    /// A value with its unit, and its interval in the same unit: three digits of the value, or more where two digits of the
+    /// Formats a value with its unit, and its interval in the same unit, with three digits of the value, or more if two digits of the
     /// interval's width are finer.
     pub(crate) fn show_apart(self, value: f64, (low, high): (f64, f64)) -> (String, String) {
         let unit = self.unit(value);
@@ -134,7 +134,7 @@ impl Dimension {
         (attach(&fixed(value, decimals), &unit), limits)
     }
 
-    /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`; zero has that of its interval.
+    /// Formats a value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`. Zero has the unit of its interval.
     pub(crate) fn show_interval(self, value: f64, interval: Option<(f64, f64)>) -> String {
         match interval {
             Some((low, high)) => {
@@ -155,18 +155,18 @@ impl Dimension {
     }
 }
 
-/// Decimals that show three digits of a number.
+/// Returns the number of decimals that show three digits of a number.
 fn three_digits(value: f64) -> usize {
     if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize }
 }
 
-/// Decimals that show two digits of an uncertainty; none where fixed decimals do not suit it.
+/// Returns the number of decimals that show two digits of an uncertainty; `None` for very large and very small ones.
 fn decimals(uncertainty: f64) -> Option<usize> {
     let places = 1.0 - uncertainty.log10().floor();
     (uncertainty > 0.0 && (-4.0..=9.0).contains(&places)).then_some(places.max(0.0) as usize)
 }
 
-/// `[low, high]`, resolved by two digits of its width.
+/// Formats `[low, high]` with two digits of its width.
 pub(crate) fn show_range(low: f64, high: f64) -> String {
     match decimals(high - low) {
         Some(decimals) => format!("[{},{NO_BREAK}{}]", fixed(low, decimals), fixed(high, decimals)),
@@ -183,20 +183,20 @@ fn minus(text: String) -> String {
     if text.starts_with('-') { text.replacen('-', "−", 1) } else { text }
 }
 
-/// A whole number as a superscript.
+/// Formats a whole number as a superscript.
 pub(crate) fn superscript(number: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     number.to_string().chars().map(|c| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])).collect()
 }
 
-/// A number with fixed decimals and a true minus sign; −0 is written 0.
+/// Formats a number with fixed decimals and a true minus sign; −0 is written 0.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
     if zero { text.trim_start_matches('-').to_owned() } else { minus(text) }
 }
 
-/// A number with that many significant digits; very large and small ones as a power of ten; undefined ones as a dash.
+/// Formats a number with that many significant digits, very large and small ones as a power of ten, undefined ones as a dash.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".into();
@@ -216,7 +216,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     minus(format!("{mantissa}·10{}", superscript(exponent)))
 }
 
-/// `value ± error`, the error with two significant digits and the value with as many decimals.
+/// Formats `value ± error`, the error with two significant digits and the value with as many decimals.
 pub(crate) fn with_error(value: f64, error: f64) -> String {
     if !(error.is_finite() && error > 0.0) {
         return significant(value, 4);

@@ -1,27 +1,21 @@
 //! Results of a study as one self-contained HTML page and SVG figures.
 //!
-//! [`render`] is a pure function of a [`Run`]: no file, clock or environment is read, and equal runs give equal bytes.
-//! A study may stop after any of its stages; what a run does not hold is left out of the report and is never an error.
+//! [`render`] is a pure function of a [`Run`]: it reads no file, clock or environment, and equal runs give equal bytes.
+//! A study may stop after any of its stages; the report leaves out absent results, tables and fields.
 //!
 //! # Conventions
-//! - Numbers come in SI units, as the names of columns and keys say (`lag_m`, `pressure_pa`); the report chooses
+//! - Numbers are in SI units, with the unit in the names of columns and keys (`lag_m`, `pressure_pa`); the report chooses
 //!   engineering units for display.
 //! - NaN in tables and `None` in results mean undefined. Curves are interrupted there and cells show a dash.
-//! - All text of the caller is escaped.
+//! - All text of the caller is escaped: HTML is written from literal templates only.
 
-mod axis;
-mod canvas;
-mod chart;
 mod figures;
 mod fits;
 mod format;
-mod image;
+mod markup;
 mod page;
-mod palette;
-mod polyline;
-mod raster;
+mod plot;
 mod record;
-mod symbol;
 mod twin;
 
 use std::collections::BTreeMap;
@@ -33,7 +27,7 @@ pub use figures::vibration::vibration_figures;
 pub use record::record_figures;
 pub use twin::{TwinRun, render_twins};
 
-/// Everything that the report shows of one study.
+/// The data of the report of one study.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
     /// Name of the study.
@@ -59,7 +53,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The named column, if it is there and holds a finite value.
+    /// Returns the named column if it exists and has a finite value.
     fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns
             .iter()
@@ -90,7 +84,7 @@ pub struct Input {
     pub section: String,
     /// Key in that section.
     pub key: String,
-    /// Value with its unit, as a person writes it.
+    /// Value with its unit, as text.
     pub value: String,
 }
 
@@ -112,7 +106,7 @@ pub struct Figure {
     pub svg: String,
 }
 
-/// Why a report could not be rendered.
+/// Reason why a report cannot be rendered.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ReportError {
     /// Columns of a table differ in length.
@@ -151,22 +145,10 @@ pub enum ReportError {
         /// Pitch along y, as text, in metre.
         dy_m: String,
     },
-    /// The drawing backend failed.
-    #[error("a figure could not be drawn: {message}")]
-    Drawing {
-        /// The backend's message.
-        message: String,
-    },
     /// A map could not be encoded.
     #[error("a map could not be encoded as PNG: {message}")]
     Image {
         /// The encoder's message.
-        message: String,
-    },
-    /// The page's template failed.
-    #[error("the page could not be filled in: {message}")]
-    Template {
-        /// The template engine's message.
         message: String,
     },
 }
@@ -174,15 +156,11 @@ pub enum ReportError {
 /// Renders the report of a run.
 ///
 /// # Errors
-/// A table with columns of different lengths, a field that does not fill its grid or has no pixel size; never because
-/// something is absent.
+/// The columns of a table differ in length, a field does not fill its grid or has no pixel size, or the PNG encoder failed.
 pub fn render(run: &Run) -> Result<Report, ReportError> {
     let tables = run.tables.iter().map(|(name, table)| (name.as_str(), table));
     validate(tables, run.fields.iter().map(|(name, field)| (name.as_str(), field)))?;
-    let plates = figures::plates(run)?;
-    let html = page::html(run, &plates)?;
-    let figures = plates.into_iter().map(|plate| Figure { name: plate.name.into(), svg: plate.svg }).collect();
-    Ok(Report { html, figures })
+    Ok(page::of_run(run)?.render())
 }
 
 /// Returns the answer to "Does it vibrate?".

@@ -1,4 +1,4 @@
-//! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
+//! The HTML page: headline answers, sections with tables and figures, inputs, assumptions, provenance, references.
 
 pub(crate) mod answers;
 mod cells;
@@ -12,34 +12,167 @@ mod tables;
 mod vibration;
 
 use asperity_results::Provenance;
-use minijinja::{AutoEscape, Environment, Value, context};
 
-use crate::figures::{Plate, Stage};
-
-use crate::{ReportError, Run};
-pub(crate) use cells::DASH;
-pub(crate) use friction::{conditions, law_name, leading_level};
+use crate::figures::{self, CaptionedFigure};
+use crate::markup::{Html, html};
+use crate::{Figure, Report, ReportError, Run};
+pub(crate) use answers::Answer;
+pub(crate) use cells::{DASH, shown};
+pub(crate) use friction::{conditions, distribution_name, operating_level};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
 
-const TEMPLATE: &str = include_str!("page/report.html");
-/// Style of every page.
 const STYLE: &str = include_str!("page/style.css");
+
+/// A page before it is rendered.
+pub(crate) struct Page<'a> {
+    pub(crate) title: String,
+    pub(crate) intro: &'static str,
+    pub(crate) answers: Vec<Answer>,
+    pub(crate) warnings: &'a [String],
+    pub(crate) sections: Vec<Section>,
+}
+
+impl Page<'_> {
+    /// Renders the page. Figures are numbered through all sections.
+    pub(crate) fn render(self) -> Report {
+        let Self { title, intro, answers, warnings, sections } = self;
+        let links = answers.first().map(|_| ("answers", "Answers")).into_iter();
+        let nav = links.chain(sections.iter().map(|section| (section.id, section.title)));
+        let nav = nav.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
+        let warnings = match warnings {
+            [] => Html::default(),
+            _ => html!(
+                "<div class=\"warnings\" role=\"note\"><strong>Warnings</strong>\n{}</div>\n",
+                unordered(warnings)
+            ),
+        };
+        let mut number = 0;
+        let html = html!(
+            include_str!("page/skeleton.html"),
+            title = title,
+            style = Html::from_markup(STYLE.to_owned()),
+            intro = intro,
+            nav = nav.collect::<Html>(),
+            answers = answers::list(&answers),
+            warnings = warnings,
+            sections = sections.iter().map(|section| section.html(&mut number)).collect::<Html>(),
+        );
+        let figures = sections.into_iter().flat_map(|section| section.figures).map(Figure::from);
+        Report { html: html.into_string(), figures: figures.collect() }
+    }
+}
+
+/// A section of a page.
+#[derive(Default)]
+pub(crate) struct Section {
+    id: &'static str,
+    title: &'static str,
+    lead: String,
+    tables: Vec<DataTable>,
+    figures: Vec<CaptionedFigure>,
+    list: Html,
+}
+
+impl Section {
+    /// Returns a section of tables and figures; `None` without any.
+    pub(crate) fn new(
+        id: &'static str,
+        title: &'static str,
+        lead: impl Into<String>,
+        mut tables: Vec<DataTable>,
+        figures: Vec<CaptionedFigure>,
+    ) -> Option<Self> {
+        tables.retain(|table| !table.rows.is_empty());
+        let is_empty = tables.is_empty() && figures.is_empty();
+        (!is_empty).then(|| Self { id, title, lead: lead.into(), tables, figures, ..Self::default() })
+    }
+
+    /// Returns a section of sentences; `None` without any.
+    pub(crate) fn sentences(id: &'static str, title: &'static str, lead: &str, items: &[String]) -> Option<Self> {
+        let list = unordered(items);
+        (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), list, ..Self::default() })
+    }
+
+    /// Returns the section of the references.
+    pub(crate) fn references(works: &[&str]) -> Self {
+        let list = html!("<ol>{}</ol>\n", items(works));
+        Self { id: "references", title: "References", list, ..Self::default() }
+    }
+
+    /// Returns the section of the provenance; `None` without it.
+    pub(crate) fn provenance(provenance: Option<&Provenance>) -> Option<Self> {
+        let rows = provenance.map_or_else(Vec::new, provenance::rows);
+        let table = DataTable::new("", &["Item", "Value"], rows, "provenance.json");
+        Self::new("provenance", "Provenance", "", vec![table], Vec::new())
+    }
+
+    fn html(&self, number: &mut usize) -> Html {
+        let lead = match self.lead.as_str() {
+            "" => Html::default(),
+            lead => html!("<p class=\"lead\">{}</p>\n", lead),
+        };
+        let figures = self.figures.iter().map(|figure| {
+            *number += 1;
+            figure_html(*number, figure)
+        });
+        html!(
+            "<section id=\"{}\">\n<h2>{}</h2>\n{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}</section>\n",
+            self.id,
+            self.title,
+            lead,
+            self.tables.iter().map(DataTable::html).collect::<Html>(),
+            figures.collect::<Html>(),
+            &self.list,
+        )
+    }
+}
+
+fn items<T: AsRef<str>>(texts: &[T]) -> Html {
+    texts.iter().map(|text| html!("<li>{}</li>", text)).collect()
+}
+
+fn unordered(texts: &[String]) -> Html {
+    html!("<ul>{}</ul>\n", items(texts))
+}
+
+fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
+    let sources = figure.sources.iter().enumerate().map(|(place, source)| {
+        let comma = if place == 0 { "" } else { ", " };
+        html!("{}<code>{}</code>", comma, source)
+    });
+    html!(
+        "<figure id=\"figure-{}\">\n<h3>Figure {}. {}</h3>\n{}<figcaption>{} Data: {}.</figcaption>\n</figure>\n",
+        figure.name,
+        number.to_string(),
+        &figure.title,
+        Html::from_markup(figure.svg.clone()),
+        &figure.caption,
+        sources.collect::<Html>(),
+    )
+}
 
 /// A table of the page: header cells, rows of text, and the file that holds the numbers. A row of one cell is the title of
 /// the rows below it.
 #[derive(Debug, Clone, Default)]
-struct DataTable {
+pub(crate) struct DataTable {
     caption: String,
     headers: Vec<String>,
     rows: Vec<Vec<String>>,
+    /// Rows whose last cell is highlighted.
+    highlighted: Vec<usize>,
     source: String,
 }
 
 impl DataTable {
-    fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>, source: &str) -> Self {
+    pub(crate) fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>, source: &str) -> Self {
         let headers = headers.iter().map(|header| (*header).to_owned()).collect();
-        Self { caption: caption.into(), headers, rows, source: source.into() }
+        Self { caption: caption.into(), headers, rows, highlighted: Vec::new(), source: source.into() }
+    }
+
+    /// Highlights the last cell of some rows.
+    pub(crate) fn with_highlighted(self, highlighted: Vec<usize>) -> Self {
+        Self { highlighted, ..self }
     }
 
     /// Leaves out columns in which every cell is a dash.
@@ -47,27 +180,47 @@ impl DataTable {
         let kept: Vec<bool> = (0..self.headers.len())
             .map(|c| self.rows.iter().filter(|row| row.len() > 1).any(|row| row.get(c).is_some_and(|t| t != DASH)))
             .collect();
-        let keep = |row: &Vec<String>| {
-            row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(text, _)| text.clone()).collect::<Vec<_>>()
-        };
-        self.rows = self.rows.iter().map(keep).collect();
-        let mut columns = kept.iter();
-        self.headers.retain(|_| columns.next() == Some(&true));
+        for row in self.rows.iter_mut().chain([&mut self.headers]) {
+            let mut columns = kept.iter();
+            row.retain(|_| columns.next() == Some(&true));
+        }
         self
     }
 
-    fn value(&self) -> Value {
-        let rows: Vec<Value> = self.rows.iter().map(|row| Value::from(row.clone())).collect();
-        context! {
-            caption => self.caption.clone(),
-            headers => self.headers.clone(),
-            rows => rows,
-            source => self.source.clone(),
-        }
+    fn html(&self) -> Html {
+        let caption = match self.caption.as_str() {
+            "" => Html::default(),
+            caption => html!("<caption>{}</caption>\n", caption),
+        };
+        let headers = self.headers.iter().map(|header| html!("<th scope=\"col\">{}</th>", header));
+        let rows = self.rows.iter().enumerate().map(|(place, row)| match row.as_slice() {
+            [title] => {
+                let span = self.headers.len().to_string();
+                html!("<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\">{}</th></tr>\n", span, title)
+            }
+            [first, cells @ ..] => {
+                let is_highlighted = self.highlighted.contains(&place);
+                let cells =
+                    cells.iter().enumerate().map(|(column, cell)| match is_highlighted && column + 1 == cells.len() {
+                        true => html!("<td class=\"outside\">{}</td>", cell),
+                        false => html!("<td>{}</td>", cell),
+                    });
+                html!("<tr><th scope=\"row\">{}</th>{}</tr>\n", first, cells.collect::<Html>())
+            }
+            [] => Html::default(),
+        });
+        html!(
+            "<div class=\"table\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
+             <p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
+            caption,
+            headers.collect::<Html>(),
+            rows.collect::<Html>(),
+            &self.source,
+        )
     }
 }
 
-/// A method of the pressure's law as a reader calls it.
+/// Returns the name of a method for the distribution of the pressure, for readers.
 pub(crate) fn method_name(method: &str) -> String {
     match method {
         "monte_carlo" => "Monte Carlo".into(),
@@ -81,128 +234,78 @@ pub(crate) fn method_name(method: &str) -> String {
     }
 }
 
-fn section(plates: &[Plate], stage: Stage, id: &str, title: &str, lead: &str, tables: &[DataTable]) -> Option<Value> {
-    let figures: Vec<Value> = plates
-        .iter()
-        .enumerate()
-        .filter(|(_, plate)| plate.stage == stage)
-        .map(|(index, plate)| {
-            context! {
-                number => index + 1,
-                name => plate.name,
-                title => plate.title.clone(),
-                caption => plate.caption.clone(),
-                sources => plate.sources.clone(),
-                svg => Value::from_safe_string(plate.svg.clone()),
-            }
-        })
-        .collect();
-    let tables: Vec<Value> = tables.iter().filter(|table| !table.rows.is_empty()).map(DataTable::value).collect();
-    (!figures.is_empty() || !tables.is_empty())
-        .then(|| context! { id => id, title => title, lead => lead, tables => tables, figures => figures })
-}
-
-/// The page of a run.
+/// Arranges the page of a run.
 ///
 /// # Errors
-/// The template engine's.
-pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
+/// The PNG encoder failed.
+pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let results = &run.results;
-    let friction = results.friction.as_ref();
-    let sections: Vec<Value> = [
-        section(
-            plates,
-            Stage::Surface,
-            "surface",
-            "Surface",
-            "What the measured map says about heights, and the random surface that stands for it. Every statistic \
-             belongs to the bandwidth between field size and pixel size.",
-            &tables::surface(run),
+    let (pressure, friction, vibration) =
+        (results.pressure.as_ref(), results.friction.as_ref(), results.vibration.as_ref());
+    let surface = Section::new(
+        "surface",
+        "Surface",
+        "Height statistics of the measured map, and the random surface fitted to it. Every statistic belongs to the bandwidth \
+         between field size and pixel size.",
+        tables::surface(run),
+        figures::surface::figures(run)?,
+    );
+    let contact = Section::new(
+        "pressure",
+        "Contact pressure",
+        format!(
+            "Probability that a point of the surface is in contact, and distribution of the pressure there, by independent methods. {}",
+            pressure.map_or_else(String::new, tables::refused_methods)
         ),
-        section(
-            plates,
-            Stage::Pressure,
-            "pressure",
-            "Contact pressure",
-            &format!(
-                "How often a point of the surface is in contact, and how the pressure there is distributed, by independent \
-                 methods. {}",
-                results.pressure.as_ref().map_or_else(String::new, tables::refused_methods)
-            ),
-            &results.pressure.as_ref().map_or_else(Vec::new, |pressure| tables::pressure(run, pressure)),
-        ),
-        section(
-            plates,
-            Stage::Friction,
-            "friction",
-            "Friction coefficient",
-            &friction::lead(friction),
-            &friction.map_or_else(Vec::new, friction::tables),
-        ),
-        section(
-            plates,
-            Stage::Quotient,
-            "quotient",
-            "Quotient F/N of single windows",
-            &friction::quotient_lead(friction),
-            &friction.map_or_else(Vec::new, friction::quotient_tables),
-        ),
-        section(
-            plates,
-            Stage::Vibration,
-            "vibration",
-            "Friction-induced vibration",
-            "Whether the machine vibrates without roughness, and what the roughness does to it. Displacement and time \
-             are dimensionless: X = xc/N, τ = ω₀t.",
-            &results.vibration.as_ref().map_or_else(Vec::new, vibration::tables),
-        ),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    let inputs: Vec<Value> = tables::inputs(&run.inputs).iter().map(DataTable::value).collect();
-    let present: Vec<Stage> = [
-        (Stage::Surface, results.surface.is_some()),
-        (Stage::Pressure, results.pressure.is_some()),
-        (Stage::Friction, friction.is_some()),
-        (Stage::Vibration, results.vibration.is_some()),
-    ]
-    .into_iter()
-    .filter(|(stage, is_present)| *is_present || plates.iter().any(|plate| plate.stage == *stage))
-    .map(|(stage, _)| stage)
-    .collect();
-    let answers: Vec<Value> = answers::answers(run)
-        .into_iter()
-        .map(|a| context! { question => a.question, answer => a.answer, detail => a.detail })
-        .collect();
-    let page = context! {
-        name => run.name.clone(),
-        answers => answers,
-        warnings => results.warnings.clone(),
-        sections => sections,
-        inputs => inputs,
-        assumptions => results.assumptions.clone(),
-        provenance => provenance(run.provenance.as_ref()),
-        references => references::references(&present),
-    };
-    filled_in(TEMPLATE, page)
-}
-
-/// Every entry of `provenance.json` as a row.
-pub(crate) fn provenance(provenance: Option<&Provenance>) -> Vec<Value> {
-    let rows = provenance.into_iter().flat_map(provenance::rows);
-    rows.map(|(key, value)| context! { key => key, value => value }).collect()
-}
-
-/// A page from its template; all text of the context is escaped.
-///
-/// # Errors
-/// The template engine's.
-pub(crate) fn filled_in(template: &str, page: Value) -> Result<String, ReportError> {
-    let mut environment = Environment::new();
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment.add_global("style", Value::from_safe_string(STYLE.into()));
-    environment
-        .render_named_str("page.html", template, page)
-        .map_err(|error| ReportError::Template { message: format!("{error:#}") })
+        pressure.map_or_else(Vec::new, |pressure| tables::pressure(run, pressure)),
+        figures::pressure::figures(run)?,
+    );
+    let coefficient = Section::new(
+        "friction",
+        "Friction coefficient",
+        friction::lead(friction),
+        friction.map_or_else(Vec::new, friction::tables),
+        figures::friction::figures(run),
+    );
+    let quotient = Section::new(
+        "quotient",
+        "Quotient F/N of single windows",
+        friction::quotient_lead(friction),
+        friction.map_or_else(Vec::new, friction::quotient_tables),
+        figures::friction::quotient_figures(run)?,
+    );
+    let motion = Section::new(
+        "vibration",
+        "Friction-induced vibration",
+        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement and time are \
+         dimensionless: X = xc/N, τ = ω₀t.",
+        vibration.map_or_else(Vec::new, vibration::tables),
+        figures::vibration::figures(run)?,
+    );
+    let stages = [
+        surface.is_some() || results.surface.is_some(),
+        contact.is_some() || pressure.is_some(),
+        coefficient.is_some() || friction.is_some(),
+        motion.is_some() || vibration.is_some(),
+    ];
+    let inputs = "The study with all defaults.";
+    let assumptions = "Conventions and defaults behind the results above.";
+    let sections = [
+        surface,
+        contact,
+        coefficient,
+        quotient,
+        motion,
+        Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
+        Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
+        Section::provenance(run.provenance.as_ref()),
+        Some(Section::references(&references::references(stages))),
+    ];
+    Ok(Page {
+        title: run.name.clone(),
+        intro: "From the rough surface to friction and vibration: report of a study by asperity.",
+        answers: answers::answers(run),
+        warnings: &results.warnings,
+        sections: sections.into_iter().flatten().collect(),
+    })
 }

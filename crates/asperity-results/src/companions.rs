@@ -1,4 +1,4 @@
-//! Statistics that are several keys beside each other: `x`, `x_interval`, `x_se`, ….
+//! Statistics with several keys in one object: `x`, `x_interval`, `x_se`, ….
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -41,7 +41,7 @@ pub struct PooledResult {
     pub value: f64,
     /// 95 % interval of the part's statistic.
     pub interval: Pair,
-    /// Its standard error.
+    /// Standard error of the part's statistic.
     pub standard_error: f64,
     /// Standard error of a single scan; `None` when no scan has one.
     pub within_std: Option<f64>,
@@ -120,7 +120,7 @@ impl<T: Cells> Serialize for Companions<T> {
             let cells = statistic.as_ref().map_or_else(|| vec![None; T::ENDINGS.len()], T::cells);
             let keys = T::ENDINGS.iter().map(move |ending| format!("{name}{ending}"));
             let mut entries: Vec<_> = keys.zip(cells).collect();
-            // A value stands before its companions.
+            // A value comes before its companions.
             entries.sort_by_key(|(key, _)| key != name);
             entries
         });

@@ -1,10 +1,10 @@
-//! Friction against the shortest waves kept, in `results.json`.
+//! Friction over the shortest wavelength, in `results.json`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Pair;
 
-/// How far the mean friction coefficient depends on the shortest waves that the random surface keeps.
+/// Dependence of the mean friction coefficient on the shortest waves of the random surface.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CutoffResult {
@@ -14,19 +14,19 @@ pub struct CutoffResult {
     pub strips: usize,
     /// Length of these strips.
     pub strip_length_m: f64,
-    /// Pitch of these strips, the larger one where the two differ.
+    /// Pitch of these strips, the larger one if the two differ.
     pub pitch_m: f64,
     /// Shortest wavelength on the study's own strips: twice the pitch.
     pub cutoff_m: f64,
-    /// Shortest wavelength at which the spectrum of the scan is reliable; `null` without a scan, or where nothing is.
+    /// Shortest wavelength at which the spectrum of the scan is reliable; `null` without a scan, or if there is none.
     pub band_end_m: Option<f64>,
-    /// Least friction coefficient, reached where all contacts have the hardness; `null` without a hardness.
+    /// Least friction coefficient, reached if all contacts are at the hardness; `null` without a hardness.
     pub plastic_floor: Option<f64>,
     /// One entry per cut-off, from the study's own upwards, in octaves.
     pub points: Vec<CutoffPoint>,
     /// The same surface at the study's own cut-off, solved with half the pitch; `null` if there is no solution.
     pub halved_pitch: Option<HalvedPitch>,
-    /// How far the friction coefficient depends on the shortest waves, in a sentence.
+    /// Dependence of the friction coefficient on the shortest waves, in a sentence.
     pub known: String,
 }
 
@@ -50,13 +50,13 @@ pub struct CutoffPoint {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HalvedPitch {
-    /// The pitch.
+    /// Pitch of the cells.
     pub pitch_m: f64,
     /// μ = ΣF/ΣN.
     pub mean: f64,
-    /// Its interval.
+    /// 95 % interval of `mean`.
     pub mean_interval: Option<Pair>,
-    /// Its difference from the study's own mean.
+    /// Difference of `mean` from the study's own mean.
     pub change: f64,
     /// Interval of the difference, which the common random numbers make narrow.
     pub change_interval: Pair,

@@ -24,7 +24,7 @@ pub struct FrictionResult {
     pub operating_point: OperatingPoint,
     /// Levels of contact.
     pub levels: Vec<LevelResult>,
-    /// Mean friction against the shortest waves kept; absent for Coulomb's law, and if there is no solution.
+    /// Mean friction over the shortest wavelength; absent for Coulomb's law, and if there is no solution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutoff: Option<CutoffResult>,
     /// Friction over uncertain parameters of the surface; absent if the study states none.
@@ -32,15 +32,15 @@ pub struct FrictionResult {
     pub uncertainty: Option<UncertaintyResult>,
 }
 
-/// The friction coefficient at the operating point: of the level at the nominal pressure, of the percentile that the study
-/// names or, without a vibration stage, of the level pressed hardest. Windows count by the load they carry, as in
+/// The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the study names or,
+/// without a vibration stage, the level with the highest pressure. Windows are weighted by the load they carry, as in
 /// [`AtMeanLoad`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OperatingPoint {
     /// The level in words.
     pub level: String,
-    /// Percentage of the heights above the plane; `null` where that is not prescribed.
+    /// Percentage of the heights above the plane; `null` if not prescribed.
     pub percentile: Option<f64>,
     /// Mean depth of the plane below the highest point of each strip.
     pub penetration_m: f64,
@@ -48,15 +48,15 @@ pub struct OperatingPoint {
     pub mean_pressure_pa: f64,
     /// Contact area over nominal area, corrected: the probability of contact at a point.
     pub contact_fraction: f64,
-    /// Its interval; `null` where the strips hold too few correlation lengths.
+    /// 95 % interval of `contact_fraction`; `null` if the strips contain too few correlation lengths.
     pub contact_fraction_interval: Option<Pair>,
     /// The friction coefficient μ̄ = ΣF/ΣN.
     pub mean: f64,
-    /// Its interval; `null` where the strips hold too few correlation lengths.
+    /// 95 % interval of `mean`; `null` if the strips contain too few correlation lengths.
     pub mean_interval: Option<Pair>,
     /// Standard deviation of one window.
     pub std: f64,
-    /// Its interval.
+    /// 95 % interval of `std`.
     pub std_interval: Option<Pair>,
     /// Standard deviation of the mean over the nominal area.
     pub std_nominal_area: f64,
@@ -70,7 +70,7 @@ pub struct LevelResult {
     pub leading: bool,
     /// Prescribed quantity.
     pub control: Prescribed,
-    /// Percentage of the heights above the plane; `null` where that is not prescribed.
+    /// Percentage of the heights above the plane; `null` if not prescribed.
     pub percentile: Option<f64>,
     /// Mean depth of the plane below the highest point of each strip.
     pub penetration_m: f64,
@@ -82,32 +82,33 @@ pub struct LevelResult {
     pub plastic_share: f64,
     /// Mean of F/N; `null` where it does not exist (tail index of at most 1).
     pub mean: Option<f64>,
-    /// Its interval, which allows for the correlation along the strips; `null` where they hold too few correlation lengths.
+    /// 95 % interval of `mean`, which allows for the correlation along the strips; `null` if they contain too few correlation lengths.
     pub mean_interval: Option<Pair>,
-    /// Standard deviation of F/N; with all that needs a variance `null` where [`LevelResult::no_variance`] says why.
+    /// Standard deviation of F/N. Without a variance, for the reason in [`LevelResult::no_variance`], it is `null`, and so is every
+    /// other number that needs one.
     pub std: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `std`.
     pub std_interval: Option<Pair>,
     /// Standard deviation over mean.
     pub coefficient_of_variation: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `coefficient_of_variation`.
     pub coefficient_of_variation_interval: Option<Pair>,
-    /// Skewness of μ; `null` where μ does not vary.
+    /// Skewness of μ; `null` if μ does not vary.
     pub skewness: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `skewness`.
     pub skewness_interval: Option<Pair>,
-    /// Excess kurtosis of μ; `null` where μ does not vary.
+    /// Excess kurtosis of μ; `null` if μ does not vary.
     pub excess_kurtosis: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `excess_kurtosis`.
     pub excess_kurtosis_interval: Option<Pair>,
-    /// ℓ_μ of the exponential fit; it contains the window.
+    /// ℓ_μ of the exponential fit; it includes the effect of the window.
     pub correlation_length_m: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `correlation_length_m`.
     pub correlation_length_m_interval: Option<Pair>,
     /// Correlation length without the window, fitted jointly over windows of W to W/8; 0 if the windows explain the whole
     /// correlation.
     pub correlation_length_without_window_m: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `correlation_length_without_window_m`.
     pub correlation_length_without_window_m_interval: Option<Pair>,
     /// Correlation model with this length.
     pub correlation_without_window_model: Option<String>,
@@ -123,9 +124,9 @@ pub struct LevelResult {
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
     /// Goodness of fit.
     pub gof: Option<GoodnessResult>,
-    /// Values that μ of a window exceeds once in a sliding distance; empty where the strips hold too few separate peaks.
+    /// Values that μ of a window exceeds once in a sliding distance; empty if the strips contain too few separate peaks.
     pub return_levels: Vec<ReturnLevelResult>,
-    /// Upper tail of μ of a window; `null` where the strips hold too few separate peaks.
+    /// Upper tail of μ of a window; `null` if the strips contain too few separate peaks.
     pub tail: Option<TailResult>,
     /// The beta distribution with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
@@ -135,11 +136,11 @@ pub struct LevelResult {
     pub empty_windows: usize,
     /// Friction of a body that rests on many windows.
     pub at_mean_load: AtMeanLoad,
-    /// Whether friction drifts along the strips; `null` where it does not vary.
+    /// Whether friction drifts along the strips; `null` if it does not vary.
     pub stationarity: Option<StationarityResult>,
-    /// Contact area against load of the windows; `null` where one of them does not vary.
+    /// Contact area against load of the windows; `null` if one of them does not vary.
     pub area_and_load: Option<CrossResult>,
-    /// From one window to the nominal area.
+    /// Standard deviations over the nominal area.
     pub upscaling: UpscalingResult,
     /// Mean number of contact cells in a window.
     pub contact_cells_per_window: f64,
@@ -157,23 +158,23 @@ pub struct LevelResult {
 pub struct AtMeanLoad {
     /// μ̄ = ΣF/ΣN.
     pub mean: f64,
-    /// Its interval: the error of the quotient is, to first order, that of the mean of μ̄ + (F − μ̄N)/N̄.
+    /// 95 % interval of `mean`: the error of the quotient is, to first order, that of the mean of μ̄ + (F − μ̄N)/N̄.
     pub mean_interval: Option<Pair>,
     /// Standard deviation.
     pub std: f64,
-    /// Its interval.
+    /// 95 % interval of `std`.
     pub std_interval: Option<Pair>,
-    /// Skewness; `null` where friction does not vary.
+    /// Skewness; `null` if friction does not vary.
     pub skewness: Option<f64>,
-    /// Excess kurtosis; `null` where friction does not vary.
+    /// Excess kurtosis; `null` if friction does not vary.
     pub excess_kurtosis: Option<f64>,
-    /// ℓ of the exponential fit; it contains the window.
+    /// ℓ of the exponential fit; it includes the effect of the window.
     pub correlation_length_m: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `correlation_length_m`.
     pub correlation_length_m_interval: Option<Pair>,
-    /// Curves fitted to the correlation, the closest first; their ℓ contains the window.
+    /// Curves fitted to the correlation, the closest first; their ℓ includes the effect of the window.
     pub correlation_curves: Vec<CorrelationCurveResult>,
-    /// Models of the correlation that is left when the window is taken out, the most likely first.
+    /// Models of the correlation without the effect of the window, the most likely first.
     pub correlation_models: Vec<CorrelationModelResult>,
     /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
@@ -205,11 +206,11 @@ pub struct RankedLawResult {
 pub struct GoodnessResult {
     /// Largest difference of the distribution functions.
     pub kolmogorov_smirnov: f64,
-    /// Its p-value.
+    /// p-value of `kolmogorov_smirnov`.
     pub kolmogorov_smirnov_p: f64,
     /// Anderson–Darling statistic A²; `null` if a window lies at an end of the distribution.
     pub anderson_darling: Option<f64>,
-    /// Its p-value.
+    /// p-value of `anderson_darling`.
     pub anderson_darling_p: Option<f64>,
 }
 
@@ -217,9 +218,9 @@ pub struct GoodnessResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationCurveResult {
-    /// Its name.
+    /// Name of the model.
     pub model: String,
-    /// ℓ, which contains the window.
+    /// ℓ, which includes the effect of the window.
     pub length_m: f64,
     /// Root mean square difference from the estimated correlation.
     pub misfit: f64,
@@ -229,11 +230,11 @@ pub struct CorrelationCurveResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationModelResult {
-    /// Its name.
+    /// Name of the model.
     pub model: String,
-    /// ℓ; 0 where the window explains everything.
+    /// ℓ; 0 if the window explains the whole correlation.
     pub length_m: f64,
-    /// Its interval.
+    /// 95 % interval of `length_m`.
     pub length_interval: Pair,
     /// Difference of Akaike's criterion from the best model.
     pub aic_difference: f64,
@@ -241,21 +242,21 @@ pub struct CorrelationModelResult {
     pub worse_beyond_chance: bool,
 }
 
-/// Tests of friction against drifts along the strips, at the mean load: probabilities of at least as much if there is none.
+/// Tests for drifts of friction along the strips, at the mean load, as p-values of no drift.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StationarityResult {
     /// Slope of μ along the strip.
     pub trend_per_m: Option<f64>,
-    /// Of the slope.
+    /// p-value of the slope.
     pub trend_p: Option<f64>,
-    /// Of the difference between the means of the halves.
+    /// p-value of the difference between the means of the halves.
     pub mean_change_p: Option<f64>,
-    /// Of the difference between ends and middle.
+    /// p-value of the difference between ends and middle.
     pub ends_p: Option<f64>,
-    /// Of the difference between the variances of the halves.
+    /// p-value of the difference between the variances of the halves.
     pub variance_change_p: Option<f64>,
-    /// Of the wander of the mean; `null` where there are ten strips or more.
+    /// p-value of the wander of the mean; `null` for ten strips or more.
     pub wander_p: Option<f64>,
 }
 
@@ -263,9 +264,9 @@ pub struct StationarityResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossResult {
-    /// The coefficient.
+    /// Correlation coefficient.
     pub correlation: f64,
-    /// Its interval.
+    /// 95 % interval of `correlation`.
     pub interval: Pair,
 }
 
@@ -275,13 +276,13 @@ pub struct CrossResult {
 pub struct TailResult {
     /// Largest value.
     pub largest: f64,
-    /// The threshold.
+    /// Threshold of the peaks.
     pub threshold: f64,
-    /// Separate peaks above it.
+    /// Number of separate peaks above the threshold.
     pub peaks: usize,
     /// Shape ξ: the tail ends below 0, is exponential at 0, and has no moments beyond the order 1/ξ above.
     pub shape: f64,
-    /// Its interval.
+    /// 95 % interval of `shape`.
     pub shape_interval: Pair,
 }
 
@@ -291,9 +292,9 @@ pub struct TailResult {
 pub struct ReturnLevelResult {
     /// Sliding distance.
     pub distance_m: f64,
-    /// The value.
+    /// Value of μ.
     pub mu: f64,
-    /// Its interval; `null` where the likelihood does not end it.
+    /// 95 % interval of `mu`; `null` if the likelihood does not bound it.
     pub interval: Option<Pair>,
 }
 

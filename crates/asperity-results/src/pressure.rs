@@ -16,17 +16,17 @@ pub struct PressureResult {
     pub sites: usize,
     /// P(contact) of the reference run.
     pub contact_probability: f64,
-    /// Its standard error.
+    /// Standard error of `contact_probability`.
     pub contact_probability_se: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `contact_probability`.
     pub contact_probability_interval: Option<Pair>,
-    /// Mean pressure of the reference run, zeros out of contact counted.
+    /// Mean pressure of the reference run, zeros out of contact included.
     pub mean_pa: f64,
-    /// Its standard error.
+    /// Standard error of `mean_pa`.
     pub mean_se_pa: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `mean_pa`.
     pub mean_interval: Option<Pair>,
-    /// Standard deviation of the pressure in the reference run, zeros out of contact counted.
+    /// Standard deviation of the pressure in the reference run, zeros out of contact included.
     pub std_pa: f64,
     /// Quantiles of the reference run.
     pub quantiles: Vec<PressureQuantile>,
@@ -68,21 +68,21 @@ pub struct MethodEntry {
     pub failed_samples: usize,
     /// P(contact).
     pub contact_probability: Option<f64>,
-    /// Its bias, estimated from samples that a model is not fitted to; absent where there is no bias.
+    /// Bias of `contact_probability`, estimated from samples that a model is not fitted to; absent without a bias.
     pub contact_probability_bias: Option<f64>,
     /// The standard error of P(contact) less its bias.
     pub contact_probability_se: Option<f64>,
-    /// Its interval, which allows for bias and error.
+    /// 95 % interval of `contact_probability`, which allows for bias and error.
     pub contact_probability_interval: Option<Pair>,
-    /// Mean pressure, zeros out of contact counted.
+    /// Mean pressure, zeros out of contact included.
     pub mean_pa: Option<f64>,
-    /// Its bias, estimated likewise.
+    /// Bias of `mean_pa`, estimated in the same way.
     pub mean_bias_pa: Option<f64>,
     /// The standard error of the mean less its bias.
     pub mean_se_pa: Option<f64>,
-    /// Its interval, which allows for bias and error.
+    /// 95 % interval of `mean_pa`, which allows for bias and error.
     pub mean_interval: Option<Pair>,
-    /// Standard deviation of the pressure, zeros out of contact counted.
+    /// Standard deviation of the pressure, zeros out of contact included.
     pub std_pa: Option<f64>,
     /// Quantiles.
     pub quantiles: Vec<PressureQuantile>,
@@ -113,7 +113,7 @@ pub struct CoarseEntry {
     pub ny: usize,
     /// Number of solves.
     pub solves: usize,
-    /// Their work, by cells and iterations, in fine solves.
+    /// Work of these solves in fine solves, by cells and iterations.
     pub work_in_fine_solves: f64,
 }
 
@@ -125,7 +125,7 @@ pub struct PressureQuantile {
     pub probability: f64,
     /// Quantile; 0 up to the probability of no contact.
     pub pressure_pa: f64,
-    /// Its interval; absent without standard errors.
+    /// 95 % interval of `pressure_pa`; absent without standard errors.
     pub pressure_pa_interval: Option<Pair>,
 }
 
@@ -137,9 +137,9 @@ pub struct ScalarEntry {
     pub name: String,
     /// Mean.
     pub mean: f64,
-    /// Its standard error.
+    /// Standard error of `mean`.
     pub mean_se: f64,
-    /// Its interval.
+    /// 95 % interval of `mean`.
     pub mean_interval: Pair,
     /// Standard deviation.
     pub std: f64,
@@ -155,7 +155,7 @@ pub struct ScalarQuantile {
     pub probability: f64,
     /// Quantile.
     pub value: f64,
-    /// Its interval.
+    /// 95 % interval of `value`.
     pub value_interval: Pair,
 }
 
@@ -236,14 +236,14 @@ pub struct IndexEntry {
     pub name: String,
     /// First-order index.
     pub first_order: f64,
-    /// Its standard error.
+    /// Standard error of `first_order`.
     pub first_order_se: f64,
-    /// Its interval.
+    /// 95 % interval of `first_order`.
     pub first_order_interval: Pair,
     /// Total index.
     pub total: f64,
-    /// Its standard error.
+    /// Standard error of `total`.
     pub total_se: f64,
-    /// Its interval.
+    /// 95 % interval of `total`.
     pub total_interval: Pair,
 }

@@ -85,7 +85,7 @@ pub struct SurfaceStatistics {
     pub Sz_m: f64,
     /// Root mean square gradient by forward differences.
     pub Sdq: Option<f64>,
-    /// The same by the seven-point stencil.
+    /// Root mean square gradient by the seven-point stencil.
     pub Sdq_7point: Option<f64>,
     /// Developed interfacial area ratio by triangulation.
     pub Sdr: Option<f64>,
@@ -97,7 +97,7 @@ pub struct SurfaceStatistics {
     pub Std_rad: Option<f64>,
     /// Dominant wavelength.
     pub Ssw_m: Option<f64>,
-    /// Core height, by the least-squares line of ISO 25178-2, as those up to Svkx.
+    /// Core height by the least-squares line of ISO 25178-2, as for the parameters up to Svkx.
     pub Sk_m: f64,
     /// Reduced peak height.
     pub Spk_m: f64,
@@ -111,7 +111,7 @@ pub struct SurfaceStatistics {
     pub Spkx_m: f64,
     /// Depth of the deepest dale below the core.
     pub Svkx_m: f64,
-    /// Core height by the flattest secant, as the next four.
+    /// Core height by the flattest secant, as for the next four parameters.
     pub Sk_secant_m: f64,
     /// Reduced peak height.
     pub Spk_secant_m: f64,
@@ -133,7 +133,7 @@ pub struct SurfaceStatistics {
     pub Vvv_m: f64,
     /// Lower end of the wavenumbers at which the radial spectrum is reliable.
     pub psd_reliable_low_rad_per_m: f64,
-    /// Their upper end; nothing is reliable when it is not above the lower.
+    /// Upper end of these wavenumbers; none is reliable if it is not above the lower end.
     pub psd_reliable_high_rad_per_m: f64,
     /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
@@ -143,15 +143,15 @@ pub struct SurfaceStatistics {
     pub correlation_length_y_m: Option<f64>,
     /// Hurst exponent.
     pub hurst: Option<f64>,
-    /// Its standard error.
+    /// Standard error of `hurst`.
     pub hurst_se: Option<f64>,
     /// Shortest lag of the structure functions from which it was fitted.
     pub hurst_range_low_m: Option<f64>,
-    /// Longest lag of these.
+    /// Longest lag from which the Hurst exponent was fitted.
     pub hurst_range_high_m: Option<f64>,
     /// Fractal dimension 3 − H.
     pub fractal_dimension: Option<f64>,
-    /// Intervals and standard errors beside them.
+    /// Intervals and standard errors of the statistics.
     #[serde(flatten)]
     pub intervals: Companions<SpreadResult>,
 }
@@ -238,13 +238,13 @@ pub struct PartStatistics {
     pub pooled: Companions<PooledResult>,
     /// Lower end of the wavenumbers at which the spectra of all scans are reliable.
     pub psd_reliable_low_rad_per_m: f64,
-    /// Their upper end.
+    /// Upper end of these wavenumbers.
     pub psd_reliable_high_rad_per_m: f64,
     /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
     /// Shortest lag from which the Hurst exponent of a scan was fitted.
     pub hurst_range_low_m: Option<f64>,
-    /// Longest lag of these.
+    /// Longest lag from which the Hurst exponent was fitted.
     pub hurst_range_high_m: Option<f64>,
     /// The scans.
     pub scans: Vec<ScanOfPart>,
@@ -253,9 +253,9 @@ pub struct PartStatistics {
 /// One scan of a part.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ScanOfPart {
-    /// Name of its file.
+    /// Name of the file.
     pub file: String,
-    /// Its statistics.
+    /// Statistics of the scan.
     #[serde(flatten)]
     pub statistics: SurfaceStatistics,
 }
@@ -268,15 +268,14 @@ pub struct CovarianceResult {
     pub model: String,
     /// Standard deviation.
     pub std_m: f64,
-    /// Length ℓ along x of the model : where the correlation falls to 1/e, except
-    /// that it is the scale of the Matérn model and the roll-off length of the self-affine one. Without a model where the
-    /// correlation falls to 1/e.
+    /// Length ℓ of the model along x: the scale of the Matérn model, the roll-off length of the self-affine one, otherwise, and
+    /// without a model, the lag at which the correlation falls to 1/e.
     pub length_x_m: f64,
-    /// The same along y.
+    /// Length ℓ of the model along y.
     pub length_y_m: f64,
     /// Lag along x at which the correlation is 1/e, for every model; compares with `correlation_length_x_m` of the scan.
     pub decay_length_x_m: f64,
-    /// The same along y.
+    /// Lag along y at which the correlation is 1/e.
     pub decay_length_y_m: f64,
     /// Smoothness ν of a Matérn model.
     pub smoothness: Option<f64>,

@@ -74,7 +74,7 @@ pub struct UncertainResponse {
     pub value_interval: Option<Pair>,
     /// Standard deviation over the parameters.
     pub std: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `std`.
     pub std_interval: Option<Pair>,
     /// Interval that contains the moment for 95 % of the parameters.
     pub interval: Option<Pair>,
@@ -98,10 +98,10 @@ pub struct ParameterIndexResult {
     pub parameter: String,
     /// First order: the fraction of the variance that it explains alone.
     pub first: f64,
-    /// Its interval.
+    /// 95 % interval of `first`.
     pub first_interval: Pair,
     /// Total: together with all others.
     pub total: f64,
-    /// Its interval.
+    /// 95 % interval of `total`.
     pub total_interval: Pair,
 }

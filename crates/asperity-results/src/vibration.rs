@@ -12,7 +12,7 @@ use crate::{LawResult, Pair};
 pub enum KindResult {
     /// The mass sticks to the belt in every period.
     StickSlip,
-    /// The mass passes the belt's velocity and never sticks.
+    /// The mass exceeds the belt's velocity and never sticks.
     Overtaking,
     /// The mass stays slower than the belt throughout the period.
     SlipCycle,
@@ -49,7 +49,7 @@ pub struct VibrationResult {
     pub level_mean_pressure_pa: Option<f64>,
     /// Correlation length of μ.
     pub friction_correlation_length_m: f64,
-    /// The same as sliding distance over N/c.
+    /// Correlation length as sliding distance over N/c.
     pub correlation_length: f64,
     /// Marginal distribution of μ; `null` if friction is constant.
     pub marginal: Option<LawResult>,
@@ -93,7 +93,7 @@ pub struct MapResult {
     pub resolution: MapResolutionResult,
 }
 
-/// How finely a map resolves the fall of the probability.
+/// Resolution of the transition of the probability in a map.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapResolutionResult {
@@ -138,26 +138,26 @@ pub struct EnsembleResult {
     pub clipped_fraction: f64,
     /// One entry per damping ratio.
     pub damping: Vec<DampingResult>,
-    /// Where vibration falls through 95, 50 and 5 % of the second half of the duration.
+    /// Damping ratios at which vibration falls below 95, 50 and 5 % of the second half of the duration.
     pub crossings: Vec<CrossingResult>,
     /// Distribution of the re-attachment points at the study's damping ratio.
     pub reattachment: PointsResult,
-    /// Distribution of the points at which the mass leaves the belt there.
+    /// Distribution of the points at which the mass leaves the belt, at the study's damping ratio.
     pub release: PointsResult,
     /// Motion in time at the study's damping ratio; `null` if friction is constant.
     pub motion: Option<MotionResult>,
 }
 
-/// Damping ratio at which the mean fraction of the second half of the duration spent in vibration, started in stick, falls through a
-/// level.
+/// Damping ratio at which the mean fraction of the second half of the duration spent in vibration, started in stick, falls below
+/// a level.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossingResult {
-    /// The level.
+    /// Level of the fraction.
     pub share: f64,
-    /// The damping ratio; `null` where there is none.
+    /// The damping ratio; `null` if there is none.
     pub damping_ratio: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `damping_ratio`.
     pub damping_ratio_interval: Option<Pair>,
     /// Reason why there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -170,11 +170,11 @@ pub struct CrossingResult {
 pub struct MotionResult {
     /// Mean time τ from one cycle to the next, as long as vibration is not lost.
     pub period_mean: Option<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of the time τ from one cycle to the next.
     pub period_std: Option<f64>,
     /// Fraction of the time in stick.
     pub stick_share: f64,
-    /// Its standard error over trajectories.
+    /// Standard error of `stick_share` over trajectories.
     pub stick_share_se: f64,
     /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
@@ -182,15 +182,15 @@ pub struct MotionResult {
     pub kind_shares: BTreeMap<KindResult, f64>,
     /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `exit_rate`.
     pub exit_rate_interval: Option<Pair>,
     /// Returns to vibration per τ out of it.
     pub entry_rate: Option<f64>,
-    /// Its interval.
+    /// 95 % interval of `entry_rate`.
     pub entry_rate_interval: Option<Pair>,
     /// Fraction of the trajectories that leave vibration at all.
     pub left_share: f64,
-    /// Its interval.
+    /// 95 % interval of `left_share`.
     pub left_share_interval: Pair,
 }
 
@@ -204,23 +204,23 @@ pub struct DampingResult {
     pub kind: KindResult,
     /// Slips that reach a negative velocity, without noise.
     pub cycles_deterministic: u64,
-    /// Their mean number with noise.
+    /// Mean number of these slips with noise.
     pub cycles_mean: f64,
-    /// Its standard error.
+    /// Standard error of `cycles_mean`.
     pub cycles_se: f64,
     /// M_diff = M_det − E M.
     pub difference_mean: f64,
-    /// Its interval.
+    /// 95 % interval of `difference_mean`.
     pub difference_interval: Pair,
     /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
     /// Mean fraction of the second half of the time in vibration.
     pub vibration_share: f64,
-    /// Its standard error.
+    /// Standard error of `vibration_share`.
     pub vibration_share_se: f64,
     /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
     pub sustained_share: f64,
-    /// Its interval.
+    /// 95 % interval of `sustained_share`.
     pub sustained_share_interval: Pair,
     /// Trajectories that failed.
     pub failed_samples: usize,

@@ -1,14 +1,14 @@
-//! The keys of `results.json` and what reads them back.
+//! Keys and round trips of `results.json` and `comparison.json`.
 #![expect(clippy::unwrap_used, reason = "a test stops where results are not what they must be")]
 
 mod example;
 
 use std::collections::BTreeSet;
 
-use asperity_results::{MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart};
+use asperity_results::{Comparison, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart};
 use serde_json::Value;
 
-/// Results of one scan, and those of a part of two scans with uncertain parameters.
+/// Returns the results of one scan, and those of a part of two scans with uncertain parameters.
 fn both() -> [Results; 2] {
     let one = example::results();
     let mut two = one.clone();
@@ -18,7 +18,7 @@ fn both() -> [Results; 2] {
     [one, two]
 }
 
-/// Paths of all keys, those of list items without their place.
+/// Collects the paths of all keys; paths of list items do not contain the index.
 fn keys(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     match value {
         Value::Array(items) => items.iter().for_each(|item| keys(item, path, found)),
@@ -56,18 +56,43 @@ fn results_are_read_back_as_they_were_written() {
 
 #[test]
 fn every_key_is_in_the_list_and_every_listed_key_is_written() {
-    let mut found = BTreeSet::new();
-    for results in both() {
-        keys(&serde_json::to_value(&results).unwrap(), "", &mut found);
+    let results = both().map(|results| serde_json::to_value(results).unwrap());
+    let comparison = [serde_json::to_value(example::comparison()).unwrap()];
+    let files = [
+        ("results.json", &results[..], include_str!("keys.txt")),
+        ("comparison.json", &comparison, include_str!("comparison_keys.txt")),
+    ];
+    for (file, values, listed) in files {
+        let mut found = BTreeSet::new();
+        values.iter().for_each(|value| keys(value, "", &mut found));
+        let listed: BTreeSet<String> = listed.lines().map(str::to_owned).collect();
+        let added: Vec<_> = found.difference(&listed).collect();
+        let removed: Vec<_> = listed.difference(&found).collect();
+        assert!(
+            added.is_empty() && removed.is_empty(),
+            "keys of {file} changed: state it in CHANGELOG.md, and raise SCHEMA_VERSION if a key of results.json was renamed or \
+             removed. added: {added:#?}, removed: {removed:#?}"
+        );
     }
-    let listed: BTreeSet<String> = include_str!("keys.txt").lines().map(str::to_owned).collect();
-    let added: Vec<_> = found.difference(&listed).collect();
-    let removed: Vec<_> = listed.difference(&found).collect();
-    assert!(
-        added.is_empty() && removed.is_empty(),
-        "keys of results.json changed: state it in CHANGELOG.md, and raise SCHEMA_VERSION if a key was renamed or removed. \
-         added: {added:#?}, removed: {removed:#?}"
-    );
+}
+
+#[test]
+fn a_comparison_is_read_back_as_it_was_written() {
+    let comparison = example::comparison();
+    let text = serde_json::to_string(&comparison).unwrap();
+    let read: Comparison = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, comparison);
+    assert_eq!(serde_json::to_string(&read).unwrap(), text);
+    // Statistics keep the order of the table, which is not alphabetical.
+    assert!(text.find("\"Ssk\":{").unwrap() < text.find("\"Sdq\":{").unwrap());
+    assert_eq!(read.outside().collect::<Vec<_>>(), ["Sdq"]);
+    assert_eq!(read.curves_inside_share(), Some(0.9));
+    assert_eq!(Comparison::default().curves_inside_share(), None);
+    for place in ["", "/model", "/twins/Sdq", "/curves/acf_x"] {
+        let mut changed = serde_json::to_value(&comparison).unwrap();
+        changed.pointer_mut(place).unwrap()["colour"] = "red".into();
+        assert!(serde_json::from_value::<Comparison>(changed).is_err(), "{place}");
+    }
 }
 
 #[test]

@@ -52,14 +52,14 @@ pub use plausibility::{implausible_damping, implausible_friction, implausible_ma
 pub use pooled::PooledStatistics;
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
-pub use result::{Outcome, Provenance, Results};
+pub use result::{
+    BandMethod, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
+};
 pub use run::Stage;
 pub use series::{Field, Table, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
-pub use twin::{
-    BandMethod, Comparison, CurveComparison, StatisticComparison, TwinError, TwinModel, TwinOptions, Twins,
-};
+pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use vibration_stage::{
     clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
 };

@@ -1,103 +1,90 @@
-//! The friction coefficient against penetration, its law, its correlation and its course along the track.
+//! The friction coefficient over penetration, its distribution, its correlation, and its values along the track.
 
 pub(crate) mod correlation;
 mod cutoff;
-pub(crate) mod law;
+pub(crate) mod distribution;
 mod levels;
 mod trace;
 mod uncertainty;
 mod windows;
 
-use super::{Plate, Stage, csv};
-use crate::chart::{Chart, Layout, figure};
-use crate::page::{law_name, leading_level};
-use crate::{ReportError, Run};
+use super::{CaptionedFigure, columns, positive};
+use crate::page::{distribution_name, operating_level};
+use crate::plot::Chart;
+use crate::{ReportError, Run, Table};
 
-/// Height of a chart that has a figure of its own.
-pub(crate) const HEIGHT: f64 = 330.0;
-
-pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    levels::load_curve(run, plates)?;
-    cutoff::plates(run, plates)?;
-    let lead = run.results.friction.as_ref().and_then(leading_level);
-    let first = match lead.and_then(|lead| lead.at_mean_load.marginal.as_ref()) {
-        Some(law) => format!("law ranked first ({})", law_name(law)),
-        None => "law ranked first".to_owned(),
+/// Draws the figures of the friction coefficient.
+pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
+    let level = run.results.friction.as_ref().and_then(operating_level);
+    let first = match level.and_then(|level| level.at_mean_load.marginal.as_ref()) {
+        Some(distribution) => format!("ranked first ({})", distribution_name(distribution)),
+        None => "ranked first".to_owned(),
     };
-    let alone = |chart: Option<Chart>, height: f64| chart.map(|chart| vec![(height, chart)]);
-    let table = |name: &str| run.tables.get(name);
+    let chart = |name: &str, draw: &dyn Fn(&Table) -> Option<Chart>| -> Vec<Chart> {
+        run.tables.get(name).and_then(draw).into_iter().collect()
+    };
     let drawn = [
         (
             "friction_histogram",
-            "Law of the friction coefficient",
-            "Histogram of μ over all windows of the operating point, taken at the mean load, with the laws fitted by likelihood: that \
-             ranked first by Akaike’s criterion, the Beta law of the paper with its bounds fitted too, and the others.",
-            alone(table("friction_histogram").and_then(|t| law::histogram(t, "windows", &first)), HEIGHT),
+            "Distribution of the friction coefficient",
+            "Histogram of μ over all windows of the operating point, taken at the mean load, with the distributions fitted by \
+             likelihood: the one ranked first by Akaike’s criterion, the Beta distribution of the paper with its bounds fitted too, \
+             and the others.",
+            chart("friction_histogram", &|table| distribution::histogram(table, "windows", &first)),
         ),
         (
             "friction_pit",
             "Probability integral transform of the friction coefficient",
-            "Values of the distribution function ranked first at the windows: uniform if the law fits. The band counts as many \
-             independent windows as the correlated ones are worth.",
-            alone(table("friction_pit").and_then(|t| law::integral_transform(t, "windows")), HEIGHT),
+            "Distribution function ranked first, at the values of the windows: uniform if the distribution fits. The band is for the \
+             effective sample size of the correlated windows.",
+            chart("friction_pit", &|table| distribution::integral_transform(table, "windows")),
         ),
         (
             "friction_qq",
             "Quantiles of the friction coefficient",
-            "Quantiles of the windows over those of the law ranked first, at the same probabilities.",
-            alone(table("friction_qq").and_then(|t| law::quantiles(t, "windows")), law::SQUARE),
+            "Quantiles of the windows over those of the distribution ranked first, at the same probabilities.",
+            chart("friction_qq", &|table| distribution::quantiles(table, "windows")),
         ),
         (
             "friction_acf",
             "Autocorrelation of the friction coefficient",
             "Autocorrelation of μ along the track at the operating point, taken at the mean load. A window that slides over \
-             uncorrelated friction gives the triangle by itself: only what differs from it is a property of the surface. “Window and \
-             exponential” is the triangle convolved with the exponential that all windows share.",
-            alone(table("friction_acf").and_then(|t| correlation::autocorrelation(t, "windows")), HEIGHT),
+             uncorrelated friction has the triangle as its autocorrelation: only deviations from it are properties of the surface. \
+             “Window and exponential” is the triangle convolved with the exponential that all windows share.",
+            chart("friction_acf", &|table| correlation::autocorrelation(table, "windows")),
         ),
         (
             "friction_windows",
             "The correlation of friction through several windows",
             windows::CAPTION,
-            table("friction_windows").and_then(|t| windows::lengths_and_scatter(t, lead)),
+            run.tables.get("friction_windows").map_or_else(Vec::new, |table| windows::charts(table, level)),
         ),
         (
             "friction_spectrum",
             "Power spectral density of the friction coefficient",
             "One-sided power spectral density of μ at the operating point, taken at the mean load: its integral over the frequency is \
              the variance. The window alone has zeros at multiples of 1/W, where the mean over a bin stays above them.",
-            alone(table("friction_spectrum").and_then(correlation::spectrum), HEIGHT),
+            chart("friction_spectrum", &correlation::spectrum),
         ),
         (
             "friction_area_load",
             "Contact area and load of a window",
             "Correlation of the contact area of a window with the load of the window that lies the lag further on.",
-            alone(table("friction_area_load").and_then(correlation::area_and_load), 260.0),
+            chart("friction_area_load", &correlation::area_and_load),
         ),
     ];
-    for (name, title, caption, charts) in drawn {
-        if let Some(charts) = charts {
-            plates.push(plate(name, name, title, caption.to_owned(), &charts)?);
-        }
-    }
-    uncertainty::plate(run, plates)?;
-    levels::quotient(run, plates)?;
-    trace::trace(run, plates)
+    let drawn = drawn.into_iter().filter_map(|(name, title, caption, charts)| {
+        CaptionedFigure::from_charts(name, title, caption, 1, &charts, &[name])
+    });
+    let first = [levels::load_curve(run), cutoff::figure(run)].into_iter().flatten();
+    first.chain(drawn).chain(uncertainty::figure(run)).collect()
 }
 
-/// A figure of charts one above the other, from a table.
-fn plate(
-    name: &'static str,
-    table: &str,
-    title: &str,
-    caption: String,
-    charts: &[(f64, Chart)],
-) -> Result<Plate, ReportError> {
-    let svg = figure(title, &caption, Layout::Column, charts)?;
-    Ok(Plate { name, stage: Stage::Friction, title: title.into(), caption, sources: vec![csv(table)], svg })
-}
-
-/// The values that a logarithmic axis can show.
-fn positive(values: &[f64]) -> impl Iterator<Item = &f64> {
-    values.iter().filter(|value| **value > 0.0)
+/// Draws the figures of the quotient F/N of single windows.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub(crate) fn quotient_figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
+    let trace = trace::figure(run)?;
+    Ok(levels::figures(run).into_iter().chain(trace).collect())
 }

@@ -1,5 +1,4 @@
-//! The contact pressure of one surface, its laws at all cells, its law at a point by every method, what the methods cost and
-//! are worth, and which variables matter.
+//! Contact pressure: one surface, all cells, one point by every method, errors and costs of the methods, and sensitivities.
 
 mod accuracy;
 mod distribution;
@@ -8,32 +7,30 @@ mod maps;
 mod scalars;
 pub(super) mod sensitivities;
 
-use plotters::prelude::RGBColor;
-
-use super::{Plate, Stage, map};
-use crate::canvas::{Dash, Pen};
-use crate::palette::{BLUE, GREEN, ORANGE, PLUM, PURPLE, SKY, VERMILION, pen};
-use crate::raster::Kind;
-use crate::symbol::Shape;
+use super::{CaptionedFigure, columns, field_map};
+use crate::plot::{BLUE, Dash, GREEN, Kind, ORANGE, PLUM, PURPLE, Pen, SKY, Shape, VERMILION, pen};
 use crate::{ReportError, Run};
 
-/// Colour of the default's bands.
-const BAND: RGBColor = VERMILION;
-
-pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+/// Draws the figures for which the run holds data.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let title = "Contact pressure on one realisation";
     let caption = "Pressure on one realisation of the surface; white points are not in contact. The colours saturate \
                    beyond the 99.9 % quantile.";
-    plates.extend(map(run, ("pressure_sample", Stage::Pressure), Kind::Pressure, title, caption)?);
-    maps::plates(run, plates)?;
-    distribution::plate(run, plates)?;
-    intervals::plate(run, plates)?;
-    accuracy::plate(run, plates)?;
-    scalars::plate(run, plates)?;
-    sensitivities::plate(run, plates)
+    let sample = field_map(run, "pressure_sample", Kind::Pressure, title, caption)?;
+    let charts = [
+        distribution::figure(run),
+        intervals::figure(run),
+        accuracy::figure(run),
+        scalars::figure(run),
+        sensitivities::figure(run),
+    ];
+    Ok(sample.into_iter().chain(maps::figures(run)?).chain(charts.into_iter().flatten()).collect())
 }
 
-/// The curve and the symbol of a method, the same in all figures; `index` is its place among those shown.
+/// Returns the curve and the symbol of a method, the same in all figures; `index` is its place in the list.
 fn style(method: &str, index: usize) -> (Pen, Shape) {
     let (colour, width, dash, shape) = match method {
         "monte_carlo" => (BLUE, 1.8, Dash::Solid, Shape::Ring),
@@ -43,7 +40,7 @@ fn style(method: &str, index: usize) -> (Pen, Shape) {
         "polynomial_chaos_log" => (ORANGE, 1.8, Dash::Long, Shape::Plus),
         "polynomial_chaos_local" => (PLUM, 1.8, Dash::Solid, Shape::OpenDiamond),
         "default" => (VERMILION, 2.6, Dash::Solid, Shape::Disc),
-        _ => (pen(index).colour, pen(index).width, pen(index).dash, Shape::Ring),
+        _ => return (pen(index), Shape::Ring),
     };
     (Pen::new(colour, width, dash), shape)
 }

@@ -1,4 +1,4 @@
-//! What a tribologist wants to know first.
+//! The headline answers of a page.
 
 use asperity_results::{DampingResult, EnsembleResult, FrictionResult, KindResult, PressureResult, VibrationResult};
 
@@ -7,22 +7,40 @@ use super::friction::place;
 use super::vibration::difference;
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
+use crate::markup::{Html, html};
 
-/// Up to this share of the deterministic cycles an effect is called negligible even where it is resolved.
+/// Largest fraction of the deterministic cycles at which a resolved effect is called negligible.
 const NEGLIGIBLE: f64 = 0.01;
-/// Up to this share an interval around zero says that there is no effect; a wider one says that nothing is known.
+/// Largest half width of an interval around zero, as a fraction of the deterministic cycles, at which there is no effect. A wider
+/// interval is inconclusive.
 const NARROW: f64 = 0.1;
 const VANISHES: &str = "The paper’s effect vanishes at your scale";
 
-/// A question, its short answer, and what qualifies it.
+/// A question, its short answer, and its conditions.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Answer {
-    pub(super) question: &'static str,
-    pub(super) answer: String,
-    pub(super) detail: String,
+pub(crate) struct Answer {
+    pub(crate) question: &'static str,
+    pub(crate) answer: String,
+    pub(crate) detail: String,
 }
 
-/// The answers that the results hold.
+/// Returns the answers as HTML.
+pub(super) fn list(answers: &[Answer]) -> Html {
+    let items = answers.iter().map(|Answer { question, answer, detail }| {
+        let template =
+            html!("<dt>{}</dt><dd class=\"answer\">{}</dd><dd class=\"detail\">{}</dd>", question, answer, detail);
+        html!("<div>{}</div>\n", template)
+    });
+    match answers {
+        [] => Html::default(),
+        _ => html!(
+            "<section id=\"answers\" aria-label=\"Answers\">\n<dl class=\"answers\">\n{}</dl>\n</section>\n",
+            items.collect::<Html>()
+        ),
+    }
+}
+
+/// Returns the answers for which the run has results.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
     let vibration = results.vibration.as_ref();
@@ -38,7 +56,7 @@ pub(super) fn answers(run: &Run) -> Vec<Answer> {
     .collect()
 }
 
-/// At the operating point, where there is one; otherwise at the level of the pressure stage.
+/// Answers at the operating point if there is one, otherwise at the level of the pressure stage.
 fn contact(run: &Run) -> Option<Answer> {
     let question = "How likely is contact at a point?";
     let pressure = run.results.pressure.as_ref();
@@ -51,7 +69,7 @@ fn contact(run: &Run) -> Option<Answer> {
             question,
             answer: format!("P(contact) = {probability}"),
             detail: format!(
-                "At the operating point ({}): contact area over nominal area of the strips; brackets hold the 95 % interval.{also}",
+                "At the operating point ({}): contact area over nominal area of the strips; brackets are the 95 % interval.{also}",
                 place(point)
             ),
         });
@@ -68,12 +86,12 @@ fn contact(run: &Run) -> Option<Answer> {
     })
 }
 
-/// The contact probability of the pressure stage with its standard error.
+/// Formats the contact probability of the pressure stage with its standard error.
 fn patch_probability(pressure: &PressureResult) -> String {
     with_error(pressure.contact_probability, pressure.contact_probability_se.unwrap_or(f64::NAN))
 }
 
-/// The level of the pressure stage.
+/// Describes the level of the pressure stage.
 fn patch_level(run: &Run) -> String {
     let stated = |key: &str| {
         let input = run.inputs.iter().find(|input| input.section == "pressure" && input.key == key)?;
@@ -90,9 +108,9 @@ fn patch_level(run: &Run) -> String {
 
 fn friction(friction: &FrictionResult) -> Answer {
     let point = &friction.operating_point;
-    let brackets = if point.mean_interval.is_some() { "; brackets hold the 95 % interval" } else { "" };
+    let brackets = if point.mean_interval.is_some() { "; brackets are the 95 % interval" } else { "" };
     Answer {
-        question: "Which friction coefficient follows?",
+        question: "What is the friction coefficient?",
         answer: format!("μ = {}", shown(Dimension::None, point.mean, point.mean_interval)),
         detail: format!(
             "At the operating point ({}){brackets}. Standard deviation: {} for a window of {}, {} over the nominal area.",
@@ -104,7 +122,7 @@ fn friction(friction: &FrictionResult) -> Answer {
     }
 }
 
-/// Whether the machine vibrates without fluctuation of friction, and what starts the vibration.
+/// Answers whether the machine vibrates without fluctuation of friction, and what starts the vibration.
 pub(crate) fn vibration_answer(vibration: &VibrationResult) -> String {
     match (vibration.cycle.limit_cycle, vibration.steady_sliding_unstable, vibration.kick_m_per_s) {
         (false, Some(_), _) => "No: every motion ends in steady sliding".into(),
@@ -155,7 +173,7 @@ fn damping(vibration: &VibrationResult) -> Option<Answer> {
     })
 }
 
-/// The entry whose damping ratio is nearest.
+/// Returns the entry with the nearest damping ratio.
 fn nearest(upscaling: &EnsembleResult, damping: f64) -> Option<&DampingResult> {
     let away = |entry: &DampingResult| (entry.damping_ratio - damping).abs();
     upscaling.damping.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
@@ -170,10 +188,10 @@ fn roughness(vibration: &VibrationResult) -> Option<Answer> {
     let unresolved = low <= 0.0 && high >= 0.0;
     let narrow = low.abs().max(high.abs()) <= NARROW * scale;
     let (answer, reason) = if unresolved && narrow {
-        (VANISHES.to_owned(), " (the 95 % interval holds zero)")
+        (VANISHES.to_owned(), " (the 95 % interval contains zero)")
     } else if unresolved {
         let answer = "No effect is resolved: more trajectories are needed".to_owned();
-        (answer, " (the 95 % interval holds zero, but is wide)")
+        (answer, " (the 95 % interval contains zero, but is wide)")
     } else if lost.abs() <= NEGLIGIBLE * scale {
         (VANISHES.to_owned(), " (no more than 1 % of the cycles)")
     } else if lost < 0.0 {
@@ -227,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_around_zero_or_a_tiny_loss_means_that_the_effect_vanishes() {
+    fn the_effect_vanishes_for_an_interval_around_zero_and_for_a_tiny_loss() {
         assert_eq!(answer(vec![entry(0.17, 99, 3.0, [-0.5, 6.5])]).answer, VANISHES);
         assert_eq!(answer(vec![entry(0.17, 99, 0.4, [0.3, 0.5])]).answer, VANISHES);
         assert!(answer(vec![entry(0.17, 99, 15.0, [-20.0, 50.0])]).answer.starts_with("No effect is resolved"));
@@ -246,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_answered_without_results() {
+    fn there_is_no_answer_without_results() {
         assert!(answers(&Run::default()).is_empty());
         let vibration = Some(VibrationResult::default());
         let found = answers(&Run { results: Results { vibration, ..Results::default() }, ..Run::default() });
@@ -254,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn the_answer_tells_vibration_once_started_from_unstable_sliding_and_from_none() {
+    fn the_answer_distinguishes_vibration_once_started_unstable_sliding_and_no_vibration() {
         let of = |limit_cycle: bool, unstable: Option<bool>, kick: Option<f64>, kind: KindResult| {
             let vibration = VibrationResult {
                 damping_ratio: 0.11,
@@ -288,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_and_contact_are_those_of_the_operating_point() {
+    fn friction_and_contact_are_given_at_the_operating_point() {
         let operating_point = OperatingPoint {
             level: "the nominal pressure".into(),
             mean_pressure_pa: 3e6,

@@ -4,25 +4,25 @@ use asperity_results::Pair;
 
 use crate::format::{Dimension, significant};
 
-/// Stands for what is not defined.
+/// Text of an undefined value.
 pub(crate) const DASH: &str = "–";
 
-/// A number with its unit and its interval, or a dash.
+/// Formats a number with its unit and its interval, or a dash.
 pub(crate) fn shown(dimension: Dimension, value: impl Into<Option<f64>>, interval: Option<Pair>) -> String {
     value.into().map_or_else(|| DASH.into(), |value| dimension.show_interval(value, interval.map(Into::into)))
 }
 
-/// A number without unit, or a dash.
+/// Formats a number without unit, or a dash.
 pub(crate) fn plain(value: impl Into<Option<f64>>, digits: usize) -> String {
     value.into().map_or_else(|| DASH.into(), |value| significant(value, digits))
 }
 
-/// A fraction as a percentage, or a dash.
+/// Formats a fraction as a percentage, or a dash.
 pub(crate) fn percent(fraction: impl Into<Option<f64>>, digits: usize) -> String {
     fraction.into().map_or_else(|| DASH.into(), |fraction| format!("{} %", significant(100.0 * fraction, digits)))
 }
 
-/// An answer, or a dash.
+/// Formats an answer, or a dash.
 pub(crate) fn yes_or_no(answer: impl Into<Option<bool>>) -> &'static str {
     match answer.into() {
         Some(true) => "yes",

@@ -1,4 +1,4 @@
-//! The table of friction against the shortest waves.
+//! The table of friction over the shortest wavelength.
 
 use asperity_results::CutoffResult;
 
@@ -6,7 +6,7 @@ use super::DataTable;
 use super::cells::{DASH, percent, plain, shown};
 use crate::format::Dimension;
 
-/// One row per cut-off, and one for half the pitch; `None` without a cut-off.
+/// Returns one row per cut-off and one for half the pitch; `None` without a cut-off.
 pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {
     let length = |metre: f64| Dimension::Length.show(metre);
     let row = |cutoff_m: String, mean: f64, interval, [slope, plastic]: [String; 2]| {
@@ -24,7 +24,7 @@ pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {
         return None;
     }
     let caption = format!(
-        "Mean friction without the waves below a cut-off, at the mean pressure {} on strips of the pitch {}; brackets hold 95 % \
+        "Mean friction without the waves below a cut-off, at the mean pressure {} on strips of the pitch {}; brackets are 95 % \
          intervals",
         Dimension::Pressure.show(cutoff.mean_pressure_pa),
         length(cutoff.pitch_m)

@@ -1,4 +1,4 @@
-//! The tables of the friction stage, and the conditions that its numbers hold under.
+//! The tables of the friction stage, and the conditions of its numbers.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::cells::{DASH, percent, plain, shown, yes_or_no};
 use super::{DataTable, cutoff, in_words};
 use crate::format::{Dimension, significant};
 
-/// How a level is named: by percentile, or by the depth or the mean pressure that defines it.
+/// Returns the name of a level: its percentile, or the depth or mean pressure that defines it.
 fn level_name(level: &LevelResult) -> String {
     match (level.control, level.percentile) {
         (Prescribed::Penetration, _) => format!("{} deep", Dimension::Length.show(level.penetration_m)),
@@ -20,12 +20,12 @@ fn level_name(level: &LevelResult) -> String {
     }
 }
 
-/// The level at the operating point.
-pub(crate) fn leading_level(friction: &FrictionResult) -> Option<&LevelResult> {
+/// Returns the level at the operating point.
+pub(crate) fn operating_level(friction: &FrictionResult) -> Option<&LevelResult> {
     friction.levels.iter().find(|level| level.leading).or(friction.levels.first())
 }
 
-/// Window, strips and boundary in a sentence.
+/// Describes window, strips and boundary in a sentence.
 pub(crate) fn conditions(friction: &FrictionResult) -> String {
     let length = |metre: f64| Dimension::Length.show(metre);
     let boundary = match friction.mean_compliance_m_per_pa {
@@ -43,16 +43,16 @@ pub(crate) fn conditions(friction: &FrictionResult) -> String {
     )
 }
 
-/// The operating point in words: its level and its mean pressure.
+/// Describes the operating point: its level and its mean pressure.
 pub(super) fn place(point: &OperatingPoint) -> String {
-    // The pressure is the name of such a level.
+    // The name of such a level contains the pressure.
     if point.level.starts_with("the mean pressure") {
         return point.level.clone();
     }
     format!("{}, {}", point.level, Dimension::Pressure.show(point.mean_pressure_pa))
 }
 
-/// What stands above the friction section.
+/// Returns the introduction of the friction section.
 pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
     let stated = friction.map_or_else(String::new, |friction| {
         let point = &friction.operating_point;
@@ -60,21 +60,21 @@ pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
         format!(" At the operating point ({}) μ = {mean}. {}", place(point), conditions(friction))
     });
     format!(
-        "The friction coefficient of a window that slides over the surface, as a stochastic process in which a window counts by \
-         the load it carries.{stated}"
+        "The friction coefficient of a window that slides over the surface, as a stochastic process; windows are weighted by the \
+         load they carry.{stated}"
     )
 }
 
-/// What stands above the section of the quotient F/N: where it has no variance, and why.
+/// Returns the introduction of the section of the quotient F/N, with the levels at which it has no variance.
 pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     let mut lead =
         "The paper’s definition, friction force over load of every single window. It differs from the friction \
-                    coefficient above where windows carry few contacts, and it does not drive the vibration."
+                    coefficient above if windows carry few contacts. The vibration stage does not use it."
             .to_owned();
     for level in friction.iter().flat_map(|friction| &friction.levels) {
         if let Some(reason) = &level.no_variance {
             lead += &format!(
-                " Level {}: F/N has no variance, so that no standard deviation, law or return level is stated: {reason}.",
+                " Level {}: F/N has no variance, and thus no standard deviation, distribution or return level: {reason}.",
                 level_name(level)
             );
         }
@@ -82,43 +82,43 @@ pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     lead
 }
 
-/// `friction`: process and drifts by level; then the law and the correlation of the operating point.
+/// Returns the tables of `friction`: process and drifts by level; then distribution and correlation at the operating point.
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let mut tables: Vec<DataTable> = [process, drifts].map(|table| table(friction)).into();
-    if let Some(lead) = leading_level(friction) {
-        let process = &lead.at_mean_load;
-        let found = Law {
+    if let Some(level) = operating_level(friction) {
+        let process = &level.at_mean_load;
+        let found = Distribution {
             of: "at the mean load",
             marginal: process.marginal.as_ref(),
             intervals: &process.marginal_parameter_intervals,
             gof: process.gof.as_ref(),
-            laws: &process.laws,
+            ranked: &process.laws,
             return_levels: &[],
         };
-        tables.extend([found.table(lead), correlation_models(lead)]);
+        tables.extend([found.table(level), correlation_models(level)]);
     }
     tables.extend(friction.cutoff.as_ref().and_then(cutoff::table));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
     tables
 }
 
-/// Moments of F/N by level, and its law at the operating point.
+/// Returns the moments of F/N by level, and its distribution at the operating point.
 pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
-    let law = leading_level(friction).map(|lead| {
-        let found = Law {
+    let distribution = operating_level(friction).map(|level| {
+        let found = Distribution {
             of: "of the quotient F/N",
-            marginal: lead.marginal.as_ref(),
-            intervals: &lead.marginal_parameter_intervals,
-            gof: lead.gof.as_ref(),
-            laws: &[],
-            return_levels: &lead.return_levels,
+            marginal: level.marginal.as_ref(),
+            intervals: &level.marginal_parameter_intervals,
+            gof: level.gof.as_ref(),
+            ranked: &[],
+            return_levels: &level.return_levels,
         };
-        found.table(lead)
+        found.table(level)
     });
-    std::iter::once(moments(friction)).chain(law).collect()
+    std::iter::once(moments(friction)).chain(distribution).collect()
 }
 
-/// Moments over the uncertain parameters of the surface, level by level.
+/// Returns the moments over the uncertain parameters of the surface, level by level.
 fn uncertain(friction: &FrictionResult, uncertainty: &UncertaintyResult) -> Option<DataTable> {
     let mut rows = Vec::new();
     for (own, level) in friction.levels.iter().zip(&uncertainty.levels) {
@@ -148,15 +148,15 @@ fn uncertain(friction: &FrictionResult, uncertainty: &UncertaintyResult) -> Opti
         return None;
     }
     let caption = format!(
-        "Moments of μ at the mean load over {} surfaces of uncertain parameters; noise is the strips’, unexplained is by the \
-         expansion",
+        "Moments of μ at the mean load over {} surfaces of uncertain parameters; noise is due to the finite number of strips, \
+         unexplained variance is that of the expansion",
         uncertainty.points
     );
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
     Some(DataTable::new(&caption, &headers, rows, "results.json"))
 }
 
-/// One row per level: its name, then the cells.
+/// Returns one row per level: its name, then the cells.
 fn by_level(
     friction: &FrictionResult,
     caption: &str,
@@ -173,7 +173,7 @@ fn by_level(
 
 fn moments(friction: &FrictionResult) -> DataTable {
     let caption = format!(
-        "Friction coefficient F/N by level for a window of {}; brackets hold 95 % intervals",
+        "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
         Dimension::Length.show(friction.window_m)
     );
     let headers = [
@@ -185,7 +185,7 @@ fn moments(friction: &FrictionResult) -> DataTable {
         "CoV",
         "Skewness",
         "Excess kurtosis",
-        "Marginal law",
+        "Marginal distribution",
     ];
     let table = by_level(friction, &caption, &headers, |level| {
         let number = |value, interval| shown(Dimension::None, value, interval);
@@ -205,9 +205,9 @@ fn moments(friction: &FrictionResult) -> DataTable {
 }
 
 fn process(friction: &FrictionResult) -> DataTable {
-    let caption = "The process at the mean load by level, where a window counts by the load it carries; ℓ is that of e^(−s/ℓ), with the \
-                   window inside and with the window taken out; “paper” lets one window carry the whole normal force, “area” \
-                   averages μ over the nominal area";
+    let caption = "The process at the mean load by level, windows weighted by the load they carry; ℓ is that of e^(−s/ℓ), with and without \
+                   the effect of the window; “paper” lets one window carry the whole normal force, “area” averages μ over the \
+                   nominal area";
     let headers = [
         "Mean μ",
         "Std",
@@ -226,8 +226,8 @@ fn process(friction: &FrictionResult) -> DataTable {
             Some(metre) => length(Some(metre), process.correlation_length_m_interval),
             None => length(level.correlation_length_m, level.correlation_length_m_interval),
         };
-        // The length of the exponential fit contains the window; it never stands without saying so.
-        let only = if level.window_only == Some(true) { " (window only)" } else { "" };
+        // The length of the exponential fit includes the effect of the window.
+        let only = if level.window_only == Some(true) { " (due to the window alone)" } else { "" };
         let (own, own_interval) =
             (level.correlation_length_without_window_m, level.correlation_length_without_window_m_interval);
         vec![
@@ -244,8 +244,8 @@ fn process(friction: &FrictionResult) -> DataTable {
 }
 
 fn drifts(friction: &FrictionResult) -> DataTable {
-    let caption = "Drifts of friction along the strips, with the probability p of at least as much where there is none, and the \
-                   correlation of contact area and load of a window";
+    let caption = "Drifts of friction along the strips, with the p-value of each test for no drift, and the correlation of contact area and \
+                   load of a window";
     let headers = ["Slope of μ", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
     by_level(friction, caption, &headers, |level| {
         let tests = level.stationarity.clone().unwrap_or_default();
@@ -260,22 +260,22 @@ fn drifts(friction: &FrictionResult) -> DataTable {
     })
 }
 
-/// The law at the operating point, at the mean load or of the quotient F/N: how well it fits, and what it expects far out.
-struct Law<'a> {
+/// The distribution at the operating point, at the mean load or of the quotient F/N: goodness of fit and return levels.
+struct Distribution<'a> {
     of: &'static str,
     marginal: Option<&'a LawResult>,
     intervals: &'a BTreeMap<String, Option<Pair>>,
     gof: Option<&'a GoodnessResult>,
-    laws: &'a [RankedLawResult],
+    ranked: &'a [RankedLawResult],
     return_levels: &'a [ReturnLevelResult],
 }
 
-impl Law<'_> {
-    fn table(&self, lead: &LevelResult) -> DataTable {
+impl Distribution<'_> {
+    fn table(&self, level: &LevelResult) -> DataTable {
         let mut rows = Vec::new();
-        if let Some(law) = self.marginal {
-            rows.push(vec!["law ranked first".into(), law_name(law)]);
-            rows.extend(law.parameters.iter().map(|(name, value)| {
+        if let Some(marginal) = self.marginal {
+            rows.push(vec!["distribution ranked first".into(), distribution_name(marginal)]);
+            rows.extend(marginal.parameters.iter().map(|(name, value)| {
                 vec![name.clone(), shown(Dimension::None, *value, self.intervals.get(name).copied().flatten())]
             }));
         }
@@ -289,35 +289,35 @@ impl Law<'_> {
                 Some(vec![name.into(), format!("{}{chance}", significant(distance?, 3))])
             }));
         }
-        let laws = self.laws.iter();
-        let laws: Vec<String> =
-            laws.map(|law| format!("{} {}", in_words(&law.name), significant(law.aic_difference, 3))).collect();
-        if !laws.is_empty() {
-            rows.push(vec!["laws by ΔAIC".into(), laws.join(", ")]);
+        let ranked = self.ranked.iter();
+        let ranked: Vec<String> =
+            ranked.map(|fit| format!("{} {}", in_words(&fit.name), significant(fit.aic_difference, 3))).collect();
+        if !ranked.is_empty() {
+            rows.push(vec!["distributions by ΔAIC".into(), ranked.join(", ")]);
         }
-        for level in self.return_levels {
-            let name = format!("exceeded once in {}", Dimension::Length.show(level.distance_m));
-            rows.push(vec![name, shown(Dimension::None, level.mu, level.interval)]);
+        for exceeded in self.return_levels {
+            let name = format!("exceeded once in {}", Dimension::Length.show(exceeded.distance_m));
+            rows.push(vec![name, shown(Dimension::None, exceeded.mu, exceeded.interval)]);
         }
         let caption = format!(
-            "Law of μ at the operating point ({}), {}; brackets hold 95 % intervals",
-            level_name(lead),
+            "Distribution of μ at the operating point ({}), {}; brackets are 95 % intervals",
+            level_name(level),
             self.of
         );
         DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
     }
 }
 
-fn correlation_models(lead: &LevelResult) -> DataTable {
+fn correlation_models(level: &LevelResult) -> DataTable {
     let length = |metre: f64, interval| shown(Dimension::Length, metre, interval);
-    let curves = lead.at_mean_load.correlation_curves.iter().map(|curve| {
-        let [model, window] = [in_words(&curve.model), "inside".into()];
+    let curves = level.at_mean_load.correlation_curves.iter().map(|curve| {
+        let [model, window] = [in_words(&curve.model), "included".into()];
         vec![model, window, length(curve.length_m, None), significant(curve.misfit, 3), DASH.into(), DASH.into()]
     });
-    let models = lead.at_mean_load.correlation_models.iter().map(|model| {
+    let models = level.at_mean_load.correlation_models.iter().map(|model| {
         vec![
             in_words(&model.model),
-            "taken out".into(),
+            "removed".into(),
             length(model.length_m, Some(model.length_interval)),
             DASH.into(),
             significant(model.aic_difference, 3),
@@ -325,22 +325,23 @@ fn correlation_models(lead: &LevelResult) -> DataTable {
         ]
     });
     let caption = format!(
-        "Models of the correlation at the operating point ({}), the best first: curves with the window inside by least squares, and \
-         with the window taken out by likelihood",
-        level_name(lead)
+        "Models of the correlation at the operating point ({}), the best first: with the effect of the window by least squares, and \
+         without it by likelihood",
+        level_name(level)
     );
     let headers = ["Model", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
     DataTable::new(&caption, &headers, curves.chain(models).collect(), "results.json").without_empty_columns()
 }
 
-/// The name of a fitted law as a reader calls it.
-pub(crate) fn law_name(law: &LawResult) -> String {
-    let shifted = law.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
-    format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&law.name))
+/// Returns the name of a fitted distribution for readers.
+pub(crate) fn distribution_name(fit: &LawResult) -> String {
+    let shifted = fit.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
+    format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&fit.name))
 }
 
-fn marginal(law: &LawResult) -> String {
+fn marginal(fit: &LawResult) -> String {
     let parameters: Vec<String> =
-        law.parameters.iter().map(|(name, value)| format!("{name} = {}", significant(*value, 5))).collect();
-    if parameters.is_empty() { law_name(law) } else { format!("{} ({})", law_name(law), parameters.join(", ")) }
+        fit.parameters.iter().map(|(name, value)| format!("{name} = {}", significant(*value, 5))).collect();
+    let name = distribution_name(fit);
+    if parameters.is_empty() { name } else { format!("{name} ({})", parameters.join(", ")) }
 }

@@ -1,4 +1,4 @@
-//! The parameters of a measured surface, in groups, and the laws of its heights.
+//! The parameters of a measured surface, in groups, and the distributions fitted to its heights.
 
 use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
 
@@ -30,7 +30,7 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
         &[
             ("Sal_m", "Sal", "autocorrelation length, shortest distance to 0.2"),
             ("Str", "Str", "texture aspect ratio (1: no lay, 0: a lay)"),
-            ("Std_rad", "Std", "direction of the lay, anticlockwise from x; of meaning where Str is small"),
+            ("Std_rad", "Std", "direction of the lay, anticlockwise from x; meaningful if Str is small"),
             ("Ssw_m", "Ssw", "dominant wavelength"),
             ("correlation_length_x_m", "ℓx", "correlation length along x, to 1/e"),
             ("correlation_length_y_m", "ℓy", "correlation length along y, to 1/e"),
@@ -81,7 +81,7 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
         &[
             ("psd_reliable_low_rad_per_m", "q", "spectrum reliable from (wavelength)"),
             ("psd_reliable_high_rad_per_m", "q", "spectrum reliable to (wavelength)"),
-            ("psd_upper_limit", "", "what ends the reliable spectrum"),
+            ("psd_upper_limit", "", "limit of the reliable spectrum"),
             ("hurst", "H", "Hurst exponent"),
             ("hurst_range_low_m", "τ", "shortest lag of its fit"),
             ("hurst_range_high_m", "τ", "longest lag of its fit"),
@@ -102,12 +102,12 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
     ("Form", &[("form_radius_m", "R", "radius of the cylinder or sphere that was removed")]),
 ];
 
-/// All parameters in the order of the table.
+/// Returns all parameters in the order of the table.
 fn all() -> impl Iterator<Item = &'static Parameter> {
     GROUPS.iter().flat_map(|(_, parameters)| parameters.iter())
 }
 
-/// Place of a surface parameter in its table, its symbol and its meaning, by its key.
+/// Returns the place of a surface parameter in its table, its symbol and its meaning, by its key.
 pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)> {
     all()
         .enumerate()
@@ -115,20 +115,16 @@ pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)
         .map(|(place, (_, symbol, meaning))| (place, *symbol, *meaning))
 }
 
-/// A parameter of a scan or of a part.
-enum Known {
-    /// A count or a word.
-    Text(String),
-    Number {
-        value: f64,
-        interval: Option<Pair>,
-        standard_error: Option<f64>,
-        stds: [Option<f64>; 2],
-    },
+/// The cells of a parameter of a scan or of a part.
+struct Known {
+    value: String,
+    interval: String,
+    /// Standard deviations of one scan and between scans.
+    stds: [String; 2],
 }
 
 impl Known {
-    fn of(measured: &MeasuredSurface, key: &str) -> Option<Self> {
+    fn new(measured: &MeasuredSurface, key: &str) -> Option<Self> {
         match measured {
             MeasuredSurface::Stated {} => None,
             MeasuredSurface::Scan(scan) => Self::of_scan(scan, key),
@@ -138,22 +134,17 @@ impl Known {
 
     fn of_scan(scan: &SurfaceStatistics, key: &str) -> Option<Self> {
         let counts = [Some(scan.nx), Some(scan.ny), Some(scan.missing_points), Some(scan.outliers)];
-        Self::text(counts, &scan.psd_upper_limit, key).or_else(|| {
+        Self::of_text(counts, &scan.psd_upper_limit, key).or_else(|| {
             let spread = scan.intervals.get(key);
-            let standard_error = spread.map(|spread| spread.standard_error);
-            Some(Self::Number {
-                value: scan.number(key)?,
-                interval: spread.map(|spread| spread.interval),
-                standard_error: if key == "hurst" { scan.hurst_se } else { standard_error },
-                stds: [None; 2],
-            })
+            let error = if key == "hurst" { scan.hurst_se } else { spread.map(|spread| spread.standard_error) };
+            Some(Self::of_number(key, scan.number(key)?, spread.map(|spread| spread.interval), error, [None; 2]))
         })
     }
 
     fn of_part(part: &PartStatistics, key: &str) -> Option<Self> {
         let counts = [part.nx, part.ny, Some(part.missing_points), Some(part.outliers)];
         let pooled = part.pooled.get(key);
-        Self::text(counts, &part.psd_upper_limit, key).or_else(|| {
+        Self::of_text(counts, &part.psd_upper_limit, key).or_else(|| {
             let value = match key {
                 "dx_m" => part.dx_m,
                 "dy_m" => part.dy_m,
@@ -163,69 +154,59 @@ impl Known {
                 "hurst_range_high_m" => part.hurst_range_high_m,
                 _ => pooled.map(|pooled| pooled.value),
             };
-            Some(Self::Number {
-                value: value?,
-                interval: pooled.map(|pooled| pooled.interval),
-                standard_error: pooled.map(|pooled| pooled.standard_error),
-                stds: pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]),
-            })
+            let error = pooled.map(|pooled| pooled.standard_error);
+            let stds = pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]);
+            Some(Self::of_number(key, value?, pooled.map(|pooled| pooled.interval), error, stds))
         })
     }
 
-    fn text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
+    /// Formats a count or a word.
+    fn of_text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
         const COUNTS: [&str; 4] = ["nx", "ny", "missing_points", "outliers"];
         let word = (key == "psd_upper_limit").then(|| psd_upper_limit.replace('_', " "));
         let place = COUNTS.iter().position(|count| *count == key);
-        word.or_else(|| counts[place?].map(|count| count.to_string())).map(Self::Text)
+        let value = word.or_else(|| counts[place?].map(|count| count.to_string()))?;
+        Some(Self { value, interval: DASH.into(), stds: [DASH, DASH].map(str::to_owned) })
     }
 
-    /// Value and interval, or dashes: three digits, more where the interval is narrower.
-    fn shown(&self, key: &str) -> (String, String) {
-        let none = || DASH.to_owned();
-        let (value, interval, standard_error) = match self {
-            Self::Text(text) => return (text.clone(), none()),
-            Self::Number { value, interval, standard_error, .. } => (*value, *interval, *standard_error),
-        };
+    /// Formats value and interval with three digits, and more if the interval is narrower, and the standard deviations.
+    fn of_number(
+        key: &str,
+        value: f64,
+        interval: Option<Pair>,
+        standard_error: Option<f64>,
+        stds: [Option<f64>; 2],
+    ) -> Self {
         let dimension = Dimension::of_key(key).1;
-        let (text, limits) = match (interval, standard_error) {
+        let (mut text, interval) = match (interval, standard_error) {
             (Some(limits), _) => dimension.show_apart(value, limits.into()),
             (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
-            // The pixels are known, not estimated.
-            (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), none()),
-            (None, None) => (dimension.show_short(value), none()),
+            // Pixel sizes are exact.
+            (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), DASH.into()),
+            (None, None) => (dimension.show_short(value), DASH.into()),
         };
-        match dimension {
-            // A wavenumber says little to the eye.
-            Dimension::Wavenumber if value > 0.0 => {
-                let wavelength = Dimension::Length.show_short(std::f64::consts::TAU / value);
-                (format!("{text} ({wavelength})"), limits)
-            }
-            _ => (text, limits),
+        // A wavelength is easier to judge than a wavenumber.
+        if dimension == Dimension::Wavenumber && value > 0.0 {
+            text += &format!(" ({})", Dimension::Length.show_short(std::f64::consts::TAU / value));
         }
-    }
-
-    /// Standard deviations of one scan and between scans in the unit of the parameter, or dashes.
-    fn spreads(&self, key: &str) -> [String; 2] {
-        let Self::Number { stds, .. } = self else { return [DASH, DASH].map(str::to_owned) };
-        let dimension = Dimension::of_key(key).1;
-        stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)))
+        let stds = stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)));
+        Self { value: text, interval, stds }
     }
 }
 
-/// The groups of parameters that the results hold: meaning, symbol, value and interval.
+/// Returns the groups of parameters in the results: meaning, symbol, value and interval.
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let mut rows = Vec::new();
     for (title, parameters) in GROUPS {
-        let present = parameters.iter().filter_map(|parameter| Some((parameter, Known::of(measured, parameter.0)?)));
+        let present = parameters.iter().filter_map(|(key, symbol, meaning)| {
+            let Known { value, interval, stds: [within, between] } = Known::new(measured, key)?;
+            Some(vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, within, between])
+        });
         let present: Vec<_> = present.collect();
-        if present.is_empty() {
-            continue;
+        if !present.is_empty() {
+            rows.push(vec![title.to_owned()]);
+            rows.extend(present);
         }
-        rows.push(vec![title.to_owned()]);
-        rows.extend(present.into_iter().map(|((key, symbol, meaning), known)| {
-            let ((value, interval), [within, between]) = (known.shown(key), known.spreads(key));
-            vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, within, between]
-        }));
     }
     let caption = match measured {
         MeasuredSurface::Part(part) => format!("Surface parameters of the part from {} scans", part.scan_count),
@@ -235,7 +216,7 @@ pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     DataTable::new(&caption, &headers, rows, "results.json").without_empty_columns()
 }
 
-/// Every scan of a part with the parameters that are asked for first.
+/// Returns every scan of a part with its most important parameters.
 pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     const KEYS: [(&str, &str); 6] = [
         ("Sq_m", "Sq"),
@@ -247,7 +228,7 @@ pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     ];
     let rows = surface.part()?.scans.iter().map(|scan| {
         let cell = |(key, _): &(&str, &str)| {
-            Known::of_scan(&scan.statistics, key).map_or_else(|| DASH.into(), |known| known.shown(key).0)
+            Known::of_scan(&scan.statistics, key).map_or_else(|| DASH.into(), |known| known.value)
         };
         std::iter::once(scan.file.clone()).chain(KEYS.iter().map(cell)).collect()
     });
@@ -255,8 +236,8 @@ pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     Some(DataTable::new("Scans of the part", &headers, rows.collect(), "results.json"))
 }
 
-/// The laws fitted to the heights, best first.
-pub(super) fn laws(run: &Run) -> Option<DataTable> {
+/// Returns the distributions fitted to the heights, best first.
+pub(super) fn distributions(run: &Run) -> Option<DataTable> {
     let table: &Table = run.tables.get("height_fits")?;
     let cell = |value: f64, digits| significant(value, digits);
     let rows = height_fits(table)
@@ -273,19 +254,19 @@ pub(super) fn laws(run: &Run) -> Option<DataTable> {
             ]
         })
         .collect();
-    let worth = table.column("effective_heights").and_then(|values| values.first()).filter(|n| n.is_finite());
-    let worth = worth.map_or(String::new(), |n| {
-        format!("; the correlated heights are worth {} independent ones", significant(*n, 2))
+    let size = table.column("effective_heights").and_then(|values| values.first()).filter(|n| n.is_finite());
+    let size = size.map_or(String::new(), |n| {
+        format!("; effective sample size of the correlated heights: {}", significant(*n, 2))
     });
-    // Of several scans the figures and this table show the first.
+    // The figures and this table show the first of several scans.
     let first = run.results.surface.as_ref().and_then(SurfaceResult::part).and_then(|part| part.scans.first());
     let of = first.map_or(String::new(), |scan| format!(" of {}", scan.file));
-    let caption = format!("Laws fitted to the heights{of}, ranked by Akaike’s criterion{worth}");
-    let headers = ["Rank", "Law", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
+    let caption = format!("Distributions fitted to the heights{of}, ranked by Akaike’s criterion{size}");
+    let headers = ["Rank", "Distribution", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
     Some(DataTable::new(&caption, &headers, rows, "tables/height_fits.csv").without_empty_columns())
 }
 
-/// Parameters with the symbols of the literature.
+/// Formats the parameters with the symbols of the literature.
 fn parameters_of(fit: &HeightFit) -> String {
     let symbol = |name: &str| match name {
         "mu" => "µ",
@@ -326,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_stand_above_their_parameters_and_intervals_beside_them() {
+    fn groups_precede_their_parameters_and_intervals_are_beside_them() {
         let table = |interval| table(&MeasuredSurface::Scan(Box::new(scan(1.0234e-6, Some(0.5), interval))));
         let found = table(Some([9.9e-7, 1.06e-6]));
         let spaced: Vec<Vec<String>> =
@@ -341,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_of_several_scans_has_their_scatter_and_a_row_for_each() {
+    fn a_part_has_standard_deviations_between_scans_and_a_row_for_each_scan() {
         let pooled = PooledResult {
             value: 1.1e-6,
             interval: [0.9e-6, 1.3e-6],

@@ -5,19 +5,19 @@ use asperity_results::Provenance;
 use super::cells::{DASH, plain};
 use crate::format::Dimension;
 
-/// More instruction sets are counted, not listed.
+/// Largest number of instruction sets that are listed; more are counted.
 const LISTED: usize = 12;
 
-/// Every entry of `provenance.json` with its name, in the order of the names.
-pub(super) fn rows(provenance: &Provenance) -> Vec<(String, String)> {
+/// Returns every entry of `provenance.json` with its name, in the order of the names.
+pub(super) fn rows(provenance: &Provenance) -> Vec<Vec<String>> {
     let machine = &provenance.machine;
     let sets = &machine.instruction_sets;
     let sets = if sets.len() <= LISTED { sets.join(", ") } else { format!("{} values", sets.len()) };
     let word = |word: &Option<String>| word.clone().unwrap_or_else(|| DASH.into());
-    let row = |name: &str, value: String| (name.to_owned(), value);
-    let inputs = provenance.inputs.iter().map(|(file, hash)| (format!("inputs · {}", spaced(file)), hash.clone()));
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let inputs = provenance.inputs.iter().map(|(file, hash)| row(&format!("inputs · {}", spaced(file)), hash.clone()));
     let seconds =
-        provenance.seconds.iter().map(|(task, time)| (format!("seconds · {}", spaced(task)), plain(*time, 5)));
+        provenance.seconds.iter().map(|(task, time)| row(&format!("seconds · {}", spaced(task)), plain(*time, 5)));
     std::iter::once(row("asperity", provenance.asperity.clone()))
         .chain(inputs)
         .chain([

@@ -1,4 +1,4 @@
-//! The random surface that stands for the measured one: its covariance, its law, its expansion.
+//! The random surface fitted to the measured one: its covariance, its distribution, its expansion.
 
 use asperity_results::{CovarianceCandidate, CovarianceResult, EmpiricalCovariance, LawResult, SurfaceResult};
 
@@ -6,7 +6,7 @@ use super::DataTable;
 use super::cells::{DASH, plain, yes_or_no};
 use crate::format::Dimension;
 
-/// The random surface as rows of name and value.
+/// Returns the random surface as rows of name and value.
 pub(super) fn table(surface: &SurfaceResult) -> DataTable {
     let expansion = match &surface.karhunen_loeve {
         None => vec![("Karhunen–Loève".to_owned(), DASH.to_owned())],
@@ -17,11 +17,11 @@ pub(super) fn table(surface: &SurfaceResult) -> DataTable {
         ],
     };
     let covariance = surface.covariance.iter().flat_map(covariance);
-    let rows = covariance.chain(law(&surface.marginal)).chain(expansion).map(|(key, value)| vec![key, value]);
+    let rows = covariance.chain(marginal(&surface.marginal)).chain(expansion).map(|(key, value)| vec![key, value]);
     DataTable::new("Random surface", &["Property", "Value"], rows.collect(), "results.json")
 }
 
-/// What the length of a covariance model is.
+/// Returns the meaning of the length of a covariance model.
 pub(crate) fn length_in_words(model: &str) -> &'static str {
     match model {
         "matern" => "scale of the model",
@@ -30,7 +30,7 @@ pub(crate) fn length_in_words(model: &str) -> &'static str {
     }
 }
 
-/// The name of a covariance model, generator or law as a reader calls it.
+/// Returns the name of a covariance model, generator or distribution for readers.
 pub(crate) fn in_words(name: &str) -> String {
     match name {
         "matern" => "Matérn".into(),
@@ -57,7 +57,7 @@ fn covariance(found: &CovarianceResult) -> Vec<(String, String)> {
         ("Hurst exponent".to_owned(), Dimension::None, found.hurst),
         ("misfit, rms of ln(measured/model spectral density)".to_owned(), Dimension::None, found.misfit),
         (
-            "Sdq of maps drawn like the scan over the scan's, within the band".to_owned(),
+            "Sdq of random maps over Sdq of the scan, within the reliable band".to_owned(),
             Dimension::None,
             found.slope_ratio,
         ),
@@ -78,7 +78,7 @@ fn covariance(found: &CovarianceResult) -> Vec<(String, String)> {
     rows
 }
 
-/// What made the scan's own autocorrelation a covariance, in the order of the names.
+/// Returns the changes that made the scan's own autocorrelation a covariance, in the order of the names.
 fn empirical(found: &EmpiricalCovariance) -> Vec<(String, String)> {
     let length = |metre| Dimension::Length.show_interval(metre, None);
     let rows = [
@@ -95,19 +95,19 @@ fn empirical(found: &EmpiricalCovariance) -> Vec<(String, String)> {
     rows.map(|(name, value)| (format!("covariance · empirical · {name}"), value)).into()
 }
 
-/// A law of heights with its parameters, which are in metre where they are heights.
-fn law(law: &LawResult) -> Vec<(String, String)> {
-    let mut rows = vec![("marginal law".to_owned(), in_words(&law.name))];
-    rows.extend(law.parameters.iter().map(|(key, value)| {
-        let (meaning, dimension) = parameter(&law.name, key);
-        (format!("marginal law · {meaning}"), dimension.show(*value))
+/// Returns a distribution of heights with its parameters; those that are heights are in metre.
+fn marginal(fit: &LawResult) -> Vec<(String, String)> {
+    let mut rows = vec![("marginal distribution".to_owned(), in_words(&fit.name))];
+    rows.extend(fit.parameters.iter().map(|(key, value)| {
+        let (meaning, dimension) = parameter(&fit.name, key);
+        (format!("marginal distribution · {meaning}"), dimension.show(*value))
     }));
     rows
 }
 
-/// What a parameter of a law of heights means, and what it measures.
-fn parameter(law: &str, key: &str) -> (String, Dimension) {
-    let (meaning, dimension) = match (law, key) {
+/// Returns the meaning and the dimension of a parameter of a distribution of heights.
+fn parameter(distribution: &str, key: &str) -> (String, Dimension) {
+    let (meaning, dimension) = match (distribution, key) {
         (_, "mean") => ("mean", Dimension::Length),
         (_, "std") => ("standard deviation", Dimension::Length),
         ("lognormal", "mu") => ("µ, mean of the logarithm of z − shift in metre", Dimension::None),
@@ -135,39 +135,39 @@ fn parameter(law: &str, key: &str) -> (String, Dimension) {
 mod tests {
     use super::*;
 
-    fn said(surface: &SurfaceResult, name: &str) -> String {
+    fn value_of(surface: &SurfaceResult, name: &str) -> String {
         let rows = table(surface).rows;
         let found = rows.iter().find(|row| row[0] == name).unwrap_or_else(|| panic!("{name}: {rows:?}"));
         found[1].replace('\u{a0}', " ")
     }
 
     #[test]
-    fn heights_among_the_parameters_of_a_law_have_their_unit_and_shapes_none() {
+    fn parameters_that_are_heights_have_units_and_shapes_have_none() {
         let of = |name: &str, parameters: &[(&str, f64)], wanted: &str| {
             let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
             let marginal = LawResult { name: name.into(), parameters };
-            said(&SurfaceResult { marginal, ..SurfaceResult::default() }, wanted)
+            value_of(&SurfaceResult { marginal, ..SurfaceResult::default() }, wanted)
         };
         let beta: [(&str, f64); 4] = [("a", 2.1), ("b", 5.0), ("low", -2e-6), ("high", 5e-6)];
-        assert_eq!(of("beta", &beta, "marginal law"), "beta");
-        assert_eq!(of("beta", &beta, "marginal law · first shape a"), "2.1");
-        assert_eq!(of("beta", &beta, "marginal law · lower end"), "−2 µm");
-        assert_eq!(of("beta", &beta, "marginal law · upper end"), "5 µm");
+        assert_eq!(of("beta", &beta, "marginal distribution"), "beta");
+        assert_eq!(of("beta", &beta, "marginal distribution · first shape a"), "2.1");
+        assert_eq!(of("beta", &beta, "marginal distribution · lower end"), "−2 µm");
+        assert_eq!(of("beta", &beta, "marginal distribution · upper end"), "5 µm");
         let normal = [("mean", 0.0), ("std", 1e-6)];
-        assert_eq!(of("normal", &normal, "marginal law · standard deviation"), "1 µm");
+        assert_eq!(of("normal", &normal, "marginal distribution · standard deviation"), "1 µm");
         let johnson = [("gamma", 0.2), ("lambda", 3e-7)];
-        assert_eq!(of("johnson_su", &johnson, "marginal law"), "Johnson SU");
-        assert_eq!(of("johnson_su", &johnson, "marginal law · scale λ"), "300 nm");
+        assert_eq!(of("johnson_su", &johnson, "marginal distribution"), "Johnson SU");
+        assert_eq!(of("johnson_su", &johnson, "marginal distribution · scale λ"), "300 nm");
         let weibull = [("shape", 2.0), ("scale", 1e-6)];
-        assert_eq!(of("weibull", &weibull, "marginal law · shape"), "2");
-        assert_eq!(of("weibull", &weibull, "marginal law · scale"), "1 µm");
+        assert_eq!(of("weibull", &weibull, "marginal distribution · shape"), "2");
+        assert_eq!(of("weibull", &weibull, "marginal distribution · scale"), "1 µm");
         let lognormal = [("mu", -14.0), ("sigma", 0.5)];
-        let logarithm = "marginal law · µ, mean of the logarithm of z − shift in metre";
+        let logarithm = "marginal distribution · µ, mean of the logarithm of z − shift in metre";
         assert_eq!(of("lognormal", &lognormal, logarithm), "−14");
     }
 
     #[test]
-    fn the_length_of_a_model_says_what_it_is() {
+    fn the_length_of_a_model_has_its_meaning() {
         let of = |covariance| SurfaceResult { covariance: Some(covariance), ..SurfaceResult::default() };
         let candidate =
             |model: &str, misfit, slope_ratio| CovarianceCandidate { model: model.into(), misfit, slope_ratio };
@@ -182,21 +182,21 @@ mod tests {
             empirical: Some(EmpiricalCovariance { reliable_x_m: 1e-6, ..EmpiricalCovariance::default() }),
             ..CovarianceResult::default()
         });
-        assert_eq!(said(&matern, "covariance"), "Matérn");
-        assert_eq!(said(&matern, "covariance · length along x (scale of the model)"), "20 µm");
-        assert_eq!(said(&matern, "covariance · correlation length along x, to 1/e"), "30 µm");
+        assert_eq!(value_of(&matern, "covariance"), "Matérn");
+        assert_eq!(value_of(&matern, "covariance · length along x (scale of the model)"), "20 µm");
+        assert_eq!(value_of(&matern, "covariance · correlation length along x, to 1/e"), "30 µm");
         assert_eq!(
-            said(&matern, "covariance · tried, with misfit and ratio of Sdq"),
+            value_of(&matern, "covariance · tried, with misfit and ratio of Sdq"),
             "Matérn (0.012; 1.02), empirical (–; 0.97)"
         );
         assert_eq!(
-            said(&matern, "covariance · Sdq of maps drawn like the scan over the scan's, within the band"),
+            value_of(&matern, "covariance · Sdq of random maps over Sdq of the scan, within the reliable band"),
             "1.02"
         );
-        assert_eq!(said(&matern, "covariance · empirical · reliable x"), "1 µm");
-        assert_eq!(said(&matern, "Karhunen–Loève"), "–");
+        assert_eq!(value_of(&matern, "covariance · empirical · reliable x"), "1 µm");
+        assert_eq!(value_of(&matern, "Karhunen–Loève"), "–");
         let with = |model: &str| of(CovarianceResult { model: model.into(), length_y_m: 2e-5, ..Default::default() });
-        assert_eq!(said(&with("self_affine"), "covariance · length along y (roll-off length)"), "20 µm");
-        assert_eq!(said(&with("exponential"), "covariance · length along y (to 1/e)"), "20 µm");
+        assert_eq!(value_of(&with("self_affine"), "covariance · length along y (roll-off length)"), "20 µm");
+        assert_eq!(value_of(&with("exponential"), "covariance · length along y (to 1/e)"), "20 µm");
     }
 }

@@ -7,13 +7,13 @@ use super::{DataTable, method_name, parameters, random_surface};
 use crate::format::{Dimension, with_error};
 use crate::{Input, Run};
 
-/// `surface`: parameters with their meaning, the laws of the heights, then the random surface.
+/// Returns the tables of `surface`: parameters with their meaning, the distributions of the heights, then the random surface.
 pub(super) fn surface(run: &Run) -> Vec<DataTable> {
     let surface = run.results.surface.as_ref();
     [
         surface.map(|surface| parameters::table(&surface.measured)),
         surface.and_then(parameters::scans),
-        parameters::laws(run),
+        parameters::distributions(run),
         surface.map(random_surface::table),
     ]
     .into_iter()
@@ -21,7 +21,7 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
     .collect()
 }
 
-/// The methods without an estimate and their reasons as a sentence; empty where every method has one.
+/// Returns a sentence on the methods without an estimate and their reasons; empty if every method has one.
 pub(super) fn refused_methods(pressure: &PressureResult) -> String {
     let methods = pressure.methods.iter();
     let refused: Vec<String> = methods
@@ -30,7 +30,7 @@ pub(super) fn refused_methods(pressure: &PressureResult) -> String {
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }
 
-/// `pressure`: one row per method that has an estimate, then one per scalar of the whole contact.
+/// Returns the tables of `pressure`: one row per method with an estimate, then one per property of the whole contact.
 pub(super) fn pressure(run: &Run, pressure: &PressureResult) -> Vec<DataTable> {
     let rows = pressure.methods.iter().filter(|method| method.failure.is_none()).map(|method| {
         let probability = match (method.contact_probability, method.contact_probability_se) {
@@ -50,7 +50,7 @@ pub(super) fn pressure(run: &Run, pressure: &PressureResult) -> Vec<DataTable> {
     });
     let sites = if pressure.sites > 1 { format!(", each at {} sites", pressure.sites) } else { String::new() };
     let caption = format!(
-        "Methods for the law of the pressure; distances are taken from the reference of {} samples{sites}; brackets hold 95 % \
+        "Methods for the distribution of the pressure; distances are from the reference of {} samples{sites}; brackets are 95 % \
          intervals",
         pressure.reference_samples
     );
@@ -68,13 +68,13 @@ pub(super) fn pressure(run: &Run, pressure: &PressureResult) -> Vec<DataTable> {
     [methods.without_empty_columns(), scalars(pressure)].into()
 }
 
-/// Contact solves on coarser grids.
+/// Formats the contact solves on coarser grids.
 fn coarse_solves(coarse: &[CoarseEntry]) -> String {
     let each: Vec<String> = coarse.iter().map(|grid| format!("{} on {} × {}", grid.solves, grid.nx, grid.ny)).collect();
     if each.is_empty() { DASH.into() } else { each.join(", ") }
 }
 
-/// Wall time of a method: of the contact solutions on which it rests, which methods share, and of its estimate.
+/// Returns the wall time of a method: of its contact solutions, which several methods share, and of its estimate.
 fn seconds(run: &Run, method: &str) -> Option<f64> {
     let samples: &[&str] = match method {
         "monte_carlo" | "polynomial_chaos_local" => &["monte_carlo"],
@@ -88,7 +88,7 @@ fn seconds(run: &Run, method: &str) -> Option<f64> {
     Some(solved + of(&format!("law/{method}")).unwrap_or(0.0))
 }
 
-/// One row per scalar of the whole contact.
+/// Returns one row per property of the whole contact.
 fn scalars(pressure: &PressureResult) -> DataTable {
     let rows = pressure.scalars.iter().map(|scalar| {
         let (name, dimension) = Dimension::of_key(&scalar.name);
@@ -105,11 +105,11 @@ fn scalars(pressure: &PressureResult) -> DataTable {
         vec![name, mean, dimension.show(scalar.std), quantile(0.1), quantile(0.5), quantile(0.9)]
     });
     let headers = ["Property of the contact", "Mean", "Std", "10 % quantile", "Median", "90 % quantile"];
-    let caption = "Laws of what belongs to the whole contact; brackets hold 95 % intervals";
+    let caption = "Distributions of properties of the whole contact; brackets are 95 % intervals";
     DataTable::new(caption, &headers, rows.collect(), "tables/pressure_scalars.csv")
 }
 
-/// The inputs, one table per section in the order of appearance.
+/// Returns the inputs, one table per section in the order of appearance.
 pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
     let mut tables: Vec<DataTable> = Vec::new();
     for Input { section, key, value } in inputs {

@@ -6,7 +6,7 @@ use super::DataTable;
 use super::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, show_range, significant, with_error};
 
-/// Limits and cycle, cycles against damping, laws of points.
+/// Returns limits and cycle, cycles over damping, motion, and distributions of points.
 pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
     vec![
         scalars(vibration),
@@ -18,7 +18,7 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
     ]
 }
 
-/// Everything that holds without fluctuation, in the order of the names.
+/// Returns the properties without fluctuation, in the order of the names.
 fn scalars(vibration: &VibrationResult) -> DataTable {
     let cycle = &vibration.cycle;
     let number = |value: Option<f64>| plain(value, 5);
@@ -49,9 +49,9 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
     .collect::<Vec<_>>();
     match &vibration.marginal {
         None => rows.push(vec!["marginal".into(), DASH.into()]),
-        Some(law) => {
-            rows.push(vec!["marginal · name".into(), law.name.clone()]);
-            let parameters = law.parameters.iter();
+        Some(fit) => {
+            rows.push(vec!["marginal · name".into(), fit.name.clone()]);
+            let parameters = fit.parameters.iter();
             rows.extend(parameters.map(|(name, v)| vec![format!("marginal · parameters · {name}"), plain(*v, 5)]));
         }
     }
@@ -64,7 +64,7 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
     DataTable::new("Without roughness", &["Property", "Value"], rows, "results.json")
 }
 
-/// Cycles by damping ratio and upscaling.
+/// Returns the cycles by damping ratio and upscaling.
 fn counts(vibration: &VibrationResult) -> DataTable {
     let mut counts: Vec<Vec<String>> = Vec::new();
     for entry in vibration.area.damping.iter().chain(&vibration.paper.damping) {
@@ -83,19 +83,19 @@ fn counts(vibration: &VibrationResult) -> DataTable {
     }
     let headers = ["ζ", "Deterministic", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
     let caption =
-        "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets hold 95 % intervals";
+        "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets are 95 % intervals";
     DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns()
 }
 
-/// What stands in the column of an upscaling.
+/// Formats a cell in the column of an upscaling.
 type Cell = Box<dyn Fn(&EnsembleResult) -> String>;
 
-/// Both upscalings with their names.
+/// Returns both upscalings with their names.
 fn upscalings(vibration: &VibrationResult) -> [(&'static str, &EnsembleResult); 2] {
     [("area", &vibration.area), ("paper", &vibration.paper)]
 }
 
-/// A column for each upscaling behind a first one; only rows of which something is known.
+/// Returns a table with a column for each upscaling behind a first one, without rows in which all values are undefined.
 fn by_upscaling(
     vibration: &VibrationResult,
     caption: &str,
@@ -111,55 +111,61 @@ fn by_upscaling(
     DataTable::new(caption, &headers, rows.collect(), "results.json")
 }
 
-/// Where vibration falls through levels of the time.
+/// Returns the damping ratios at which the fraction of time in vibration falls below certain values.
 fn crossings(vibration: &VibrationResult) -> DataTable {
-    let mut shares: Vec<f64> = upscalings(vibration)
+    let mut fractions: Vec<f64> = upscalings(vibration)
         .iter()
         .flat_map(|(_, part)| part.crossings.iter().map(|crossing| crossing.share))
         .collect();
-    shares.sort_by(|a, b| b.total_cmp(a));
-    shares.dedup();
-    let rows = shares.into_iter().map(|share| -> (String, Cell) {
+    fractions.sort_by(|a, b| b.total_cmp(a));
+    fractions.dedup();
+    let rows = fractions.into_iter().map(|fraction| -> (String, Cell) {
         let cell = move |part: &EnsembleResult| {
-            let Some(found) = part.crossings.iter().find(|crossing| crossing.share == share) else {
+            let Some(found) = part.crossings.iter().find(|crossing| crossing.share == fraction) else {
                 return DASH.into();
             };
             match (found.damping_ratio, found.damping_ratio_interval) {
-                // Trajectories that all agree have no interval.
+                // Equal ends mean that all trajectories agree.
                 (ratio, Some([low, high])) if low == high => plain(ratio, 5),
                 (None, _) => found.reason.as_ref().map_or_else(|| DASH.into(), |reason| format!("none: {reason}")),
                 (ratio, interval) => shown(Dimension::None, ratio, interval),
             }
         };
-        (format!("{} %", significant(100.0 * share, 3)), Box::new(cell))
+        (format!("{} %", significant(100.0 * fraction, 3)), Box::new(cell))
     });
-    let caption = "Damping ratio at which vibration falls through a share of the time: the mean over the trajectories, which start in \
-                   stick, of the share of the second half of the duration; brackets hold 95 % intervals";
+    let caption = "Damping ratio at which the fraction of time in vibration falls below a value: the mean over the trajectories, which \
+                   start in stick, over the second half of the duration; brackets are 95 % intervals";
     by_upscaling(vibration, caption, "Time in vibration", rows)
 }
 
-/// The motion under roughness at the damping of the study.
+/// Returns the motion under roughness at the damping of the study.
 fn motion(vibration: &VibrationResult) -> DataTable {
     fn cell(text: impl Fn(&MotionResult) -> String + 'static) -> Cell {
         Box::new(move |part| part.motion.as_ref().map_or_else(|| DASH.into(), &text))
     }
     fn kind(kind: KindResult) -> Cell {
-        cell(move |motion| percent(motion.kind_shares.get(&kind).copied().filter(|share| *share > 0.0), 4))
+        cell(move |motion| percent(motion.kind_shares.get(&kind).copied().filter(|fraction| *fraction > 0.0), 4))
     }
     let number = |value: Option<f64>, interval: Option<Pair>| shown(Dimension::None, value, interval);
     let rows: [(&str, Cell); 10] = [
         ("Period τ between detachments", cell(move |motion| number(motion.period_mean, None))),
-        ("Its jitter (standard deviation)", cell(move |motion| number(motion.period_std, None))),
+        ("Jitter of the period (standard deviation)", cell(move |motion| number(motion.period_std, None))),
         (
             "Time in stick",
             cell(|motion| format!("{} %", with_error(100.0 * motion.stick_share, 100.0 * motion.stick_share_se))),
         ),
         ("Time in vibration", cell(|motion| percent(motion.share_in_cycle, 4))),
-        ("of it stick-slip", kind(KindResult::StickSlip)),
+        ("in stick-slip", kind(KindResult::StickSlip)),
         ("overtaking the belt without stick", kind(KindResult::Overtaking)),
         ("slower than the belt throughout", kind(KindResult::SlipCycle)),
-        ("Ways out of vibration per τ in it", cell(move |motion| number(motion.exit_rate, motion.exit_rate_interval))),
-        ("Ways back per τ out of it", cell(move |motion| number(motion.entry_rate, motion.entry_rate_interval))),
+        (
+            "Rate of leaving vibration, per τ in it",
+            cell(move |motion| number(motion.exit_rate, motion.exit_rate_interval)),
+        ),
+        (
+            "Rate of returning to it, per τ out of it",
+            cell(move |motion| number(motion.entry_rate, motion.entry_rate_interval)),
+        ),
         (
             "Trajectories that leave vibration",
             cell(|motion| {
@@ -169,34 +175,34 @@ fn motion(vibration: &VibrationResult) -> DataTable {
         ),
     ];
     let caption = format!(
-        "The motion under fluctuating friction at ζ = {}; brackets hold 95 % intervals, ± is a standard error",
+        "The motion under fluctuating friction at ζ = {}; brackets are 95 % intervals, ± is a standard error",
         significant(vibration.damping_ratio, 4)
     );
     by_upscaling(vibration, &caption, "Property", rows.into_iter().map(|(title, cell)| (title.to_owned(), cell)))
 }
 
-/// The law of points of the motion.
+/// Returns the moments of the distribution of points of the motion.
 fn points(vibration: &VibrationResult, of: fn(&EnsembleResult) -> &PointsResult, caption: &str) -> DataTable {
     let rows = upscalings(vibration).map(|(name, part)| {
-        let law = of(part);
+        let points = of(part);
         let number = |value| shown(Dimension::None, value, None);
         vec![
             format!("“{name}”"),
             number(Some(part.friction_std)),
-            match (law.mean, law.std) {
+            match (points.mean, points.std) {
                 (Some(mean), Some(std)) => with_error(mean, std),
                 (mean, _) => number(mean),
             },
-            number(law.skewness),
-            number(law.excess_kurtosis),
-            number(law.normality_p),
+            number(points.skewness),
+            number(points.excess_kurtosis),
+            number(points.normality_p),
         ]
     });
     let headers = ["Upscaling", "Std of μ", "X: mean ± std", "Skewness", "Excess kurtosis", "p (normality)"];
     DataTable::new(caption, &headers, rows.into(), "results.json").without_empty_columns()
 }
 
-/// The lost cycles with their interval.
+/// Formats the lost cycles with their interval.
 pub(super) fn difference(entry: &DampingResult) -> String {
     shown(Dimension::None, entry.difference_mean, Some(entry.difference_interval))
 }

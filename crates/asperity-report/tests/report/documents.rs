@@ -1,9 +1,10 @@
-//! Reading the documents that a report consists of.
+//! Readers of the documents of a report.
 
+use asperity_report::{Run, render};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-/// Reads the whole document and returns the number of elements; panics where it is not well-formed.
+/// Reads the whole document and returns the number of elements; panics if it is not well-formed.
 pub(crate) fn elements(xml: &str) -> usize {
     let mut reader = Reader::from_str(xml);
     reader.config_mut().check_end_names = true;
@@ -28,15 +29,23 @@ pub(crate) fn elements(xml: &str) -> usize {
     count
 }
 
-/// The document without its embedded images, with its slashes unescaped, for searching.
+/// Returns the document without its embedded images and with plain spaces, for searching.
 pub(crate) fn text(document: &str) -> String {
     let mut parts = document.split("data:image/png;base64,");
     let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |all, part| all + part.split_once('"').unwrap().1).replace("&#x2f;", "/").replace('\u{a0}', " ")
+    parts.fold(first, |all, part| all + part.split_once('"').unwrap().1).replace('\u{a0}', " ")
 }
 
-/// Values of `src` and `href` attributes.
+/// Returns the values of `src` and `href` attributes.
 pub(crate) fn resources(html: &str) -> Vec<&str> {
     let after = |marker: &'static str| html.split(marker).skip(1).map(|rest| rest.split('"').next().unwrap());
     after("src=\"").chain(after("href=\"")).collect()
+}
+
+/// Returns the texts of a figure.
+pub(crate) fn words(run: &Run, name: &str) -> Vec<String> {
+    let svg = render(run).unwrap().figures.into_iter().find(|figure| figure.name == name).unwrap().svg;
+    let pieces =
+        svg.split('<').filter_map(|piece| piece.split_once('>')).map(|(_, text)| text.trim().replace('\u{a0}', " "));
+    pieces.filter(|text| !text.is_empty()).collect()
 }

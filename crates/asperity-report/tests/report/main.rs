@@ -3,8 +3,14 @@
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot pose its problem has failed")]
 
 mod documents;
+mod friction;
+mod motion;
+mod pages;
+mod partial;
+mod pressure;
 mod records;
-mod render;
+mod stages;
+mod surface;
 mod synthetic;
 mod twins;
 mod vibration;

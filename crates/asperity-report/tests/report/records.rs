@@ -46,13 +46,13 @@ fn tables() -> BTreeMap<String, Table> {
 }
 
 #[test]
-fn every_table_becomes_a_figure_that_says_what_it_shows() {
+fn every_table_becomes_a_labelled_figure() {
     let figures = record_figures(&tables()).unwrap();
     let wanted: [(&str, &[&str]); 5] = [
         ("friction_record", &["as measured", "trend", "Sliding distance (mm)"]),
-        ("friction_histogram", &["law of the process", "normal", "Friction coefficient"]),
-        ("friction_pit", &["F(μ) of the fitted law", "95 % of the bins"]),
-        ("friction_qq", &["Quantile of the fitted law", "Quantile of the record"]),
+        ("friction_histogram", &["distribution of the process", "normal", "Friction coefficient"]),
+        ("friction_pit", &["F(μ) of the fitted distribution", "95 % of the bins"]),
+        ("friction_qq", &["Quantile of the fitted distribution", "Quantile of the record"]),
         ("friction_acf", &["Lag (", "exponential", "Autocorrelation"]),
     ];
     assert_eq!(figures.len(), wanted.len());
@@ -68,7 +68,7 @@ fn every_table_becomes_a_figure_that_says_what_it_shows() {
 }
 
 #[test]
-fn what_is_absent_or_undefined_is_left_out_and_ragged_tables_are_refused() {
+fn absent_and_undefined_data_are_left_out_and_ragged_tables_are_refused() {
     assert!(record_figures(&BTreeMap::new()).unwrap().is_empty());
     for (name, table) in tables() {
         for hidden in 0..table.columns.len() {

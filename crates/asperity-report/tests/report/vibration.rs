@@ -222,8 +222,8 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
             ensemble(),
             vec![
                 ("phase_portrait", vec!["many trajectories", "deterministic limit cycle"]),
-                ("reattachment", vec!["re-attachments", "detachments", "normal law"]),
-                ("survival", vec!["Share in vibration", "never left vibration", "Time τ"]),
+                ("reattachment", vec!["re-attachments", "detachments", "normal distribution"]),
+                ("survival", vec!["Fraction in vibration", "never left vibration", "Time τ"]),
             ],
         ),
         (basin(), vec![("basin", vec!["steady sliding", "stick-slip", "separatrix", "limit cycle"])]),
@@ -237,7 +237,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
     ]
 }
 
-fn sound_and_safe(figure: &Figure) {
+fn is_well_formed_and_loads_nothing(figure: &Figure) {
     assert!(elements(&figure.svg) > 10, "{}", figure.name);
     let inside = |resource: &&str| resource.starts_with('#') || resource.starts_with("data:image/png;base64,");
     assert!(resources(&figure.svg).iter().all(inside), "{} loads nothing", figure.name);
@@ -245,7 +245,7 @@ fn sound_and_safe(figure: &Figure) {
 }
 
 #[test]
-fn every_answer_becomes_the_figures_that_say_what_they_show() {
+fn every_answer_becomes_its_labelled_figures() {
     for ((answer, tables), wanted) in all() {
         let figures = vibration_figures(&answer, &tables).unwrap();
         assert_eq!(
@@ -253,7 +253,7 @@ fn every_answer_becomes_the_figures_that_say_what_they_show() {
             wanted.iter().map(|w| w.0).collect::<Vec<_>>()
         );
         for (figure, (name, words)) in figures.iter().zip(wanted) {
-            sound_and_safe(figure);
+            is_well_formed_and_loads_nothing(figure);
             let drawn = text(&figure.svg);
             for word in words {
                 assert!(drawn.contains(word), "{name}: {word:?}");
@@ -264,25 +264,25 @@ fn every_answer_becomes_the_figures_that_say_what_they_show() {
 }
 
 #[test]
-fn what_is_absent_or_undefined_is_left_out_and_ragged_tables_are_refused() {
+fn absent_and_undefined_data_are_left_out_and_ragged_tables_are_refused() {
     assert!(vibration_figures(&json!({}), &Tables::new()).unwrap().is_empty());
     for ((answer, tables), _) in all() {
         for (name, table) in &tables {
             for hidden in 0..table.columns.len() {
                 let mut without = tables.clone();
                 without.get_mut(name).unwrap().columns[hidden].1.fill(f64::NAN);
-                vibration_figures(&answer, &without).unwrap().iter().for_each(sound_and_safe);
+                vibration_figures(&answer, &without).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
                 let mut holed = tables.clone();
                 holed.get_mut(name).unwrap().columns[hidden].1[0] = f64::NAN;
-                vibration_figures(&json!({}), &holed).unwrap().iter().for_each(sound_and_safe);
-                vibration_figures(&answer, &holed).unwrap().iter().for_each(sound_and_safe);
+                vibration_figures(&json!({}), &holed).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
+                vibration_figures(&answer, &holed).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
                 let mut absent = tables.clone();
                 absent.get_mut(name).unwrap().columns.remove(hidden);
-                vibration_figures(&answer, &absent).unwrap().iter().for_each(sound_and_safe);
+                vibration_figures(&answer, &absent).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
             }
             let mut empty = tables.clone();
             empty.get_mut(name).unwrap().columns.iter_mut().for_each(|(_, values)| values.clear());
-            vibration_figures(&answer, &empty).unwrap().iter().for_each(sound_and_safe);
+            vibration_figures(&answer, &empty).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
             let mut ragged = tables.clone();
             ragged.get_mut(name).unwrap().columns[0].1.pop();
             assert!(matches!(vibration_figures(&answer, &ragged), Err(ReportError::RaggedTable { .. })));

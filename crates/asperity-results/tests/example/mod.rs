@@ -1,19 +1,20 @@
-//! Invented results that hold every key of `results.json`.
+//! Invented results with every key of `results.json` and `comparison.json`.
 #![allow(dead_code, reason = "each test that includes this file uses a part of it")]
 
 use std::collections::BTreeMap;
 use std::f64::consts::E;
 
 use asperity_results::{
-    AreaScatter, AtMeanLoad, CoarseEntry, Companions, CorrelationCurveResult, CorrelationModelResult,
-    CovarianceCandidate, CovarianceResult, CrossResult, CrossingResult, CutoffPoint, CutoffResult, CycleResult,
-    DampingResult, EmpiricalCovariance, EnsembleResult, FailedPoint, FrictionResult, GlobalExpansionEntry,
-    GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry, KarhunenLoeveResult, KindResult, LawResult, LevelResult,
-    MapResolutionResult, MapResult, MapsEntry, MeasuredSurface, MethodEntry, MotionResult, OperatingPoint,
-    PaperScatter, ParameterIndexResult, PartStatistics, PointsResult, PooledResult, Prescribed, PressureQuantile,
-    PressureResult, RankedLawResult, Results, ReturnLevelResult, ScalarEntry, ScalarQuantile, ScanOfPart,
-    SensitivityEntry, SpreadResult, StationarityResult, SurfaceResult, SurfaceStatistics, TailResult, UncertainLevel,
-    UncertainParameter, UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
+    AreaScatter, AtMeanLoad, BandMethod, CoarseEntry, Companions, Comparison, CorrelationCurveResult,
+    CorrelationModelResult, CovarianceCandidate, CovarianceResult, CrossResult, CrossingResult, CurveComparison,
+    CutoffPoint, CutoffResult, CycleResult, DampingResult, EmpiricalCovariance, EnsembleResult, FailedPoint,
+    FrictionResult, GlobalExpansionEntry, GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry,
+    KarhunenLoeveResult, KindResult, LawResult, LevelResult, MapResolutionResult, MapResult, MapsEntry,
+    MeasuredSurface, MethodEntry, MotionResult, OperatingPoint, PaperScatter, ParameterIndexResult, PartStatistics,
+    PointsResult, PooledResult, Prescribed, PressureQuantile, PressureResult, RankedLawResult, Results,
+    ReturnLevelResult, ScalarEntry, ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult, StationarityResult,
+    StatisticComparison, SurfaceResult, SurfaceStatistics, TailResult, TwinModel, UncertainLevel, UncertainParameter,
+    UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
 };
 
 /// Penetrations of the levels; the last one leads.
@@ -568,5 +569,49 @@ fn vibration() -> VibrationResult {
         },
         area: ensemble(2, 7.1e-6, 4e-4),
         ..VibrationResult::default()
+    }
+}
+
+fn statistic(target: f64, inside: bool) -> StatisticComparison {
+    StatisticComparison {
+        target: Some(target),
+        mean: Some(0.2),
+        std: Some(0.02),
+        band: Some([0.16, 0.24]),
+        inside: Some(inside),
+        defined: 10,
+    }
+}
+
+/// Returns a comparison of a scan with ten twins.
+pub(crate) fn comparison() -> Comparison {
+    let curve = |inside| CurveComparison { inside_share: Some(inside as f64 / 20.0), inside, points: 20 };
+    Comparison {
+        file: "scan.x3p".into(),
+        count: 10,
+        seed: 4,
+        points: [40, 30],
+        pitch_m: [1e-6; 2],
+        band_method: BandMethod::StudentT,
+        band_level: 0.95,
+        inside: 1,
+        compared: 2,
+        curves_inside: 36,
+        curves_compared: 40,
+        model: TwinModel {
+            generator: "spectral".into(),
+            boundary: "free".into(),
+            translation: Some("corrected".into()),
+            rms_height_m: 5.1e-7,
+            form_share: Some(0.03),
+            covariance: results().surface.and_then(|surface| surface.covariance),
+            marginal: law("beta", &[("a", 2.1)]),
+        },
+        target: scan(),
+        twins: vec![("Ssk".into(), statistic(0.2, true)), ("Sdq".into(), statistic(0.3, false))],
+        curves: vec![("acf_x".into(), curve(19)), ("acf_y".into(), curve(17))],
+        limits: vec!["Twins are stationary.".into()],
+        assumptions: vec!["The plane was removed.".into()],
+        warnings: vec!["1 of 2 statistics lies outside.".into()],
     }
 }

@@ -13,6 +13,7 @@ mod tests;
 
 use asperity_formats::Scan;
 use rayon::prelude::*;
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::law::Marginal;
@@ -22,9 +23,9 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::random;
 use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
-use crate::study::result::law_result;
+use crate::study::result::{BandMethod, Comparison, TwinModel, law_result};
 use crate::study::surface_stage::{covariance_result, measure, model_of};
-use crate::study::{StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
@@ -33,8 +34,6 @@ use crate::surface::{CovarianceSource, SurfaceGenerator};
 use band::{LEVEL, band_method};
 use comparison::{Target, TwinTraits, masked, outside_sentence, statistics_table};
 
-pub use band::BandMethod;
-pub use comparison::{Comparison, CurveComparison, StatisticComparison, TwinModel};
 pub use options::TwinOptions;
 
 /// Names of the random stages of the twins, and of the maps on which the share of the form is found.
@@ -46,6 +45,9 @@ const TRIALS: u64 = 8;
 const LARGE_FORM_SHARE: f64 = 0.25;
 /// Kurtosis from which a scan is suspected of spikes. That of heights whose logarithm is normal with σ = 0.9 is 20.
 const SPIKY: f64 = 20.0;
+
+/// Functions with their bands, and the statistics of every twin, by the name of the table.
+pub type TwinTables = Vec<(&'static str, Table)>;
 
 /// Why twins could not be compared; `E` is the caller's, who kept them.
 #[derive(Debug, Error)]
@@ -113,9 +115,9 @@ impl Twins {
             surface: generated.surface,
             gain: 1.0,
             model: TwinModel {
-                generator: section.generator,
-                boundary: options.boundary,
-                translation: chosen.is_some().then_some(section.translation),
+                generator: section.generator.to_string(),
+                boundary: options.boundary.to_string(),
+                translation: chosen.is_some().then(|| section.translation.to_string()),
                 rms_height_m: model.marginal.std(),
                 form_share: None,
                 covariance: chosen.as_ref().map(covariance_result),
@@ -274,7 +276,7 @@ impl Twins {
         count: usize,
         monitor: &dyn Monitor,
         keep: impl Fn(usize, &HeightMap) -> Result<(), E> + Sync,
-    ) -> Result<Comparison, TwinError<E>> {
+    ) -> Result<(Comparison, TwinTables), TwinError<E>> {
         let at_once = rayon::current_num_threads().max(1);
         let mut traits = Vec::with_capacity(count);
         let indices: Vec<usize> = (0..count).collect();
@@ -296,12 +298,12 @@ impl Twins {
         Ok(self.compared(&traits))
     }
 
-    fn compared(&self, traits: &[TwinTraits]) -> Comparison {
+    fn compared(&self, traits: &[TwinTraits]) -> (Comparison, TwinTables) {
         let twins = self.target.compare_statistics(traits);
         let mut tables = vec![("statistics", statistics_table(traits))];
         let mut curves = Vec::new();
         for (name, comparison, table) in self.target.compare_curves(traits) {
-            curves.push((name, comparison));
+            curves.push((name.to_owned(), comparison));
             tables.push((name, table));
         }
         let mut warnings = self.warnings.clone();
@@ -310,7 +312,7 @@ impl Twins {
         }
         warnings.extend(outside_sentence(&twins));
         let grid = self.grid();
-        Comparison {
+        let comparison = Comparison {
             file: self.file.clone(),
             count: traits.len(),
             seed: self.seed,
@@ -329,8 +331,8 @@ impl Twins {
             limits: self.limits.clone(),
             assumptions: self.assumptions.clone(),
             warnings,
-            tables,
-        }
+        };
+        (comparison, tables)
     }
 }
 

@@ -12,7 +12,7 @@ use asperity::quantity::Length;
 use asperity::study::Provenance;
 use asperity::study::file::SurfaceSection;
 use asperity::study::{
-    Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, Twins, json_bytes,
+    Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, TwinTables, Twins, json_bytes,
 };
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 use asperity::translation::TranslationKind;
@@ -205,16 +205,16 @@ impl Twin {
         twins.warnings().iter().skip(told).for_each(|warning| monitor.warn(warning));
 
         let staging = begin_folder("--out", &self.out, self.force, &[&self.file])?;
-        let comparison = twins.compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin)).map_err(
-            |e| match e {
-                TwinError::Study(e) => self.ended(&e),
-                TwinError::Keep(failure) => failure,
-            },
-        )?;
+        let (comparison, tables) = twins
+            .compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin))
+            .map_err(|e| match e {
+            TwinError::Study(e) => self.ended(&e),
+            TwinError::Keep(failure) => failure,
+        })?;
         comparison.warnings.iter().skip(twins.warnings().len()).for_each(|warning| monitor.warn(warning));
         provenance.seconds = monitor.seconds();
-        let report = page(&name, &twins, &comparison, &provenance)?;
-        self.write(&staging, &comparison, &report, &provenance)?;
+        let report = page(&name, &twins, &comparison, &tables, &provenance)?;
+        self.write(&staging, &comparison, &tables, &report, &provenance)?;
         monitor.check()?;
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         self.note_lost_pitch(&twins, monitor);
@@ -235,13 +235,14 @@ impl Twin {
         &self,
         staging: &Staging,
         comparison: &Comparison,
+        tables: &TwinTables,
         report: &Report,
         provenance: &Provenance,
     ) -> Result<(), Failure> {
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("comparison.json", &json_bytes(comparison).map_err(|e| store_failure(&e))?)?;
         write("provenance.json", &json_bytes(provenance).map_err(|e| store_failure(&e))?)?;
-        for (name, table) in &comparison.tables {
+        for (name, table) in tables {
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
         }
         for figure in &report.figures {
@@ -290,16 +291,21 @@ impl Twin {
 }
 
 /// The page of the comparison.
-fn page(name: &str, twins: &Twins, comparison: &Comparison, provenance: &Provenance) -> Result<Report, Failure> {
-    let failed = |e: serde_json::Error| Failure::new(Kind::Runtime, e.to_string());
-    let tables = comparison.tables.iter().map(|(name, table)| {
+fn page(
+    name: &str,
+    twins: &Twins,
+    comparison: &Comparison,
+    tables: &TwinTables,
+    provenance: &Provenance,
+) -> Result<Report, Failure> {
+    let tables = tables.iter().map(|(name, table)| {
         let columns = table.columns().to_vec();
         ((*name).to_owned(), Table { columns })
     });
     let shown = (0..comparison.count.min(2)).map(|index| field(&twins.draw(index as u64)));
     render_twins(&TwinRun {
         name: name.to_owned(),
-        comparison: serde_json::to_value(comparison).map_err(failed)?,
+        comparison: comparison.clone(),
         tables: tables.collect::<BTreeMap<_, _>>(),
         scan: Some(field(twins.scan())),
         twins: shown.collect(),
@@ -317,7 +323,7 @@ fn field(map: &HeightMap) -> Field {
 /// The statistics as lines: name, scan, mean of the twins, band, and a word where the scan lies outside.
 fn table(comparison: &Comparison) -> String {
     let value = |key: &str, value: Option<f64>| output::row(key, &value.into());
-    let line = |(key, found): &(&'static str, StatisticComparison)| {
+    let line = |(key, found): &(String, StatisticComparison)| {
         let (name, scan) = value(key, found.target);
         let band = found.band.map(|[low, high]| {
             let (low, high) = (value(key, Some(low)).1, value(key, Some(high)).1);

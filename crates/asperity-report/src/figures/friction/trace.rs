@@ -1,16 +1,20 @@
-//! The course of friction along the track, under the pressure that makes it.
+//! Friction along the track, below the pressure on the strip.
 
-use crate::axis::{Axis, range};
-use crate::canvas::{Pen, Rect, draw};
-use crate::chart::{Chart, Layout, Mark, figure};
-use crate::figures::{Plate, Stage, columns, csv};
+use super::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::pen;
-use crate::raster::{Kind, Raster};
+use crate::plot::{Align, Axis, Chart, Kind, Pen, Raster, Rect, WIDTH, pen, range};
 use crate::{ReportError, Run, Table};
 
-/// `mu_p5` is the level of the 5 % percentile, `mu_pressure_3e6_pa` and `mu_penetration_5e-7_m` those of a mean pressure and of a
-/// depth; other columns keep their name.
+const NAME: &str = "friction_trace";
+const TITLE: &str = "Pressure along the track and the friction coefficient of a sliding window";
+/// Size of the image of the strip in pixels.
+const STRIP_WIDTH: f64 = 460.0;
+const STRIP_HEIGHT: f64 = 96.0;
+/// Largest number of levels in the figure.
+const MAX_LEVELS: usize = 5;
+
+/// Returns the name of a level from its column: `mu_p5` is the 5 % percentile, `mu_pressure_3e6_pa` a mean pressure,
+/// `mu_penetration_5e-7_m` a depth.
 fn level_name(column: &str) -> String {
     let name = column.strip_prefix("mu_").unwrap_or(column);
     let stated = |prefix: &str, unit: &str| name.strip_prefix(prefix)?.strip_suffix(unit)?.parse::<f64>().ok();
@@ -27,54 +31,21 @@ fn level_name(column: &str) -> String {
     }
 }
 
-pub(super) fn trace(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    const NAME: &str = "friction_trace";
+pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> {
     let strip = run.fields.get("pressure_strip").map(|field| Raster::new(field, Kind::Pressure)).transpose()?.flatten();
     let chart = run.tables.get(NAME).and_then(|table| trace_chart(table, strip.as_ref()));
-    if strip.is_none() && chart.is_none() {
-        return Ok(());
-    }
-    let title = "Pressure along the track and the friction coefficient of a sliding window";
-    let mut sources = Vec::new();
-    let mut caption = String::new();
-    let mut stretch = None;
-    if let Some(raster) = &strip {
-        let ratio = (STRIP_HEIGHT / STRIP_WIDTH) / raster.aspect();
-        stretch = Some(ratio);
-        caption = format!(
-            "Top: pressure on the strip at the operating point (y stretched {} times; white: no contact).",
-            significant(ratio, 2)
-        );
-        sources.push("fields/pressure_strip".to_owned());
-    }
-    if chart.is_some() {
-        let place = if strip.is_some() { " Below: " } else { "" };
-        caption = format!(
-            "{caption}{place}μ = F/N of the window centred at each position, by percentile of heights above the plane; five \
-             levels at most."
-        );
-        sources.push(csv(NAME));
-    }
-    let svg = match (strip, chart) {
-        (None, Some(chart)) => figure(title, &caption, Layout::Column, &[(330.0, chart)])?,
-        (Some(raster), chart) => strip_figure(title, &caption, &raster, stretch, chart)?,
-        (None, None) => return Ok(()),
-    };
-    plates.push(Plate { name: NAME, stage: Stage::Quotient, title: title.into(), caption, sources, svg });
-    Ok(())
+    let trace = "μ = F/N of the window centred at each position, by percentile of heights above the plane; at most five levels.";
+    Ok(match (&strip, chart) {
+        (Some(strip), chart) => Some(with_strip(strip, chart, trace)),
+        (None, chart) => CaptionedFigure::from_charts(NAME, TITLE, trace, 1, chart.as_slice(), &[NAME]),
+    })
 }
 
-const STRIP_WIDTH: f64 = 460.0;
-const STRIP_HEIGHT: f64 = 96.0;
-
-/// At most this many levels are drawn.
-const MOST_LEVELS: usize = 5;
-
-/// Columns of friction, those in between left out where there are many.
+/// Selects at most [`MAX_LEVELS`] columns of friction, evenly over all.
 fn levels(table: &Table) -> Vec<(&str, &[f64])> {
     let named = table.columns.iter().filter(|(name, _)| name.starts_with("mu"));
     let all: Vec<(&str, &[f64])> = named.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?))).collect();
-    let shown = all.len().min(MOST_LEVELS);
+    let shown = all.len().min(MAX_LEVELS);
     (0..shown).map(|place| all[place * (all.len() - 1) / (shown - 1).max(1)]).collect()
 }
 
@@ -86,7 +57,7 @@ fn trace_chart(table: &Table, strip: Option<&Raster>) -> Option<Chart> {
     let mut position = position.to_vec();
     let (mut first, mut last) = range(&position)?;
     if let Some(width_m) = strip.map(Raster::width_m) {
-        // Windows that lie across the end of a periodic strip stand at its beginning.
+        // Windows across the end of a periodic strip are drawn at its beginning.
         position.iter_mut().filter(|at| **at > width_m).for_each(|at| *at -= width_m);
         order.sort_by(|&a, &b| position[a].total_cmp(&position[b]));
         (first, last) = (first.min(0.0), width_m);
@@ -95,41 +66,33 @@ fn trace_chart(table: &Table, strip: Option<&Raster>) -> Option<Chart> {
     let mut chart = Chart::new(x, Axis::padded("Friction coefficient μ", Unit::none(), y, 0.06));
     let ordered = |values: &[f64]| order.iter().map(|&row| values[row]).collect::<Vec<f64>>();
     for (index, (name, values)) in levels.iter().enumerate() {
-        let pen = Pen { width: 1.5, ..pen(index) };
-        chart.add_named(level_name(name), Mark::Line { x: ordered(&position), y: ordered(values), pen });
+        chart.line(level_name(name), &ordered(&position), &ordered(values), Pen { width: 1.5, ..pen(index) });
     }
     Some(chart)
 }
 
-/// The strip above the chart, on the same positions.
-fn strip_figure(
-    title: &str,
-    caption: &str,
-    raster: &Raster,
-    stretch: Option<f64>,
-    chart: Option<Chart>,
-) -> Result<String, ReportError> {
-    let below = if chart.is_some() { 320.0 } else { 50.0 };
+/// Draws the strip above the chart, aligned with its positions.
+fn with_strip(strip: &Raster, chart: Option<Chart>, trace: &str) -> CaptionedFigure {
+    let stretch = significant(STRIP_HEIGHT / STRIP_WIDTH / strip.aspect(), 2);
+    let below = chart.as_ref().map_or(String::new(), |_| format!(" Below: {trace}"));
+    let caption = format!(
+        "Top: pressure on the strip at the operating point (y stretched {stretch} times; white: no contact).{below}"
+    );
+    let room = if chart.is_some() { 320.0 } else { 50.0 };
     let plot = Rect::new(72.0, 30.0, STRIP_WIDTH, STRIP_HEIGHT);
-    let alone = chart.is_none();
-    draw((640.0, plot.bottom + below), title, caption, |canvas| {
-        raster.legend(canvas, (plot.left, 14.0))?;
-        if let Some(ratio) = stretch {
-            let note = format!("y stretched {} ×", significant(ratio, 2));
-            canvas.text((plot.right, 14.0), &note, 12.0, crate::canvas::Align::End)?;
+    let drawn = CaptionedFigure::from_drawing(NAME, TITLE, caption, (WIDTH, plot.bottom + room), |canvas| {
+        strip.draw_legend(canvas, (plot.left, 14.0));
+        canvas.text((plot.right, 14.0), &format!("y stretched {stretch} ×"), 12.0, Align::End);
+        strip.draw(canvas, plot, chart.is_none(), true);
+        strip.draw_colour_bar(canvas, Rect::new(plot.right + 16.0, plot.top, 14.0, plot.height()));
+        if let Some(chart) = &chart {
+            // The margins of the chart align its frame with the strip.
+            let outer =
+                Rect { left: 0.0, top: plot.bottom + 8.0, right: plot.right + 20.0, bottom: plot.bottom + room };
+            chart.draw_with_legend(canvas, outer, STRIP_WIDTH + 20.0);
         }
-        raster.draw(canvas, plot, alone)?;
-        raster.colour_bar(canvas, Rect::new(plot.right + 16.0, plot.top, 14.0, plot.height()))?;
-        match chart {
-            // The chart's own margins put its frame below the strip's.
-            Some(chart) => {
-                let outer =
-                    Rect { left: 0.0, top: plot.bottom + 8.0, right: plot.right + 20.0, bottom: plot.bottom + below };
-                chart.draw_with_legend(canvas, outer)
-            }
-            None => Ok(()),
-        }
-    })
+    });
+    drawn.with_fields(&["pressure_strip"]).with_tables(if chart.is_some() { &[NAME] } else { &[] })
 }
 
 #[cfg(test)]
@@ -151,21 +114,21 @@ mod tests {
     }
 
     #[test]
-    fn windows_across_the_end_of_a_periodic_strip_stand_at_its_beginning() {
+    fn windows_across_the_end_of_a_periodic_strip_are_drawn_at_its_beginning() {
         let field = Field { nx: 4, ny: 1, dx_m: 1e-3, dy_m: 1e-3, values: vec![1.0; 4] };
         let strip = Raster::new(&field, Kind::Pressure).unwrap().unwrap();
         let table = Table {
             columns: vec![row("position_m", &[1.5e-3, 2.5e-3, 3.5e-3, 4.5e-3]), row("mu", &[1.0, 2.0, 3.0, 4.0])],
         };
         let chart = trace_chart(&table, Some(&strip)).unwrap();
-        let Mark::Line { x, y, .. } = &chart.series[0].mark else { panic!("a curve") };
+        let crate::plot::Mark::Line { x, y, .. } = &chart.series[0].mark else { panic!("a curve") };
         assert!(x.iter().zip([0.5e-3, 1.5e-3, 2.5e-3, 3.5e-3]).all(|(x, wanted)| (x - wanted).abs() < 1e-12), "{x:?}");
         assert_eq!(*y, [4.0, 1.0, 2.0, 3.0]);
         assert_eq!(chart.x.ends(), (0.0, 4e-3));
     }
 
     #[test]
-    fn of_many_levels_the_first_the_last_and_some_between_are_drawn() {
+    fn the_first_the_last_and_some_levels_between_are_drawn() {
         let table = |count: usize| Table { columns: (0..count).map(|i| row(&format!("mu_p{i}"), &[0.2])).collect() };
         let named = |count| levels(&table(count)).into_iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
         assert_eq!(named(8), ["mu_p0", "mu_p1", "mu_p3", "mu_p5", "mu_p7"]);

@@ -1,52 +1,43 @@
-//! What attracts the motion over a parameter that rises, and then falls.
-
-use std::collections::BTreeMap;
+//! Attractors of the motion over a parameter that rises, and then falls.
 
 use serde_json::Value;
 
-use super::{ATTRACTORS, Words, columns, in_words};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Layout, Mark, stacked};
+use super::{ATTRACTORS, CaptionedFigure, Tables, axis_label, columns};
+use crate::Table;
 use crate::format::{Unit, significant};
-use crate::palette::{BLACK, GREY};
-use crate::{Figure, ReportError, Table};
+use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
 
-/// Ways through the parameter: their table and name, and width and opacity of their lines. The upward way is a broad pale
-/// line under the thin one downwards, so that both are seen where they agree.
-const WAYS: [(&str, &str, f64, f64); 2] =
+/// Directions of the parameter: table and name, and width and opacity of the lines. A broad pale line upwards lies under a thin
+/// line downwards, so that both are visible where they agree.
+const DIRECTIONS: [(&str, &str, f64, f64); 2] =
     [("bifurcation_up", "upwards", 6.0, 0.38), ("bifurcation_down", "downwards", 1.6, 1.0)];
 
-const WORDS: Words = Words {
-    name: "bifurcation",
-    title: "Attractors over a parameter",
-    description: "Least and largest velocity and displacement of the motion that a slowly rising (broad) and a slowly falling (thin) \
-                  parameter leads through. Where the two differ, more than one attractor exists.",
-};
-
-pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
-    let Some(parameter) = answer["parameter"].as_str() else { return Ok(None) };
-    let ways: Vec<&Table> = WAYS.iter().filter_map(|way| tables.get(way.0)).collect();
-    let Some(ends) = range(ways.iter().filter_map(|table| table.column(parameter)).flatten()) else { return Ok(None) };
+pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
+    let parameter = answer["parameter"].as_str()?;
+    let found: Vec<&Table> = DIRECTIONS.iter().filter_map(|direction| tables.get(direction.0)).collect();
+    let ends = range(found.iter().filter_map(|table| table.column(parameter)).flatten())?;
     let charts = [("Velocity dX/dτ", "velocity"), ("Displacement X", "displacement")];
     let charts = charts.into_iter().filter_map(|(label, quantity)| {
         let names = [format!("{quantity}_min"), format!("{quantity}_max")];
-        let values = ways.iter().flat_map(|table| names.iter().filter_map(|name| table.column(name))).flatten();
-        let x = Axis::padded(&in_words(parameter), Unit::none(), ends, 0.02);
+        let values = found.iter().flat_map(|table| names.iter().filter_map(|name| table.column(name))).flatten();
+        let x = Axis::padded(&axis_label(parameter), Unit::none(), ends, 0.02);
         let mut chart = Chart::new(x, Axis::padded(label, Unit::none(), range(values)?, 0.08));
-        marks(&mut chart, tables, parameter);
-        turns(&mut chart, tables, parameter, quantity);
-        curves(&mut chart, tables, parameter, &names);
+        draw_marks(&mut chart, tables, parameter);
+        draw_turns(&mut chart, tables, parameter, quantity);
+        draw_curves(&mut chart, tables, parameter, &names);
         Some(chart)
     });
-    WORDS.figure(Layout::Column, &stacked(charts.collect(), 240.0))
+    let caption = "Least and largest velocity and displacement of the motion as a parameter slowly rises (broad) and slowly falls \
+                   (thin). Where the two differ, more than one attractor exists.";
+    let charts = stacked(charts.collect(), 240.0);
+    CaptionedFigure::from_charts("bifurcation", "Attractors over a parameter", caption, 1, &charts, &[])
 }
 
-/// Curves in the colour of the attractor, with a dot at each value of the parameter.
-fn curves(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, names: &[String; 2]) {
+/// Draws curves in the colour of the attractor, with a dot at each point without neighbours.
+fn draw_curves(chart: &mut Chart, tables: &Tables, parameter: &str, names: &[String; 2]) {
     for (kind, name, colour) in ATTRACTORS {
         let mut named = false;
-        for (table, _, width, opacity) in WAYS {
+        for (table, _, width, opacity) in DIRECTIONS {
             let Some([x, attractor]) = tables.get(table).and_then(|t| columns(t, [parameter, "attractor"])) else {
                 continue;
             };
@@ -57,65 +48,54 @@ fn curves(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, 
                 let y: Vec<f64> =
                     column.iter().zip(attractor).map(|(y, found)| if *found == kind { *y } else { f64::NAN }).collect();
                 let pen = Pen { opacity, ..Pen::new(colour, width, Dash::Solid) };
-                let legend = (!named && width < 2.0).then_some(name);
-                named |= legend.is_some();
-                chart.add(None, lone(x, &y, 0.5 * width + 0.5, pen));
-                chart.add(legend, Mark::Line { x: x.to_vec(), y, pen });
+                let legend = !named && width < 2.0;
+                named |= legend;
+                chart.add("", isolated_points(x, &y, pen));
+                chart.line(if legend { name } else { "" }, x, &y, pen);
             }
         }
-        if !named && seen(tables, kind) {
+        let attractor = |direction: &(&str, &str, f64, f64)| tables.get(direction.0)?.column("attractor");
+        if !named && DIRECTIONS.iter().filter_map(attractor).flatten().any(|found| *found == kind) {
             chart.add(name, Mark::Patch { colour });
         }
     }
-    for (_, name, width, opacity) in WAYS.iter().filter(|way| tables.contains_key(way.0)) {
-        // For the legend alone: both ways have the colours of the attractors.
-        let pen = Pen { opacity: opacity.max(0.5), ..Pen::new(GREY, *width, Dash::Solid) };
-        chart.add(*name, Mark::Line { x: Vec::new(), y: Vec::new(), pen });
+    for (_, name, width, opacity) in DIRECTIONS.iter().filter(|direction| tables.contains_key(direction.0)) {
+        // In the legend alone: both directions have the colours of the attractors.
+        chart.line(*name, &[], &[], Pen { opacity: opacity.max(0.5), ..Pen::new(GREY, *width, Dash::Solid) });
     }
 }
 
-/// Points without a neighbour, which no line shows.
-fn lone(x: &[f64], y: &[f64], radius: f64, pen: Pen) -> Mark {
+/// Returns the points without a neighbour, which are not visible as lines.
+fn isolated_points(x: &[f64], y: &[f64], pen: Pen) -> Mark {
     let defined = |i: Option<usize>| i.and_then(|i| y.get(i)).is_some_and(|y| y.is_finite());
     let alone = |i: usize| !defined(i.checked_sub(1)) && !defined(i.checked_add(1));
     let y = (0..y.len()).map(|i| if alone(i) { y[i] } else { f64::NAN }).collect();
-    Mark::Dots { x: x.to_vec(), y, radius, colour: pen.colour, opacity: pen.opacity }
+    Mark::Dots { x: x.to_vec(), y, radius: 0.5 * pen.width + 0.5, colour: pen.colour, opacity: pen.opacity }
 }
 
-fn seen(tables: &BTreeMap<String, Table>, kind: f64) -> bool {
-    let attractor = |way: &(&str, &str, f64, f64)| tables.get(way.0)?.column("attractor");
-    WAYS.iter().filter_map(attractor).flatten().any(|found| *found == kind)
-}
-
-/// Every turn of a motion that has several in its period, or does not repeat itself.
-fn turns(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, quantity: &str) {
+/// Draws every turn of a motion that has several in its period or is not periodic.
+fn draw_turns(chart: &mut Chart, tables: &Tables, parameter: &str, quantity: &str) {
     let column = if quantity == "velocity" { "velocity_min" } else { "reattachment_displacement" };
-    let Some([x, y]) = tables.get("bifurcation_turnovers").and_then(|t| columns(t, [parameter, column])) else {
-        return;
-    };
-    // One name, and so one entry, in both charts.
-    let name = "each turn: least velocity, re-attachment";
-    let (x, y) = (x.to_vec(), y.to_vec());
-    chart.add(name, Mark::Dots { x, y, radius: 1.0, colour: BLACK, opacity: 0.3 });
+    if let Some([x, y]) = tables.get("bifurcation_turnovers").and_then(|t| columns(t, [parameter, column])) {
+        let (x, y) = (x.to_vec(), y.to_vec());
+        // Both charts share one entry of the legend.
+        let name = "each turn: least velocity, re-attachment";
+        chart.add(name, Mark::Dots { x, y, radius: 1.0, colour: BLACK, opacity: 0.3 });
+    }
 }
 
-/// Where the structure changes, with the values.
-fn marks(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str) {
-    let Some(table) = tables.get("bifurcation_marks") else { return };
+/// Draws the values of the parameter at which the attractors change.
+fn draw_marks(chart: &mut Chart, tables: &Tables, parameter: &str) {
     let kinds = [
-        ("hopf", "Hopf point", Pen::new(BLACK, 1.6, Dash::Dotted)),
-        ("fold", "cycle ends", Pen::new(BLACK, 1.6, Dash::Alternating)),
-        ("locked_fold", "locked cycle ends", Pen::new(BLACK, 1.6, Dash::Dashed)),
+        ("hopf", "Hopf point", "ζ_H", Dash::Dotted),
+        ("fold", "cycle ends", "ζ_c", Dash::Alternating),
+        ("locked_fold", "locked cycle ends", "ζ", Dash::Dashed),
     ];
-    for (column, name, pen) in kinds {
-        for value in table.column(column).unwrap_or_default().iter().filter(|value| value.is_finite()) {
-            let symbol = match (parameter, column) {
-                ("damping_ratio", "hopf") => ", ζ_H = ",
-                ("damping_ratio", "fold") => ", ζ_c = ",
-                ("damping_ratio", _) => ", ζ = ",
-                _ => " at ",
-            };
-            chart.add_named(format!("{name}{symbol}{}", significant(*value, 5)), Mark::Vertical { x: *value, pen });
+    for (column, name, symbol, dash) in kinds {
+        let values = tables.get("bifurcation_marks").and_then(|table| table.column(column)).unwrap_or_default();
+        for value in values.iter().filter(|value| value.is_finite()) {
+            let at = if parameter == "damping_ratio" { format!(", {symbol} = ") } else { " at ".into() };
+            chart.vertical(format!("{name}{at}{}", significant(*value, 5)), *value, Pen::new(BLACK, 1.6, dash));
         }
     }
 }

@@ -1,53 +1,43 @@
 //! The power spectrum of the velocity.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use serde_json::Value;
 
-use super::{Words, columns};
-use crate::axis::{Axis, range};
-use crate::canvas::{Dash, Pen};
-use crate::chart::{Chart, Layout, Mark};
+use super::{CaptionedFigure, Tables, columns};
+use crate::figures::positive;
 use crate::format::{Unit, fixed, show_range, significant};
-use crate::palette::{BLUE, VERMILION};
-use crate::{Figure, ReportError, Table};
+use crate::plot::{Axis, BLUE, Chart, Dash, Pen, VERMILION, range};
 
-pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
-    let Some(table) = tables.get("sound_spectrum") else { return Ok(None) };
-    let Some([frequency, density]) = columns(table, ["frequency", "density"]) else { return Ok(None) };
+pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
+    let table = tables.get("sound_spectrum")?;
+    let [frequency, density] = columns(table, ["frequency", "density"])?;
     let band = columns(table, ["density_low", "density_high"]);
-    let positive = |values: &&f64| **values > 0.0;
-    let values = density.iter().chain(band.into_iter().flatten().flatten()).filter(positive);
-    let (Some(x), Some(y)) = (range(frequency.iter().filter(positive)), range(values)) else { return Ok(None) };
+    let values = positive(density).chain(band.into_iter().flatten().flat_map(positive));
+    let (x, y) = (range(positive(frequency))?, range(values)?);
     let x = Axis::logarithmic("Frequency ω/ω₀", Unit::none(), (x.0 / 1.1, x.1 * 1.1));
     let y = Axis::logarithmic("Power spectral density of dX/dτ", Unit::none(), (y.0 / 2.0, y.1 * 2.0));
-    let mut chart = Chart::new(x, y);
+    let mut chart = Chart::new(x, y).with_height(380.0);
     if let Some([low, high]) = band {
-        // A limit at zero has no place on the axis; the band ends there with it.
+        // A limit at zero has no place on the axis; the band ends with the axis.
         let (low_end, _) = chart.y.ends();
-        let low = low.iter().map(|v| if *v > 0.0 { *v } else { low_end }).collect();
-        chart.add("95 % band", Mark::Band { x: frequency.to_vec(), low, high: high.to_vec(), colour: BLUE });
+        let low: Vec<f64> = low.iter().map(|v| if *v > 0.0 { *v } else { low_end }).collect();
+        chart.band("95 % band", frequency, [&low, high], BLUE);
     }
-    let pen = Pen::new(BLUE, 2.0, Dash::Solid);
-    chart.add("velocity of the mass", Mark::Line { x: frequency.to_vec(), y: density.to_vec(), pen });
+    chart.line("velocity of the mass", frequency, density, Pen::new(BLUE, 2.0, Dash::Solid));
     if let Some(period) = answer["cycle_period"].as_f64().filter(|period| *period > 0.0) {
         let name = format!("limit cycle, ω/ω₀ = {}", significant(TAU / period, 5));
-        chart.add_named(name, Mark::Vertical { x: TAU / period, pen: Pen::new(VERMILION, 1.8, Dash::Dashed) });
+        chart.vertical(name, TAU / period, Pen::new(VERMILION, 1.8, Dash::Dashed));
     }
     if let Some(level) = level(answer) {
-        chart = chart.titled(&level);
+        chart = chart.with_title(&level);
     }
-    let words = Words {
-        name: "sound_spectrum",
-        title: "Spectrum of the velocity",
-        description: "One-sided power spectral density of the velocity dX/dτ over the frequency in natural frequencies; its integral is \
-                      the variance.",
-    };
-    words.figure(Layout::Column, &[(380.0, chart)])
+    let caption = "One-sided power spectral density of the velocity dX/dτ over the frequency relative to the natural frequency; its \
+                   integral is the variance.";
+    CaptionedFigure::from_charts("sound_spectrum", "Spectrum of the velocity", caption, 1, &[chart], &[])
 }
 
-/// The level in a sentence.
+/// Returns the level in a sentence.
 fn level(answer: &Value) -> Option<String> {
     let level = answer["level_db"].as_f64()?;
     let interval = answer["level_db_interval"][0].as_f64().zip(answer["level_db_interval"][1].as_f64());

@@ -1,9 +1,8 @@
 //! In which the statistic of a further twin lies.
 
-use serde::Serialize;
-
 use crate::law::Marginal;
 use crate::stats::{Interval, Moments, sorted_present};
+use crate::study::result::BandMethod;
 
 /// Probability of a band.
 pub(super) const LEVEL: f64 = 0.95;
@@ -14,19 +13,6 @@ pub(super) const CHANCE_OUTSIDE: f64 = 2.0 * TAIL;
 /// From so many twins on bands end at order statistics: the lowest and the highest of 39 hold another one with
 /// probability 38/40.
 const ENOUGH_FOR_QUANTILES: usize = 39;
-
-/// How the ends of a band were found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BandMethod {
-    /// A single twin does not spread.
-    None,
-    /// Student's prediction interval, m ± t₀.₉₇₅ s √(1 + 1/n), exact for normal values; of the logarithm of what is positive
-    /// and of the log-odds of shares, so that no band leaves the range of its statistic.
-    StudentT,
-    /// The order statistics at (n + 1)·2.5 % and (n + 1)·97.5 %: whatever the law of the statistic.
-    Quantiles,
-}
 
 /// How bands of so many twins are found.
 pub(super) fn band_method(count: usize) -> BandMethod {

@@ -1,18 +1,13 @@
 //! A scan against its twins, statistic by statistic.
 
-use serde::{Serialize, Serializer};
-
-use crate::map::BoundaryKind;
 use crate::map::HeightMap;
 use crate::study::measured::{MapStatistics, Measured};
-use crate::study::result::{CovarianceResult, LawResult, Pair, SurfaceStatistics, finite, pair};
+use crate::study::result::{CurveComparison, StatisticComparison, SurfaceStatistics, finite, pair};
 use crate::study::{StudyError, Table, sentence};
-use crate::surface::SurfaceGenerator;
 use crate::surface::preparation::Prepared;
-use crate::translation::TranslationKind;
 
 use super::band::Scale::{Above, Linear, Share};
-use super::band::{BandMethod, CHANCE_OUTSIDE, Scale, Spread};
+use super::band::{CHANCE_OUTSIDE, Scale, Spread};
 use super::curve::Curve;
 
 type Reading = fn(&SurfaceStatistics) -> Option<f64>;
@@ -48,116 +43,6 @@ const STATISTICS: [(&str, Scale, Reading); 24] = [
     ("Vvv_m", POSITIVE, |s| Some(s.Vvv_m)),
 ];
 
-/// What the twins are made from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TwinModel {
-    /// The generator.
-    pub generator: SurfaceGenerator,
-    /// What lies beyond the edge of a twin.
-    pub boundary: BoundaryKind,
-    /// How the marginal law is imposed; a Weierstrass–Mandelbrot surface has its own.
-    pub translation: Option<TranslationKind>,
-    /// Standard deviation of the heights before a form is removed.
-    pub rms_height_m: f64,
-    /// Share of the twins' variance that goes with the form removed, where it was made up for.
-    pub form_share: Option<f64>,
-    /// Covariance, if the twins are made from one.
-    pub covariance: Option<CovarianceResult>,
-    /// Marginal law, before a form is removed.
-    pub marginal: LawResult,
-}
-
-/// One statistic of the scan beside that of its twins. `None` is undefined.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct StatisticComparison {
-    /// The scan's.
-    pub target: Option<f64>,
-    /// Mean over the twins.
-    pub mean: Option<f64>,
-    /// Standard deviation over the twins, divisor n − 1.
-    pub std: Option<f64>,
-    /// In which the statistic of a further twin lies with probability 95 %.
-    pub band: Option<Pair>,
-    /// Whether the scan's lies there.
-    pub inside: Option<bool>,
-    /// Twins in which the statistic is defined.
-    pub defined: usize,
-}
-
-/// A function of the scan beside that of its twins.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CurveComparison {
-    /// Share of the abscissas at which the scan lies in the pointwise band.
-    pub inside_share: Option<f64>,
-    /// Their number.
-    pub inside: usize,
-    /// Abscissas compared.
-    pub points: usize,
-}
-
-/// A scan beside its twins: the content of `comparison.json`, and the tables behind the figures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// The scan's file.
-    pub file: String,
-    /// Number of twins.
-    pub count: usize,
-    /// Seed of every draw.
-    pub seed: u64,
-    /// Points of a twin along x and y.
-    pub points: [usize; 2],
-    /// Pitch of a twin along x and y in metre.
-    pub pitch_m: Pair,
-    /// How the bands were found.
-    pub band_method: BandMethod,
-    /// Probability of a band.
-    pub band_level: f64,
-    /// Statistics of the scan that lie in their band.
-    pub inside: usize,
-    /// Statistics that are defined on the scan and have a band.
-    pub compared: usize,
-    /// Abscissas of all functions at which the scan lies in the pointwise band. Neighbours go together in density and
-    /// autocorrelation, so that their share scatters far more about 95 % than that of as many independent values would.
-    pub curves_inside: usize,
-    /// Abscissas of all functions at which scan and twins are compared.
-    pub curves_compared: usize,
-    /// What the twins are made from.
-    pub model: TwinModel,
-    /// Statistics of the scan.
-    pub target: SurfaceStatistics,
-    /// Every statistic by name, in the order of the table.
-    #[serde(serialize_with = "by_name")]
-    pub twins: Vec<(&'static str, StatisticComparison)>,
-    /// Every function by the name of its table.
-    #[serde(serialize_with = "by_name")]
-    pub curves: Vec<(&'static str, CurveComparison)>,
-    /// What such twins cannot be, in sentences.
-    pub limits: Vec<String>,
-    /// What was assumed, in sentences.
-    pub assumptions: Vec<String>,
-    /// What to be wary of, in sentences.
-    pub warnings: Vec<String>,
-    /// Functions with their bands, and the statistics of every twin.
-    #[serde(skip)]
-    pub tables: Vec<(&'static str, Table)>,
-}
-
-fn by_name<S: Serializer, T: Serialize>(entries: &[(&'static str, T)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(entries.iter().map(|(name, value)| (name, value)))
-}
-
-impl Comparison {
-    /// Share of the abscissas of all functions at which the scan lies in the pointwise band.
-    pub fn curves_inside_share(&self) -> Option<f64> {
-        finite(self.curves_inside as f64 / self.curves_compared as f64)
-    }
-
-    /// Names of the statistics of the scan that lie outside of their band.
-    pub fn outside(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.twins.iter().filter(|(_, statistic)| statistic.inside == Some(false)).map(|(name, _)| *name)
-    }
-}
-
 /// What is known of the scan before its twins are drawn.
 pub(super) struct Target {
     pub(super) statistics: MapStatistics,
@@ -186,7 +71,7 @@ impl Target {
     }
 
     /// Every statistic of the scan beside those of its twins.
-    pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(&'static str, StatisticComparison)> {
+    pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(String, StatisticComparison)> {
         let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
             let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
             let target = read(&self.statistics.results).and_then(finite);
@@ -199,7 +84,7 @@ impl Target {
                 inside,
                 defined: spread.defined,
             };
-            (*name, comparison)
+            ((*name).to_owned(), comparison)
         });
         entries.collect()
     }
@@ -249,13 +134,13 @@ pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
 }
 
 /// A sentence on what lies outside; none where nothing does.
-pub(super) fn outside_sentence(twins: &[(&'static str, StatisticComparison)]) -> Option<String> {
+pub(super) fn outside_sentence(twins: &[(String, StatisticComparison)]) -> Option<String> {
     let compared = twins.iter().filter(|(_, statistic)| statistic.inside.is_some()).count();
     let outside: Vec<String> = twins
         .iter()
         .filter(|(_, statistic)| statistic.inside == Some(false))
         .map(|(name, statistic)| {
-            let (label, is_length) = name.strip_suffix("_m").map_or((*name, false), |label| (label, true));
+            let (label, is_length) = name.strip_suffix("_m").map_or((name.as_str(), false), |label| (label, true));
             let shown = |value: f64| if is_length { sentence::si(value, "m") } else { sentence::digits(value) };
             let [low, high] = statistic.band.unwrap_or([f64::NAN; 2]).map(shown);
             let target = shown(statistic.target.unwrap_or(f64::NAN));
@@ -295,7 +180,7 @@ mod tests {
             inside,
             defined: 8,
         };
-        let mut all: Vec<_> = ["Sq_m", "Sdq", "Str"].map(|name| (name, statistic(Some(true)))).into();
+        let mut all: Vec<_> = ["Sq_m", "Sdq", "Str"].map(|name| (name.to_owned(), statistic(Some(true)))).into();
         assert_eq!(outside_sentence(&all), None);
         (all[0].1, all[1].1) = (statistic(Some(false)), statistic(Some(false)));
         assert_eq!(

@@ -9,6 +9,7 @@ use crate::correlation::{Autocorrelation, CorrelationModel, Covariance, Rotated}
 use crate::law::Marginal;
 use crate::monitor::Silent;
 use crate::quantity::Length;
+use crate::study::result::StatisticComparison;
 use crate::surface::CovarianceSource;
 use crate::surface::{Predistorted, SpectralField, Translated};
 use crate::translation::TranslationKind;
@@ -51,11 +52,15 @@ fn plain(seed: u64) -> TwinOptions {
 }
 
 fn compare(twins: &Twins, count: usize) -> Comparison {
+    compare_with_tables(twins, count).0
+}
+
+fn compare_with_tables(twins: &Twins, count: usize) -> (Comparison, TwinTables) {
     twins.compare(count, &Silent, |_, _| Ok::<(), StudyError>(())).unwrap()
 }
 
 fn statistic(comparison: &Comparison, name: &str) -> StatisticComparison {
-    comparison.twins.iter().find(|(own, _)| *own == name).unwrap().1
+    comparison.twins.iter().find(|(own, _)| own == name).unwrap().1
 }
 
 /// Mean and standard error.
@@ -149,8 +154,9 @@ fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlatio
     for index in 0..24 {
         let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (64, 64), 100 + index);
         let options = TwinOptions { families: vec![CorrelationFamily::SquaredExponential], ..plain(index) };
-        let comparison = compare(&Twins::like(scan_of(heights), "map", &options).unwrap(), 8);
-        let table = &comparison.tables[0].1;
+        let twins = Twins::like(scan_of(heights), "map", &options).unwrap();
+        let (comparison, tables) = compare_with_tables(&twins, 8);
+        let table = &tables[0].1;
         let target = statistic(&comparison, "Sq_m").target.unwrap();
         let mean_square = table.column("Sq_m").unwrap().iter().map(|sq| sq * sq).sum::<f64>() / 8.0;
         squares.push(mean_square / (target * target));
@@ -181,13 +187,14 @@ fn a_twin_is_a_function_of_seed_and_number() {
     // Neither the number of twins nor that of threads changes one.
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let crowd = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-    let (few, many) = (alone.install(|| compare(&one, 4)), crowd.install(|| compare(&same, 7)));
-    let bytes = |comparison: &Comparison| {
-        let tables = comparison.tables.iter().map(|(_, table)| table.to_csv().unwrap()).collect::<Vec<_>>();
+    let few = alone.install(|| compare_with_tables(&one, 4));
+    let many = crowd.install(|| compare_with_tables(&same, 7));
+    let bytes = |(comparison, tables): &(Comparison, TwinTables)| {
+        let tables = tables.iter().map(|(_, table)| table.to_csv().unwrap()).collect::<Vec<_>>();
         (serde_json::to_string(comparison).unwrap(), tables)
     };
-    assert_eq!(bytes(&many), bytes(&alone.install(|| compare(&one, 7))));
-    for ((name, few), (_, many)) in few.tables[0].1.columns().iter().zip(many.tables[0].1.columns()) {
+    assert_eq!(bytes(&many), bytes(&alone.install(|| compare_with_tables(&one, 7))));
+    for ((name, few), (_, many)) in few.1[0].1.columns().iter().zip(many.1[0].1.columns()) {
         assert!(few.iter().zip(many).all(|(a, b)| a.to_bits() == b.to_bits()), "{name}");
     }
     let kept = std::sync::Mutex::new(Vec::new());

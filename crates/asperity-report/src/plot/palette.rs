@@ -1,23 +1,21 @@
-//! Colours that survive colour blindness and grey printing.
+//! Colours that remain distinct to colour-blind readers and in grey prints.
 
-use plotters::prelude::RGBColor;
+use crate::plot::canvas::{Colour, Dash, Pen, WHITE};
 
-use crate::canvas::{Dash, Pen};
+pub(crate) const BLUE: Colour = Colour(0, 114, 178);
+pub(crate) const VERMILION: Colour = Colour(213, 94, 0);
+pub(crate) const GREEN: Colour = Colour(0, 130, 95);
+pub(crate) const PURPLE: Colour = Colour(170, 68, 140);
+pub(crate) const SKY: Colour = Colour(86, 180, 233);
+pub(crate) const ORANGE: Colour = Colour(230, 159, 0);
+pub(crate) const PLUM: Colour = Colour(84, 24, 110);
+pub(crate) const OLIVE: Colour = Colour(128, 128, 0);
+pub(crate) const GREY: Colour = Colour(150, 150, 150);
+pub(crate) const BLACK: Colour = Colour(20, 20, 20);
 
-pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
-pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
-pub(crate) const GREEN: RGBColor = RGBColor(0, 130, 95);
-pub(crate) const PURPLE: RGBColor = RGBColor(170, 68, 140);
-pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
-pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
-pub(crate) const PLUM: RGBColor = RGBColor(84, 24, 110);
-pub(crate) const OLIVE: RGBColor = RGBColor(128, 128, 0);
-pub(crate) const GREY: RGBColor = RGBColor(150, 150, 150);
-pub(crate) const BLACK: RGBColor = RGBColor(20, 20, 20);
-
-/// Pens for curves in order; two neighbours differ in colour, lightness and dash (colours after Okabe & Ito).
+/// Returns the pen of curve number `index`; neighbours differ in colour, lightness and dash (colours after Okabe & Ito).
 pub(crate) fn pen(index: usize) -> Pen {
-    const PENS: [(RGBColor, Dash); 8] = [
+    const PENS: [(Colour, Dash); 8] = [
         (BLUE, Dash::Solid),
         (VERMILION, Dash::Dashed),
         (GREEN, Dash::Alternating),
@@ -31,22 +29,22 @@ pub(crate) fn pen(index: usize) -> Pen {
     Pen::new(colour, 1.8, dash)
 }
 
-/// A tint of a colour on white, for areas under lines.
-pub(crate) fn pale(colour: RGBColor, share: f64) -> RGBColor {
-    let lighter = |c: u8| (share * f64::from(c) + (1.0 - share) * 255.0).round() as u8;
-    RGBColor(lighter(colour.0), lighter(colour.1), lighter(colour.2))
+/// Mixes a fraction of a colour with white, for areas under lines.
+pub(crate) fn pale(colour: Colour, fraction: f64) -> Colour {
+    let lighter = |c: u8| (fraction * f64::from(c) + (1.0 - fraction) * 255.0).round() as u8;
+    Colour(lighter(colour.0), lighter(colour.1), lighter(colour.2))
 }
 
-/// Colour of missing heights: at its lightness the scale below has the opposite hue.
-pub(crate) const MISSING: RGBColor = VERMILION;
+/// Colour of missing heights. The scale below has the opposite hue at its lightness.
+pub(crate) const MISSING: Colour = VERMILION;
 /// Colour of points without contact.
-pub(crate) const NO_CONTACT: RGBColor = RGBColor(255, 255, 255);
+pub(crate) const NO_CONTACT: Colour = WHITE;
 
-/// The sequential colour scale at `t` in [0, 1]: violet, blue, green, yellow.
+/// Returns the colour at `t` in [0, 1] of a sequential scale: violet, blue, green, yellow.
 ///
-/// A path in Oklab (B. Ottosson, 2020) with linear lightness and linear hue at nearly constant chroma, so that equal
-/// steps of the value look equal, and grey prints keep the order. Chroma gives way where sRGB ends.
-pub(crate) fn colour_scale(t: f64) -> RGBColor {
+/// The scale is a path in Oklab (B. Ottosson, 2020) with linear lightness and linear hue at nearly constant chroma, so that equal
+/// steps of the value look equal and grey prints keep the order. Chroma is reduced to stay within sRGB.
+pub(crate) fn colour_scale(t: f64) -> Colour {
     let t = t.clamp(0.0, 1.0);
     let (lightness, hue) = (0.27 + 0.64 * t, (305.0 - 200.0 * t).to_radians());
     let mut chroma = 0.105 + 0.06 * t * t;
@@ -60,9 +58,10 @@ pub(crate) fn colour_scale(t: f64) -> RGBColor {
         let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
         (255.0 * encoded).round() as u8
     });
-    RGBColor(r, g, b)
+    Colour(r, g, b)
 }
 
+/// Converts Oklab to linear sRGB.
 fn oklab_to_linear_rgb(lightness: f64, a: f64, b: f64) -> [f64; 3] {
     let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
@@ -79,7 +78,7 @@ mod tests {
     use super::*;
 
     /// CIE lightness L* of an sRGB colour.
-    fn cie_lightness(colour: RGBColor) -> f64 {
+    fn cie_lightness(colour: Colour) -> f64 {
         let linear = |c: u8| {
             let c = f64::from(c) / 255.0;
             if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
@@ -89,12 +88,12 @@ mod tests {
     }
 
     #[test]
-    fn the_colour_scale_grows_evenly_in_lightness() {
+    fn the_lightness_of_the_colour_scale_increases_evenly() {
         let lightness: Vec<f64> = (0..=20).map(|i| cie_lightness(colour_scale(f64::from(i) / 20.0))).collect();
         let mean = (lightness[20] - lightness[0]) / 20.0;
         assert!(mean > 3.0, "the scale spans {:.0} of 100 units of lightness", 20.0 * mean);
         for pair in lightness.windows(2) {
-            // Oklab's lightness is not CIE's; within a factor of two every step is visible and none dominates.
+            // Oklab's lightness differs from CIE's; steps within a factor of two are all visible and none dominates.
             let step = pair[1] - pair[0];
             assert!(step > 0.5 * mean && step < 2.0 * mean, "step {step:.2} against the mean {mean:.2}");
         }

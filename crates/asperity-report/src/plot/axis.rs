@@ -2,14 +2,14 @@
 
 use crate::format::{Unit, fixed, significant, superscript};
 
-/// Distance between equal ratios or equal differences.
+/// Spacing of an axis: equal distances for equal differences or for equal ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Spacing {
     Linear,
     Logarithmic,
 }
 
-/// A mark on an axis; the label is empty on minor ticks.
+/// A tick of an axis; minor ticks have an empty label.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
     /// Position between 0 (low end) and 1.
@@ -17,7 +17,7 @@ pub(crate) struct Tick {
     pub(crate) label: String,
 }
 
-/// One axis of a chart over a range in SI units, shown in `unit`.
+/// One axis of a chart over a range in SI units, labelled in `unit`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
     quantity: String,
@@ -27,7 +27,7 @@ pub(crate) struct Axis {
     high: f64,
 }
 
-/// Least and largest finite value.
+/// Returns the least and the largest finite value.
 pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64)> {
     values.into_iter().filter(|v| v.is_finite()).fold(None, |range, &v| match range {
         None => Some((v, v)),
@@ -36,7 +36,7 @@ pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f6
 }
 
 impl Axis {
-    /// A linear axis from `low` to `high`, both inside it; an empty range is widened.
+    /// Returns a linear axis from `low` to `high`; an empty range is widened.
     pub(crate) fn linear(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
         let (low, high) = if high > low {
             (low, high)
@@ -47,27 +47,27 @@ impl Axis {
         Self { quantity: quantity.into(), unit, spacing: Spacing::Linear, low, high }
     }
 
-    /// A linear axis with a margin of `share` of the range at either end; an end at zero stays there.
-    pub(crate) fn padded(quantity: &str, unit: Unit, range: (f64, f64), share: f64) -> Self {
+    /// Returns a linear axis with a margin at either end, as a fraction of the range; an end at zero stays there.
+    pub(crate) fn padded(quantity: &str, unit: Unit, range: (f64, f64), margin: f64) -> Self {
         let mut axis = Self::linear(quantity, unit, range);
-        let margin = share * (axis.high - axis.low);
+        let margin = margin * (axis.high - axis.low);
         axis.low -= if axis.low == 0.0 { 0.0 } else { margin };
         axis.high += if axis.high == 0.0 { 0.0 } else { margin };
         axis
     }
 
-    /// A logarithmic axis; `range` must be positive.
+    /// Returns a logarithmic axis; the range must be positive.
     pub(crate) fn logarithmic(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
         let (low, high) = if high > low { (low, high) } else { (low / 2.0, high * 2.0) };
         Self { quantity: quantity.into(), unit, spacing: Spacing::Logarithmic, low, high }
     }
 
-    /// Ends of the range in SI units.
+    /// Returns the ends of the range in SI units.
     pub(crate) fn ends(&self) -> (f64, f64) {
         (self.low, self.high)
     }
 
-    /// Where a value lies: 0 at the low end, 1 at the high end, outside [0, 1] beyond; `None` where it is undefined.
+    /// Returns the position of a value: 0 at the low end, 1 at the high end, outside [0, 1] beyond; `None` if undefined.
     pub(crate) fn position(&self, value: f64) -> Option<f64> {
         let position = match self.spacing {
             Spacing::Linear => (value - self.low) / (self.high - self.low),
@@ -77,7 +77,7 @@ impl Axis {
         position.is_finite().then_some(position)
     }
 
-    /// Quantity with its unit, and the power of ten that the tick labels leave out.
+    /// Returns the quantity with its unit and the power of ten that is left out of the tick labels.
     pub(crate) fn label(&self) -> String {
         let power = match self.power() {
             0 => String::new(),
@@ -94,8 +94,8 @@ impl Axis {
         if unit.is_empty() { quantity } else { format!("{quantity} ({})", unit.join(" ")) }
     }
 
-    /// A round number in the middle of a linear axis so narrow that its labels would share their first digits; the
-    /// labels count from there. Zero on other axes.
+    /// Returns a round number in the middle of a linear axis so narrow that its labels would share their first digits; the labels
+    /// are relative to it. Zero on other axes.
     fn offset(&self) -> f64 {
         let (span, largest) = (self.high - self.low, self.low.abs().max(self.high.abs()));
         if self.spacing == Spacing::Logarithmic || span >= 2e-3 * largest || span <= 1e-11 * largest {
@@ -105,7 +105,7 @@ impl Axis {
         (0.5 * (self.low + self.high) / self.unit.si / quantum).round() * quantum * self.unit.si
     }
 
-    /// A multiple of three, taken out of the labels of a linear axis whose numbers are very small or large.
+    /// Returns the power of ten, a multiple of three, that is left out of the labels of a linear axis with very small or large numbers.
     fn power(&self) -> i32 {
         let offset = self.offset();
         let largest = (self.low - offset).abs().max((self.high - offset).abs()) / self.unit.si;
@@ -117,7 +117,8 @@ impl Axis {
         }
     }
 
-    /// At least `wanted` labelled ticks and fewer than three times as many, on decades at most twice as many; minor ones between.
+    /// Returns at least `wanted` labelled ticks and fewer than three times as many, on decades at most twice as many, with minor ones
+    /// between them.
     pub(crate) fn ticks(&self, wanted: usize) -> Vec<Tick> {
         match self.spacing {
             Spacing::Linear => self.linear_ticks(wanted),
@@ -195,14 +196,14 @@ mod tests {
     }
 
     #[test]
-    fn small_numbers_leave_their_power_to_the_label() {
+    fn the_label_has_the_power_of_small_numbers() {
         let axis = Axis::linear("Velocity", Unit::none(), (-0.004, 0.003));
         assert_eq!(axis.label(), "Velocity (10⁻³)");
         assert_eq!(labels(&axis, 7), ["−4", "−3", "−2", "−1", "0", "1", "2", "3"]);
     }
 
     #[test]
-    fn a_narrow_range_counts_from_a_round_number() {
+    fn labels_of_a_narrow_range_are_relative_to_a_round_number() {
         let axis = Axis::linear("X", Unit::none(), (0.096_795_59, 0.096_796_02));
         assert_eq!(axis.label(), "X − 0.0967958 (10⁻⁹)");
         assert_eq!(labels(&axis, 4), ["−200", "−100", "0", "100", "200"]);

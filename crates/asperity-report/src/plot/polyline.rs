@@ -1,10 +1,10 @@
-//! Polylines in pixels: what lies inside the chart, with no more corners than the eye needs.
+//! Clipping and simplification of polylines in pixels.
 
-use crate::canvas::Rect;
+use crate::plot::canvas::{Point, Rect};
 
-/// The parts of a polyline inside a rectangle (Liang & Barsky on each segment).
-pub(crate) fn clipped(points: &[(f64, f64)], rect: Rect) -> Vec<Vec<(f64, f64)>> {
-    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+/// Returns the parts of a polyline inside a rectangle (Liang & Barsky on each segment).
+pub(crate) fn clipped(points: &[Point], rect: Rect) -> Vec<Vec<Point>> {
+    let mut pieces: Vec<Vec<Point>> = Vec::new();
     for pair in points.windows(2) {
         let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
         let (dx, dy) = (x1 - x0, y1 - y0);
@@ -37,8 +37,8 @@ pub(crate) fn clipped(points: &[(f64, f64)], rect: Rect) -> Vec<Vec<(f64, f64)>>
     pieces
 }
 
-/// A polyline with few corners that stays within `tolerance` of the given one (Douglas & Peucker).
-pub(crate) fn simplified(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+/// Returns a polyline with fewer corners that stays within `tolerance` of the given one (Douglas & Peucker).
+pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
     }
@@ -60,8 +60,8 @@ pub(crate) fn simplified(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64
     points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
 }
 
-/// Distance of a point from a segment.
-fn distance(point: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
+/// Returns the distance of a point from a segment.
+fn distance(point: Point, from: Point, to: Point) -> f64 {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx * dx + dy * dy;
     let t =

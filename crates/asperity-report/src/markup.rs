@@ -1,0 +1,87 @@
+//! HTML in which every text is escaped.
+
+use std::fmt::{self, Display};
+
+/// Replaces the characters that have a meaning in HTML and SVG.
+pub(crate) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            '\'' => escaped += "&#39;",
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// A piece of HTML. A string becomes HTML by being escaped; only literals of this crate and its drawings are taken as they are.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Html(String);
+
+impl Html {
+    /// Takes a literal of this crate or a drawing of [`crate::plot::draw`], in which texts are escaped already.
+    pub(crate) fn from_markup(markup: String) -> Self {
+        Self(markup)
+    }
+
+    pub(crate) fn into_string(self) -> String {
+        self.0
+    }
+}
+
+impl<T: AsRef<str>> From<T> for Html {
+    fn from(text: T) -> Self {
+        Self(escape(text.as_ref()))
+    }
+}
+
+impl From<&Html> for Html {
+    fn from(html: &Html) -> Self {
+        html.clone()
+    }
+}
+
+impl FromIterator<Html> for Html {
+    fn from_iter<I: IntoIterator<Item = Html>>(pieces: I) -> Self {
+        Self(pieces.into_iter().map(|piece| piece.0).collect())
+    }
+}
+
+impl Display for Html {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Fills a literal template with HTML and with texts, which are escaped: `html!("<li>{}</li>", text)`.
+///
+/// `concat!` keeps the template from capturing variables, whose text would not be escaped.
+macro_rules! html {
+    ($template:expr, $($name:ident = $value:expr),+ $(,)?) => {
+        $crate::markup::Html::from_markup(format!(concat!($template), $($name = $crate::markup::Html::from($value)),+))
+    };
+    ($template:expr $(, $value:expr)* $(,)?) => {
+        $crate::markup::Html::from_markup(format!(concat!($template) $(, $crate::markup::Html::from($value))*))
+    };
+}
+pub(crate) use html;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_escaped_and_html_is_not() {
+        let evil = "\"><b>&'".to_owned();
+        let item = html!("<li title=\"{title}\">{text}</li>", title = &evil, text = &evil);
+        let escaped = "&quot;&gt;&lt;b&gt;&amp;&#39;";
+        let wanted = format!("<li title=\"{escaped}\">{escaped}</li>");
+        assert_eq!(item.to_string(), wanted);
+        let list = html!("<ul>{}</ul>", [item, html!("<li/>")].into_iter().collect::<Html>());
+        assert_eq!(list.into_string(), format!("<ul>{wanted}<li/></ul>"));
+    }
+}

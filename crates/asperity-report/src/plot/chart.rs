@@ -1,0 +1,338 @@
+//! Charts: series over two axes, with the legend outside the data.
+
+mod frame;
+mod layout;
+mod legend;
+
+pub(crate) use self::frame::{draw_x_ticks, label_x_axis};
+pub(crate) use self::layout::{WIDTH, figure, stacked};
+use self::legend::Legend;
+use crate::plot::axis::Axis;
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, THIN, text_width};
+use crate::plot::polyline::{clipped, simplified};
+use crate::plot::symbol::Shape;
+
+/// Curves are simplified by at most this distance in pixels.
+const TOLERANCE: f64 = 0.12;
+/// A curve with more corners is simplified further.
+const MAX_CORNERS: usize = 30_000;
+/// Bars of a histogram up to this width in pixels have no edge.
+const NARROW_BAR: f64 = 4.0;
+/// Radius of symbols in pixels.
+const SYMBOL: f64 = 4.2;
+/// Radius of the discs on curves in pixels.
+const DISC: f64 = 3.2;
+/// Size of notes in pixels.
+const SMALL: f64 = 12.0;
+/// Height of a chart that has a figure of its own, in pixels.
+const HEIGHT: f64 = 330.0;
+
+/// Data of a series and how they are drawn; values are in SI units.
+#[derive(Debug, Clone)]
+pub(crate) enum Mark {
+    /// A curve, interrupted where a value is undefined.
+    Line { x: Vec<f64>, y: Vec<f64>, pen: Pen },
+    /// A curve with a disc at every point.
+    Points { x: Vec<f64>, y: Vec<f64>, pen: Pen },
+    /// A symbol at one point.
+    Symbol { x: f64, y: f64, shape: Shape, colour: Colour },
+    /// A horizontal line between two values of x, for intervals.
+    Span { from: f64, to: f64, y: f64, pen: Pen },
+    /// The region between two curves, interrupted where one of them is undefined.
+    Band { x: Vec<f64>, low: Vec<f64>, high: Vec<f64>, colour: Colour },
+    /// Bars of a histogram from the base of the chart; `x` holds the bin centres.
+    Bars { x: Vec<f64>, y: Vec<f64>, colour: Colour },
+    /// A part of the x axis over the whole height of the chart, cut at the ends of the axis.
+    Region { from: f64, to: f64, colour: Colour },
+    /// A vertical line across the chart.
+    Vertical { x: f64, pen: Pen },
+    /// A horizontal line across the chart.
+    Horizontal { y: f64, pen: Pen },
+    /// A short text above a point.
+    Note { x: f64, y: f64, text: String },
+    /// Many small points.
+    Dots { x: Vec<f64>, y: Vec<f64>, radius: f64, colour: Colour, opacity: f64 },
+    /// An entry of the legend that explains a colour of the image behind the chart.
+    Patch { colour: Colour },
+}
+
+/// An image behind the marks of a chart, which replaces its grid.
+#[derive(Debug, Clone)]
+pub(crate) struct Backdrop {
+    pub(crate) data_uri: String,
+    /// Ends of the image along the axes, in SI units.
+    pub(crate) x: (f64, f64),
+    pub(crate) y: (f64, f64),
+}
+
+/// A series with its name in the legend; a series without a name is not in the legend.
+#[derive(Debug, Clone)]
+pub(crate) struct Series {
+    pub(crate) name: String,
+    pub(crate) mark: Mark,
+}
+
+/// Series over two axes.
+#[derive(Debug, Clone)]
+pub(crate) struct Chart {
+    title: Option<String>,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) series: Vec<Series>,
+    /// Whether the x axis has tick labels and a label; of stacked charts only the lowest has them.
+    pub(crate) shows_x: bool,
+    pub(crate) backdrop: Option<Backdrop>,
+    /// Height in a figure, in pixels.
+    pub(crate) height: f64,
+}
+
+impl Chart {
+    pub(crate) fn new(x: Axis, y: Axis) -> Self {
+        Self { title: None, x, y, series: Vec::new(), shows_x: true, backdrop: None, height: HEIGHT }
+    }
+
+    pub(crate) fn with_title(mut self, title: &str) -> Self {
+        self.title = Some(title.into());
+        self
+    }
+
+    pub(crate) fn with_height(self, height: f64) -> Self {
+        Self { height, ..self }
+    }
+
+    /// Adds a series; an empty name keeps it out of the legend.
+    pub(crate) fn add(&mut self, name: impl Into<String>, mark: Mark) {
+        self.series.push(Series { name: name.into(), mark });
+    }
+
+    /// Adds a curve.
+    pub(crate) fn line(&mut self, name: impl Into<String>, x: &[f64], y: &[f64], pen: Pen) {
+        self.add(name, Mark::Line { x: x.to_vec(), y: y.to_vec(), pen });
+    }
+
+    /// Adds a curve with a disc at every point.
+    pub(crate) fn points(&mut self, name: impl Into<String>, x: &[f64], y: &[f64], pen: Pen) {
+        self.add(name, Mark::Points { x: x.to_vec(), y: y.to_vec(), pen });
+    }
+
+    /// Adds the region between two curves.
+    pub(crate) fn band(&mut self, name: impl Into<String>, x: &[f64], [low, high]: [&[f64]; 2], colour: Colour) {
+        self.add(name, Mark::Band { x: x.to_vec(), low: low.to_vec(), high: high.to_vec(), colour });
+    }
+
+    /// Adds the bars of a histogram.
+    pub(crate) fn bars(&mut self, name: impl Into<String>, x: &[f64], y: &[f64], colour: Colour) {
+        self.add(name, Mark::Bars { x: x.to_vec(), y: y.to_vec(), colour });
+    }
+
+    /// Adds a vertical line.
+    pub(crate) fn vertical(&mut self, name: impl Into<String>, x: f64, pen: Pen) {
+        self.add(name, Mark::Vertical { x, pen });
+    }
+
+    /// Adds a horizontal line.
+    pub(crate) fn horizontal(&mut self, name: impl Into<String>, y: f64, pen: Pen) {
+        self.add(name, Mark::Horizontal { y, pen });
+    }
+
+    /// Adds a short text above a point.
+    pub(crate) fn note(&mut self, x: f64, y: f64, text: impl Into<String>) {
+        self.add("", Mark::Note { x, y, text: text.into() });
+    }
+
+    /// Draws the chart without its legend into `outer`, margins for labels included.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, outer: Rect) {
+        let plot = Rect {
+            left: outer.left + 72.0,
+            top: outer.top + if self.title.is_some() { 26.0 } else { 8.0 },
+            right: outer.right - 20.0,
+            bottom: outer.bottom - if self.shows_x { 50.0 } else { 8.0 },
+        };
+        self.draw_frame(canvas, plot);
+        for series in &self.series {
+            self.draw_mark(canvas, plot, &series.mark);
+        }
+        self.draw_notes(canvas, plot);
+        canvas.frame(plot, THIN);
+        if let Some(title) = &self.title {
+            canvas.text((plot.left, outer.top + 13.0), title, LABEL, Align::Start);
+        }
+    }
+
+    /// Returns the height of the chart's legend in a width.
+    pub(crate) fn legend_height(&self, width: f64) -> f64 {
+        Legend::new([self], 72.0, width).height()
+    }
+
+    /// Draws the chart into `outer` with a legend of some width above it, for charts that share a figure with a map.
+    pub(crate) fn draw_with_legend(&self, canvas: &mut Canvas, outer: Rect, width: f64) {
+        let legend = Legend::new([self], outer.left + 72.0, width);
+        legend.draw(canvas, outer.top);
+        self.draw(canvas, Rect { top: outer.top + legend.height(), ..outer });
+    }
+
+    fn x_at(&self, plot: Rect, x: f64) -> Option<f64> {
+        self.x.position(x).map(|position| plot.left + position * plot.width())
+    }
+
+    fn y_at(&self, plot: Rect, y: f64) -> Option<f64> {
+        self.y.position(y).map(|position| plot.bottom - position * plot.height())
+    }
+
+    /// Returns the runs of defined points, in pixels.
+    fn runs(&self, plot: Rect, x: &[f64], y: &[f64]) -> Vec<Vec<Point>> {
+        let points: Vec<Option<Point>> =
+            x.iter().zip(y).map(|(x, y)| self.x_at(plot, *x).zip(self.y_at(plot, *y))).collect();
+        let runs = points.split(Option::is_none).filter(|run| !run.is_empty());
+        runs.map(|run| run.iter().copied().flatten().collect()).collect()
+    }
+
+    /// Returns the points inside the chart, in pixels.
+    fn visible(&self, plot: Rect, x: &[f64], y: &[f64]) -> Vec<Point> {
+        self.runs(plot, x, y).into_iter().flatten().filter(|point| plot.contains(*point)).collect()
+    }
+
+    fn draw_mark(&self, canvas: &mut Canvas, plot: Rect, mark: &Mark) {
+        match mark {
+            Mark::Line { x, y, pen } => self.draw_curve(canvas, plot, x, y, *pen),
+            Mark::Points { x, y, pen } => {
+                self.draw_curve(canvas, plot, x, y, *pen);
+                for point in self.visible(plot, x, y) {
+                    canvas.disc(point, DISC, pen.colour);
+                }
+            }
+            Mark::Symbol { x, y, shape, colour } => {
+                for point in self.visible(plot, &[*x], &[*y]) {
+                    shape.draw(canvas, point, SYMBOL, *colour);
+                }
+            }
+            Mark::Span { from, to, y, pen } => self.draw_curve(canvas, plot, &[*from, *to], &[*y, *y], *pen),
+            Mark::Band { x, low, high, colour } => self.draw_band(canvas, plot, x, [low, high], *colour),
+            Mark::Bars { x, y, colour } => self.draw_bars(canvas, plot, x, y, *colour),
+            Mark::Region { from, to, colour } => {
+                // A logarithmic axis has no place for zero.
+                let place = |x: f64| self.x_at(plot, x).unwrap_or(plot.left).clamp(plot.left, plot.right);
+                let (left, right) = (place(*from), place(*to));
+                if right - left > 0.5 {
+                    canvas.fill(Rect { left, right, ..plot }, *colour, 0.16);
+                }
+            }
+            Mark::Vertical { x, pen } => {
+                if let Some(x) = self.x_at(plot, *x).filter(|x| (plot.left..=plot.right).contains(x)) {
+                    canvas.line(&[(x, plot.bottom), (x, plot.top)], *pen);
+                }
+            }
+            Mark::Horizontal { y, pen } => {
+                if let Some(y) = self.y_at(plot, *y).filter(|y| (plot.top..=plot.bottom).contains(y)) {
+                    canvas.line(&[(plot.left, y), (plot.right, y)], *pen);
+                }
+            }
+            Mark::Dots { x, y, radius, colour, opacity } => {
+                for point in self.visible(plot, x, y) {
+                    canvas.dot(point, *radius, *colour, *opacity);
+                }
+            }
+            // Notes are placed together, and a patch is in the legend alone.
+            Mark::Note { .. } | Mark::Patch { .. } => {}
+        }
+    }
+
+    fn draw_curve(&self, canvas: &mut Canvas, plot: Rect, x: &[f64], y: &[f64], pen: Pen) {
+        for piece in self.runs(plot, x, y).iter().flat_map(|run| clipped(run, plot)) {
+            let mut tolerance = TOLERANCE;
+            let mut points = simplified(&piece, tolerance);
+            // Viewers are slow on curves with very many corners.
+            while points.len() > MAX_CORNERS && tolerance < 1.0 {
+                tolerance *= 2.0;
+                points = simplified(&piece, tolerance);
+            }
+            canvas.line(&points, pen);
+        }
+    }
+
+    fn draw_band(&self, canvas: &mut Canvas, plot: Rect, x: &[f64], limits: [&[f64]; 2], colour: Colour) {
+        let (bottom, top) = self.y.ends();
+        let defined: Vec<usize> = (0..x.len()).filter(|&i| limits.iter().all(|limit| limit[i].is_finite())).collect();
+        for group in defined.chunk_by(|a, b| b - a == 1) {
+            let x: Vec<f64> = group.iter().map(|&i| x[i]).collect();
+            let [low, high] = limits.map(|limit| {
+                let y: Vec<f64> = group.iter().map(|&i| limit[i].clamp(bottom, top)).collect();
+                self.runs(plot, &x, &y).concat()
+            });
+            let mut outline: Vec<Point> = high.into_iter().chain(low.into_iter().rev()).collect();
+            outline.retain(|point| point.0 >= plot.left - 1.0 && point.0 <= plot.right + 1.0);
+            if outline.len() > 2 {
+                canvas.polygon(&outline, colour, 0.22);
+            }
+        }
+    }
+
+    fn draw_bars(&self, canvas: &mut Canvas, plot: Rect, x: &[f64], y: &[f64], colour: Colour) {
+        for (low, high, y) in bins(x, y) {
+            let ends = (self.x_at(plot, low), self.x_at(plot, high), self.y_at(plot, y));
+            let (Some(left), Some(right), Some(top)) = ends else { continue };
+            let Rect { bottom, .. } = plot;
+            let [left, right] = [left, right].map(|x| x.clamp(plot.left, plot.right));
+            let top = top.clamp(plot.top, bottom);
+            if top < bottom && left < right {
+                canvas.fill(Rect { left, top, right, bottom }, colour, 0.30);
+                // The edges of narrow bars would hide the bars.
+                if right - left > NARROW_BAR {
+                    let edge = Pen { colour, width: 0.8, opacity: 0.7, ..THIN };
+                    canvas.line(&[(left, bottom), (left, top), (right, top), (right, bottom)], edge);
+                }
+            }
+        }
+    }
+
+    /// Writes the notes above or below their points. A note that would overlap another one is left out.
+    fn draw_notes(&self, canvas: &mut Canvas, plot: Rect) {
+        let mut taken: Vec<Rect> = Vec::new();
+        for series in &self.series {
+            let Mark::Note { x, y, text } = &series.mark else { continue };
+            let Some(&(x, y)) = self.visible(plot, &[*x], &[*y]).first() else { continue };
+            let (width, height) = (text_width(text, SMALL) + 4.0, SMALL + 2.0);
+            let left = (x - 0.5 * width).clamp(plot.left + 2.0, (plot.right - width - 2.0).max(plot.left + 2.0));
+            let places = [-14.0, 14.0, -27.0].map(|shift| Rect::new(left, y + shift - 0.5 * height, width, height));
+            let free = |place: &&Rect| {
+                place.top > plot.top && place.bottom < plot.bottom && taken.iter().all(|other| !place.overlaps(other))
+            };
+            if let Some(place) = places.iter().find(free).copied() {
+                canvas.text(place.centre(), text, SMALL, Align::Middle);
+                taken.push(place);
+            }
+        }
+    }
+}
+
+/// Returns the edges and the height of every bin from the centres; edges lie midway between them.
+fn bins<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
+    let last = x.len().saturating_sub(1);
+    (0..x.len().min(y.len())).filter(move |_| last > 0).map(move |i| {
+        let low = if i == 0 { x[0] - 0.5 * (x[1] - x[0]) } else { 0.5 * (x[i - 1] + x[i]) };
+        let high = if i == last { x[i] + 0.5 * (x[i] - x[i - 1]) } else { 0.5 * (x[i] + x[i + 1]) };
+        (low, high, y[i])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Unit;
+
+    const UNIT: Rect = Rect { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
+
+    #[test]
+    fn an_undefined_value_interrupts_a_curve() {
+        let axis = || Axis::linear("x", Unit::none(), (0.0, 1.0));
+        let chart = Chart::new(axis(), axis());
+        let runs = chart.runs(UNIT, &[0.0, 0.2, 0.4, 0.6, 0.8], &[0.0, 0.0, f64::NAN, 1.0, 1.0]);
+        assert_eq!(runs.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
+    }
+
+    #[test]
+    fn bins_meet_midway_between_their_centres() {
+        let bins: Vec<_> = bins(&[1.0, 2.0, 4.0], &[5.0, 6.0, 7.0]).collect();
+        assert_eq!(bins, [(0.5, 1.5, 5.0), (1.5, 3.0, 6.0), (3.0, 5.0, 7.0)]);
+    }
+}

@@ -1,0 +1,131 @@
+//! The sections of the friction coefficient and of the quotient F/N.
+
+use crate::documents::{text, words};
+use crate::stages::friction;
+use crate::synthetic::{example, full_run};
+use asperity_report::{Run, Table, render};
+use asperity_results::LevelResult;
+
+#[test]
+fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
+    let mut run = full_run();
+    let has = |run: &Run, name: &str, wanted: &[&str]| {
+        let drawn = words(run, name);
+        wanted.iter().for_each(|word| assert!(drawn.iter().any(|own| own == word), "{word} in {drawn:?}"));
+    };
+    has(
+        &run,
+        "friction_levels",
+        &["F/N of a window", "95 %, F/N", "at the mean load", "75 %", "at load", "Std of μ (10⁻³)"],
+    );
+    has(&run, "friction_shape", &["CoV of μ", "Skewness of μ", "95 %, at the mean load", "Penetration (µm)"]);
+    has(&run, "friction_load_curve", &["Mean pressure (MPa)", "Contact fraction", "95 % interval"]);
+    has(&run, "friction_histogram", &["ranked first (shifted lognormal)", "Beta", "shifted gamma", "normal"]);
+    has(&run, "friction_acf", &["window alone (triangle)", "window and exponential", "squared exponential"]);
+    has(
+        &run,
+        "friction_windows",
+        &["window alone: 0.614 W", "ℓ without it, 95 %", "ℓ of all windows together", "Window W (µm)"],
+    );
+    has(&run, "friction_spectrum", &["95 % band", "window alone", "Frequency (1/mm)"]);
+    let page = |run: &Run| text(&render(run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in [
+        "Window of 600 µm × 75 µm on 60 strips 75 µm wide (periodic, of mean compliance 8.28 µm/GPa under a fixed plane).",
+        "250 µm [200, 320] (due to the window alone)",
+        "25.0 µm [21.0, 29.0]",
+        "<td>0.061</td>",
+        "exceeded once in 100 mm",
+        "0.2310 [0.2280, 0.2360]",
+        "<td>included</td><td>600 µm</td><td>0.012</td>",
+        "<td>removed</td><td>0.0 µm [0.0, 8.5]</td>",
+        "0.021 (p = 0.41)",
+        "Std, “area”",
+    ] {
+        assert!(page(&run).contains(wanted), "{wanted:?} is on the page");
+    }
+    // A level without a variance has neither moments nor a distribution of the quotient, but the reason.
+    let mut heavy = run.clone();
+    let lead = &mut friction(&mut heavy).levels[5];
+    *lead = LevelResult {
+        std: None,
+        std_interval: None,
+        coefficient_of_variation: None,
+        skewness: None,
+        excess_kurtosis: None,
+        marginal: None,
+        gof: None,
+        marginal_parameter_intervals: Default::default(),
+        return_levels: Vec::new(),
+        no_variance: Some("58 % of the windows hold fewer than 30 contact cells".into()),
+        ..lead.clone()
+    };
+    for column in &mut heavy.tables.get_mut("friction_levels").unwrap().columns {
+        if column.0.starts_with("std") && !column.0.contains("load") {
+            column.1[5] = f64::NAN;
+        }
+    }
+    let drawn = page(&heavy);
+    assert!(drawn.contains("Level at 3 MPa: F/N has no variance") && drawn.contains("58 % of the windows"), "{drawn}");
+    assert!(!drawn.contains("exceeded once") && !drawn.contains("empirical ()"));
+    assert_eq!(words(&heavy, "friction_levels").iter().filter(|text| *text == "at load").count(), 1);
+    // Moments at the mean load that equal the quotient's are not drawn; free strips are called so.
+    friction(&mut run).mean_compliance_m_per_pa = None;
+    assert!(page(&run).contains("75 µm wide (free)."));
+    let levels = run.tables.get_mut("friction_levels").unwrap();
+    levels.columns.retain(|(name, _)| !name.contains("at_mean_load"));
+    assert!(!words(&run, "friction_levels").contains(&"at the mean load".to_owned()));
+}
+
+#[test]
+fn friction_over_the_cutoff_has_its_floor_and_the_ends_of_the_band() {
+    let mut run = full_run();
+    let drawn = words(&run, "friction_cutoff");
+    for wanted in [
+        "Cut-off wavelength (µm)",
+        "mean μ, 95 %",
+        "half the pitch",
+        "plastic floor τ/H",
+        "cut-off of the study’s strips",
+        "end of the scan’s band",
+    ] {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in
+        ["The friction coefficient is known only as far as the shortest waves are.", "0.1834 [", "0.21", "31 %"]
+    {
+        assert!(html.contains(wanted), "{wanted:?} is on the page");
+    }
+    // An elastic study without a scan has neither a floor nor a band.
+    let cutoff = friction(&mut run).cutoff.as_mut().unwrap();
+    (cutoff.plastic_floor, cutoff.band_end_m, cutoff.halved_pitch) = (None, None, None);
+    let drawn = words(&run, "friction_cutoff");
+    assert!(!drawn.iter().any(|word| word.contains("floor") || word.contains("scan") || word.contains("half")));
+}
+
+#[test]
+fn uncertain_parameters_have_a_band_and_their_indices() {
+    let mut run = full_run();
+    let levels = friction(&mut run).levels.len();
+    friction(&mut run).uncertainty = Some(example::uncertainty(levels));
+    let columns = [
+        ("penetration_m", vec![1.72e-6, 1.35e-6, f64::NAN]),
+        ("mean_low", vec![0.19, 0.195, 0.0]),
+        ("mean_high", vec![0.23, 0.24, 0.0]),
+    ];
+    let columns = columns.map(|(name, values)| (name.to_owned(), values)).to_vec();
+    run.tables.insert("friction_uncertainty".into(), Table { columns });
+    let drawn = words(&run, "friction_sensitivity");
+    for wanted in ["Mean of μ", "Correlation length of μ", "rms height", "explained: 98 % of the variance"] {
+        assert!(drawn.iter().any(|text| text == wanted), "{wanted:?} in {drawn:?}");
+    }
+    assert!(!drawn.iter().any(|text| text == "Std of μ"));
+    assert!(words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
+    // Without indices there is no figure, and without the table no band.
+    let uncertainty = friction(&mut run).uncertainty.as_mut().unwrap();
+    uncertainty.levels.iter_mut().flat_map(|level| &mut level.at_mean_load).for_each(|response| response.sobol.clear());
+    run.tables.remove("friction_uncertainty");
+    let report = render(&run).unwrap();
+    assert!(report.figures.iter().all(|figure| figure.name != "friction_sensitivity"));
+    assert!(!words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
+}

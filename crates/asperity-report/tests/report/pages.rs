@@ -1,0 +1,148 @@
+//! The report of a complete run: figures, sections, and escaping.
+
+use crate::documents::{elements, resources, text};
+use crate::stages::{friction, pressure, surface};
+use crate::synthetic::{example, full_run};
+use asperity_report::{Input, render};
+use asperity_results::ScanOfPart;
+
+#[test]
+fn a_complete_run_has_every_figure_and_every_section() {
+    let report = render(&full_run()).unwrap();
+    let html = text(&report.html);
+    let names: Vec<&str> = report.figures.iter().map(|figure| figure.name.as_str()).collect();
+    let wanted = [
+        "height_raw",
+        "height_levelled",
+        "surface_sample",
+        "height_pdf",
+        "height_acf",
+        "height_psd",
+        "pressure_sample",
+        "contact_probability",
+        "pressure_quantiles",
+        "expansion_error",
+        "pressure_cdf",
+        "pressure_intervals",
+        "pressure_accuracy",
+        "pressure_scalars",
+        "pressure_sensitivities",
+        "friction_load_curve",
+        "friction_cutoff",
+        "friction_histogram",
+        "friction_pit",
+        "friction_qq",
+        "friction_acf",
+        "friction_windows",
+        "friction_spectrum",
+        "friction_area_load",
+        "friction_levels",
+        "friction_shape",
+        "friction_trace",
+        "limit_cycle",
+        "reattachment",
+        "cycles_over_damping",
+        "sustained_over_damping",
+        "survival",
+    ];
+    assert_eq!(names, wanted);
+    for id in [
+        "answers",
+        "surface",
+        "pressure",
+        "friction",
+        "quotient",
+        "vibration",
+        "inputs",
+        "assumptions",
+        "provenance",
+        "references",
+    ] {
+        assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
+    }
+    for wanted in [
+        "P(contact) = 0.0200 [0.0190, 0.0210]",
+        "it is 0.3200 ± 0.0066",
+        "μ = 0.2249 [0.2227, 0.2271]",
+        "The paper’s effect vanishes at your scale",
+        "Yes: steady sliding is unstable",
+        "ζ = 0.20483",
+        "due to the window alone",
+        "210 GPa",
+        "Gaus",
+        "21 contact cells",
+        "tables/pressure_cdf.csv",
+    ] {
+        assert!(html.contains(wanted), "{wanted:?} is on the page");
+    }
+}
+
+#[test]
+fn every_figure_names_its_tables() {
+    let run = full_run();
+    let html = text(&render(&run).unwrap().html);
+    for name in run.tables.keys() {
+        assert!(html.contains(&format!("<code>tables/{name}.csv</code>")), "tables/{name}.csv");
+    }
+    for name in run.fields.keys() {
+        assert!(html.contains(&format!("<code>fields/{name}</code>")), "fields/{name}");
+    }
+}
+
+#[test]
+fn every_figure_is_a_well_formed_svg_document_with_readable_text() {
+    for figure in render(&full_run()).unwrap().figures {
+        assert!(elements(&figure.svg) > 20, "{} is drawn", figure.name);
+        assert!(figure.svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"640\""), "{}", figure.name);
+        assert!(figure.svg.contains("<title>") && figure.svg.contains("aria-label="));
+        // Nothing is smaller than 12 px at 640 px.
+        for size in figure.svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            assert!(size.parse::<f64>().unwrap() >= 12.0, "{}: font size {size}", figure.name);
+        }
+        let drawn = text(&figure.svg);
+        assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{}", figure.name);
+    }
+}
+
+#[test]
+fn the_page_loads_nothing_from_elsewhere() {
+    let html = render(&full_run()).unwrap().html;
+    for resource in resources(&html) {
+        assert!(resource.starts_with('#') || resource.starts_with("data:image/png;base64,"), "{resource:.60}");
+    }
+    for forbidden in ["<script", "<link", "@import", "url("] {
+        assert!(!html.contains(forbidden), "{forbidden}");
+    }
+}
+
+#[test]
+fn equal_runs_give_equal_bytes() {
+    assert_eq!(render(&full_run()).unwrap(), render(&full_run()).unwrap());
+}
+
+#[test]
+fn hostile_strings_are_escaped_everywhere() {
+    const EVIL: &str = "\"><script>alert(1)</script><img src=x onerror=alert(1)> & '";
+    let mut run = full_run();
+    run.name = EVIL.into();
+    run.inputs.push(Input { section: EVIL.into(), key: EVIL.into(), value: EVIL.into() });
+    run.results.assumptions.push(EVIL.into());
+    run.results.warnings.push(EVIL.into());
+    run.provenance.as_mut().unwrap().inputs.insert(EVIL.into(), EVIL.into());
+    pressure(&mut run).methods[0].name = EVIL.into();
+    friction(&mut run).levels[0].marginal = Some(example::law(EVIL, &[(EVIL, 1.0)]));
+    let scan = || ScanOfPart { file: EVIL.into(), statistics: example::scan() };
+    surface(&mut run).measured = example::part(vec![scan(), scan()]);
+    surface(&mut run).marginal = example::law(EVIL, &[(EVIL, 1.0)]);
+    surface(&mut run).covariance.as_mut().unwrap().model = EVIL.into();
+    let cdf = run.tables.get_mut("pressure_cdf").unwrap();
+    cdf.columns[2].0 = EVIL.into();
+    run.tables.get_mut("friction_trace").unwrap().columns[1].0 = format!("mu_{EVIL}");
+    let report = render(&run).unwrap();
+    assert!(!report.html.contains("<script") && !report.html.contains("<img"));
+    assert!(report.html.contains("&lt;script&gt;"));
+    for figure in &report.figures {
+        elements(&figure.svg);
+        assert!(!figure.svg.contains("<script") && !figure.svg.contains("<img"));
+    }
+}

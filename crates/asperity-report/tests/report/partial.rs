@@ -1,0 +1,105 @@
+//! The report of partial runs and of invalid tables and fields.
+
+use crate::documents::{elements, text};
+use crate::synthetic::{full_run, surface_run};
+use asperity_report::{Field, ReportError, Run, Table, render};
+use asperity_results::{
+    FrictionResult, KindResult, LevelResult, PressureResult, Results, SurfaceResult, VibrationResult,
+};
+
+#[test]
+fn a_study_of_the_surface_alone_has_no_later_section() {
+    let report = render(&surface_run()).unwrap();
+    assert!(report.figures.iter().all(|figure| figure.name.starts_with("height_") || figure.name == "surface_sample"));
+    assert_eq!(report.figures.len(), 6);
+    for id in ["pressure", "friction", "vibration", "answers"] {
+        assert!(!report.html.contains(&format!("id=\"{id}\"")), "no section {id}");
+    }
+    assert!(!report.html.contains("Bowden"));
+}
+
+#[test]
+fn an_empty_run_is_a_page_without_figures() {
+    let report = render(&Run::default()).unwrap();
+    assert!(report.figures.is_empty());
+    assert!(report.html.contains("</html>") && report.html.contains("Gaus"));
+}
+
+#[test]
+fn each_table_and_field_can_be_there_alone() {
+    let full = full_run();
+    // Bands are drawn around the distributions of another table.
+    for (name, table) in full.tables.iter().filter(|(name, _)| *name != "pressure_bands") {
+        let tables = [(name.clone(), table.clone())].into();
+        let report = render(&Run { tables, ..Run::default() }).unwrap();
+        // The fits of the heights are a table of the page; the levels of friction and the damping sweep are two figures.
+        let wanted = match name.as_str() {
+            "height_fits" => 0,
+            "friction_levels" | "cycles_over_damping" => 2,
+            _ => 1,
+        };
+        assert_eq!(report.figures.len(), wanted, "{name}");
+        assert!(text(&report.html).contains(&format!("<code>tables/{name}.csv</code>")), "{name}");
+        report.figures.iter().for_each(|figure| assert!(elements(&figure.svg) > 0));
+    }
+    for (name, field) in &full.fields {
+        let fields = [(name.clone(), field.clone())].into();
+        let report = render(&Run { fields, ..Run::default() }).unwrap();
+        assert_eq!(report.figures.len(), 1, "{name}");
+        elements(&report.figures[0].svg);
+    }
+}
+
+#[test]
+fn every_column_of_every_table_may_be_undefined() {
+    let full = full_run();
+    for (name, table) in &full.tables {
+        for hidden in 0..table.columns.len() {
+            let mut table = table.clone();
+            table.columns[hidden].1.fill(f64::NAN);
+            let run = Run { tables: [(name.clone(), table)].into(), ..Run::default() };
+            for figure in render(&run).unwrap().figures {
+                elements(&figure.svg);
+                assert!(!figure.svg.contains("NaN"), "{name}, column {hidden}");
+            }
+        }
+        let mut holes = table.clone();
+        holes.columns.iter_mut().for_each(|(_, values)| values.iter_mut().step_by(3).for_each(|v| *v = f64::NAN));
+        for figure in render(&Run { tables: [(name.clone(), holes)].into(), ..Run::default() }).unwrap().figures {
+            elements(&figure.svg);
+        }
+        let mut one = table.clone();
+        one.columns.iter_mut().for_each(|(_, values)| values.truncate(1));
+        for figure in render(&Run { tables: [(name.clone(), one)].into(), ..Run::default() }).unwrap().figures {
+            elements(&figure.svg);
+            assert!(!figure.svg.contains("NaN"), "{name} with one row");
+        }
+    }
+}
+
+#[test]
+fn undefined_results_are_dashes_and_never_errors() {
+    let kind = KindResult::None;
+    let results = Results {
+        surface: Some(SurfaceResult::default()),
+        pressure: Some(PressureResult::default()),
+        friction: Some(FrictionResult { levels: vec![LevelResult::default()], ..FrictionResult::default() }),
+        vibration: Some(VibrationResult { kind, ..VibrationResult::default() }),
+        ..Results::default()
+    };
+    let report = render(&Run { results, ..Run::default() }).unwrap();
+    assert!(report.html.contains("<td>–</td>"));
+}
+
+#[test]
+fn a_ragged_table_and_a_field_of_the_wrong_size_are_refused() {
+    let table = Table { columns: vec![("a".into(), vec![1.0, 2.0]), ("b".into(), vec![1.0])] };
+    let error = render(&Run { tables: [("t".into(), table)].into(), ..Run::default() }).unwrap_err();
+    assert_eq!(error, ReportError::RaggedTable { table: "t".into(), column: "b".into(), found: 1, wanted: 2 });
+    let field = Field { nx: 2, ny: 2, dx_m: 1e-6, dy_m: 1e-6, values: vec![0.0; 3] };
+    let refused =
+        |field: &Field| render(&Run { fields: [("f".into(), field.clone())].into(), ..Run::default() }).unwrap_err();
+    assert_eq!(refused(&field), ReportError::FieldShape { field: "f".into(), nx: 2, ny: 2, found: 3, wanted: 4 });
+    let flat = Field { values: vec![0.0; 4], dx_m: 0.0, ..field };
+    assert!(matches!(refused(&flat), ReportError::FieldPitch { .. }));
+}
