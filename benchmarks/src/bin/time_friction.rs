@@ -109,13 +109,13 @@ fn main() -> Result<()> {
 
 /// Seconds of every part of the work on some strips.
 fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Value> {
-    let (mut germs_s, mut maps_s, mut windows_s) = (0.0, 0.0, 0.0);
+    let (mut xi_s, mut maps_s, mut windows_s) = (0.0, 0.0, 0.0);
     let mut by_level = vec![[0.0; 4]; controls.len()];
     let mut workspace = strips.half_space.workspace();
     for index in 0..count {
         let start = Instant::now();
         let xi = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
-        germs_s += start.elapsed().as_secs_f64();
+        xi_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let map = strips.surface.generate(&xi);
         maps_s += start.elapsed().as_secs_f64();
@@ -141,7 +141,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
     }
     let per = |seconds: f64| seconds / count.max(1) as f64;
     Ok(json!({
-        "germ_s": per(germs_s), "map_s": per(maps_s), "windows_s": per(windows_s) / controls.len() as f64,
+        "germ_s": per(xi_s), "map_s": per(maps_s), "windows_s": per(windows_s) / controls.len() as f64,
         "levels": by_level.iter().map(|[cold_s, cold, warm_s, warm]| json!({
             "cold_s": per(*cold_s), "cold_iterations": per(*cold), "warm_s": per(*warm_s), "warm_iterations": per(*warm),
         })).collect::<Vec<_>>(),

@@ -40,18 +40,18 @@ pub fn hash(key: u64, counter: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Fills `germ` with independent standard normal variables.
-pub fn fill_standard_normal(stream: &mut Stream, germ: &mut [f64]) {
-    for xi in germ {
+/// Fills `xi` with independent standard normal variables.
+pub fn fill_standard_normal(stream: &mut Stream, xi: &mut [f64]) {
+    for xi in xi {
         *xi = StandardNormal.sample(stream);
     }
 }
 
 /// `n` independent standard normal variables.
 pub fn standard_normal(stream: &mut Stream, n: usize) -> Vec<f64> {
-    let mut germ = vec![0.0; n];
-    fill_standard_normal(stream, &mut germ);
-    germ
+    let mut xi = vec![0.0; n];
+    fill_standard_normal(stream, &mut xi);
+    xi
 }
 
 #[cfg(test)]

@@ -80,18 +80,18 @@ impl Basis {
     }
 
     /// Writes all Ψ_α(ξ) into `values`: after the univariate recurrences one product for each function whose predecessor,
-    /// the function without its last factor, comes before it. The leading variables of `germ` are used; further ones are
+    /// the function without its last factor, comes before it. The leading variables of `xi` are used; further ones are
     /// ignored.
     ///
     /// # Panics
-    /// If `germ` is shorter than the number of variables, or `values` is not as long as the basis.
-    pub fn fill(&self, germ: &[f64], univariate: &mut Vec<f64>, values: &mut [f64]) {
+    /// If `xi` is shorter than the number of variables, or `values` is not as long as the basis.
+    pub fn fill(&self, xi: &[f64], univariate: &mut Vec<f64>, values: &mut [f64]) {
         let variables = self.set.variables();
-        assert!(germ.len() >= variables, "{} germ values for {variables} variables", germ.len());
+        assert!(xi.len() >= variables, "{} normal variables for {variables} variables", xi.len());
         assert_eq!(values.len(), self.len(), "values of another basis");
         let stride = self.set.largest_power() + 1;
         univariate.resize(stride * variables, 0.0);
-        for ((family, &xi), row) in self.families.iter().zip(germ).zip(univariate.chunks_exact_mut(stride)) {
+        for ((family, &xi), row) in self.families.iter().zip(xi).zip(univariate.chunks_exact_mut(stride)) {
             family.fill_orthonormal(xi, row);
         }
         let psi = |factor: &Factor| univariate[factor.variable as usize * stride + usize::from(factor.degree)];
@@ -103,13 +103,13 @@ impl Basis {
         }
     }
 
-    /// The design matrix Ψ_j(ξ_k), shape `[germs, functions]`.
-    pub fn design_matrix<G: AsRef<[f64]>>(&self, germs: &[G]) -> Array2<f64> {
-        let mut matrix = Array2::zeros((germs.len(), self.len()));
+    /// The design matrix Ψ_j(ξ_k), shape `[samples of Î¾, functions]`.
+    pub fn design_matrix<G: AsRef<[f64]>>(&self, xi_samples: &[G]) -> Array2<f64> {
+        let mut matrix = Array2::zeros((xi_samples.len(), self.len()));
         let mut univariate = Vec::new();
         let mut values = vec![0.0; self.len()];
-        for (germ, mut row) in germs.iter().zip(matrix.rows_mut()) {
-            self.fill(germ.as_ref(), &mut univariate, &mut values);
+        for (xi, mut row) in xi_samples.iter().zip(matrix.rows_mut()) {
+            self.fill(xi.as_ref(), &mut univariate, &mut values);
             row.iter_mut().zip(&values).for_each(|(cell, value)| *cell = *value);
         }
         matrix
@@ -126,14 +126,14 @@ mod tests {
         // Without the predecessors of its terms, and in no order.
         let list = MultiIndexSet::from_rows(3, [[0, 0, 0], [4, 1, 3], [0, 0, 2], [2, 2, 0], [2, 0, 0]]).unwrap();
         let families = [Family::Hermite, Family::Legendre, Family::Hermite];
-        let germ = [0.3, -0.7, 1.9];
+        let xi = [0.3, -0.7, 1.9];
         for set in [complete, list] {
-            let row = Basis::new(set.clone(), families.to_vec()).unwrap().design_matrix(&[germ]);
+            let row = Basis::new(set.clone(), families.to_vec()).unwrap().design_matrix(&[xi]);
             for term in 0..set.len() {
                 let product: f64 = (0..3)
                     .map(|i| {
                         let mut psi = [0.0; 5];
-                        families[i].fill_orthonormal(germ[i], &mut psi);
+                        families[i].fill_orthonormal(xi[i], &mut psi);
                         psi[usize::from(set.at(term)[i])]
                     })
                     .product();

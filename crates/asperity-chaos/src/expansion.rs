@@ -1,4 +1,4 @@
-//! Functions of a germ as sums of orthonormal polynomials.
+//! Functions of a Î¾ as sums of orthonormal polynomials.
 
 use rayon::prelude::*;
 
@@ -28,15 +28,19 @@ impl Expansion {
         Self { basis, coefficients, horner }
     }
 
-    /// The least-squares expansion of the values `response` at `germs`, and its fit.
+    /// The least-squares expansion of the values `response` at `xi_samples`, and its fit.
     ///
     /// # Errors
     /// As [`LeastSquares::new`] and [`LeastSquares::fit`].
-    pub fn fit<G: AsRef<[f64]>>(basis: Basis, germs: &[G], response: &[f64]) -> Result<(Self, Fit), RegressionError> {
-        if germs.len() <= basis.len() {
-            return Err(RegressionError::TooFewSamples { samples: germs.len(), coefficients: basis.len() });
+    pub fn fit<G: AsRef<[f64]>>(
+        basis: Basis,
+        xi_samples: &[G],
+        response: &[f64],
+    ) -> Result<(Self, Fit), RegressionError> {
+        if xi_samples.len() <= basis.len() {
+            return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
-        let fit = LeastSquares::new(basis.design_matrix(germs).view())?.fit(response)?;
+        let fit = LeastSquares::new(basis.design_matrix(xi_samples).view())?.fit(response)?;
         Ok((Self::new(basis, fit.coefficients.clone()), fit))
     }
 
@@ -53,34 +57,36 @@ impl Expansion {
     /// f(ξ), the same bits as [`Expansion::evaluate_many`] gives.
     ///
     /// # Panics
-    /// If the germ is shorter than the number of variables; values beyond them are ignored.
-    pub fn evaluate(&self, germ: &[f64]) -> f64 {
+    /// If the Î¾ is shorter than the number of variables; values beyond them are ignored.
+    pub fn evaluate(&self, xi: &[f64]) -> f64 {
         let mut value = [0.0];
-        self.check(&[germ]);
-        self.evaluate_block(&[germ], &mut value, &mut Scratch::default());
+        self.check(&[xi]);
+        self.evaluate_block(&[xi], &mut value, &mut Scratch::default());
         value[0]
     }
 
-    /// f at each germ, in order, by all threads. A germ's value does not depend on the others.
+    /// f at each Î¾, in order, by all threads. A Î¾'s value does not depend on the others.
     ///
     /// # Panics
     /// As [`Expansion::evaluate`].
-    pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, germs: &[G]) -> Vec<f64> {
-        self.check(germs);
-        let mut values = vec![0.0; germs.len()];
-        let blocks = germs.par_chunks(BLOCK).zip(values.par_chunks_mut(BLOCK));
-        blocks.for_each_init(Scratch::default, |scratch, (germs, values)| self.evaluate_block(germs, values, scratch));
+    pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, xi_samples: &[G]) -> Vec<f64> {
+        self.check(xi_samples);
+        let mut values = vec![0.0; xi_samples.len()];
+        let blocks = xi_samples.par_chunks(BLOCK).zip(values.par_chunks_mut(BLOCK));
+        blocks.for_each_init(Scratch::default, |scratch, (xi_samples, values)| {
+            self.evaluate_block(xi_samples, values, scratch)
+        });
         values
     }
 
-    fn check<G: AsRef<[f64]>>(&self, germs: &[G]) {
+    fn check<G: AsRef<[f64]>>(&self, xi_samples: &[G]) {
         let variables = self.basis.set().variables();
-        let short = germs.iter().map(|germ| germ.as_ref().len()).find(|&length| length < variables);
-        assert!(short.is_none(), "{} germ values for {variables} variables", short.unwrap_or_default());
+        let short = xi_samples.iter().map(|xi| xi.as_ref().len()).find(|&length| length < variables);
+        assert!(short.is_none(), "{} normal variables for {variables} variables", short.unwrap_or_default());
     }
 
-    fn evaluate_block<G: AsRef<[f64]>>(&self, germs: &[G], values: &mut [f64], scratch: &mut Scratch) {
-        wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, germs, values, scratch));
+    fn evaluate_block<G: AsRef<[f64]>>(&self, xi_samples: &[G], values: &mut [f64], scratch: &mut Scratch) {
+        wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, xi_samples, values, scratch));
     }
 
     /// E f = c₀.

@@ -122,10 +122,10 @@ impl Horner {
         horner
     }
 
-    /// Values at up to [`LANES`] points; `germs` repeats its last one in further lanes.
+    /// Values at up to [`LANES`] points; `xi_samples` repeats its last one in further lanes.
     #[inline(always)]
-    fn evaluate<G: AsRef<[f64]>>(&self, germs: &[G], scratch: &mut Scratch) -> [f64; LANES] {
-        let rows: [&[f64]; LANES] = std::array::from_fn(|lane| germs[lane.min(germs.len() - 1)].as_ref());
+    fn evaluate<G: AsRef<[f64]>>(&self, xi_samples: &[G], scratch: &mut Scratch) -> [f64; LANES] {
+        let rows: [&[f64]; LANES] = std::array::from_fn(|lane| xi_samples[lane.min(xi_samples.len() - 1)].as_ref());
         let psi = &mut scratch.polynomials[..self.polynomials];
         for recurrence in &self.recurrences {
             let x: [f64; LANES] = std::array::from_fn(|lane| rows[lane][recurrence.variable]);
@@ -160,18 +160,18 @@ impl Horner {
     }
 }
 
-/// Writes f at each germ.
+/// Writes f at each Î¾.
 pub(super) struct Evaluate;
 
 impl<'a, G: AsRef<[f64]>> Kernel<(&'a Horner, &'a [G], &'a mut [f64], &'a mut Scratch)> for Evaluate {
     type Output = ();
 
     #[inline(always)]
-    fn run((horner, germs, values, scratch): (&'a Horner, &'a [G], &'a mut [f64], &'a mut Scratch)) {
+    fn run((horner, xi_samples, values, scratch): (&'a Horner, &'a [G], &'a mut [f64], &'a mut Scratch)) {
         scratch.polynomials.resize(horner.polynomials.max(scratch.polynomials.len()), [0.0; LANES]);
         scratch.sums.resize(horner.nodes.len().max(scratch.sums.len()), [0.0; LANES]);
-        for (germs, values) in germs.chunks(LANES).zip(values.chunks_mut(LANES)) {
-            let found = horner.evaluate(germs, scratch);
+        for (xi_samples, values) in xi_samples.chunks(LANES).zip(values.chunks_mut(LANES)) {
+            let found = horner.evaluate(xi_samples, scratch);
             values.copy_from_slice(&found[..values.len()]);
         }
     }

@@ -1,6 +1,6 @@
 //! Designs of experiments, orthonormal polynomial expansions, least squares and distances of laws. Knows no tribology.
 //!
-//! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
+//! A random quantity is a function f(ξ) of a *Î¾*, a vector of independent standard variables. [`sampling`] says where
 //! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
 //! [`Expansion`], and [`StepLaw`] compares the distributions that come out. [`Resamples`] estimates the errors of Sobol' indices;
 //! [`propagation`] takes uncertain parameters through a response with noise.

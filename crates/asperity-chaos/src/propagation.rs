@@ -131,8 +131,8 @@ pub enum NoIndices {
 pub struct Propagation {
     parameters: Vec<Parameter>,
     seed: u64,
-    /// Germ of each point.
-    germs: Vec<Vec<f64>>,
+    /// Î¾ of each point.
+    xi_samples: Vec<Vec<f64>>,
 }
 
 /// What was found at the points of a design.
@@ -226,8 +226,8 @@ impl Propagation {
         }
         let method = SamplingMethod::MaximinLatinHypercube;
         let design = Design::new(method, seed, "chaos/propagation", points, parameters.len())?;
-        let germs = (0..points).map(|k| germ(&parameters, &design.unit(k))).collect();
-        Ok(Self { parameters, seed, germs })
+        let xi_samples = (0..points).map(|k| xi(&parameters, &design.unit(k))).collect();
+        Ok(Self { parameters, seed, xi_samples })
     }
 
     /// Fewest points of a design.
@@ -242,7 +242,7 @@ impl Propagation {
 
     /// Number of points.
     pub fn points(&self) -> usize {
-        self.germs.len()
+        self.xi_samples.len()
     }
 
     /// Values of the parameters at point `k`.
@@ -250,7 +250,7 @@ impl Propagation {
     /// # Panics
     /// If there is no such point.
     pub fn point(&self, k: usize) -> Vec<f64> {
-        self.parameters.iter().zip(&self.germs[k]).map(|(parameter, xi)| parameter.at(*xi)).collect()
+        self.parameters.iter().zip(&self.xi_samples[k]).map(|(parameter, xi)| parameter.at(*xi)).collect()
     }
 
     /// The response over the law of the parameters, with intervals by `resamples`.
@@ -262,7 +262,7 @@ impl Propagation {
     /// # Errors
     /// Responses of another number of points, fewer than 90 % of the points with one, or settings of the bootstrap out of range.
     pub fn respond(&self, observed: &Observed<'_>, resamples: &Resamples) -> Result<Propagated, PropagationError> {
-        let points = self.germs.len();
+        let points = self.xi_samples.len();
         for values in std::iter::once(observed.values).chain(observed.without.iter().map(Vec::as_slice)) {
             if values.len() != points {
                 return Err(PropagationError::Length { values: values.len(), points });
@@ -273,7 +273,7 @@ impl Propagation {
         if (kept.len() as f64) < VALID_SHARE * points as f64 {
             return Err(PropagationError::TooFewValid { valid: kept.len(), points });
         }
-        let samples = Samples::new(&kept.iter().map(|&k| &self.germs[k][..]).collect::<Vec<_>>(), observed, &kept);
+        let samples = Samples::new(&kept.iter().map(|&k| &self.xi_samples[k][..]).collect::<Vec<_>>(), observed, &kept);
         let moments = Moments::of(&samples.values);
         let variance = moments.sample_std().powi(2);
         if variance.sqrt() <= observed.resolution.max(ROUNDING * moments.mean.abs()) {
@@ -291,8 +291,8 @@ impl Propagation {
                     DRAWS,
                     self.parameters.len(),
                 )?;
-                let germs: Vec<Vec<f64>> = (0..DRAWS).map(|i| germ(&self.parameters, &draws.unit(i))).collect();
-                let mut law = expansion.evaluate_many(&germs);
+                let xi_samples: Vec<Vec<f64>> = (0..DRAWS).map(|i| xi(&self.parameters, &draws.unit(i))).collect();
+                let mut law = expansion.evaluate_many(&xi_samples);
                 law.sort_by(f64::total_cmp);
                 let (mean, std, indices) = samples.estimates(&expansion, error, resamples);
                 let noise = samples.noise(variance);
@@ -313,7 +313,7 @@ impl Propagation {
                 continue;
             }
             terms = basis.len();
-            let (expansion, fit) = Expansion::fit(basis, &samples.germs, &samples.values)?;
+            let (expansion, fit) = Expansion::fit(basis, &samples.xi_samples, &samples.values)?;
             let error = fit.leave_one_out.relative_error.unwrap_or(f64::INFINITY);
             if best.as_ref().is_none_or(|(_, least)| error < *least) {
                 best = Some((expansion, error));
@@ -349,7 +349,7 @@ impl Propagation {
     }
 }
 
-/// The germ of a point of the unit cube.
-fn germ(parameters: &[Parameter], unit: &[f64]) -> Vec<f64> {
+/// The Î¾ of a point of the unit cube.
+fn xi(parameters: &[Parameter], unit: &[f64]) -> Vec<f64> {
     parameters.iter().zip(unit).map(|(parameter, u)| parameter.family().from_unit(*u)).collect()
 }

@@ -197,13 +197,13 @@ impl Design {
         }
     }
 
-    /// Writes the standard normal germ of sample `index` into `germ`: ξ = Φ⁻¹(u) of the unit point u.
+    /// Writes the standard normal Î¾ of sample `index` into `xi`: ξ = Φ⁻¹(u) of the unit point u.
     ///
     /// # Panics
     /// As [`Design::fill_unit`].
-    pub fn fill_germ(&self, index: usize, germ: &mut [f64]) {
-        self.fill_unit(index, germ);
-        for xi in germ {
+    pub fn fill_xi(&self, index: usize, xi: &mut [f64]) {
+        self.fill_unit(index, xi);
+        for xi in xi {
             *xi = standard_normal_quantile(*xi);
         }
     }
@@ -215,11 +215,11 @@ impl Design {
         point
     }
 
-    /// The standard normal germ of sample `index`.
-    pub fn germ(&self, index: usize) -> Vec<f64> {
-        let mut germ = vec![0.0; self.dimensions];
-        self.fill_germ(index, &mut germ);
-        germ
+    /// The standard normal Î¾ of sample `index`.
+    pub fn xi(&self, index: usize) -> Vec<f64> {
+        let mut xi = vec![0.0; self.dimensions];
+        self.fill_xi(index, &mut xi);
+        xi
     }
 }
 

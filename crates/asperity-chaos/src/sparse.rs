@@ -8,9 +8,9 @@
 //! use asperity_chaos::{Basis, Candidates, Design, SamplingMethod, SparseRegression};
 //!
 //! let design = Design::new(SamplingMethod::LatinHypercube, 1, "sparse example", 40, 4)?;
-//! let germs: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.germ(i)).collect();
-//! let values: Vec<f64> = germs.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[1] * xi[3]).collect();
-//! let matrix = Basis::hermite(4, 5)?.design_matrix(&germs); // 126 functions on 40 samples
+//! let samples of Î¾: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.Î¾(i)).collect();
+//! let values: Vec<f64> = samples of Î¾.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[1] * xi[3]).collect();
+//! let matrix = Basis::hermite(4, 5)?.design_matrix(&samples of Î¾); // 126 functions on 40 samples
 //! let fit = SparseRegression::default().select(&Candidates::new(matrix.view())?, &values)?;
 //! assert_eq!(fit.terms.len(), 3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

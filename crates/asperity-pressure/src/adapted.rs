@@ -1,7 +1,7 @@
-//! A germ rotated to one cell: the few standard normal variables that matter most for it.
+//! A Î¾ rotated to one cell: the few standard normal variables that matter most for it.
 //!
-//! The leading variables of a germ describe the whole map, and none of them one cell. The height of the cell and means of the
-//! heights over rings around it are linear in the germ of a Gaussian surface (monotone in linear ones of a translated one);
+//! The leading variables of a Î¾ describe the whole map, and none of them one cell. The height of the cell and means of the
+//! heights over rings around it are linear in the Î¾ of a Gaussian surface (monotone in linear ones of a translated one);
 //! in an orthonormal basis that begins with their directions a few variables say nearly all that can be said without solving.
 //! Their law is exactly standard normal.
 //!
@@ -16,8 +16,8 @@ use crate::predictor::Predictor;
 use crate::{MethodError, Problem};
 use asperity_contact::Boundary;
 
-/// Longest germ whose response is found by finite differences, where the surface does not state it.
-const LONGEST_GERM: usize = 2048;
+/// Longest Î¾ whose response is found by finite differences, where the surface does not state it.
+const MAX_XI_LEN: usize = 2048;
 /// Half width of such a difference.
 const DIFFERENCE: f64 = 1e-3;
 /// Samples that choose among directions, and the share of the error that one more has to take away.
@@ -26,7 +26,7 @@ const WORTHWHILE: f64 = 0.02;
 /// Share of a direction that has to be new.
 const NEW: f64 = 1e-6;
 
-/// Orthonormal directions in the space of germs.
+/// Orthonormal directions in the space of samples of Î¾.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Adapted {
     directions: Vec<Vec<f64>>,
@@ -34,17 +34,18 @@ pub(super) struct Adapted {
 
 impl Adapted {
     /// Directions of the cell of `problem` and of rings around it, the one that matters most first: at most `most` that make
-    /// a polynomial of `degree` predict the `values` of the `germs` better. None of a surface whose germ is too long or has no
+    /// a polynomial of `degree` predict the `values` of the `xi_samples` better. None of a surface whose Î¾ is too long or has no
     /// direction of its own for the cell.
     pub(super) fn new(
         problem: &Problem<'_>,
         most: usize,
         degree: usize,
-        germs: &[Vec<f64>],
+        xi_samples: &[Vec<f64>],
         values: &[f64],
     ) -> Result<Self, MethodError> {
         let mut candidates: Vec<Vec<f64>> = responses(problem).into_iter().map(|(_, response)| response).collect();
-        let (germs, values) = (&germs[..germs.len().min(CHOOSING)], &values[..values.len().min(CHOOSING)]);
+        let (xi_samples, values) =
+            (&xi_samples[..xi_samples.len().min(CHOOSING)], &values[..values.len().min(CHOOSING)]);
         let mut chosen = Self::default();
         let mut error = 1.0;
         while chosen.directions.len() < most {
@@ -53,7 +54,7 @@ impl Adapted {
             let tried = if chosen.directions.is_empty() { 1 } else { candidates.len() };
             for (place, candidate) in candidates.iter().enumerate().take(tried) {
                 let Some(with) = chosen.with(candidate) else { continue };
-                let rows: Vec<Vec<f64>> = germs.iter().map(|germ| with.of(germ)).collect();
+                let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| with.of(xi)).collect();
                 let found = Predictor::fit(&rows, values, degree)?.relative_error().unwrap_or(1.0);
                 if best.as_ref().is_none_or(|(_, _, least)| found < *least) {
                     best = Some((place, with, found));
@@ -75,9 +76,9 @@ impl Adapted {
         Self { directions }
     }
 
-    /// The variables of a germ.
-    pub(super) fn of(&self, germ: &[f64]) -> Vec<f64> {
-        self.directions.iter().map(|direction| dot(direction, germ)).collect()
+    /// The variables of a Î¾.
+    pub(super) fn of(&self, xi: &[f64]) -> Vec<f64> {
+        self.directions.iter().map(|direction| dot(direction, xi)).collect()
     }
 
     /// These and what is new in another direction, if anything is.
@@ -104,9 +105,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Response of the mean height of each ring to each germ variable, with the number of the ring: 0 is the cell itself, n those up to
+/// Response of the mean height of each ring to each normal variables, with the number of the ring: 0 is the cell itself, n those up to
 /// 2ⁿ⁻¹ times the finer pitch away; up to a factor that is the same for all. None of a surface that does not state its response
-/// and whose germ is too long.
+/// and whose Î¾ is too long.
 pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
     let rings = rings(problem);
     let used: Vec<usize> = (0..rings.len()).filter(|ring| !rings[*ring].is_empty()).collect();
@@ -123,20 +124,20 @@ fn stated_response(problem: &Problem<'_>, ring: &[usize]) -> Option<Vec<f64>> {
     problem.surface().xi_response(&weights)
 }
 
-/// Differences of the mean heights of the used rings for each germ variable.
+/// Differences of the mean heights of the used rings for each normal variables.
 fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -> Vec<Vec<f64>> {
     let surface = problem.surface();
     let xi_len = surface.xi_len();
-    if xi_len > LONGEST_GERM {
+    if xi_len > MAX_XI_LEN {
         return Vec::new();
     }
     let columns: Vec<Vec<f64>> = (0..xi_len)
         .into_par_iter()
         .map(|j| {
-            let mut germ = vec![0.0; xi_len];
-            let mut means = |xi: f64| -> Vec<f64> {
-                germ[j] = xi;
-                let map = surface.generate(&germ);
+            let mut xi = vec![0.0; xi_len];
+            let mut means = |value: f64| -> Vec<f64> {
+                xi[j] = value;
+                let map = surface.generate(&xi);
                 let heights_m = map.heights_m().as_slice().unwrap_or(&[]);
                 let mean = |ring: &Vec<usize>| ring.iter().map(|i| heights_m[*i]).sum::<f64>() / ring.len() as f64;
                 rings.iter().map(mean).collect()
@@ -220,11 +221,11 @@ mod tests {
         let (surface, half_space) = gaussian_surface(16, 40);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let problem = problem.at_cell(3, 5).unwrap();
-        let germs: Vec<Vec<f64>> = (0..300).map(|i| standard_normal(&mut stream(1, "adapted", i), 40)).collect();
+        let xi_samples: Vec<Vec<f64>> = (0..300).map(|i| standard_normal(&mut stream(1, "adapted", i), 40)).collect();
         let heights = |cell: [usize; 2]| -> Vec<f64> {
-            germs
+            xi_samples
                 .iter()
-                .map(|germ| asperity_surface::RandomSurface::generate(&surface, germ).heights_m()[cell])
+                .map(|xi| asperity_surface::RandomSurface::generate(&surface, xi).heights_m()[cell])
                 .collect()
         };
         // What depends on the cell and on those beside it.
@@ -232,11 +233,11 @@ mod tests {
         let mean = |i: usize| around.iter().map(|heights| heights[i]).sum::<f64>() / 4.0;
         let values: Vec<f64> =
             heights([3, 5]).iter().enumerate().map(|(i, z)| z + 30.0 * (z - mean(i)) + (z - mean(i)).powi(2)).collect();
-        let adapted = Adapted::new(&problem, 4, 3, &germs, &values).unwrap();
+        let adapted = Adapted::new(&problem, 4, 3, &xi_samples, &values).unwrap();
         assert!((2..=4).contains(&adapted.directions.len()), "{}", adapted.directions.len());
-        let scale = heights([3, 5])[0] / adapted.of(&germs[0])[0];
-        for (germ, z) in germs.iter().zip(heights([3, 5])) {
-            assert!((adapted.of(germ)[0] * scale - z).abs() < 1e-9 * scale.abs());
+        let scale = heights([3, 5])[0] / adapted.of(&xi_samples[0])[0];
+        for (xi, z) in xi_samples.iter().zip(heights([3, 5])) {
+            assert!((adapted.of(xi)[0] * scale - z).abs() < 1e-9 * scale.abs());
         }
         for (i, a) in adapted.directions.iter().enumerate() {
             for (j, b) in adapted.directions.iter().enumerate() {

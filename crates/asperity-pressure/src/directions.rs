@@ -1,4 +1,4 @@
-//! Directions in the space of germs that have names.
+//! Directions in the space of samples of Î¾ that have names.
 
 use crate::Problem;
 use crate::adapted::{Adapted, responses};
@@ -12,7 +12,7 @@ pub(super) struct NamedDirections {
 
 impl NamedDirections {
     /// The height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
-    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose germ is too long.
+    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose Î¾ is too long.
     pub(super) fn of_cell(problem: &Problem<'_>, most: usize) -> Self {
         let mut named = Self::default();
         for (ring, response) in responses(problem) {
@@ -37,9 +37,9 @@ impl NamedDirections {
         }
     }
 
-    /// The variables of a germ.
-    pub(super) fn of(&self, germ: &[f64]) -> Vec<f64> {
-        self.directions.of(germ)
+    /// The variables of a Î¾.
+    pub(super) fn of(&self, xi: &[f64]) -> Vec<f64> {
+        self.directions.of(xi)
     }
 }
 
@@ -58,10 +58,10 @@ mod tests {
         let problem = problem.at_cell(3, 5).unwrap();
         let named = NamedDirections::of_cell(&problem, 4);
         assert_eq!(named.names, ["height of the cell", "ring 1", "ring 2", "ring 3"]);
-        let germs: Vec<Vec<f64>> = (0..3).map(|i| standard_normal(&mut stream(1, "directions", i), 40)).collect();
-        let ratio = |germ: &Vec<f64>| surface.generate(germ).heights_m()[[3, 5]] / named.of(germ)[0];
-        assert!((ratio(&germs[0]) / ratio(&germs[1]) - 1.0).abs() < 1e-9);
+        let xi_samples: Vec<Vec<f64>> = (0..3).map(|i| standard_normal(&mut stream(1, "directions", i), 40)).collect();
+        let ratio = |xi: &Vec<f64>| surface.generate(xi).heights_m()[[3, 5]] / named.of(xi)[0];
+        assert!((ratio(&xi_samples[0]) / ratio(&xi_samples[1]) - 1.0).abs() < 1e-9);
         let leading = NamedDirections::leading(40, 2);
-        assert_eq!((leading.of(&germs[0]), leading.names[1].as_str()), (germs[0][..2].to_vec(), "mode 2"));
+        assert_eq!((leading.of(&xi_samples[0]), leading.names[1].as_str()), (xi_samples[0][..2].to_vec(), "mode 2"));
     }
 }

@@ -1,12 +1,12 @@
 //! The paper's chaos expansions of the pressure in contact, eq. (8) to (11).
 //!
 //! Both are fitted by least squares to the K samples in contact alone, and give the law
-//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh germs. Fitting only p > 0 and clipping afterwards
+//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh samples of Î¾. Fitting only p > 0 and clipping afterwards
 //! is truncated regression: the law is biased, and the variance of the variables left out is lost. Standard errors and
 //! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
 //!
 //! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
-//! by orders of magnitude on some germs. Values above the hardness are set to the hardness, as those below zero are set to zero.
+//! by orders of magnitude on some samples of Î¾. Values above the hardness are set to the hardness, as those below zero are set to zero.
 
 use crate::surrogate::{self, Atoms, Evidence, Fitted, Surrogate, others};
 use crate::{Estimate, MethodError};
@@ -26,28 +26,28 @@ pub(super) enum Response {
 struct Conditional<'a> {
     response: Response,
     basis: Basis,
-    germs: &'a [Vec<f64>],
+    xi_samples: &'a [Vec<f64>],
     pressures_pa: &'a [f64],
     fresh: &'a [Vec<f64>],
     /// Upper bound of the pressure.
     largest_pa: f64,
 }
 
-/// The law of the pressure from an expansion in the variables of the basis, those that lead the germs; `fresh` germs evaluate F_c.
+/// The law of the pressure from an expansion in the variables of the basis, those that lead the samples of Î¾; `fresh` samples of Î¾ evaluate F_c.
 ///
 /// # Errors
 /// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
 /// overflows.
 pub(super) fn estimate(
     response: Response,
-    germs: &[Vec<f64>],
+    xi_samples: &[Vec<f64>],
     evidence: Evidence<'_>,
     basis: Basis,
     fresh: &[Vec<f64>],
     seed: u64,
 ) -> Result<Estimate, MethodError> {
     let Evidence { pressures_pa, largest_pa, .. } = evidence;
-    let conditional = Conditional { response, basis, germs, pressures_pa, fresh, largest_pa };
+    let conditional = Conditional { response, basis, xi_samples, pressures_pa, fresh, largest_pa };
     let found = surrogate::estimate(&conditional, evidence, seed)?;
     let in_contact = evidence.pressures_pa.iter().filter(|p| **p > 0.0).count();
     let (contact_probability_se, interval) = evidence.share_in_contact(seed);
@@ -71,9 +71,9 @@ impl Surrogate for Conditional<'_> {
             Response::Pressure => self.pressures_pa[*i],
             Response::Logarithm => self.pressures_pa[*i].ln(),
         };
-        let germs: Vec<&[f64]> = contact.iter().map(|i| self.germs[*i].as_slice()).collect();
+        let xi_samples: Vec<&[f64]> = contact.iter().map(|i| self.xi_samples[*i].as_slice()).collect();
         let values: Vec<f64> = contact.iter().map(value).collect();
-        let fit = LeastSquares::new(self.basis.design_matrix(&germs).view())?.fit(&values)?;
+        let fit = LeastSquares::new(self.basis.design_matrix(&xi_samples).view())?.fit(&values)?;
         let expansion = Expansion::new(self.basis.clone(), fit.coefficients.clone());
         let pressure_pa = |value: f64| match self.response {
             Response::Pressure => value.clamp(0.0, self.largest_pa),
@@ -86,7 +86,7 @@ impl Surrogate for Conditional<'_> {
             std::iter::once((0.0, 1.0 - in_contact)).chain(atoms).collect()
         };
         let held: Vec<&[f64]> =
-            others(samples, self.germs.len()).into_iter().map(|i| self.germs[i].as_slice()).collect();
+            others(samples, self.xi_samples.len()).into_iter().map(|i| self.xi_samples[i].as_slice()).collect();
         Ok(Fitted {
             law: law(expansion.evaluate_many(self.fresh)),
             given: expansion.evaluate_many(&held).into_iter().map(|value| law(vec![value])).collect(),

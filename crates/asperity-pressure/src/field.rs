@@ -42,7 +42,7 @@ pub struct FieldLaws {
     pub mean_se_pa: Array2<f64>,
     /// Maps of the 10, 50 and 90 % quantiles.
     pub quantiles: Vec<QuantileMap>,
-    /// What the leading germ variables say of each cell, or why there is no such expansion.
+    /// What the leading normal variables say of each cell, or why there is no such expansion.
     pub global: Result<GlobalExpansion, MethodError>,
     /// Whether cells differ in law, or why that is not known.
     pub homogeneity: Result<Homogeneity, MethodError>,
@@ -57,10 +57,10 @@ pub struct QuantileMap {
     pub pressure_pa: Array2<f64>,
 }
 
-/// Chaos expansions of the pressures of all cells in the leading germ variables, by one factorisation.
+/// Chaos expansions of the pressures of all cells in the leading normal variables, by one factorisation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlobalExpansion {
-    /// Leading germ variables.
+    /// Leading normal variables.
     pub variables: usize,
     /// Total degree, that of the least mean error.
     pub degree: usize,
@@ -136,13 +136,13 @@ fn global(
     degree: usize,
 ) -> Result<GlobalExpansion, MethodError> {
     let kept = fields.kept.len();
-    let germs: Vec<Vec<f64>> = samples.leading_germs(variables).into_iter().take(kept).collect();
+    let xi_samples: Vec<Vec<f64>> = samples.leading_xi(variables).into_iter().take(kept).collect();
     let kappa = kappa_pa_per_m(samples.observations());
     let enough = |degree: &usize| number_of_terms(variables, *degree).is_some_and(|n| n * SAMPLES_PER_TERM <= kept);
     let mut best: Option<(f64, GlobalExpansion)> = None;
     for degree in (1..=degree).take_while(enough) {
         let basis = Basis::hermite(variables, degree)?;
-        let squares = LeastSquares::new(basis.design_matrix(&germs).view())?;
+        let squares = LeastSquares::new(basis.design_matrix(&xi_samples).view())?;
         let leave_one_out_error = error_map(&squares, fields, kappa)?;
         let known: Vec<f64> = leave_one_out_error.iter().copied().filter(|error| !error.is_nan()).collect();
         let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;

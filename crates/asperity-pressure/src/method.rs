@@ -13,11 +13,11 @@ pub enum Method {
     LatinHypercube,
     /// The mean of the empirical laws of ten randomisations of Sobol' points.
     Sobol,
-    /// Eq. (8): a chaos expansion of the pressure in contact in the leading germ variables, on the Latin hypercubes.
+    /// Eq. (8): a chaos expansion of the pressure in contact in the leading normal variables, on the Latin hypercubes.
     PolynomialChaos,
     /// Eq. (9): the same of the logarithm of the pressure in contact.
     PolynomialChaosLog,
-    /// Eq. (8) on the Monte Carlo samples, in the variables of the germ rotated to the cell.
+    /// Eq. (8) on the Monte Carlo samples, in the variables of the Î¾ rotated to the cell.
     PolynomialChaosLocal,
     /// Multilevel estimator: the Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the cell
     /// that predict the coarse results.
@@ -66,15 +66,15 @@ pub enum MethodError {
     #[error(transparent)]
     Law(#[from] DistanceError),
     /// The expansion of the logarithm exceeds the largest floating-point number.
-    #[error("the expansion overflows on {overflowed} of {evaluations} fresh germs")]
+    #[error("the expansion overflows on {overflowed} of {evaluations} fresh samples")]
     Overflow {
-        /// Germs on which it overflows.
+        /// Samples of Î¾ on which it overflows.
         overflowed: usize,
-        /// Germs evaluated.
+        /// Samples of Î¾ evaluated.
         evaluations: usize,
     },
-    /// No variable of the germ predicts the pressure of the cell.
-    #[error("no direction of the germ predicts the pressure of the cell")]
+    /// No variable of the Î¾ predicts the pressure of the cell.
+    #[error("no normal variable predicts the pressure of the cell")]
     NoVariables,
     /// There are too few samples.
     #[error("{samples} samples are too few; at least {wanted} are needed")]

@@ -22,7 +22,7 @@ const ADDED_VARIANCE: f64 = 1.0 / 3.0;
 const SCALE_STEP: f64 = 1.1;
 /// Degree of the polynomials by which a model predicts the next.
 const DEGREE: usize = 3;
-/// Most variables of the rotated germ.
+/// Most variables of the rotated Î¾.
 const MOST_VARIABLES: usize = 3;
 
 /// A scalar that each contact has.
@@ -114,7 +114,7 @@ pub struct CoarseSolves {
 }
 
 impl NestedSamples {
-    /// Solves the germs of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
+    /// Solves the samples of Î¾ of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
     /// on them as pays: every model gets samples in proportion to √(V/w), with the variance V that it takes away and its work w per
     /// sample, until together they add little to the variance of the fine samples or the work is spent.
     ///
@@ -127,8 +127,8 @@ impl NestedSamples {
         monitor: &dyn Monitor,
     ) -> Result<Result<Self, MethodError>, PressureError> {
         let mut models = Coarse::ladder(problem);
-        let germs: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.germ(i)).collect();
-        let mut solved = observe(problem, &models, &germs, "pressure/coarse", monitor)?;
+        let xi_samples: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.xi(i)).collect();
+        let mut solved = observe(problem, &models, &xi_samples, "pressure/coarse", monitor)?;
         // A model that many samples cannot have, as where its few points are all of one height, is none; and a sample is left out that
         // one of the others cannot have.
         let had = |l: usize| solved.iter().filter(|row| row[l].is_some()).count() as f64;
@@ -142,16 +142,16 @@ impl NestedSamples {
             return Ok(Err(MethodError::TooFewSamples { samples, wanted }));
         }
         let observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
-        let germs: Vec<Vec<f64>> = kept.iter().map(|i| germs[*i].clone()).collect();
+        let xi_samples: Vec<Vec<f64>> = kept.iter().map(|i| xi_samples[*i].clone()).collect();
         let coarse = columns(rows.into_iter().flatten(), models.len());
         let kappa = kappa_pa_per_m(&observations);
         let values: Vec<f64> = observations.iter().map(|o| Quantity::Pressure.latent(o, kappa)).collect();
-        let adapted = match Adapted::new(problem, MOST_VARIABLES, DEGREE, &germs, &values) {
+        let adapted = match Adapted::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values) {
             Ok(adapted) => adapted,
             Err(error) => return Ok(Err(error)),
         };
         let mut samples =
-            Self { models, coarse, normal: germs.iter().map(|germ| adapted.of(germ)).collect(), fine: observations };
+            Self { models, coarse, normal: xi_samples.iter().map(|xi| adapted.of(xi)).collect(), fine: observations };
         let plan = match samples.plan(problem, seed) {
             Ok(plan) => plan,
             Err(error) => return Ok(Err(error)),
@@ -203,7 +203,7 @@ impl NestedSamples {
         retain(&mut self.coarse, &used);
     }
 
-    /// Solves the leading `counts` germs of a design on the models.
+    /// Solves the leading `counts` samples of Î¾ of a design on the models.
     fn add(
         &mut self,
         problem: &Problem<'_>,
@@ -222,12 +222,12 @@ impl NestedSamples {
                     if monitor.cancelled() {
                         return Err(Cancelled);
                     }
-                    let germ = design.germ(index);
-                    let map = problem.surface().generate(&germ);
+                    let xi = design.xi(index);
+                    let map = problem.surface().generate(&xi);
                     let wanted = self.models.iter().zip(workspaces).zip(counts).filter(|(_, count)| index < **count);
                     let said = wanted.map(|((model, workspace), _)| model.observe(problem, &map, workspace)).collect();
                     monitor.progress("pressure/coarse", done.fetch_add(1, Ordering::Relaxed) + 1, design.samples());
-                    Ok(Option::<Vec<Observation>>::map(said, |said| (adapted.of(&germ), said)))
+                    Ok(Option::<Vec<Observation>>::map(said, |said| (adapted.of(&xi), said)))
                 },
             )
             .collect::<Result<_, Cancelled>>()?;
@@ -344,28 +344,28 @@ fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
     solution_work(shape, iterations)
 }
 
-/// What every model says of each germ; `None` where it cannot.
+/// What every model says of each Î¾; `None` where it cannot.
 fn observe(
     problem: &Problem<'_>,
     models: &[Coarse],
-    germs: &[Vec<f64>],
+    xi_samples: &[Vec<f64>],
     stage: &str,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Vec<Option<Observation>>>, Cancelled> {
     let done = AtomicUsize::new(0);
-    germs
+    xi_samples
         .par_iter()
         .map_init(
             || models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
-            |workspaces, germ| {
+            |workspaces, xi| {
                 if monitor.cancelled() {
                     return Err(Cancelled);
                 }
-                let map = problem.surface().generate(germ);
+                let map = problem.surface().generate(xi);
                 let said =
                     models.iter().zip(workspaces).map(|(model, workspace)| model.observe(problem, &map, workspace));
                 let said = said.collect();
-                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, germs.len());
+                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, xi_samples.len());
                 Ok(said)
             },
         )

@@ -225,12 +225,12 @@ impl<'a> Problem<'a> {
         self.cell
     }
 
-    /// Solves the contact of one germ's map.
+    /// Solves the contact of one Î¾'s map.
     ///
     /// # Errors
     /// The map is incomplete or flat, or the solver did not converge.
-    pub fn solve(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Solution, FailureReason> {
-        let map = self.surface.generate(germ);
+    pub fn solve(&self, xi: &[f64], workspace: &mut Workspace) -> Result<Solution, FailureReason> {
+        let map = self.surface.generate(xi);
         let heights_m = map.complete_heights_m()?;
         let problem = contact::Problem::new(self.half_space, heights_m, self.control, self.hardness_pa)?;
         let solution = self.solver.solve_with(&problem, workspace)?;
@@ -244,12 +244,12 @@ impl<'a> Problem<'a> {
         Ok(solution)
     }
 
-    /// What the contact of one germ's map says about the cell.
+    /// What the contact of one Î¾'s map says about the cell.
     ///
     /// # Errors
     /// As [`Problem::solve`].
-    pub fn observe(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
-        let solution = self.solve(germ, workspace)?;
+    pub fn observe(&self, xi: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
+        let solution = self.solve(xi, workspace)?;
         self.observation(&solution, workspace)
     }
 

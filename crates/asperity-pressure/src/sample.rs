@@ -1,4 +1,4 @@
-//! Contact solutions on a design of germs.
+//! Contact solutions on a design of samples of Î¾.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,10 +17,10 @@ pub struct Failure {
     pub reason: FailureReason,
 }
 
-/// Which germs are solved.
+/// Which samples of Î¾ are solved.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling<'a> {
-    /// How the germs are placed.
+    /// How the samples of Î¾ are placed.
     pub method: SamplingMethod,
     /// Independent randomisations among which they are divided.
     pub replicates: usize,
@@ -28,7 +28,7 @@ pub struct Sampling<'a> {
     pub seed: u64,
     /// See `seed`.
     pub stage: &'a str,
-    /// Number of germs; rounded up to as many for every replicate.
+    /// Number of samples of Î¾; rounded up to as many for every replicate.
     pub samples: usize,
     /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
     pub site_stride: Option<usize>,
@@ -40,7 +40,7 @@ pub struct Sampling<'a> {
 }
 
 impl<'a> Sampling<'a> {
-    /// So many independent germs.
+    /// So many independent samples of Î¾.
     pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_share: f64) -> Self {
         Self {
             method: SamplingMethod::MonteCarlo,
@@ -55,7 +55,7 @@ impl<'a> Sampling<'a> {
     }
 }
 
-/// The pressures of a design of germs, in index order, and the samples that failed.
+/// The pressures of a design of samples of Î¾, in index order, and the samples that failed.
 #[derive(Debug, Clone)]
 pub struct Samples {
     /// One for each replicate, equally large.
@@ -87,12 +87,12 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
         .into_par_iter()
         .map_init(
             || (problem.half_space().workspace(), vec![0.0; design.dimensions()]),
-            |(workspace, germ), index| {
+            |(workspace, xi), index| {
                 if monitor.cancelled() {
                     return Err(Cancelled);
                 }
-                designs[index / each].fill_germ(index % each, germ);
-                let outcome = problem.solve(germ, workspace).and_then(|solution| {
+                designs[index / each].fill_xi(index % each, xi);
+                let outcome = problem.solve(xi, workspace).and_then(|solution| {
                     let observation = problem.observation(&solution, workspace)?;
                     let stride = site_stride.unwrap_or(usize::MAX);
                     let sites = solution.pressure_pa().indexed_iter();
@@ -172,19 +172,19 @@ impl Samples {
         &self.failures
     }
 
-    /// The whole germ of the solved sample number `position`.
-    pub fn germ(&self, position: usize) -> Vec<f64> {
+    /// The whole Î¾ of the solved sample number `position`.
+    pub fn xi(&self, position: usize) -> Vec<f64> {
         let (index, each) = (self.indices[position], self.designs[0].samples());
-        self.designs[index / each].germ(index % each)
+        self.designs[index / each].xi(index % each)
     }
 
-    /// The leading `variables` germ values of every solved sample.
-    pub fn leading_germs(&self, variables: usize) -> Vec<Vec<f64>> {
+    /// The leading `variables` Î¾ values of every solved sample.
+    pub fn leading_xi(&self, variables: usize) -> Vec<Vec<f64>> {
         (0..self.len())
             .map(|position| {
-                let mut germ = self.germ(position);
-                germ.truncate(variables);
-                germ
+                let mut xi = self.xi(position);
+                xi.truncate(variables);
+                xi
             })
             .collect()
     }
@@ -258,8 +258,8 @@ mod tests {
             self.grid
         }
 
-        fn generate(&self, germ: &[f64]) -> HeightMap {
-            let amplitude = if germ[0] < self.flat_below { 0.0 } else { 1.0 };
+        fn generate(&self, xi: &[f64]) -> HeightMap {
+            let amplitude = if xi[0] < self.flat_below { 0.0 } else { 1.0 };
             HeightMap::from_function(self.grid, |x, y| amplitude * (x + 2.0 * y).sin()).unwrap()
         }
     }
@@ -281,7 +281,7 @@ mod tests {
             assert_eq!(failure.reason, FailureReason::Contact(ContactError::Flat));
             assert!((0..samples.len()).all(|i| samples.indices[i] != failure.index));
         }
-        assert!((0..samples.len()).all(|i| samples.germ(i)[0] > -1.645));
+        assert!((0..samples.len()).all(|i| samples.xi(i)[0] > -1.645));
     }
 
     #[test]
@@ -324,10 +324,10 @@ mod tests {
         let sampling = Sampling { replicates: 4, ..Sampling::monte_carlo(3, "alone", 20, 0.95) };
         let samples = solve(&problem, Sampling { method: SamplingMethod::Sobol, ..sampling }, &Silent).unwrap();
         let design = Design::new(SamplingMethod::Sobol, 3, "alone", 5, 10).unwrap();
-        let germ = design.replicate(2).unwrap().germ(3);
-        assert_eq!(samples.germ(13), germ);
+        let xi = design.replicate(2).unwrap().xi(3);
+        assert_eq!(samples.xi(13), xi);
         assert_eq!((samples.replicate_of(13), samples.replicates()), (2, 4));
-        let alone = problem.observe(&germ, &mut half_space.workspace()).unwrap();
+        let alone = problem.observe(&xi, &mut half_space.workspace()).unwrap();
         assert_eq!(samples.observations()[13], alone);
     }
 }

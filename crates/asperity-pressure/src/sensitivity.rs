@@ -21,12 +21,12 @@ const RESAMPLES: usize = 200;
 /// Quantities whose indices are estimated.
 const QUANTITIES: [Quantity; 3] = [Quantity::Pressure, Quantity::ContactFraction, Quantity::MeanPressure];
 
-/// Which variables of the germ.
+/// Which variables of the Î¾.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VariableSet {
     /// The height of the cell, and what is new in the mean heights of rings around it whose radii double.
     Local,
-    /// The leading ones of the germ.
+    /// The leading ones of the Î¾.
     Global,
 }
 
@@ -60,8 +60,8 @@ pub struct SensitivityIndices {
 /// Why there are no indices.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SensitivityError {
-    /// The germ is too long to find the response of single heights.
-    #[error("the germ is too long for variables around the cell")]
+    /// The Î¾ is too long to find the response of single heights.
+    #[error("too many normal variables to rotate them to the cell")]
     NoVariables,
     /// The basis could not be made.
     #[error(transparent)]
@@ -88,7 +88,7 @@ pub(super) fn of(
         (VariableSet::Global, NamedDirections::leading(problem.surface().xi_len(), leading)),
     ];
     let sets = sets.map(|(set, named)| {
-        let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.of(&samples.germ(i))).collect();
+        let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.of(&samples.xi(i))).collect();
         (set, named.names, rows)
     });
     let pairs: Vec<(Quantity, usize)> =

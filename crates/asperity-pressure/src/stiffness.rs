@@ -104,11 +104,11 @@ mod tests {
         let mut workspace = half_space.workspace();
         let (mut sums, mut agree, mut plastic) = ([0.0; 2], 0, 0);
         for i in 0..count {
-            let germ = standard_normal(&mut stream(3, "stiffness", i), surface.xi_len());
-            let solution = under(0.3).solve(&germ, &mut workspace).unwrap();
+            let xi = standard_normal(&mut stream(3, "stiffness", i), surface.xi_len());
+            let solution = under(0.3).solve(&xi, &mut workspace).unwrap();
             plastic += usize::from(solution.pressure_pa().iter().any(|p| Some(*p) == hardness_pa));
-            let found = under(0.3).with_stiffness().observe(&germ, &mut workspace).unwrap().stiffness_pa_per_m.unwrap();
-            let mut load = |height_m: f64| under(height_m).observe(&germ, &mut workspace).unwrap().mean_pressure_pa;
+            let found = under(0.3).with_stiffness().observe(&xi, &mut workspace).unwrap().stiffness_pa_per_m.unwrap();
+            let mut load = |height_m: f64| under(height_m).observe(&xi, &mut workspace).unwrap().mean_pressure_pa;
             let wanted = (load(0.3 - step_m) - load(0.3 + step_m)) / (2.0 * step_m);
             agree += usize::from((found - wanted).abs() <= 1e-5 * wanted);
             sums = [sums[0] + found, sums[1] + wanted];

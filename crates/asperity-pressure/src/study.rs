@@ -28,11 +28,11 @@ pub struct Study {
     pub fine_solves: usize,
     /// Contact solutions of the Monte Carlo reference.
     pub reference_samples: usize,
-    /// Leading germ variables of the expansions of eq. (8) and (9).
+    /// Leading normal variables of the expansions of eq. (8) and (9).
     pub variables: usize,
     /// Their total degree.
     pub degree: usize,
-    /// Evaluations of an expansion on fresh germs.
+    /// Evaluations of an expansion on fresh samples of Î¾.
     pub surrogate_samples: usize,
     /// Least share of converged contact problems in a run.
     pub valid_share: f64,
@@ -236,7 +236,7 @@ impl Study {
             return Err(PressureError::Parameter {
                 parameter: "variables",
                 value: self.variables as f64,
-                wanted: "at most the number of germ variables of the surface",
+                wanted: "at most the number of normal variables of the surface",
             });
         }
         if !(self.valid_share > 0.0 && self.valid_share <= 1.0) {
@@ -249,10 +249,10 @@ impl Study {
         Ok(())
     }
 
-    /// Germs on which expansions are evaluated.
-    fn fresh_germs(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
+    /// Samples of Î¾ on which expansions are evaluated.
+    fn fresh_xi(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
         let design = self.fresh_design("pressure/expansion", variables)?;
-        Ok((0..design.samples()).map(|i| design.germ(i)).collect())
+        Ok((0..design.samples()).map(|i| design.xi(i)).collect())
     }
 
     fn fresh_design(&self, stage: &str, variables: usize) -> Result<Design, PressureError> {
@@ -325,13 +325,13 @@ impl Solutions<'_> {
         };
         let expanded = |response| {
             let latin = self.latin.as_ref().map_err(Clone::clone)?;
-            let (germs, pressures_pa) = (latin.leading_germs(variables), pressures_pa(latin));
+            let (xi_samples, pressures_pa) = (latin.leading_xi(variables), pressures_pa(latin));
             let groups: Vec<usize> = (0..latin.len()).map(|position| latin.replicate_of(position)).collect();
-            let fresh = self.study.fresh_germs(variables)?;
+            let fresh = self.study.fresh_xi(variables)?;
             let evaluations = fresh.len();
             let evidence = Evidence { pressures_pa: &pressures_pa, groups: Some(&groups), evaluations, largest_pa };
             let basis = Basis::hermite(variables, degree)?;
-            Ok(expansion::estimate(response, &germs, evidence, basis, &fresh, seed)?)
+            Ok(expansion::estimate(response, &xi_samples, evidence, basis, &fresh, seed)?)
         };
         match method {
             Method::MonteCarlo => Estimate::of_independent(&self.monte_carlo, largest_pa, seed),

@@ -1,8 +1,8 @@
 //! Laws from models that are cheap to evaluate, and how far from the truth they are.
 //!
 //! A [`Surrogate`] is fitted to samples; its law is its own, whatever it is worth. What it is off by is estimated from samples that
-//! it was not fitted to: on the same germs the truth and the law that the model gives are both known. With h_f the law given
-//! the germ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
+//! it was not fitted to: on the same samples of Î¾ the truth and the law that the model gives are both known. With h_f the law given
+//! the Î¾ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
 //!
 //! F̃(t) = mean_i [s_i(t) − β (h_f(t | ξ_i) − E h_f(t))]
 //!
@@ -28,7 +28,7 @@ use asperity_chaos::{Design, StepLaw};
 
 /// Parts into which the samples are split.
 const FOLDS: usize = 10;
-/// Most variables of the rotated germ, and the degree of the polynomials that choose them.
+/// Most variables of the rotated Î¾, and the degree of the polynomials that choose them.
 const MOST_VARIABLES: usize = 8;
 const CHOOSING_DEGREE: usize = 3;
 
@@ -40,7 +40,7 @@ pub type Atoms = Vec<(f64, f64)>;
 pub struct Fitted {
     /// The law.
     pub law: Atoms,
-    /// The law given the germ of each sample that was not fitted, in their order.
+    /// The law given the Î¾ of each sample that was not fitted, in their order.
     pub given: Vec<Atoms>,
     pub coefficients: usize,
     pub leave_one_out_error: Option<f64>,
@@ -58,7 +58,7 @@ pub struct Evidence<'a> {
     pub pressures_pa: &'a [f64],
     /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
     pub groups: Option<&'a [usize]>,
-    /// Fresh germs on which models are evaluated.
+    /// Fresh samples of Î¾ on which models are evaluated.
     pub evaluations: usize,
     /// Upper bound of the pressure: the hardness, or infinity.
     pub largest_pa: f64,
@@ -202,7 +202,7 @@ fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) ->
         });
     }
     let mut total = evidence.mean(&seen);
-    // Fresh germs have an error of their own.
+    // Fresh samples of Î¾ have an error of their own.
     let mut fresh = Moments::new(nodes.len() + 1);
     for said in &said {
         let used = said.iter().zip(&slopes).map(|(said, slope)| if *slope > 0.0 { slope * said } else { 0.0 });
@@ -241,7 +241,7 @@ fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Samples in the variables of the germ rotated to the cell, and fresh ones.
+/// Samples in the variables of the Î¾ rotated to the cell, and fresh ones.
 #[derive(Debug, Clone)]
 pub struct Rotated {
     /// Variables of each sample; none where no direction predicts the pressure.
@@ -254,23 +254,23 @@ pub struct Rotated {
 }
 
 impl Rotated {
-    /// `design` makes fresh germs of so many variables.
+    /// `design` makes fresh samples of Î¾ of so many variables.
     pub(super) fn new<E>(
         problem: &Problem<'_>,
         samples: &Samples,
         design: impl Fn(usize) -> Result<Design, E>,
     ) -> Result<Result<Self, MethodError>, E> {
-        let germs: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.germ(i)).collect();
+        let xi_samples: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.xi(i)).collect();
         let latent = latent_pa(samples);
-        let adapted = match Adapted::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &germs, &latent) {
+        let adapted = match Adapted::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent) {
             Ok(adapted) => adapted,
             Err(error) => return Ok(Err(error)),
         };
-        let rows: Vec<Vec<f64>> = germs.iter().map(|germ| adapted.of(germ)).collect();
+        let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| adapted.of(xi)).collect();
         let variables = rows.first().map_or(0, Vec::len);
         // A design has at least one variable.
         let design = design(variables.max(1))?;
-        let fresh = (0..design.samples()).map(|i| design.germ(i)).collect();
+        let fresh = (0..design.samples()).map(|i| design.xi(i)).collect();
         let pressures_pa = samples.observations().iter().map(|o| o.pressure_pa).collect();
         let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
         Ok(Ok(Self { rows, pressures_pa, fresh, largest_pa }))
@@ -304,7 +304,7 @@ mod tests {
     use super::*;
     use asperity_base::random::{standard_normal, stream};
 
-    /// Ignores the germ: half the mean of the pressures, always.
+    /// Ignores the Î¾: half the mean of the pressures, always.
     struct HalfTheMean<'a>(&'a [f64]);
 
     impl Surrogate for HalfTheMean<'_> {

@@ -7,7 +7,7 @@ use asperity_base::map::{Grid, HeightMap};
 use asperity_contact::{Boundary, HalfSpace};
 use asperity_surface::{KarhunenLoeve, ModesRoute, RandomSurface};
 
-/// A fixed shape at a normal height: one germ variable.
+/// A fixed shape at a normal height: one normal variables.
 pub(super) struct Shape {
     pub(super) heights_m: Array2<f64>,
     grid: Grid,
@@ -30,8 +30,8 @@ impl RandomSurface for Shape {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        HeightMap::new(self.grid, &self.heights_m + self.std_m * germ[0]).unwrap()
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        HeightMap::new(self.grid, &self.heights_m + self.std_m * xi[0]).unwrap()
     }
 }
 

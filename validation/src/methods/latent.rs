@@ -16,11 +16,11 @@ use asperity::law::standard_normal_quantile;
 use asperity::pressure::MethodError;
 use asperity::pressure::surrogate::{Atoms, Fitted, Rotated, Surrogate};
 
-/// Errors drawn for each fresh germ, and for each sample that is held out.
+/// Errors drawn for each fresh Î¾, and for each sample that is held out.
 const DRAWS: usize = 5;
 const DRAWS_HELD: usize = 20;
 
-/// Censored regression on the variables of the rotated germ.
+/// Censored regression on the variables of the rotated Î¾.
 #[derive(Debug)]
 pub(crate) struct LatentOverlap<'a> {
     samples: &'a Rotated,

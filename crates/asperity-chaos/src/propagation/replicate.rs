@@ -14,7 +14,7 @@ const SHARE: Interval = Interval { low: 0.0, high: 1.0 };
 
 /// Points with a response, and what each random sample adds to it.
 pub(super) struct Samples<'a> {
-    pub(super) germs: Vec<&'a [f64]>,
+    pub(super) xi_samples: Vec<&'a [f64]>,
     pub(super) values: Vec<f64>,
     /// For each sample r and point k, (R − 1)(mean of y₍₋ᵣ₎ over r − y₍₋ᵣ₎): y moves by 1/R of it when the sample counts once
     /// more.
@@ -22,7 +22,7 @@ pub(super) struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    pub(super) fn new(germs: &[&'a [f64]], observed: &Observed<'_>, kept: &[usize]) -> Self {
+    pub(super) fn new(xi_samples: &[&'a [f64]], observed: &Observed<'_>, kept: &[usize]) -> Self {
         let values: Vec<f64> = kept.iter().map(|&k| observed.values[k]).collect();
         let count = observed.without.len() as f64;
         let replaced = |without: &[f64], k: usize| {
@@ -34,7 +34,7 @@ impl<'a> Samples<'a> {
             kept.iter().zip(&means).map(|(&k, mean)| (count - 1.0) * (mean - replaced(without, k))).collect()
         };
         let influences = if count < 2.0 { Vec::new() } else { observed.without.iter().map(influence).collect() };
-        Self { germs: germs.to_vec(), values, influences }
+        Self { xi_samples: xi_samples.to_vec(), values, influences }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -110,8 +110,8 @@ impl<'a> Samples<'a> {
         };
         let replicate = |index: usize| -> Result<Vec<f64>, RegressionError> {
             let (points, values) = self.resample(resamples, index);
-            let germs: Vec<&[f64]> = points.iter().map(|&k| self.germs[k]).collect();
-            Expansion::fit(expansion.basis().clone(), &germs, &values).map(|(expansion, _)| numbers(&expansion))
+            let xi_samples: Vec<&[f64]> = points.iter().map(|&k| self.xi_samples[k]).collect();
+            Expansion::fit(expansion.basis().clone(), &xi_samples, &values).map(|(expansion, _)| numbers(&expansion))
         };
         let found: Vec<Vec<f64>> =
             (0..resamples.count).into_par_iter().filter_map(|index| replicate(index).ok()).collect();

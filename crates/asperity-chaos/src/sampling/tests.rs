@@ -38,17 +38,17 @@ fn every_dyadic_prefix_of_sobol_points_is_stratified_in_every_variable() {
 }
 
 #[test]
-fn germs_have_the_moments_of_independent_standard_normals() {
+fn xi_samples_have_the_moments_of_independent_standard_normals() {
     let (samples, dimensions) = (2000, 12);
     for method in METHODS {
         let design = Design::new(method, 11, "moments", samples, dimensions).unwrap();
-        let germs: Vec<Vec<f64>> = (0..samples).map(|i| design.germ(i)).collect();
+        let xi_samples: Vec<Vec<f64>> = (0..samples).map(|i| design.xi(i)).collect();
         let n = samples as f64;
         for a in 0..dimensions {
-            let mean = germs.iter().map(|g| g[a]).sum::<f64>() / n;
+            let mean = xi_samples.iter().map(|g| g[a]).sum::<f64>() / n;
             assert!(mean.abs() < 4.5 / n.sqrt(), "{method:?}: mean {mean}");
             for b in 0..=a {
-                let product = germs.iter().map(|g| g[a] * g[b]).sum::<f64>() / n;
+                let product = xi_samples.iter().map(|g| g[a] * g[b]).sum::<f64>() / n;
                 let (wanted, variance) = if a == b { (1.0, 2.0) } else { (0.0, 1.0) };
                 let bound = 4.5 * f64::sqrt(variance / n);
                 assert!((product - wanted).abs() < bound, "{method:?}: E ξ{a} ξ{b} = {product}");
@@ -60,7 +60,7 @@ fn germs_have_the_moments_of_independent_standard_normals() {
 #[test]
 fn a_point_depends_on_seed_stage_index_and_sample_size_alone() {
     for method in METHODS {
-        let point = |seed, stage, index| Design::new(method, seed, stage, 100, 5).unwrap().germ(index);
+        let point = |seed, stage, index| Design::new(method, seed, stage, 100, 5).unwrap().xi(index);
         assert_eq!(point(1, "a", 17), point(1, "a", 17));
         assert_ne!(point(1, "a", 17), point(1, "a", 18));
         assert_ne!(point(1, "a", 17), point(2, "a", 17));
@@ -193,8 +193,8 @@ fn replicates_are_independent_and_their_spread_is_the_standard_error() {
 fn the_first_replicate_is_the_design() {
     for method in METHODS {
         let design = Design::new(method, 4, "same", 30, 3).unwrap();
-        assert_eq!(design.replicate(0).unwrap().germ(7), design.germ(7));
-        assert_ne!(design.replicate(1).unwrap().germ(7), design.germ(7));
-        assert_eq!(design.replicate(1).unwrap().germ(7), design.replicate(1).unwrap().germ(7));
+        assert_eq!(design.replicate(0).unwrap().xi(7), design.xi(7));
+        assert_ne!(design.replicate(1).unwrap().xi(7), design.xi(7));
+        assert_eq!(design.replicate(1).unwrap().xi(7), design.replicate(1).unwrap().xi(7));
     }
 }

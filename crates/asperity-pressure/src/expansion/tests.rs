@@ -2,9 +2,9 @@ use super::*;
 use asperity_base::law::standard_normal_cdf;
 use asperity_chaos::{Design, SamplingMethod, StepLaw, distance};
 
-fn germs(stage: &str, samples: usize, dimensions: usize) -> Vec<Vec<f64>> {
+fn xi_samples(stage: &str, samples: usize, dimensions: usize) -> Vec<Vec<f64>> {
     let design = Design::new(SamplingMethod::LatinHypercube, 9, stage, samples, dimensions).unwrap();
-    (0..samples).map(|i| design.germ(i)).collect()
+    (0..samples).map(|i| design.xi(i)).collect()
 }
 
 fn independent(pressures_pa: &[f64], evaluations: usize) -> Evidence<'_> {
@@ -18,7 +18,7 @@ fn estimate_of(
     basis: Basis,
 ) -> Result<(Estimate, StepLaw), MethodError> {
     let variables = basis.set().variables();
-    let (fine, fresh) = (germs("fine", samples, variables), germs("fresh", 3000, variables));
+    let (fine, fresh) = (xi_samples("fine", samples, variables), xi_samples("fresh", 3000, variables));
     let pressures: Vec<f64> = fine.iter().map(|xi| pressure(xi)).collect();
     let truth: Vec<f64> = fresh.iter().map(|xi| pressure(xi)).collect();
     let estimate = estimate(response, &fine, independent(&pressures, fresh.len()), basis, &fresh, 1)?;
@@ -33,7 +33,7 @@ fn a_polynomial_pressure_is_recovered_exactly() {
     let (estimate, truth) = estimate_of(Response::Pressure, pressure, 120, basis).unwrap();
     assert!(estimate.leave_one_out_error.unwrap() < 1e-20);
     assert!(distance::wasserstein_1(&estimate.law, &truth) < 1e-10);
-    // All that is left is the choice of 3,000 fresh germs.
+    // All that is left is the choice of 3,000 fresh samples of Î¾.
     let evaluations = truth.std() / 3000.0_f64.sqrt();
     // Whose spread is taken from 120 samples, of a relative standard error of 1/√240 = 6 % at normal spread.
     assert!((estimate.mean_se_pa / evaluations - 1.0).abs() < 0.3, "{} {evaluations}", estimate.mean_se_pa);
@@ -52,8 +52,8 @@ fn a_lognormal_pressure_is_recovered_exactly_by_its_logarithm() {
 #[test]
 fn the_standard_error_of_the_mean_is_that_of_least_squares() {
     // p = 50 + ξ₀ + ε of which ε is out of the model: the mean is the constant of the line, known to σ_ε/√n.
-    let (samples, fresh) = (400, germs("fresh", 20_000, 1));
-    let fine = germs("noisy", samples, 2);
+    let (samples, fresh) = (400, xi_samples("fresh", 20_000, 1));
+    let fine = xi_samples("noisy", samples, 2);
     let pressures: Vec<f64> = fine.iter().map(|xi| 50.0 + xi[0] + xi[1]).collect();
     let basis = Basis::hermite(1, 1).unwrap();
     let estimate = estimate(Response::Pressure, &fine, independent(&pressures, fresh.len()), basis, &fresh, 3).unwrap();
@@ -81,17 +81,17 @@ fn an_exponent_beyond_the_largest_number_is_a_reason_not_a_pressure() {
 
 #[test]
 fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the_hardness() {
-    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh germs it exceeds
+    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh samples of Î¾ it exceeds
     // the hardness with probability Φ(−1.5).
     let hardness = 21.5_f64.exp();
     let fine: Vec<Vec<f64>> = (0..80).map(|i| vec![-1.4 + 2.8 * f64::from(i) / 79.0]).collect();
     let pressures: Vec<f64> = fine.iter().map(|xi| (20.0 + xi[0]).exp()).collect();
-    let fresh = germs("fresh", 20_000, 1);
+    let fresh = xi_samples("fresh", 20_000, 1);
     let evidence = Evidence { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
     let basis = Basis::hermite(1, 1).unwrap();
     let found = estimate(Response::Logarithm, &fine, evidence, basis, &fresh, 1).unwrap();
     assert_eq!(found.law.quantile(1.0), hardness);
-    // The fresh germs are stratified: each share is met to one stratum.
+    // The fresh samples of Î¾ are stratified: each share is met to one stratum.
     let beyond = standard_normal_cdf(-1.5);
     assert!((1.0 - found.law.cdf_left(hardness) - beyond).abs() < 2.0 / 20_000.0, "{}", found.law.cdf_left(hardness));
     // E min(e^{20+ξ}, H) = e^{20.5} Φ(1.5 − 1) + H Φ(−1.5); a stratum of 1/20,000 moves it by less than 1e-3.
@@ -103,7 +103,7 @@ fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the
 
 #[test]
 fn under_a_hardness_an_exponent_beyond_the_largest_number_is_the_hardness() {
-    let (fine, fresh) = (germs("fine", 100, 1), germs("fresh", 3000, 1));
+    let (fine, fresh) = (xi_samples("fine", 100, 1), xi_samples("fresh", 3000, 1));
     let pressures: Vec<f64> = fine.iter().map(|xi| (260.0 * xi[0].clamp(-2.5, 2.5)).exp()).collect();
     let hardness = pressures.iter().copied().fold(0.0, f64::max);
     let evidence = Evidence { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
@@ -142,8 +142,8 @@ fn an_expansion_that_parts_of_the_samples_do_not_determine_has_no_intervals() {
 }
 
 #[test]
-fn germs_of_zeros_are_a_reason_and_samples_that_repeat_are_not() {
-    let fresh = germs("fresh", 500, 1);
+fn xi_samples_of_zeros_are_a_reason_and_samples_that_repeat_are_not() {
+    let fresh = xi_samples("fresh", 500, 1);
     let run = |fine: &[Vec<f64>]| {
         let pressures: Vec<f64> = fine.iter().map(|xi| 5.0 + xi[0]).collect();
         estimate(

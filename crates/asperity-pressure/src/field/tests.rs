@@ -65,7 +65,7 @@ fn a_pressure_that_follows_one_global_variable_has_no_error_and_noise_has_all() 
     let mut fields = samples.fields().unwrap().clone();
     let noise = standard_normal(&mut stream(1, "noise", 0), COUNT * 8);
     for (k, field) in fields.kept.iter_mut().enumerate() {
-        let xi = samples.germ(k)[0];
+        let xi = samples.xi(k)[0];
         let value = |i: usize| if i < 4 { 9.0 + xi + xi * xi } else { 9.0 + noise[8 * k + i] };
         *field = (0..8).map(|i| value(i) as f32).collect();
     }

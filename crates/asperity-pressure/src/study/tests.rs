@@ -60,7 +60,7 @@ fn the_papers_expansion_finds_a_linear_pressure_and_counts_its_atom_twice() {
         let (estimate, _) = results.estimate(Method::PolynomialChaos).unwrap();
         // In contact p is exactly linear in ξ, up to the faint wave ...
         assert!(estimate.leave_one_out_error.unwrap() < 1e-8);
-        // ... but germs out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
+        // ... but samples of Î¾ out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
         let p = estimate.contact_probability;
         let wanted = 1.0 - p + p * cdf(0.0);
         let bound = 4.0 * p * (0.25_f64 / 20_000.0).sqrt() + 1e-3;
@@ -194,22 +194,22 @@ fn a_study_is_the_same_on_one_thread_and_on_two() {
 }
 
 #[test]
-fn more_germ_variables_than_sobol_points_have_are_a_recorded_reason() {
-    /// A germ whose tail is idle.
-    struct LongGerm<'a>(&'a dyn RandomSurface);
-    impl RandomSurface for LongGerm<'_> {
+fn more_xi_variables_than_sobol_points_have_are_a_recorded_reason() {
+    /// A Î¾ whose tail is idle.
+    struct LongXi<'a>(&'a dyn RandomSurface);
+    impl RandomSurface for LongXi<'_> {
         fn xi_len(&self) -> usize {
             2000
         }
         fn grid(&self) -> Grid {
             self.0.grid()
         }
-        fn generate(&self, germ: &[f64]) -> HeightMap {
-            self.0.generate(&germ[..self.0.xi_len()])
+        fn generate(&self, xi: &[f64]) -> HeightMap {
+            self.0.generate(&xi[..self.0.xi_len()])
         }
     }
     let (surface, half_space) = gaussian_surface(8, 6);
-    let surface = LongGerm(&surface);
+    let surface = LongXi(&surface);
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
     let sizes = Study { fine_solves: 40, reference_samples: 40, surrogate_samples: 100, ..small_study() };
     let results = sizes.run(&problem, &Silent).unwrap();
@@ -282,7 +282,7 @@ fn the_stiffness_is_one_more_scalar_and_changes_nothing_else() {
     let plain = StepLaw::empirical(&values).unwrap();
     let se = stiffness.mean_se.hypot(plain.std() / (values.len() as f64).sqrt());
     assert!((stiffness.mean - plain.mean()).abs() < 4.0 * se, "{} {} ± {se}", stiffness.mean, plain.mean());
-    // Coarse grids and the germ say something of it.
+    // Coarse grids and the Î¾ say something of it.
     assert!(stiffness.mean_se < 0.9 * plain.std() / 200.0_f64.sqrt(), "{} {}", stiffness.mean_se, plain.std());
     let rest: Vec<ScalarResult> =
         with.scalars.iter().filter(|scalar| scalar.quantity != Quantity::Stiffness).cloned().collect();

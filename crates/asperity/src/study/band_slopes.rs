@@ -163,8 +163,8 @@ mod tests {
             let field = Translated::new(SpectralField::free(&covariance, grid).unwrap(), law).unwrap();
             let maps: Vec<HeightMap> = (0..12)
                 .map(|index| {
-                    let germ = random::standard_normal(&mut random::stream(4, "slopes", index), field.xi_len());
-                    field.generate(&germ)
+                    let xi = random::standard_normal(&mut random::stream(4, "slopes", index), field.xi_len());
+                    field.generate(&xi)
                 })
                 .collect();
             let slopes = BandSlopes::of(&maps.iter().collect::<Vec<_>>(), 1e6).unwrap().unwrap();

@@ -89,8 +89,8 @@ fn rough(nx: usize, ny: usize, length_m: f64) -> Array2<f64> {
     let grid = Grid::new(nx, ny, 2e-6, 2e-6).unwrap();
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, length_m).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    let germ = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
-    field.generate(&germ).heights_m().clone()
+    let xi = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
+    field.generate(&xi).heights_m().clone()
 }
 
 fn folder_with(heights_m: Array2<f64>) -> tempfile::TempDir {

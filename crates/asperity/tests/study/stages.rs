@@ -54,8 +54,8 @@ fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
     let grid = Grid::new(128, 128, 2e-6, 2e-6).unwrap();
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, rms_m, length_m).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    let germ = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
-    let mut heights = field.generate(&germ).heights_m().clone();
+    let xi = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
+    let mut heights = field.generate(&xi).heights_m().clone();
     heights.indexed_iter_mut().for_each(|((row, column), z)| *z += 1e-9 * column as f64 - 2e-9 * row as f64);
     heights[[5, 7]] = f64::NAN;
     asperity_formats::write(&Scan::new(heights, Some((2e-6, 2e-6))), &folder.join("scan.x3p")).unwrap();

@@ -87,13 +87,13 @@ impl ProcessNull {
         let draw = |index: usize| {
             let mut stream = random::stream(seed, "goodness", index as u64);
             let mut counts = vec![0.0; CELLS];
-            let germs: Vec<Vec<f64>> =
+            let xi_samples: Vec<Vec<f64>> =
                 scores.iter().map(|record| random::standard_normal(&mut stream, record.len())).collect();
-            let germs = layout.by_strip(&germs).flat_map(|lanes| mixed(lanes, &mixture));
-            for (record, germ) in scores.iter().zip(germs) {
+            let xi_samples = layout.by_strip(&xi_samples).flat_map(|lanes| mixed(lanes, &mixture));
+            for (record, xi) in scores.iter().zip(xi_samples) {
                 let path = match circles.iter().find(|circle| circle.fft.nx() == record.len()) {
-                    Some(circle) => circle.path(germ),
-                    None => process.path(germ),
+                    Some(circle) => circle.path(xi),
+                    None => process.path(xi),
                 };
                 for (g, _) in path.iter().zip(record).filter(|(_, score)| !score.is_nan()) {
                     counts[cell(*g)] += 1.0 / n;
@@ -260,18 +260,18 @@ impl Autoregression {
         self.orders.len() - 1
     }
 
-    /// The path that a standard normal germ makes, stationary from its first value.
-    fn path(&self, mut germ: Vec<f64>) -> Vec<f64> {
-        for t in 0..germ.len() {
+    /// The path that a standard normal Î¾ makes, stationary from its first value.
+    fn path(&self, mut xi: Vec<f64>) -> Vec<f64> {
+        for t in 0..xi.len() {
             let (coefficients, std) = &self.orders[t.min(self.order())];
-            let expected: f64 = coefficients.iter().zip(germ[..t].iter().rev()).map(|(c, x)| c * x).sum();
-            germ[t] = expected + std * germ[t];
+            let expected: f64 = coefficients.iter().zip(xi[..t].iter().rev()).map(|(c, x)| c * x).sum();
+            xi[t] = expected + std * xi[t];
         }
-        germ
+        xi
     }
 }
 
-/// What of the germ of a lane goes into that of another, by their distance round the strip: the root of the circulant matrix
+/// What of the Î¾ of a lane goes into that of another, by their distance round the strip: the root of the circulant matrix
 /// of the correlations at the same position, negative eigenvalues left out.
 fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     let lanes = layout.lanes;
@@ -304,16 +304,16 @@ fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     mixture
 }
 
-/// Germs of the lanes of a strip, mixed.
-fn mixed(germs: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
-    if let [germ] = germs {
-        return vec![germ.clone()];
+/// Samples of Î¾ of the lanes of a strip, mixed.
+fn mixed(xi_samples: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
+    if let [xi] = xi_samples {
+        return vec![xi.clone()];
     }
-    let lanes = germs.len();
+    let lanes = xi_samples.len();
     let of = |lane: usize, place: usize| -> f64 {
-        germs.iter().enumerate().map(|(other, germ)| mixture[(other + lanes - lane) % lanes] * germ[place]).sum()
+        xi_samples.iter().enumerate().map(|(other, xi)| mixture[(other + lanes - lane) % lanes] * xi[place]).sum()
     };
-    (0..lanes).map(|lane| (0..germs[lane].len()).map(|place| of(lane, place)).collect()).collect()
+    (0..lanes).map(|lane| (0..xi_samples[lane].len()).map(|place| of(lane, place)).collect()).collect()
 }
 
 /// A stationary normal process round a strip.
@@ -346,13 +346,13 @@ impl Circle {
         Self { fft, amplitudes }
     }
 
-    /// The path that a standard normal germ makes.
-    fn path(&self, mut germ: Vec<f64>) -> Vec<f64> {
+    /// The path that a standard normal Î¾ makes.
+    fn path(&self, mut xi: Vec<f64>) -> Vec<f64> {
         let (mut spectrum, mut work) = (self.fft.spectrum(), self.fft.workspace());
-        self.fft.forward(&germ, &mut spectrum, &mut work);
+        self.fft.forward(&xi, &mut spectrum, &mut work);
         spectrum.iter_mut().zip(&self.amplitudes).for_each(|(value, amplitude)| *value *= *amplitude);
-        self.fft.inverse(&mut spectrum, &mut germ, &mut work);
-        germ
+        self.fft.inverse(&mut spectrum, &mut xi, &mut work);
+        xi
     }
 }
 
@@ -416,11 +416,11 @@ mod tests {
         let copies = lane_mixture(&vec![of(0); 4], layout);
         assert!(copies.iter().all(|share| (share - 0.5).abs() < 1e-12), "{copies:?}");
         // Each lane shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
-        let germs: Vec<Vec<f64>> = (0..4).map(of).collect();
+        let xi_samples: Vec<Vec<f64>> = (0..4).map(of).collect();
         let lanes: Vec<Vec<f64>> =
-            (0..4).map(|l| germs[l].iter().zip(&germs[(l + 1) % 4]).map(|(a, b)| a + b).collect()).collect();
+            (0..4).map(|l| xi_samples[l].iter().zip(&xi_samples[(l + 1) % 4]).map(|(a, b)| a + b).collect()).collect();
         let mixture = lane_mixture(&lanes, layout);
-        let drawn = mixed(&germs, &mixture);
+        let drawn = mixed(&xi_samples, &mixture);
         let product = |a: usize, b: usize| drawn[a].iter().zip(&drawn[b]).map(|(x, y)| x * y).sum::<f64>() / 4000.0;
         // 4,000 products know a correlation to 1/√4,000 = .016, here twice.
         for (a, b, wanted) in [(0, 0, 1.0), (0, 1, 0.5), (1, 2, 0.5), (0, 2, 0.0), (0, 3, 0.5)] {
