@@ -18,11 +18,11 @@ use std::time::Instant;
 
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, contact_modulus_pa};
 use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::distribution::Marginal;
 use asperity::friction::StripSums;
 use asperity::friction::law::BowdenTabor;
 use asperity::friction::strip::Strips;
 use asperity::friction::window::Window;
-use asperity::law::Marginal;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random;
@@ -65,7 +65,7 @@ impl Settings {
 
 fn main() -> Result<()> {
     let settings = Settings::parse(std::env::args().skip(1))?;
-    let grid = Grid::covering(settings.nx, settings.ny, 6e-3, 0.75e-3)?;
+    let grid = Grid::with_size(settings.nx, settings.ny, 6e-3, 0.75e-3)?;
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 1e-6, 20e-6)?;
     let surface = SpectralField::periodic(&covariance, grid);
     let modulus_pa = contact_modulus_pa(210e9, 0.3);

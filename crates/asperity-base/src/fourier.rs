@@ -9,8 +9,8 @@
 //! its own, so the bits of a result depend on neither the number of threads nor who did what.
 
 mod convolution;
-mod lanes;
 mod products;
+mod transpose;
 
 use std::fmt;
 use std::sync::Arc;
@@ -21,9 +21,9 @@ use rayon::prelude::*;
 
 #[doc(hidden)]
 pub use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
-use lanes::{BLOCK, TILE, gather};
 #[doc(hidden)]
 pub use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
+use transpose::{BLOCK, TILE, gather};
 
 /// Points of a map from which its rows are worth sharing among threads: sharing costs some microseconds.
 const SHARED_FROM: usize = 1 << 15;
@@ -205,7 +205,7 @@ impl RealFft2 {
             let inputs = &mut inputs[..out.len() / columns * stored];
             gather(spectrum.chunks(TILE * self.ny), self.ny, block * BLOCK, inputs, stored);
             for (input, out) in inputs.chunks_exact_mut(stored).zip(out.chunks_exact_mut(columns)) {
-                lanes::make_real(input, self.nx);
+                transpose::make_real(input, self.nx);
                 let scratch = &mut scratch[..self.row_inverse.get_scratch_len()];
                 let done = self.row_inverse.process_with_scratch(input, real_row, scratch);
                 debug_assert!(done.is_ok());

@@ -6,8 +6,8 @@
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
 pub mod correlation;
+pub mod distribution;
 pub mod fourier;
-pub mod law;
 pub mod map;
 pub mod monitor;
 #[doc(hidden)]

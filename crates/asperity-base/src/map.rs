@@ -90,7 +90,7 @@ impl Grid {
     ///
     /// # Errors
     /// As [`Grid::new`].
-    pub fn covering(nx: usize, ny: usize, width_m: f64, height_m: f64) -> Result<Self, MapError> {
+    pub fn with_size(nx: usize, ny: usize, width_m: f64, height_m: f64) -> Result<Self, MapError> {
         Self::new(nx, ny, width_m / nx as f64, height_m / ny as f64)
     }
 
@@ -272,7 +272,7 @@ mod tests {
             assert!(matches!(Grid::new(2, 2, 1.0, wrong), Err(MapError::BadPitch { .. })), "{wrong}");
         }
         assert!(Grid::new(2, 2, 1e-15, 1e3).is_ok());
-        let error = Grid::covering(100, 100, 1e30, 1.0).unwrap_err().to_string();
+        let error = Grid::with_size(100, 100, 1e30, 1.0).unwrap_err().to_string();
         assert!(error.contains("1e28") && error.contains("between 1e-15 m and 1e3 m"), "{error}");
         let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
         assert_eq!(HeightMap::new(grid, Array2::from_elem((2, 2), f64::NAN)), Err(MapError::Empty { points: 4 }));

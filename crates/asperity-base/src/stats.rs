@@ -99,17 +99,17 @@ pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     sorted(&present, 0.0, Order::Ascending)
 }
 
-/// Quantile of Student's law; NaN unless 0 < `probability` < 1 and the degrees of freedom are positive.
+/// Quantile of Student's distribution; NaN unless 0 < `probability` < 1 and the degrees of freedom are positive.
 pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     let inside = probability > 0.0 && probability < 1.0;
-    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-    law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
+    let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    marginal.ok().filter(|_| inside).map_or(f64::NAN, |marginal| marginal.inverse_cdf(probability))
 }
 
-/// Probability of at least |t| under Student's law, of both signs; NaN if t is, and unless the degrees of freedom are positive.
+/// Probability of at least |t| under Student's distribution, of both signs; NaN if t is, and unless the degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
-    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-    law.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
+    let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    marginal.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t.abs()))
 }
 
 /// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.

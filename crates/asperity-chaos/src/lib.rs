@@ -1,8 +1,8 @@
-//! Designs of experiments, orthonormal polynomial expansions, least squares and distances of laws. Knows no tribology.
+//! Designs of experiments, orthonormal polynomial expansions, least squares and distances of distributions. Knows no tribology.
 //!
 //! A random quantity is a function f(ξ) of a *Î¾*, a vector of independent standard variables. [`sampling`] says where
 //! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
-//! [`Expansion`], and [`StepLaw`] compares the distributions that come out. [`Resamples`] estimates the errors of Sobol' indices;
+//! [`Expansion`], and [`DiscreteDistribution`] compares the distributions that come out. [`Resamples`] estimates the errors of Sobol' indices;
 //! [`propagation`] takes uncertain parameters through a response with noise.
 
 mod basis;
@@ -19,7 +19,7 @@ mod sensitivity;
 mod sparse;
 
 pub use basis::{Basis, BasisError};
-pub use distance::{DistanceError, StepLaw};
+pub use distance::{DiscreteDistribution, DiscreteDistributionError};
 pub use expansion::Expansion;
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;

@@ -1,9 +1,9 @@
-//! Polynomials orthonormal under the law of a standard variable.
+//! Polynomials orthonormal under the distribution of a standard variable.
 //!
 //! # References
 //! Xiu & Karniadakis, *SIAM J. Sci. Comput.* **24** (2002) 619, <https://doi.org/10.1137/S1064827501387826>.
 
-/// The law of a standard variable and its orthonormal polynomials ψ₀ = 1, ψ₁, ψ₂, …: E ψ_m ψ_n = δ_mn.
+/// The distribution of a standard variable and its orthonormal polynomials ψ₀ = 1, ψ₁, ψ₂, …: E ψ_m ψ_n = δ_mn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// Standard normal variable; ψ_n = He_n/√n! with the probabilists' Hermite polynomials He_n.
@@ -41,7 +41,7 @@ impl Family {
     /// The standard variable whose distribution function is `u`, 0 < u < 1.
     pub fn from_unit(self, u: f64) -> f64 {
         match self {
-            Self::Hermite => asperity_base::law::standard_normal_quantile(u),
+            Self::Hermite => asperity_base::distribution::standard_normal_quantile(u),
             Self::Legendre => 2.0 * u - 1.0,
         }
     }
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
     use faer::{Mat, Side};
 
-    /// Gauss rule (nodes, weights) under the law of the family, from the eigenvalues of its Jacobi matrix
+    /// Gauss rule (nodes, weights) under the distribution of the family, from the eigenvalues of its Jacobi matrix
     /// (Golub & Welsch, *Math. Comp.* 23 (1969) 221).
     fn gauss_rule(family: Family, points: usize) -> Vec<(f64, f64)> {
         let jacobi =

@@ -1,7 +1,7 @@
 //! Uncertain parameters through a response that is expensive and known with noise.
 //!
 //! [`Propagation`] says at which parameters to evaluate, and makes a chaos expansion of what was found there: mean, standard
-//! deviation and law of the response over the parameters, and Sobol' indices that say which of them matters.
+//! deviation and distribution of the response over the parameters, and Sobol' indices that say which of them matters.
 //!
 //! # Noise
 //!
@@ -38,7 +38,7 @@ use super::{
     Basis, BasisError, Design, Estimate, Expansion, MultiIndexSet, RegressionError, Resamples, ResamplesError,
     SamplingError, SamplingMethod, Truncation,
 };
-use asperity_base::law::LawError;
+use asperity_base::distribution::DistributionError;
 use asperity_base::stats::{Interval, Moments, quantile_sorted};
 use replicate::Samples;
 
@@ -50,7 +50,7 @@ const POINTS_PER_TERM: usize = 3;
 const LEAST_POINTS_PER_TERM: usize = 4;
 /// Share of the points that must have a response.
 const VALID_SHARE: f64 = 0.9;
-/// Points at which the law of the response is drawn from its expansion.
+/// Points at which the distribution of the response is drawn from its expansion.
 const DRAWS: usize = 4096;
 /// Scatter over the mean below which a response does not vary.
 const ROUNDING: f64 = 1e-12;
@@ -71,9 +71,9 @@ pub enum PropagationError {
         /// Fewest points.
         wanted: usize,
     },
-    /// A law is not one.
+    /// A distribution is not one.
     #[error(transparent)]
-    Law(#[from] LawError),
+    Law(#[from] DistributionError),
     /// The design could not be made.
     #[error(transparent)]
     Design(#[from] SamplingError),
@@ -91,7 +91,7 @@ pub enum PropagationError {
         /// Points of the design.
         points: usize,
     },
-    /// Too few points have a response: what is left is not the law of the parameters.
+    /// Too few points have a response: what is left is not the distribution of the parameters.
     #[error("only {valid} of {points} points have a response")]
     TooFewValid {
         /// Points with a response.
@@ -174,7 +174,7 @@ pub struct ParameterIndices {
     pub total: Vec<Estimate>,
 }
 
-/// A response over the law of its parameters.
+/// A response over the distribution of its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagated {
     /// Mean over the parameters.
@@ -191,18 +191,18 @@ pub struct Propagated {
     pub noise: Noise,
     /// Points without a response, left out.
     pub failed: Vec<usize>,
-    /// Sorted draws of the response over the law of the parameters.
-    law: Vec<f64>,
+    /// Sorted draws of the response over the distribution of the parameters.
+    marginal: Vec<f64>,
 }
 
 impl Propagated {
-    /// Quantile of the response over the law of the parameters, by its expansion; where nothing predicts the response, of its
+    /// Quantile of the response over the distribution of the parameters, by its expansion; where nothing predicts the response, of its
     /// values at the points.
     ///
     /// # Panics
     /// If the probability lies outside [0, 1].
     pub fn quantile(&self, probability: f64) -> f64 {
-        quantile_sorted(&self.law, probability)
+        quantile_sorted(&self.marginal, probability)
     }
 
     /// Where the response lies for 95 % of the parameters.
@@ -253,11 +253,11 @@ impl Propagation {
         self.parameters.iter().zip(&self.xi_samples[k]).map(|(parameter, xi)| parameter.at(*xi)).collect()
     }
 
-    /// The response over the law of the parameters, with intervals by `resamples`.
+    /// The response over the distribution of the parameters, with intervals by `resamples`.
     ///
     /// Of expansions of degree up to three, with at least three points for each term, the one that predicts each point best from
     /// the others is taken; resamples of points and samples keep its terms. Samples are drawn again for all points together,
-    /// spread as Student's law of so many samples is.
+    /// spread as Student's distribution of so many samples is.
     ///
     /// # Errors
     /// Responses of another number of points, fewer than 90 % of the points with one, or settings of the bootstrap out of range.
@@ -274,7 +274,7 @@ impl Propagation {
             return Err(PropagationError::TooFewValid { valid: kept.len(), points });
         }
         let samples = Samples::new(&kept.iter().map(|&k| &self.xi_samples[k][..]).collect::<Vec<_>>(), observed, &kept);
-        let moments = Moments::of(&samples.values);
+        let moments = Moments::new(&samples.values);
         let variance = moments.sample_std().powi(2);
         if variance.sqrt() <= observed.resolution.max(ROUNDING * moments.mean.abs()) {
             return self.without_indices(&samples, failed, 0.0, NoIndices::Constant, resamples);
@@ -292,11 +292,11 @@ impl Propagation {
                     self.parameters.len(),
                 )?;
                 let xi_samples: Vec<Vec<f64>> = (0..DRAWS).map(|i| xi(&self.parameters, &draws.unit(i))).collect();
-                let mut law = expansion.evaluate_many(&xi_samples);
-                law.sort_by(f64::total_cmp);
+                let mut marginal = expansion.evaluate_many(&xi_samples);
+                marginal.sort_by(f64::total_cmp);
                 let (mean, std, indices) = samples.estimates(&expansion, error, resamples);
                 let noise = samples.noise(variance);
-                Ok(Propagated { mean, std, expansion, leave_one_out: error, indices, noise, failed, law })
+                Ok(Propagated { mean, std, expansion, leave_one_out: error, indices, noise, failed, marginal })
             }
         }
     }
@@ -338,14 +338,14 @@ impl Propagation {
     ) -> Result<Propagated, PropagationError> {
         let (mean, std) = samples.moments(resamples);
         let constant = self.basis(&Truncation::total_degree(0))?;
-        let mut law = samples.values.clone();
-        law.sort_by(f64::total_cmp);
+        let mut marginal = samples.values.clone();
+        marginal.sort_by(f64::total_cmp);
         let mut noise = samples.noise(std.value * std.value);
         if reason == NoIndices::Constant {
             noise.variance_share = 0.0;
         }
         let expansion = Expansion::new(constant, vec![mean.value]);
-        Ok(Propagated { mean, std, expansion, leave_one_out: error, indices: Err(reason), noise, failed, law })
+        Ok(Propagated { mean, std, expansion, leave_one_out: error, indices: Err(reason), noise, failed, marginal })
     }
 }
 

@@ -89,7 +89,7 @@ pub struct LeaveOneOut {
 
 impl LeaveOneOut {
     /// Errors from the residuals and leverages of a fit.
-    pub(super) fn of(response: &[f64], residuals: &[f64], leverages: &[f64]) -> Self {
+    pub(super) fn new(response: &[f64], residuals: &[f64], leverages: &[f64]) -> Self {
         let n = response.len() as f64;
         let errors: Vec<Option<f64>> = residuals
             .iter()
@@ -175,7 +175,7 @@ impl LeastSquares {
         let residuals: Vec<f64> = (0..samples).map(|i| residual[(i, 0)]).collect();
         Ok(Fit {
             coefficients: (0..count).map(|j| solution[(j, 0)]).collect(),
-            leave_one_out: LeaveOneOut::of(response, &residuals, &self.leverages),
+            leave_one_out: LeaveOneOut::new(response, &residuals, &self.leverages),
             residuals,
         })
     }

@@ -81,11 +81,11 @@ impl Resamples {
 
     /// What the values on the resamples say of a value in `range`.
     ///
-    /// A plug-in value that is convex in the law, such as a distance or a sum of squares, is too large, and those of the
+    /// A plug-in value that is convex in the distribution, such as a distance or a sum of squares, is too large, and those of the
     /// resamples are so once more. So the interval is the basic one: 2 value − the quantiles of the resamples, cut off at
     /// the ends of the range.
     pub(super) fn estimate(&self, value: f64, mut replicates: Vec<f64>, range: Interval) -> Estimate {
-        let standard_error = Moments::of(&replicates).sample_std();
+        let standard_error = Moments::new(&replicates).sample_std();
         replicates.sort_by(f64::total_cmp);
         let tail = 0.5 * (1.0 - self.level);
         let end = |probability| (2.0 * value - quantile_sorted(&replicates, probability)).clamp(range.low, range.high);

@@ -24,7 +24,7 @@ mod scrambled_sobol;
 use rand::Rng;
 use thiserror::Error;
 
-use asperity_base::law::standard_normal_quantile;
+use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::random::{Stream, stream};
 use maximin::{MAX_SAMPLES, maximin_strata};
 use permutation::Permutation;

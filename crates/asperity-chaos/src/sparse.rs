@@ -290,7 +290,7 @@ struct Search<'a, 'c> {
 
 impl<'a, 'c> Search<'a, 'c> {
     /// A model that was searched for alone.
-    fn of_one(fit: GrowingFit<'a, 'c>) -> Self {
+    fn from_single(fit: GrowingFit<'a, 'c>) -> Self {
         let stop_reason = if fit.is_exact() { StopReason::Exact } else { StopReason::TermLimit };
         Self { best: fit.terms().len(), path: vec![fit.assess()], fit, stop_reason }
     }
@@ -309,7 +309,7 @@ impl<'a, 'c> Search<'a, 'c> {
         Ok(SparseFit {
             terms: self.fit.terms()[..self.best].to_vec(),
             coefficients: self.fit.coefficients(self.best),
-            leave_one_out: LeaveOneOut::of(response, &residuals, &leverages),
+            leave_one_out: LeaveOneOut::new(response, &residuals, &leverages),
             chosen: Attempt { terms: self.best, ..chosen },
             condition: self.fit.condition(self.best),
             path: self.path,

@@ -52,7 +52,7 @@ impl ProcessAnalysis {
         Self {
             models,
             spectrum: record_spectrum(&series, tracks, step_m, ends),
-            stationarity: Stationarity::of(&series, tracks, step_m),
+            stationarity: Stationarity::new(&series, tracks, step_m),
             area_and_load: cross_correlation(&pairs, tracks, step_m, reach),
         }
     }

@@ -10,8 +10,8 @@ use crate::strip::Record;
 use asperity_base::correlation::{
     EstimateError, RecordCorrelation, RecordFit, RecordModel, fit_record, fitted_length_interval,
 };
-use asperity_base::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
-use asperity_base::law::goodness::ProcessNull;
+use asperity_base::distribution::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
+use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
 
 pub use heavy_tail::{HeavyTail, ISOLATED_FRACTION};
@@ -83,7 +83,7 @@ impl FrictionStatistics {
         let records = &without_rounding(records)[..];
         let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
         let pooled: Vec<f64> = series.concat();
-        let estimates = ProcessMoments::of(&series, layout);
+        let estimates = ProcessMoments::new(&series, layout);
         let moments = estimates.moments;
         let empty_windows = pooled.len() - moments.n;
         if moments.n < 10 {
@@ -94,7 +94,7 @@ impl FrictionStatistics {
         let effective_windows = estimates.effective_size;
         let families = [&Family::POSITIVE[..], &Family::EMPIRICAL].concat();
         let mut marginals = rank_by_aic(&families, &pooled, Some(effective_windows));
-        if let Ok(null) = ProcessNull::of(&series, layout, DRAWS, seed) {
+        if let Ok(null) = ProcessNull::new(&series, layout, DRAWS, seed) {
             marginals.assess(&null, &pooled);
         }
         let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, layout)).collect();
@@ -122,7 +122,7 @@ impl FrictionStatistics {
     }
 
     /// Returns the fraction of the windows whose μ exceeds a value, and an estimate with interval. For fitted
-    /// distributions see [`asperity_base::law::Marginal::survival`].
+    /// distributions see [`asperity_base::distribution::Marginal::survival`].
     pub fn fraction_above(&self, mu: f64) -> (f64, Option<Estimate>) {
         let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
         share_above(&series, mu, self.layout)
@@ -131,7 +131,7 @@ impl FrictionStatistics {
 
 /// Replaces records whose values differ only by rounding by constant records.
 fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
-    let moments = Moments::of_values(records.iter().flat_map(|record| record.friction.iter().copied()));
+    let moments = Moments::from_values(records.iter().flat_map(|record| record.friction.iter().copied()));
     if moments.n == 0 || moments.std > ROUNDING * moments.mean.abs() {
         return Cow::Borrowed(records);
     }

@@ -2,10 +2,10 @@
 
 use faer::{Mat, Side};
 
-use crate::telescope::RARE;
+use crate::multilevel::RARE;
 use asperity_base::random;
 use asperity_base::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
-use asperity_chaos::StepLaw;
+use asperity_chaos::DiscreteDistribution;
 
 /// Draws from which the critical value of a simultaneous band is taken.
 const DRAWS: usize = 4000;
@@ -68,7 +68,7 @@ impl Band {
     }
 
     /// The band of another estimate, of which this one, without bias, tells the bias.
-    pub(super) fn of_biased(self, cdf: Vec<f64>) -> Self {
+    pub(super) fn with_estimate(self, cdf: Vec<f64>) -> Self {
         let bias = cdf.iter().zip(&self.cdf).map(|(biased, unbiased)| biased - unbiased).collect();
         Self { cdf, bias, ..self }
     }
@@ -77,7 +77,7 @@ impl Band {
     ///
     /// # References
     /// A. Agresti and B. A. Coull, *Am. Stat.* **52** (1998) 119, <https://doi.org/10.1080/00031305.1998.10480550>.
-    pub(super) fn of_independent(values: &[f64], cdf: &[f64], samples: usize, seed: u64) -> Self {
+    pub(super) fn from_independent(values: &[f64], cdf: &[f64], samples: usize, seed: u64) -> Self {
         let covariance = |i: usize, j: usize| cdf[i.min(j)] * (1.0 - cdf[i.max(j)]) / samples as f64;
         let n = values.len();
         let covariance: Vec<f64> = (0..n * n).map(|k| covariance(k / n, k % n)).collect();
@@ -146,11 +146,12 @@ pub struct QuantileResult {
 }
 
 impl Band {
-    /// A quantile of `law`, which this is the band of.
-    pub fn quantile(&self, law: &StepLaw, probability: f64) -> QuantileResult {
-        let limit =
-            |value: f64, factor: f64| law.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value);
-        let mut values: Vec<f64> = law.values().iter().chain(&self.values).copied().collect();
+    /// A quantile of `distribution`, which this is the band of.
+    pub fn quantile(&self, distribution: &DiscreteDistribution, probability: f64) -> QuantileResult {
+        let limit = |value: f64, factor: f64| {
+            distribution.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value)
+        };
+        let mut values: Vec<f64> = distribution.values().iter().chain(&self.values).copied().collect();
         values.sort_by(f64::total_cmp);
         let at = |factor: f64| {
             let Some(place) = values.iter().position(|value| limit(*value, factor) >= probability) else {
@@ -164,11 +165,11 @@ impl Band {
         };
         let factor = self.pointwise_factor;
         let interval = Interval { low: at(factor), high: at(-factor) };
-        QuantileResult { probability, value: law.quantile(probability), interval }
+        QuantileResult { probability, value: distribution.quantile(probability), interval }
     }
 }
 
-/// Two-sided 95 % point of Student's law; infinite without degrees of freedom.
+/// Two-sided 95 % point of Student's distribution; infinite without degrees of freedom.
 fn student_95(degrees_of_freedom: usize) -> f64 {
     if degrees_of_freedom == 0 { f64::INFINITY } else { student_quantile(0.975, degrees_of_freedom as f64) }
 }
@@ -375,7 +376,7 @@ impl Total {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::law::standard_normal_quantile;
+    use asperity_base::distribution::standard_normal_quantile;
 
     #[test]
     fn critical_values_of_equal_and_of_independent_errors_are_known() {
@@ -396,7 +397,7 @@ mod tests {
         // In the middle; towards the ends it is narrower, by design.
         let n = 199;
         let cdf: Vec<f64> = (1..=n).map(|i| f64::from(i) / f64::from(n + 1)).collect();
-        let band = Band::of_independent(&cdf, &cdf, 100, 1);
+        let band = Band::from_independent(&cdf, &cdf, 100, 1);
         assert!((band.standard_errors[99] - 0.05).abs() < 1e-12);
         assert!(band.simultaneous_factor > 2.7 && band.simultaneous_factor < 3.3, "{}", band.simultaneous_factor);
         assert!((band.standard_error_at(0.5) - 0.05).abs() < 1e-12);
@@ -442,7 +443,7 @@ mod tests {
         let one = Band::new(&[0.0], &[0.2], &[1.0], Some(9), 1);
         let two = Band::new(&[0.0, 1.0], &cdf, &covariance, Some(9), 1);
         assert!((one.pointwise_factor - 2.262_157).abs() < 1e-5);
-        // A thousand draws of Student's law of nine degrees of freedom: the 95 % point is known to about 4 %.
+        // A thousand draws of Student's distribution of nine degrees of freedom: the 95 % point is known to about 4 %.
         assert!((one.simultaneous_factor / one.pointwise_factor - 1.0).abs() < 0.12, "{}", one.simultaneous_factor);
         // Of two the √.95 point: t(9) at .98734 is 2.68.
         let wanted = student_quantile(0.5 + 0.5 * 0.95_f64.sqrt(), 9.0);

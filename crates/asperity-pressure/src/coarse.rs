@@ -17,16 +17,16 @@ const LOOSER: f64 = 30.0;
 
 /// A contact on every so many points of the map along either side, the cell in question among them.
 #[derive(Debug)]
-pub(super) struct Coarse {
+pub(super) struct CoarseModel {
     half_space: HalfSpace,
     stride: usize,
     first: (usize, usize),
     cell: (usize, usize),
 }
 
-impl Coarse {
+impl CoarseModel {
     /// The coarse models that a problem has, the coarsest first: none of a grid that cannot be divided.
-    pub(super) fn ladder(problem: &Problem<'_>) -> Vec<Self> {
+    pub(super) fn all(problem: &Problem<'_>) -> Vec<Self> {
         STRIDES.iter().filter_map(|stride| Self::new(problem, *stride)).collect()
     }
 
@@ -79,10 +79,11 @@ impl Coarse {
         let coarse = contact::Problem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
         let solver = Solver { tolerance: TOLERANCE, ..problem.solver() };
         let solution = solver.solve_with(&coarse, workspace).ok()?;
-        let mut observation = Observation::of(&solution, self.cell);
+        let mut observation = Observation::from_solution(&solution, self.cell);
         if problem.has_stiffness() {
             let tolerance = stiffness::LOOSE_TOLERANCE;
-            let found = stiffness::of_approach_pa_per_m(&self.half_space, &solution, tolerance, workspace).ok()?;
+            let found =
+                stiffness::approach_stiffness_pa_per_m(&self.half_space, &solution, tolerance, workspace).ok()?;
             observation.stiffness_pa_per_m = Some(found.pascal_per_m);
         }
         Some(observation)
@@ -114,7 +115,7 @@ mod tests {
     #[test]
     fn a_coarse_contact_of_a_smooth_map_is_nearly_the_fine_one() {
         // The contact is two to six cells wide on the coarsest grid: its load errs by some percent.
-        let grid = Grid::covering(64, 64, 1.0, 1.0).unwrap();
+        let grid = Grid::with_size(64, 64, 1.0, 1.0).unwrap();
         let wave = |x: f64| (std::f64::consts::TAU * x).cos();
         let shape = Shape::new(grid, 1.0, |x, y| wave(x - 32.5 / 64.0) * wave(y - 32.5 / 64.0));
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
@@ -126,8 +127,8 @@ mod tests {
             Control::MeanPressure { pascal: 0.2 },
         ] {
             let problem = Problem::new(&shape, &half_space, control, None).unwrap();
-            let ladder = Coarse::ladder(&problem);
-            assert_eq!(ladder.iter().map(Coarse::shape).collect::<Vec<_>>(), [(16, 16), (32, 32), (64, 64)]);
+            let ladder = CoarseModel::all(&problem);
+            assert_eq!(ladder.iter().map(CoarseModel::shape).collect::<Vec<_>>(), [(16, 16), (32, 32), (64, 64)]);
             let map = HeightMap::new(grid, shape.heights_m.clone()).unwrap();
             let fine = problem.observe(&[0.0], &mut half_space.workspace()).unwrap();
             for (coarse, tolerance) in ladder.iter().zip([0.1, 0.05, 0.02]) {
@@ -147,11 +148,12 @@ mod tests {
         let (surface, half_space) = gaussian_surface(32, 30);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: -9.0 }, None).unwrap();
         let problem = problem.at_cell(13, 22).unwrap();
-        let coarse = Coarse::new(&problem, 4).unwrap();
+        let coarse = CoarseModel::new(&problem, 4).unwrap();
         assert_eq!((coarse.first, coarse.cell), ((1, 2), (3, 5)));
-        assert!(Coarse::new(&problem, 8).is_none());
+        assert!(CoarseModel::new(&problem, 8).is_none());
         assert!(
-            Coarse::ladder(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap()).len()
+            CoarseModel::all(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap())
+                .len()
                 == 3
         );
     }

@@ -1,19 +1,19 @@
 //! Directions in the space of samples of Î¾ that have names.
 
 use crate::Problem;
-use crate::adapted::{Adapted, responses};
+use crate::rotated_variables::{RotatedVariables, responses};
 
 /// Orthonormal directions, each of what is new in a mean height that has a name.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NamedDirections {
     pub(super) names: Vec<String>,
-    directions: Adapted,
+    directions: RotatedVariables,
 }
 
 impl NamedDirections {
     /// The height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
     /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose Î¾ is too long.
-    pub(super) fn of_cell(problem: &Problem<'_>, most: usize) -> Self {
+    pub(super) fn from_cell(problem: &Problem<'_>, most: usize) -> Self {
         let mut named = Self::default();
         for (ring, response) in responses(problem) {
             if named.names.len() == most {
@@ -33,13 +33,13 @@ impl NamedDirections {
         let count = most.min(xi_len);
         Self {
             names: (1..=count).map(|mode| format!("mode {mode}")).collect(),
-            directions: Adapted::of_orthonormal((0..count).map(unit).collect()),
+            directions: RotatedVariables::from_orthonormal((0..count).map(unit).collect()),
         }
     }
 
     /// The variables of a Î¾.
-    pub(super) fn of(&self, xi: &[f64]) -> Vec<f64> {
-        self.directions.of(xi)
+    pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
+        self.directions.apply(xi)
     }
 }
 
@@ -56,12 +56,12 @@ mod tests {
         let (surface, half_space) = gaussian_surface(16, 40);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let problem = problem.at_cell(3, 5).unwrap();
-        let named = NamedDirections::of_cell(&problem, 4);
+        let named = NamedDirections::from_cell(&problem, 4);
         assert_eq!(named.names, ["height of the cell", "ring 1", "ring 2", "ring 3"]);
         let xi_samples: Vec<Vec<f64>> = (0..3).map(|i| standard_normal(&mut stream(1, "directions", i), 40)).collect();
-        let ratio = |xi: &Vec<f64>| surface.generate(xi).heights_m()[[3, 5]] / named.of(xi)[0];
+        let ratio = |xi: &Vec<f64>| surface.generate(xi).heights_m()[[3, 5]] / named.apply(xi)[0];
         assert!((ratio(&xi_samples[0]) / ratio(&xi_samples[1]) - 1.0).abs() < 1e-9);
         let leading = NamedDirections::leading(40, 2);
-        assert_eq!((leading.of(&xi_samples[0]), leading.names[1].as_str()), (xi_samples[0][..2].to_vec(), "mode 2"));
+        assert_eq!((leading.apply(&xi_samples[0]), leading.names[1].as_str()), (xi_samples[0][..2].to_vec(), "mode 2"));
     }
 }

@@ -1,10 +1,10 @@
-//! A law, and how well it is known.
+//! A distribution, and how well it is known.
 
 use crate::band::{Band, Moments, Total};
-use crate::telescope::{RARE, Telescoped};
+use crate::multilevel::{MultilevelEstimate, RARE};
 use crate::{MethodError, PressureError, Samples};
 use asperity_base::stats::{Interval, NORMAL_95, wilson_interval};
-use asperity_chaos::StepLaw;
+use asperity_chaos::DiscreteDistribution;
 use asperity_chaos::distance::{kolmogorov_smirnov, wasserstein_1};
 
 /// Values at which distribution functions have bands.
@@ -12,11 +12,11 @@ const NODES: usize = 64;
 /// Pressures that are pooled at most.
 const MOST_POOLED: usize = 1 << 22;
 
-/// A law and how it came about.
+/// A distribution and how it came about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The law of the pressure in pascal, with its atom at 0.
-    pub law: StepLaw,
+    /// The distribution of the pressure in pascal, with its atom at 0.
+    pub distribution: DiscreteDistribution,
     /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
     pub contact_probability: f64,
     /// Its bias, estimated from samples that the model was not fitted to; `None` of an estimate that has none.
@@ -45,47 +45,47 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The empirical law of independent samples.
-    pub(super) fn of_independent(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
-        let law = samples.law()?;
+    /// The empirical distribution of independent samples.
+    pub(super) fn from_independent(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
+        let distribution = samples.distribution()?;
         let n = samples.len();
         let contact_probability = samples.contact_probability();
-        let nodes = nodes(&law, samples.len());
-        let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
+        let nodes = nodes(&distribution, samples.len());
+        let cdf: Vec<f64> = nodes.iter().map(|t| distribution.cdf(*t)).collect();
         Ok(Self {
             contact_probability,
             contact_probability_se: (contact_probability * (1.0 - contact_probability) / n as f64).sqrt(),
             contact_probability_bias: None,
             contact_probability_interval: Some(wilson_interval(samples.in_contact(), n)),
-            mean_pa: law.mean(),
+            mean_pa: distribution.mean(),
             mean_bias_pa: None,
-            mean_se_pa: law.std() / ((n - 1).max(1) as f64).sqrt(),
-            band: Some(Band::of_independent(&nodes, &cdf, n, seed).widened([samples.in_contact(), n])),
+            mean_se_pa: distribution.std() / ((n - 1).max(1) as f64).sqrt(),
+            band: Some(Band::from_independent(&nodes, &cdf, n, seed).widened([samples.in_contact(), n])),
             interval_failure: None,
             coefficients: None,
             leave_one_out_error: None,
             largest_pa,
-            law,
+            distribution,
         })
     }
 
-    /// The mean of the empirical laws of independent randomisations; what they differ by tells the errors.
-    pub(super) fn of_replicates(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
-        let law = samples.law()?;
-        let nodes = nodes(&law, samples.len());
+    /// The mean of the empirical distributions of independent randomisations; what they differ by tells the errors.
+    pub(super) fn from_replicates(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
+        let distribution = samples.distribution()?;
+        let nodes = nodes(&distribution, samples.len());
         let mut replicates = vec![Vec::new(); samples.replicates()];
         for (position, observation) in samples.observations().iter().enumerate() {
             replicates[samples.replicate_of(position)].push(observation.pressure_pa);
         }
         replicates.retain(|pressures| !pressures.is_empty());
         let degrees_of_freedom = Some(samples.replicates().saturating_sub(1));
-        let found = Self::of_groups(law, samples, &nodes, replicates.into_iter(), degrees_of_freedom, seed);
-        Ok(Self::of_telescoped(found, largest_pa))
+        let found = Self::from_groups(distribution, samples, &nodes, replicates.into_iter(), degrees_of_freedom, seed);
+        Ok(Self::from_multilevel(found, largest_pa))
     }
 
-    /// The empirical law of many cells; each sample is one, however many cells it gives.
+    /// The empirical distribution of many cells; each sample is one, however many cells it gives.
     #[doc(hidden)]
-    pub fn of_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
+    pub fn from_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let each = samples.sites().first().map_or(1, Vec::len).max(1);
         let kept = (MOST_POOLED / samples.len().max(1)).clamp(1, each);
         let step = each.div_ceil(kept);
@@ -93,22 +93,22 @@ impl Estimate {
         let pressure = |p: &f32| f64::from(*p).min(largest_pa);
         let pressures = |sites: &Vec<f32>| sites.iter().step_by(step).map(pressure).collect::<Vec<f64>>();
         let pooled: Vec<f64> = samples.sites().iter().flat_map(pressures).collect();
-        let law = StepLaw::empirical(&pooled)?;
-        let nodes = nodes(&law, samples.len());
-        let found = Self::of_groups(law, samples, &nodes, samples.sites().iter().map(pressures), None, seed);
-        Ok(Self::of_telescoped(found, largest_pa))
+        let distribution = DiscreteDistribution::empirical(&pooled)?;
+        let nodes = nodes(&distribution, samples.len());
+        let found = Self::from_groups(distribution, samples, &nodes, samples.sites().iter().map(pressures), None, seed);
+        Ok(Self::from_multilevel(found, largest_pa))
     }
 
-    /// By independent groups of pressures, whose law is that of all; of so few that their number matters, with their degrees of
+    /// By independent groups of pressures, whose distribution is that of all; of so few that their number matters, with their degrees of
     /// freedom.
-    fn of_groups(
-        law: StepLaw,
+    fn from_groups(
+        distribution: DiscreteDistribution,
         samples: &Samples,
         nodes: &[f64],
         groups: impl Iterator<Item = Vec<f64>>,
         degrees_of_freedom: Option<usize>,
         seed: u64,
-    ) -> Telescoped {
+    ) -> MultilevelEstimate {
         let mut moments = Moments::new(nodes.len() + 1);
         for mut group in groups {
             group.sort_by(f64::total_cmp);
@@ -120,11 +120,11 @@ impl Estimate {
         }
         let mut total = Total::new(nodes.len() + 1);
         total.add_mean(&moments);
-        Telescoped {
+        MultilevelEstimate {
             mean: total.value(nodes.len()),
             mean_se: total.standard_error(nodes.len(), degrees_of_freedom),
             band: total.band(nodes, degrees_of_freedom, seed),
-            law,
+            distribution,
             above: [samples.in_contact(), samples.len()],
             coefficients: None,
             leave_one_out_error: None,
@@ -143,16 +143,24 @@ impl Estimate {
 
     /// The 95 % interval of a quantile in pascal, none without a band.
     pub fn quantile_interval_pa(&self, probability: f64) -> Option<Interval> {
-        self.band.as_ref().map(|band| band.quantile(&self.law, probability).interval)
+        self.band.as_ref().map(|band| band.quantile(&self.distribution, probability).interval)
     }
 }
 
 impl Estimate {
     /// An estimate of the pressure by several models; `largest_pa` is its upper bound.
-    pub(super) fn of_telescoped(found: Telescoped, largest_pa: f64) -> Self {
-        let Telescoped { law, mean, mean_se, band, above: [in_contact, samples], coefficients, leave_one_out_error } =
-            found;
-        let contact_probability = 1.0 - band.cdf.first().copied().unwrap_or_else(|| law.cdf(0.0)).clamp(0.0, 1.0);
+    pub(super) fn from_multilevel(found: MultilevelEstimate, largest_pa: f64) -> Self {
+        let MultilevelEstimate {
+            distribution,
+            mean,
+            mean_se,
+            band,
+            above: [in_contact, samples],
+            coefficients,
+            leave_one_out_error,
+        } = found;
+        let contact_probability =
+            1.0 - band.cdf.first().copied().unwrap_or_else(|| distribution.cdf(0.0)).clamp(0.0, 1.0);
         let contact_probability_se = band.standard_errors.first().copied().unwrap_or(0.0);
         let contact_probability_interval = if in_contact.min(samples - in_contact) < RARE {
             wilson_interval(in_contact, samples)
@@ -161,7 +169,7 @@ impl Estimate {
             Interval { low: 1.0 - high, high: 1.0 - low }
         };
         Self {
-            law,
+            distribution,
             contact_probability,
             contact_probability_se,
             contact_probability_bias: None,
@@ -178,12 +186,12 @@ impl Estimate {
     }
 }
 
-/// Pressures from 0 on between which the law has about the same probability, with enough of so many samples beyond each.
-pub(super) fn nodes(law: &StepLaw, samples: usize) -> Vec<f64> {
-    let atom = law.cdf(0.0);
-    let quantiles = (1..NODES).map(|k| law.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
+/// Pressures from 0 on between which the distribution has about the same probability, with enough of so many samples beyond each.
+pub(super) fn nodes(distribution: &DiscreteDistribution, samples: usize) -> Vec<f64> {
+    let atom = distribution.cdf(0.0);
+    let quantiles = (1..NODES).map(|k| distribution.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
     let common = |t: &f64| {
-        let beyond = (1.0 - law.cdf(*t)).min(law.cdf(*t));
+        let beyond = (1.0 - distribution.cdf(*t)).min(distribution.cdf(*t));
         *t > 0.0 && beyond * samples as f64 >= RARE as f64
     };
     let mut nodes: Vec<f64> = std::iter::once(0.0).chain(quantiles.filter(common)).collect();
@@ -191,22 +199,22 @@ pub(super) fn nodes(law: &StepLaw, samples: usize) -> Vec<f64> {
     nodes
 }
 
-/// Distances between an estimated law and the reference law.
+/// Distances between an estimated distribution and the reference distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
+pub struct ReferenceDistances {
     /// Kolmogorov–Smirnov distance.
     pub ks_distance: f64,
-    /// Wasserstein-1 distance divided by the standard deviation of the reference law, atom at 0 included; `None` when that
+    /// Wasserstein-1 distance divided by the standard deviation of the reference distribution, atom at 0 included; `None` when that
     /// is 0.
     pub wasserstein_1_over_std: Option<f64>,
 }
 
-impl Comparison {
-    pub(super) fn between(law: &StepLaw, reference: &StepLaw) -> Self {
+impl ReferenceDistances {
+    pub(super) fn between(distribution: &DiscreteDistribution, reference: &DiscreteDistribution) -> Self {
         let std = reference.std();
         Self {
-            ks_distance: kolmogorov_smirnov(law, reference),
-            wasserstein_1_over_std: (std > 0.0).then(|| wasserstein_1(law, reference) / std),
+            ks_distance: kolmogorov_smirnov(distribution, reference),
+            wasserstein_1_over_std: (std > 0.0).then(|| wasserstein_1(distribution, reference) / std),
         }
     }
 }
@@ -223,13 +231,13 @@ mod tests {
         let mut held = [0_usize; 3];
         for replicate in 0..replicates {
             let normal = random::standard_normal(&mut random::stream(1, "quantile", replicate), n);
-            let uniform: Vec<f64> = normal.into_iter().map(asperity_base::law::standard_normal_cdf).collect();
-            let law = StepLaw::empirical(&uniform).unwrap();
-            let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
-            let band = Band::of_independent(&nodes, &cdf, n, 1);
+            let uniform: Vec<f64> = normal.into_iter().map(asperity_base::distribution::standard_normal_cdf).collect();
+            let distribution = DiscreteDistribution::empirical(&uniform).unwrap();
+            let cdf: Vec<f64> = nodes.iter().map(|t| distribution.cdf(*t)).collect();
+            let band = Band::from_independent(&nodes, &cdf, n, 1);
             for (held, probability) in held.iter_mut().zip([0.1, 0.5, 0.9]) {
                 // A uniform variable is its own probability.
-                *held += usize::from(band.quantile(&law, probability).interval.contains(probability));
+                *held += usize::from(band.quantile(&distribution, probability).interval.contains(probability));
             }
         }
         // The standard error of a share of 95 % is 0.7 %.
@@ -242,12 +250,12 @@ mod tests {
     #[test]
     fn a_quantile_within_an_atom_is_the_atom() {
         let pressures: Vec<f64> = (0..1000).map(|i| f64::from((i - 800).max(0))).collect();
-        let law = StepLaw::empirical(&pressures).unwrap();
-        let nodes = nodes(&law, 1000);
-        let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
-        let band = Band::of_independent(&nodes, &cdf, 1000, 1);
-        assert_eq!(band.quantile(&law, 0.5).interval, Interval { low: 0.0, high: 0.0 });
-        let interval = band.quantile(&law, 0.9).interval;
+        let distribution = DiscreteDistribution::empirical(&pressures).unwrap();
+        let nodes = nodes(&distribution, 1000);
+        let cdf: Vec<f64> = nodes.iter().map(|t| distribution.cdf(*t)).collect();
+        let band = Band::from_independent(&nodes, &cdf, 1000, 1);
+        assert_eq!(band.quantile(&distribution, 0.5).interval, Interval { low: 0.0, high: 0.0 });
+        let interval = band.quantile(&distribution, 0.9).interval;
         // F = .8 + p/1000 with the standard error √(.9 · .1/1000), interpolated between nodes.
         let half = 1000.0 * NORMAL_95 * (0.09_f64 / 1000.0).sqrt();
         assert!(

@@ -1,14 +1,14 @@
 //! The paper's chaos expansions of the pressure in contact, eq. (8) to (11).
 //!
-//! Both are fitted by least squares to the K samples in contact alone, and give the law
+//! Both are fitted by least squares to the K samples in contact alone, and give the distribution
 //! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh samples of Î¾. Fitting only p > 0 and clipping afterwards
-//! is truncated regression: the law is biased, and the variance of the variables left out is lost. Standard errors and
+//! is truncated regression: the distribution is biased, and the variance of the variables left out is lost. Standard errors and
 //! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
 //!
 //! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
 //! by orders of magnitude on some samples of Î¾. Values above the hardness are set to the hardness, as those below zero are set to zero.
 
-use crate::surrogate::{self, Atoms, Evidence, Fitted, Surrogate, others};
+use crate::surrogate::{self, Fitted, PointMasses, Surrogate, TrainingSamples, others};
 use crate::{Estimate, MethodError};
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError};
 
@@ -33,7 +33,7 @@ struct Conditional<'a> {
     largest_pa: f64,
 }
 
-/// The law of the pressure from an expansion in the variables of the basis, those that lead the samples of Î¾; `fresh` samples of Î¾ evaluate F_c.
+/// The distribution of the pressure from an expansion in the variables of the basis, those that lead the samples of Î¾; `fresh` samples of Î¾ evaluate F_c.
 ///
 /// # Errors
 /// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
@@ -41,18 +41,18 @@ struct Conditional<'a> {
 pub(super) fn estimate(
     response: Response,
     xi_samples: &[Vec<f64>],
-    evidence: Evidence<'_>,
+    training: TrainingSamples<'_>,
     basis: Basis,
     fresh: &[Vec<f64>],
     seed: u64,
 ) -> Result<Estimate, MethodError> {
-    let Evidence { pressures_pa, largest_pa, .. } = evidence;
+    let TrainingSamples { pressures_pa, largest_pa, .. } = training;
     let conditional = Conditional { response, basis, xi_samples, pressures_pa, fresh, largest_pa };
-    let found = surrogate::estimate(&conditional, evidence, seed)?;
-    let in_contact = evidence.pressures_pa.iter().filter(|p| **p > 0.0).count();
-    let (contact_probability_se, interval) = evidence.share_in_contact(seed);
+    let found = surrogate::estimate(&conditional, training, seed)?;
+    let in_contact = training.pressures_pa.iter().filter(|p| **p > 0.0).count();
+    let (contact_probability_se, interval) = training.share_in_contact(seed);
     Ok(Estimate {
-        contact_probability: in_contact as f64 / evidence.pressures_pa.len() as f64,
+        contact_probability: in_contact as f64 / training.pressures_pa.len() as f64,
         contact_probability_se,
         contact_probability_interval: Some(interval),
         contact_probability_bias: None,
@@ -80,7 +80,7 @@ impl Surrogate for Conditional<'_> {
             Response::Logarithm => value.exp().min(self.largest_pa),
         };
         let in_contact = count as f64 / samples.len() as f64;
-        let law = |values: Vec<f64>| -> Atoms {
+        let distribution = |values: Vec<f64>| -> PointMasses {
             let probability = in_contact / values.len() as f64;
             let atoms = values.into_iter().map(|value| (pressure_pa(value), probability));
             std::iter::once((0.0, 1.0 - in_contact)).chain(atoms).collect()
@@ -88,8 +88,8 @@ impl Surrogate for Conditional<'_> {
         let held: Vec<&[f64]> =
             others(samples, self.xi_samples.len()).into_iter().map(|i| self.xi_samples[i].as_slice()).collect();
         Ok(Fitted {
-            law: law(expansion.evaluate_many(self.fresh)),
-            given: expansion.evaluate_many(&held).into_iter().map(|value| law(vec![value])).collect(),
+            distribution: distribution(expansion.evaluate_many(self.fresh)),
+            given: expansion.evaluate_many(&held).into_iter().map(|value| distribution(vec![value])).collect(),
             coefficients,
             leave_one_out_error: fit.leave_one_out.relative_error,
         })

@@ -1,4 +1,4 @@
-//! Laws of the pressures of all cells.
+//! Distributions of the pressures of all cells.
 
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
@@ -18,12 +18,12 @@ const QUANTILES: [f64; 3] = [0.1, 0.5, 0.9];
 /// Samples for each coefficient of an expansion of all cells.
 const SAMPLES_PER_TERM: usize = 2;
 
-/// Laws of the pressures of all cells, from the independent samples of [`Method::MonteCarlo`](crate::Method).
+/// Distributions of the pressures of all cells, from the independent samples of [`Method::MonteCarlo`](crate::Method).
 ///
 /// Contact probabilities and means rest on all samples. Whole fields are kept of as many leading samples as
 /// 512 MiB hold, and standard errors, quantiles and expansions rest on those.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FieldLaws {
+pub struct FieldDistributions {
     /// The grid; maps have its shape, row by row.
     pub grid: Grid,
     /// Samples.
@@ -44,7 +44,7 @@ pub struct FieldLaws {
     pub quantiles: Vec<QuantileMap>,
     /// What the leading normal variables say of each cell, or why there is no such expansion.
     pub global: Result<GlobalExpansion, MethodError>,
-    /// Whether cells differ in law, or why that is not known.
+    /// Whether cells differ in distribution, or why that is not known.
     pub homogeneity: Result<Homogeneity, MethodError>,
 }
 
@@ -71,17 +71,17 @@ pub struct GlobalExpansion {
     pub leave_one_out_error: Array2<f64>,
 }
 
-impl FieldLaws {
+impl FieldDistributions {
     /// Of samples whose fields were kept, with an expansion of up to `degree` in `variables` variables and a test of the
     /// sites, of which `sites` (rows, columns) were kept. `None` without fields.
-    pub(super) fn of(samples: &Samples, variables: usize, degree: usize, sites: (usize, usize)) -> Option<Self> {
+    pub(super) fn new(samples: &Samples, variables: usize, degree: usize, sites: (usize, usize)) -> Option<Self> {
         let fields = samples.fields()?;
         let (grid, count) = (fields.grid, samples.len());
         let shape = grid.shape();
         let map =
             |value: &dyn Fn(usize) -> f64| Array2::from_shape_fn(shape, |(row, column)| value(row * shape.1 + column));
         let interval = |i: usize| wilson_interval(fields.in_contact[i] as usize, count);
-        let mut laws = Self {
+        let mut distributions = Self {
             grid,
             samples: count,
             kept_samples: fields.kept.len(),
@@ -92,10 +92,10 @@ impl FieldLaws {
             mean_se_pa: Array2::from_elem(shape, f64::NAN),
             quantiles: Vec::new(),
             global: global(samples, fields, variables, degree),
-            homogeneity: Homogeneity::of_sites(samples, sites),
+            homogeneity: Homogeneity::from_sites(samples, sites),
         };
-        laws.add_spread(fields);
-        Some(laws)
+        distributions.add_spread(fields);
+        Some(distributions)
     }
 
     /// Quantiles and standard errors.

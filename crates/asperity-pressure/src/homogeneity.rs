@@ -1,4 +1,4 @@
-//! Whether cells differ in law.
+//! Whether cells differ in distribution.
 
 use faer::{Mat, Side};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -18,8 +18,8 @@ const LEVEL: f64 = 0.05;
 /// Whether the cells of a lattice have one contact probability and one mean pressure.
 ///
 /// Samples are independent, the cells of one are not: by Hotelling's T² of the differences between cells, with their
-/// covariance, whose law is about χ² and with few samples F. A p-value says how often cells of one law would differ so
-/// much; a large one does not say that they have one law. Contact probabilities need about five contacts in each cell.
+/// covariance, whose distribution is about χ² and with few samples F. A p-value says how often cells of one distribution would differ so
+/// much; a large one does not say that they have one distribution. Contact probabilities need about five contacts in each cell.
 ///
 /// # References
 /// H. Hotelling, *Ann. Math. Statist.* **2** (1931) 360, <https://doi.org/10.1214/aoms/1177732979>.
@@ -42,7 +42,7 @@ impl Homogeneity {
     ///
     /// # Errors
     /// There are too few samples.
-    pub(super) fn of_sites(samples: &Samples, shape: (usize, usize)) -> Result<Self, MethodError> {
+    pub(super) fn from_sites(samples: &Samples, shape: (usize, usize)) -> Result<Self, MethodError> {
         let sites = samples.sites();
         let large = LATTICE * LATTICE * SAMPLES_PER_CELL;
         let lattice = if sites.len() >= large { LATTICE } else { SMALL_LATTICE };
@@ -111,7 +111,7 @@ fn p_value(vectors: &[Vec<f64>]) -> f64 {
         return 1.0;
     }
     let ratio = statistic * (n - degrees) / (degrees * (n - 1.0));
-    FisherSnedecor::new(degrees, n - degrees).map_or(f64::NAN, |law| law.sf(ratio))
+    FisherSnedecor::new(degrees, n - degrees).map_or(f64::NAN, |distribution| distribution.sf(ratio))
 }
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
-//! How a law can be estimated, and why it cannot.
+//! How a distribution can be estimated, and why it cannot.
 
 use thiserror::Error;
 
-use asperity_chaos::{BasisError, DistanceError, RegressionError, SamplingError};
+use asperity_chaos::{BasisError, DiscreteDistributionError, RegressionError, SamplingError};
 
-/// How the law of the pressure is estimated.
+/// How the distribution of the pressure is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// The empirical law of independent samples.
+    /// The empirical distribution of independent samples.
     MonteCarlo,
-    /// The mean of the empirical laws of ten Latin hypercubes.
+    /// The mean of the empirical distributions of ten Latin hypercubes.
     LatinHypercube,
-    /// The mean of the empirical laws of ten randomisations of Sobol' points.
+    /// The mean of the empirical distributions of ten randomisations of Sobol' points.
     Sobol,
     /// Eq. (8): a chaos expansion of the pressure in contact in the leading normal variables, on the Latin hypercubes.
     PolynomialChaos,
@@ -62,9 +62,9 @@ pub enum MethodError {
     /// The design does not exist.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
-    /// A law could not be made from its values.
+    /// A distribution could not be made from its values.
     #[error(transparent)]
-    Law(#[from] DistanceError),
+    Law(#[from] DiscreteDistributionError),
     /// The expansion of the logarithm exceeds the largest floating-point number.
     #[error("the expansion overflows on {overflowed} of {evaluations} fresh samples")]
     Overflow {

@@ -4,18 +4,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::adapted::Adapted;
-use crate::coarse::{Coarse, generation_work, solution_work};
-use crate::telescope::{self, Nested, Settings, Telescoped};
+use crate::coarse::{CoarseModel, generation_work, solution_work};
+use crate::multilevel::{self, LevelSamples, MultilevelEstimate, Settings};
+use crate::rotated_variables::RotatedVariables;
 use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples, stiffness};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_chaos::{Design, DistanceError, SamplingMethod, StepLaw};
+use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
 
 /// Least share of the fine samples that a coarse model has to have.
 const LEAST_HAD: f64 = 0.95;
 /// Samples on which it is seen what a coarse model is worth.
 const PILOT: usize = 250;
-/// Coarse solutions beyond the fine samples may cost so many times the fine ones,
+/// CoarseModel solutions beyond the fine samples may cost so many times the fine ones,
 const COARSE_SHARE: f64 = 4.0;
 /// and are made until they add no more than this share to the variance; their number is raised in steps of this factor.
 const ADDED_VARIANCE: f64 = 1.0 / 3.0;
@@ -84,7 +84,7 @@ impl Quantity {
 pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
     let spread = |in_contact: bool, quantity: fn(&Observation) -> f64| {
         let chosen = observations.iter().filter(|o| (o.pressure_pa > 0.0) == in_contact).map(|o| (quantity(o), 1.0));
-        StepLaw::weighted(chosen).map_or(0.0, |law| law.std())
+        DiscreteDistribution::weighted(chosen).map_or(0.0, |distribution| distribution.std())
     };
     let (pressure_pa, gap_m) = (spread(true, |o| o.pressure_pa), spread(false, |o| o.gap_m));
     if pressure_pa > 0.0 && gap_m > 0.0 { pressure_pa / gap_m } else { 1.0 }
@@ -94,7 +94,7 @@ pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
 #[derive(Debug)]
 pub struct NestedSamples {
     /// Models used, the coarsest first.
-    models: Vec<Coarse>,
+    models: Vec<CoarseModel>,
     /// What they say of the leading samples, each.
     coarse: Vec<Vec<Observation>>,
     fine: Vec<Observation>,
@@ -126,7 +126,7 @@ impl NestedSamples {
         seed: u64,
         monitor: &dyn Monitor,
     ) -> Result<Result<Self, MethodError>, PressureError> {
-        let mut models = Coarse::ladder(problem);
+        let mut models = CoarseModel::all(problem);
         let xi_samples: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.xi(i)).collect();
         let mut solved = observe(problem, &models, &xi_samples, "pressure/coarse", monitor)?;
         // A model that many samples cannot have, as where its few points are all of one height, is none; and a sample is left out that
@@ -137,8 +137,8 @@ impl NestedSamples {
         solved.iter_mut().for_each(|row| retain(row, &serves));
         let rows: Vec<Option<Vec<Observation>>> = solved.into_iter().map(|row| row.into_iter().collect()).collect();
         let kept: Vec<usize> = (0..fine.len()).filter(|i| rows[*i].is_some()).collect();
-        if kept.len() < telescope::LEAST_SAMPLES {
-            let (samples, wanted) = (kept.len(), telescope::LEAST_SAMPLES);
+        if kept.len() < multilevel::LEAST_SAMPLES {
+            let (samples, wanted) = (kept.len(), multilevel::LEAST_SAMPLES);
             return Ok(Err(MethodError::TooFewSamples { samples, wanted }));
         }
         let observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
@@ -146,12 +146,16 @@ impl NestedSamples {
         let coarse = columns(rows.into_iter().flatten(), models.len());
         let kappa = kappa_pa_per_m(&observations);
         let values: Vec<f64> = observations.iter().map(|o| Quantity::Pressure.latent(o, kappa)).collect();
-        let adapted = match Adapted::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values) {
-            Ok(adapted) => adapted,
+        let rotation = match RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values) {
+            Ok(rotation) => rotation,
             Err(error) => return Ok(Err(error)),
         };
-        let mut samples =
-            Self { models, coarse, normal: xi_samples.iter().map(|xi| adapted.of(xi)).collect(), fine: observations };
+        let mut samples = Self {
+            models,
+            coarse,
+            normal: xi_samples.iter().map(|xi| rotation.apply(xi)).collect(),
+            fine: observations,
+        };
         let plan = match samples.plan(problem, seed) {
             Ok(plan) => plan,
             Err(error) => return Ok(Err(error)),
@@ -162,7 +166,7 @@ impl NestedSamples {
             let design =
                 Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, problem.surface().xi_len())?;
             let counts: Vec<usize> = plan.iter().map(|(_, more)| *more).collect();
-            samples.add(problem, &design, &counts, &adapted, monitor)?;
+            samples.add(problem, &design, &counts, &rotation, monitor)?;
         }
         Ok(Ok(samples))
     }
@@ -182,7 +186,7 @@ impl NestedSamples {
         for subset in 0..1_usize << self.models.len() {
             let used: Vec<usize> = (0..self.models.len()).filter(|l| subset >> l & 1 == 1).collect();
             let nested = self.nested(Quantity::Pressure, &used, |_| pilot);
-            let variances = telescope::bracket_variances(&nested, &self.settings(Quantity::Pressure, problem, seed))?;
+            let variances = multilevel::bracket_variances(&nested, &self.settings(Quantity::Pressure, problem, seed))?;
             // Of the fine model first, then of those used from the finest down.
             let costs: Vec<f64> = std::iter::once(fine_work).chain(used.iter().rev().map(|l| works[*l])).collect();
             let counts = allocate(&variances, &costs, self.fine.len());
@@ -209,7 +213,7 @@ impl NestedSamples {
         problem: &Problem<'_>,
         design: &Design,
         counts: &[usize],
-        adapted: &Adapted,
+        rotation: &RotatedVariables,
         monitor: &dyn Monitor,
     ) -> Result<(), Cancelled> {
         let done = AtomicUsize::new(0);
@@ -217,7 +221,7 @@ impl NestedSamples {
         let rows: Vec<Option<Row>> = (0..design.samples())
             .into_par_iter()
             .map_init(
-                || self.models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
+                || self.models.iter().map(CoarseModel::workspace).collect::<Vec<_>>(),
                 |workspaces, index| {
                     if monitor.cancelled() {
                         return Err(Cancelled);
@@ -227,7 +231,7 @@ impl NestedSamples {
                     let wanted = self.models.iter().zip(workspaces).zip(counts).filter(|(_, count)| index < **count);
                     let said = wanted.map(|((model, workspace), _)| model.observe(problem, &map, workspace)).collect();
                     monitor.progress("pressure/coarse", done.fetch_add(1, Ordering::Relaxed) + 1, design.samples());
-                    Ok(Option::<Vec<Observation>>::map(said, |said| (adapted.of(&xi), said)))
+                    Ok(Option::<Vec<Observation>>::map(said, |said| (rotation.apply(&xi), said)))
                 },
             )
             .collect::<Result<_, Cancelled>>()?;
@@ -245,7 +249,7 @@ impl NestedSamples {
         quantity: Quantity,
         problem: &Problem<'_>,
         seed: u64,
-    ) -> Result<Telescoped, MethodError> {
+    ) -> Result<MultilevelEstimate, MethodError> {
         self.estimate_with(quantity, self.models.len(), self.settings(quantity, problem, seed))
     }
 
@@ -264,25 +268,30 @@ impl NestedSamples {
         let settings = Settings { fitted, ..self.settings(Quantity::Pressure, problem, seed) };
         let models = if coarse { self.models.len() } else { 0 };
         let largest_pa = settings.largest;
-        Ok(Estimate::of_telescoped(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
+        Ok(Estimate::from_multilevel(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
     }
 
-    fn estimate_with(&self, quantity: Quantity, models: usize, settings: Settings) -> Result<Telescoped, MethodError> {
+    fn estimate_with(
+        &self,
+        quantity: Quantity,
+        models: usize,
+        settings: Settings,
+    ) -> Result<MultilevelEstimate, MethodError> {
         let used: Vec<usize> = (0..models).collect();
         let nested = self.nested(quantity, &used, |count| count);
         // The stiffness where it was not asked for, and that of complete contact without mean compliance.
         if let Some((index, value)) =
             nested.models.iter().flat_map(|values| values.iter().copied().enumerate()).find(|(_, q)| !q.is_finite())
         {
-            return Err(DistanceError::Value { index, value, weight: 1.0 }.into());
+            return Err(DiscreteDistributionError::Value { index, value, weight: 1.0 }.into());
         }
-        telescope::estimate(&nested, &settings)
+        multilevel::estimate(&nested, &settings)
     }
 
     /// Solutions on each coarse model, the coarsest first.
     pub(super) fn coarse_solves(&self, problem: &Problem<'_>) -> Vec<CoarseSolves> {
         let fine = mean_work(problem.half_space().grid().shape(), &self.fine);
-        let count = |(model, said): (&Coarse, &Vec<Observation>)| {
+        let count = |(model, said): (&CoarseModel, &Vec<Observation>)| {
             let work_in_fine_solves = said.len() as f64 * mean_work(model.shape(), said) / fine;
             CoarseSolves { shape: model.shape(), solves: said.len(), work_in_fine_solves }
         };
@@ -295,7 +304,7 @@ impl NestedSamples {
     }
 
     /// The values of a quantity on the used models and the fine one, of as many leading samples as `kept` says.
-    fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> Nested {
+    fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> LevelSamples {
         let kappa = kappa_pa_per_m(&self.fine);
         let values = |observations: &[Observation]| -> Vec<f64> {
             observations[..kept(observations.len())].iter().map(|o| quantity.latent(o, kappa)).collect()
@@ -307,7 +316,7 @@ impl NestedSamples {
             let observations = &self.coarse[*l];
             observations[..kept(observations.len())].iter().map(|o| quantity.beside(o, kappa)).collect()
         };
-        Nested { normal: self.normal[..most].to_vec(), beside: used.iter().map(beside).collect(), models }
+        LevelSamples { normal: self.normal[..most].to_vec(), beside: used.iter().map(beside).collect(), models }
     }
 }
 
@@ -347,7 +356,7 @@ fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
 /// What every model says of each Î¾; `None` where it cannot.
 fn observe(
     problem: &Problem<'_>,
-    models: &[Coarse],
+    models: &[CoarseModel],
     xi_samples: &[Vec<f64>],
     stage: &str,
     monitor: &dyn Monitor,
@@ -356,7 +365,7 @@ fn observe(
     xi_samples
         .par_iter()
         .map_init(
-            || models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
+            || models.iter().map(CoarseModel::workspace).collect::<Vec<_>>(),
             |workspaces, xi| {
                 if monitor.cancelled() {
                     return Err(Cancelled);

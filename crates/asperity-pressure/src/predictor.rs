@@ -1,26 +1,26 @@
-//! The conditional law of a quantity, given what a cheaper model says about it.
+//! The conditional distribution of a quantity, given what a cheaper model says about it.
 //!
-//! A polynomial s(x) of the cheaper model's answers x predicts the quantity q; the law of q given x is then taken to be that of
+//! A polynomial s(x) of the cheaper model's answers x predicts the quantity q; the distribution of q given x is then taken to be that of
 //! s(x) + e with the errors e of the samples whose predictions are similar, for these spread differently in and out of contact.
 
 use crate::MethodError;
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError, number_of_terms};
 
-/// Samples in a group of neighbouring predictions that share one law of errors.
+/// Samples in a group of neighbouring predictions that share one distribution of errors.
 const GROUP: usize = 50;
 /// Samples for each coefficient that a degree needs to be tried.
 const SAMPLES_PER_TERM: usize = 4;
 
-/// A fitted conditional law.
+/// A fitted conditional distribution.
 #[derive(Debug, Clone)]
 pub(super) enum Predictor {
     /// The quantity is what the first variable says.
     Identity,
-    /// A polynomial and the laws of its errors.
+    /// A polynomial and the distributions of its errors.
     Fitted(Box<Fitted>),
 }
 
-/// A polynomial and the laws of its errors.
+/// A polynomial and the distributions of its errors.
 #[derive(Debug, Clone)]
 pub(super) struct Fitted {
     /// Of the variables that vary.
@@ -31,7 +31,7 @@ pub(super) struct Fitted {
     expansion: Option<Expansion>,
     /// Prediction without an expansion.
     mean: f64,
-    errors: ErrorLaws,
+    errors: ErrorDistributions,
     /// Mean square leave-one-out error over the variance of the quantity.
     relative_error: Option<f64>,
 }
@@ -49,7 +49,7 @@ impl Predictor {
         // those of the fit would all be mistaken to the same side.
         let slope = slope(rows, values);
         let bent: Vec<f64> = rows.iter().zip(values).map(|(row, q)| q - slope * row.first().unwrap_or(&0.0)).collect();
-        let scaling = Scaling::of(rows);
+        let scaling = Scaling::new(rows);
         let scaled: Vec<Vec<f64>> = rows.iter().map(|row| scaling.apply(row)).collect();
         let variables = scaling.variables();
         let constant: Vec<(f64, f64)> = values.iter().map(|q| (mean, q - mean)).collect();
@@ -75,7 +75,7 @@ impl Predictor {
         }
         let (expansion, pairs, relative_error) = best;
         let relative_error = relative_error.is_finite().then_some(relative_error);
-        let errors = ErrorLaws::new(pairs);
+        let errors = ErrorDistributions::new(pairs);
         Ok(Self::Fitted(Box::new(Fitted { scaling, slope, expansion, mean, errors, relative_error })))
     }
 
@@ -133,14 +133,14 @@ fn slope(rows: &[Vec<f64>], values: &[f64]) -> f64 {
 
 /// The errors in groups of samples with neighbouring predictions.
 #[derive(Debug, Clone)]
-pub(super) struct ErrorLaws {
+pub(super) struct ErrorDistributions {
     /// Least prediction of each group after the first.
     bounds: Vec<f64>,
     /// The errors of each group, increasing.
     groups: Vec<Vec<f64>>,
 }
 
-impl ErrorLaws {
+impl ErrorDistributions {
     /// Groups of about [`GROUP`] of the (prediction, error) pairs.
     fn new(mut pairs: Vec<(f64, f64)>) -> Self {
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -171,7 +171,7 @@ pub(super) struct Scaling {
 
 impl Scaling {
     /// The scaling of a sample. Variables that do not vary are dropped.
-    pub(super) fn of(rows: &[Vec<f64>]) -> Self {
+    pub(super) fn new(rows: &[Vec<f64>]) -> Self {
         let n = rows.len() as f64;
         let columns = (0..rows.first().map_or(0, Vec::len))
             .filter_map(|j| {
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn scaled_variables_are_standardised_limited_and_free_of_constants() {
         let rows = vec![vec![1.0, 5.0], vec![3.0, 5.0], vec![5.0, 5.0]];
-        let scaling = Scaling::of(&rows);
+        let scaling = Scaling::new(&rows);
         assert_eq!(scaling.variables(), 1);
         let std = (8.0_f64 / 3.0).sqrt();
         assert_eq!(scaling.apply(&[3.0, 5.0]), [0.0]);

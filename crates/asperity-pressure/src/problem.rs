@@ -49,7 +49,7 @@ pub struct Observation {
 
 impl Observation {
     /// What `solution` says about `cell`; nothing of the stiffness.
-    pub(super) fn of(solution: &Solution, cell: (usize, usize)) -> Self {
+    pub(super) fn from_solution(solution: &Solution, cell: (usize, usize)) -> Self {
         Self {
             pressure_pa: solution.pressure_pa()[cell],
             gap_m: solution.gap_at_m(cell),
@@ -138,7 +138,7 @@ impl<'a> Problem<'a> {
     /// The pressure at the centre cell `[ny/2, nx/2]`; `hardness_pa = None` is elastic.
     ///
     /// In random studies the plane is fixed in space, [`Control::Plane`]: one that X % of the ensemble's heights exceed lies
-    /// at the (1 − X/100) quantile of their marginal law. Under any other control each map has a plane of its own. A
+    /// at the (1 − X/100) quantile of their marginal distribution. Under any other control each map has a plane of its own. A
     /// control out of range makes every sample fail with its reason.
     ///
     /// # Errors
@@ -205,7 +205,7 @@ impl<'a> Problem<'a> {
         self.hardness_pa
     }
 
-    /// Whether the pressures of all cells have the same law: a stationary surface on a periodic half-space.
+    /// Whether the pressures of all cells have the same distribution: a stationary surface on a periodic half-space.
     pub fn cells_are_alike(&self) -> bool {
         self.half_space.boundary() != Boundary::Free && self.surface.is_periodic_and_stationary()
     }
@@ -259,11 +259,11 @@ impl<'a> Problem<'a> {
         solution: &Solution,
         workspace: &mut Workspace,
     ) -> Result<Observation, FailureReason> {
-        let observation = Observation::of(solution, self.cell);
+        let observation = Observation::from_solution(solution, self.cell);
         if !self.stiffness {
             return Ok(observation);
         }
-        let found = stiffness::of_approach_pa_per_m(self.half_space, solution, stiffness::TOLERANCE, workspace)?;
+        let found = stiffness::approach_stiffness_pa_per_m(self.half_space, solution, stiffness::TOLERANCE, workspace)?;
         match found.short {
             Some(reason) => Err(reason),
             None => Ok(Observation { stiffness_pa_per_m: Some(found.pascal_per_m), ..observation }),
@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn the_summit_of_a_lifted_sphere_has_the_pressure_of_hertz() {
         let (radius_m, modulus_pa) = (1e-3, 2e11);
-        let grid = Grid::covering(65, 65, 65e-6, 65e-6).unwrap();
+        let grid = Grid::with_size(65, 65, 65e-6, 65e-6).unwrap();
         let sphere = Shape::new(grid, 1e-7, |x, y| -((x - 32.5e-6).powi(2) + (y - 32.5e-6).powi(2)) / (2.0 * radius_m));
         let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free).unwrap();
         let problem = Problem::new(&sphere, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::field_samples::{FieldSamples, FieldSums, signed};
 use crate::{FailureReason, Observation, PressureError, Problem};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_chaos::{Design, SamplingMethod, StepLaw};
+use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
 /// A sample without an answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -224,13 +224,13 @@ impl Samples {
         self.in_contact() as f64 / self.len() as f64
     }
 
-    /// The empirical law of the pressure in pascal.
+    /// The empirical distribution of the pressure in pascal.
     ///
     /// # Errors
     /// A pressure is not finite.
-    pub fn law(&self) -> Result<StepLaw, PressureError> {
+    pub fn distribution(&self) -> Result<DiscreteDistribution, PressureError> {
         let pressures: Vec<f64> = self.observations.iter().map(|o| o.pressure_pa).collect();
-        Ok(StepLaw::empirical(&pressures)?)
+        Ok(DiscreteDistribution::empirical(&pressures)?)
     }
 }
 

@@ -76,7 +76,7 @@ pub enum SensitivityError {
 
 /// Indices of all quantities with respect to variables around the cell and to up to `leading` leading ones, by expansions of total
 /// degree `degree`.
-pub(super) fn of(
+pub(super) fn estimate(
     problem: &Problem<'_>,
     samples: &Samples,
     leading: usize,
@@ -84,11 +84,11 @@ pub(super) fn of(
     seed: u64,
 ) -> Vec<Sensitivity> {
     let sets = [
-        (VariableSet::Local, NamedDirections::of_cell(problem, MOST_LOCAL)),
+        (VariableSet::Local, NamedDirections::from_cell(problem, MOST_LOCAL)),
         (VariableSet::Global, NamedDirections::leading(problem.surface().xi_len(), leading)),
     ];
     let sets = sets.map(|(set, named)| {
-        let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.of(&samples.xi(i))).collect();
+        let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.apply(&samples.xi(i))).collect();
         (set, named.names, rows)
     });
     let pairs: Vec<(Quantity, usize)> =

@@ -11,7 +11,7 @@ pub(super) const LOOSE_TOLERANCE: f64 = 1e-2;
 /// Rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, the cells in contact held: 1/(1/k + c) with the stiffness k of the
 /// interface ([`StiffnessSolver`], loading) and the mean compliance c of a periodic half-space, which yields beside it (0 on the free
 /// boundary). 0 without contact, 1/c in complete contact.
-pub(super) fn of_approach_pa_per_m(
+pub(super) fn approach_stiffness_pa_per_m(
     half_space: &HalfSpace,
     solution: &Solution,
     tolerance: f64,
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn complete_contact_has_the_stiffness_of_the_mean_mode_and_no_contact_none() {
         let compliance = 4e-15;
-        let grid = Grid::covering(8, 8, 1e-4, 1e-4).unwrap();
+        let grid = Grid::with_size(8, 8, 1e-4, 1e-4).unwrap();
         let wave = Shape::new(grid, 1e-6, |x, _| 1e-10 * (TAU * x / 1e-4).cos());
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };
         let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn a_pressed_wave_yields_with_its_interface_and_its_mean_mode_in_series() {
         // Westergaard with s = p̄/p*: the mean gap falls by λ ln(1/s)/(π E*) per mean pressure.
-        let grid = Grid::covering(256, 4, 1.0, 4.0 / 256.0).unwrap();
+        let grid = Grid::with_size(256, 4, 1.0, 4.0 / 256.0).unwrap();
         let wave = Shape::new(grid, 1.0, |x, _| 0.01 * (TAU * x).cos());
         let compliance = 0.2;
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };

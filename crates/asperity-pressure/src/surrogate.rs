@@ -1,14 +1,14 @@
-//! Laws from models that are cheap to evaluate, and how far from the truth they are.
+//! Distributions from models that are cheap to evaluate, and how far from the truth they are.
 //!
-//! A [`Surrogate`] is fitted to samples; its law is its own, whatever it is worth. What it is off by is estimated from samples that
-//! it was not fitted to: on the same samples of Î¾ the truth and the law that the model gives are both known. With h_f the law given
+//! A [`Surrogate`] is fitted to samples; its distribution is its own, whatever it is worth. What it is off by is estimated from samples that
+//! it was not fitted to: on the same samples of Î¾ the truth and the distribution that the model gives are both known. With h_f the distribution given
 //! the Î¾ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
 //!
 //! F̃(t) = mean_i [s_i(t) − β (h_f(t | ξ_i) − E h_f(t))]
 //!
 //! over all samples i, each with its part f, has the expectation F(t) for every β; that of least variance, kept between 0 and 1, is
 //! taken from the samples (control variates), so that a bad model does not widen what is known without it. The difference from
-//! the model's own law is its bias, and the spread of the terms tells the error of F̃. Intervals are those of F̃: they are corrected for
+//! the model's own distribution is its bias, and the spread of the terms tells the error of F̃. Intervals are those of F̃: they are corrected for
 //! the bias, and where that is large the model's own value lies beside them.
 //!
 //! # References
@@ -17,14 +17,14 @@
 
 use rayon::prelude::*;
 
-use crate::adapted::Adapted;
 use crate::band::{Moments, Total};
 use crate::estimate::nodes;
+use crate::multilevel::RARE;
 use crate::nested::kappa_pa_per_m;
-use crate::telescope::RARE;
+use crate::rotated_variables::RotatedVariables;
 use crate::{Band, Estimate, MethodError, Problem, Samples};
 use asperity_base::stats::{Interval, wilson_interval};
-use asperity_chaos::{Design, StepLaw};
+use asperity_chaos::{Design, DiscreteDistribution};
 
 /// Parts into which the samples are split.
 const FOLDS: usize = 10;
@@ -33,15 +33,15 @@ const MOST_VARIABLES: usize = 8;
 const CHOOSING_DEGREE: usize = 3;
 
 /// Pressures in pascal and their probabilities.
-pub type Atoms = Vec<(f64, f64)>;
+pub type PointMasses = Vec<(f64, f64)>;
 
 /// What a model says.
 #[derive(Debug, Clone)]
 pub struct Fitted {
-    /// The law.
-    pub law: Atoms,
-    /// The law given the Î¾ of each sample that was not fitted, in their order.
-    pub given: Vec<Atoms>,
+    /// The distribution.
+    pub distribution: PointMasses,
+    /// The distribution given the Î¾ of each sample that was not fitted, in their order.
+    pub given: Vec<PointMasses>,
     pub coefficients: usize,
     pub leave_one_out_error: Option<f64>,
 }
@@ -54,7 +54,7 @@ pub trait Surrogate: Sync {
 
 /// Samples that models are fitted to.
 #[derive(Debug, Clone, Copy)]
-pub struct Evidence<'a> {
+pub struct TrainingSamples<'a> {
     pub pressures_pa: &'a [f64],
     /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
     pub groups: Option<&'a [usize]>,
@@ -64,7 +64,7 @@ pub struct Evidence<'a> {
     pub largest_pa: f64,
 }
 
-impl Evidence<'_> {
+impl TrainingSamples<'_> {
     fn group(&self, sample: usize) -> usize {
         self.groups.map_or(sample, |groups| groups[sample])
     }
@@ -122,20 +122,20 @@ impl Evidence<'_> {
     }
 }
 
-/// The law by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
+/// The distribution by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
 ///
 /// # Errors
 /// The samples have no model, or it overflows.
-pub fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
-    let samples: Vec<usize> = (0..evidence.pressures_pa.len()).collect();
+pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: u64) -> Result<Estimate, MethodError> {
+    let samples: Vec<usize> = (0..training.pressures_pa.len()).collect();
     let fitted = surrogate.fit(&samples)?;
-    let overflowed = fitted.law.iter().filter(|(p, _)| !p.is_finite()).count();
+    let overflowed = fitted.distribution.iter().filter(|(p, _)| !p.is_finite()).count();
     if overflowed > 0 {
-        return Err(MethodError::Overflow { overflowed, evaluations: evidence.evaluations });
+        return Err(MethodError::Overflow { overflowed, evaluations: training.evaluations });
     }
-    let law = StepLaw::weighted(fitted.law)?;
-    let contact_probability = 1.0 - law.cdf(0.0);
-    let mean_pa = law.mean().min(evidence.largest_pa);
+    let distribution = DiscreteDistribution::weighted(fitted.distribution)?;
+    let contact_probability = 1.0 - distribution.cdf(0.0);
+    let mean_pa = distribution.mean().min(training.largest_pa);
     let own = Estimate {
         contact_probability,
         contact_probability_se: f64::NAN,
@@ -148,46 +148,46 @@ pub fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) ->
         interval_failure: None,
         coefficients: Some(fitted.coefficients),
         leave_one_out_error: fitted.leave_one_out_error,
-        largest_pa: evidence.largest_pa,
-        law,
+        largest_pa: training.largest_pa,
+        distribution,
     };
-    let empirical = StepLaw::empirical(evidence.pressures_pa)?;
+    let empirical = DiscreteDistribution::empirical(training.pressures_pa)?;
     let nodes = nodes(&empirical, samples.len());
-    let unbiased = match held_out(surrogate, evidence, &nodes) {
+    let unbiased = match held_out(surrogate, training, &nodes) {
         Ok(unbiased) => unbiased,
         Err(reason) => return Ok(Estimate { interval_failure: Some(reason), ..own }),
     };
-    let cdf: Vec<f64> = nodes.iter().map(|t| own.law.cdf(*t)).collect();
-    let band = unbiased.band(&nodes, evidence.degrees_of_freedom(), seed).of_biased(cdf);
+    let cdf: Vec<f64> = nodes.iter().map(|t| own.distribution.cdf(*t)).collect();
+    let band = unbiased.band(&nodes, training.degrees_of_freedom(), seed).with_estimate(cdf);
     Ok(Estimate {
         contact_probability_se: band.standard_errors[0],
-        contact_probability_interval: Some(evidence.contact_interval(&band)),
+        contact_probability_interval: Some(training.contact_interval(&band)),
         contact_probability_bias: Some(-band.bias[0]),
-        mean_se_pa: unbiased.standard_error(nodes.len(), evidence.degrees_of_freedom()),
-        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len()).clamp(0.0, evidence.largest_pa)),
-        band: Some(band.widened([evidence.in_contact(), samples.len()])),
+        mean_se_pa: unbiased.standard_error(nodes.len(), training.degrees_of_freedom()),
+        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len()).clamp(0.0, training.largest_pa)),
+        band: Some(band.widened([training.in_contact(), samples.len()])),
         ..own
     })
 }
 
 /// Distribution function at the nodes and mean without bias.
-fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
-    let count = evidence.pressures_pa.len();
+fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
+    let count = training.pressures_pa.len();
     let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
         .into_par_iter()
         .map(|fold| {
-            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| evidence.group(*i) % FOLDS == fold);
+            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| training.group(*i) % FOLDS == fold);
             (held, surrogate.fit(&fitted))
         })
         .collect();
-    let mut seen: Vec<Vec<f64>> = evidence.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
+    let mut seen: Vec<Vec<f64>> = training.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
     let mut said = vec![Vec::new(); count];
     for (held, fitted) in parts {
         if held.is_empty() {
             continue;
         }
         let fitted = fitted?;
-        let expected = summary(fitted.law, nodes);
+        let expected = summary(fitted.distribution, nodes);
         for (sample, given) in held.into_iter().zip(fitted.given) {
             let own = summary(given, nodes);
             said[sample] = own.iter().zip(&expected).map(|(own, expected)| own - expected).collect();
@@ -201,14 +201,14 @@ fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) ->
             }
         });
     }
-    let mut total = evidence.mean(&seen);
+    let mut total = training.mean(&seen);
     // Fresh samples of Î¾ have an error of their own.
     let mut fresh = Moments::new(nodes.len() + 1);
     for said in &said {
         let used = said.iter().zip(&slopes).map(|(said, slope)| if *slope > 0.0 { slope * said } else { 0.0 });
         fresh.add(&used.collect::<Vec<_>>());
     }
-    total.add_error(&fresh, evidence.evaluations as f64);
+    total.add_error(&fresh, training.evaluations as f64);
     Ok(total)
 }
 
@@ -224,7 +224,7 @@ fn slope(seen: &[Vec<f64>], said: &[Vec<f64>], k: usize) -> f64 {
 }
 
 /// Distribution function at the nodes, and mean.
-fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
+fn summary(mut atoms: PointMasses, nodes: &[f64]) -> Vec<f64> {
     atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
     let (mut atoms, mut below) = (atoms.into_iter().peekable(), 0.0);
@@ -243,7 +243,7 @@ fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
 
 /// Samples in the variables of the Î¾ rotated to the cell, and fresh ones.
 #[derive(Debug, Clone)]
-pub struct Rotated {
+pub struct RotatedSamples {
     /// Variables of each sample; none where no direction predicts the pressure.
     pub rows: Vec<Vec<f64>>,
     pub pressures_pa: Vec<f64>,
@@ -253,7 +253,7 @@ pub struct Rotated {
     pub largest_pa: f64,
 }
 
-impl Rotated {
+impl RotatedSamples {
     /// `design` makes fresh samples of Î¾ of so many variables.
     pub(super) fn new<E>(
         problem: &Problem<'_>,
@@ -262,11 +262,11 @@ impl Rotated {
     ) -> Result<Result<Self, MethodError>, E> {
         let xi_samples: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.xi(i)).collect();
         let latent = latent_pa(samples);
-        let adapted = match Adapted::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent) {
-            Ok(adapted) => adapted,
+        let rotation = match RotatedVariables::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent) {
+            Ok(rotation) => rotation,
             Err(error) => return Ok(Err(error)),
         };
-        let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| adapted.of(xi)).collect();
+        let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| rotation.apply(xi)).collect();
         let variables = rows.first().map_or(0, Vec::len);
         // A design has at least one variable.
         let design = design(variables.max(1))?;
@@ -281,9 +281,9 @@ impl Rotated {
     }
 
     /// The samples, independent of each other.
-    pub fn evidence(&self) -> Evidence<'_> {
+    pub fn training(&self) -> TrainingSamples<'_> {
         let Self { pressures_pa, fresh, largest_pa, .. } = self;
-        Evidence { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
+        TrainingSamples { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
     }
 }
 
@@ -310,9 +310,9 @@ mod tests {
     impl Surrogate for HalfTheMean<'_> {
         fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError> {
             let mean = samples.iter().map(|i| self.0[*i]).sum::<f64>() / samples.len() as f64;
-            let law = vec![(0.5 * mean, 1.0)];
-            let given = vec![law.clone(); self.0.len() - samples.len()];
-            Ok(Fitted { law, given, coefficients: 1, leave_one_out_error: None })
+            let distribution = vec![(0.5 * mean, 1.0)];
+            let given = vec![distribution.clone(); self.0.len() - samples.len()];
+            Ok(Fitted { distribution, given, coefficients: 1, leave_one_out_error: None })
         }
     }
 
@@ -320,11 +320,11 @@ mod tests {
     fn a_wrong_model_reports_its_bias_and_its_intervals_contain_the_truth() {
         // Uniform between 0 and 1 with probability 0.7, otherwise 0.
         let normal = standard_normal(&mut stream(7, "surrogate", 0), 1500);
-        let uniform = normal.into_iter().map(asperity_base::law::standard_normal_cdf);
+        let uniform = normal.into_iter().map(asperity_base::distribution::standard_normal_cdf);
         let pressures_pa: Vec<f64> = uniform.map(|u| ((u - 0.3) / 0.7).max(0.0)).collect();
-        let evidence =
-            Evidence { pressures_pa: &pressures_pa, groups: None, evaluations: 1000, largest_pa: f64::INFINITY };
-        let found = estimate(&HalfTheMean(&pressures_pa), evidence, 1).unwrap();
+        let training =
+            TrainingSamples { pressures_pa: &pressures_pa, groups: None, evaluations: 1000, largest_pa: f64::INFINITY };
+        let found = estimate(&HalfTheMean(&pressures_pa), training, 1).unwrap();
         let band = found.band.as_ref().unwrap();
         for (i, value) in band.values.iter().enumerate() {
             let [low, high] = band.simultaneous(i);

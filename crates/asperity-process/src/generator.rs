@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{CorrelationShape, ProcessError, positive};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 
 /// Method that generates realisations of the process.
 ///

@@ -137,7 +137,7 @@ impl Fluctuation for Path<'_> {
 mod tests {
     use super::*;
     use crate::{Correlation, ProcessError, ProcessModel};
-    use asperity_base::law::goodness::kolmogorov_smirnov;
+    use asperity_base::distribution::goodness::kolmogorov_smirnov;
     use asperity_base::stats::Moments;
 
     fn model(law: &str, generator: Generator) -> ProcessModel {
@@ -162,7 +162,7 @@ mod tests {
                 })
                 .collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
-                let moments = Moments::of(&paths.iter().map(|m| f(m)).collect::<Vec<f64>>());
+                let moments = Moments::new(&paths.iter().map(|m| f(m)).collect::<Vec<f64>>());
                 (moments.mean, 4.0 * moments.standard_error())
             };
             for (power, wanted) in [(1, 0.0), (2, 1.0), (3, skewness)] {

@@ -119,7 +119,7 @@ impl Autocorrelation {
     /// # Panics
     /// If a reach is not less than the points of the map.
     pub fn within(map: &HeightMap, reach_x: usize, reach_y: usize) -> Result<Self, EstimateError> {
-        Self::about(map, &Extent::of(map.values_m()), (reach_x, reach_y))
+        Self::about(map, &Extent::new(map.values_m()), (reach_x, reach_y))
     }
 
     /// As [`Autocorrelation::within`], the extent of the heights being known.
@@ -350,7 +350,7 @@ impl Autocorrelation {
 /// # Errors
 /// The heights present do not vary.
 pub fn axis_correlation(map: &HeightMap, axis: Axis) -> Result<Vec<f64>, EstimateError> {
-    let extent = Extent::of(map.values_m());
+    let extent = Extent::new(map.values_m());
     let mean_m = extent.mean;
     if extent.largest_deviation() <= 4.0 * f64::EPSILON * mean_m.abs() {
         return Err(EstimateError::Constant { present: extent.n });

@@ -312,7 +312,7 @@ mod tests {
         let grid = Grid::new(96, 96, 1e-6, 1e-6).unwrap();
         let noise = random::standard_normal(&mut random::stream(1, "noise", 0), grid.points());
         let map = HeightMap::new(grid, ndarray::Array2::from_shape_vec(grid.shape(), noise).unwrap()).unwrap();
-        let fits = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, &CorrelationFamily::ALL).unwrap();
+        let fits = fit_covariance(&[&BlockSpectrum::new(&map).unwrap()], 1.0, &CorrelationFamily::ALL).unwrap();
         assert!(fits.best().correlation(1e-6, 0.0) < 0.1, "{fits:?}");
         assert!(fits.fits[0].misfit < 0.1, "{fits:?}");
     }
@@ -321,7 +321,7 @@ mod tests {
     fn a_map_without_a_reliable_band_is_refused_with_the_band() {
         let grid = Grid::new(5, 5, 1.0, 1.0).unwrap();
         let map = HeightMap::from_function(grid, |x, y| (7.0 * x).sin() + (3.0 * y).cos()).unwrap();
-        let error = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, &CorrelationFamily::ALL).unwrap_err();
+        let error = fit_covariance(&[&BlockSpectrum::new(&map).unwrap()], 1.0, &CorrelationFamily::ALL).unwrap_err();
         assert!(matches!(error, FitError::NoBand { wanted: 8, .. }), "{error}");
     }
 }

@@ -107,7 +107,7 @@ impl MeasuredCovariance {
     ///
     /// # Errors
     /// Heights that do not vary, a map of few independent patches, or no pair of neighbours.
-    pub fn of(map: &HeightMap) -> Result<Self, MeasuredCovarianceError> {
+    pub fn from_map(map: &HeightMap) -> Result<Self, MeasuredCovarianceError> {
         let grid = map.grid();
         Self::new(&Autocorrelation::within(map, grid.nx() - 1, grid.ny() - 1)?.and_semivariance(map))
     }
@@ -124,7 +124,7 @@ impl MeasuredCovariance {
         if reach_x.min(reach_y) == 0 || estimate.pairs(1, 0) + estimate.pairs(0, 1) == 0.0 {
             return Err(MeasuredCovarianceError::NoPairs);
         }
-        let taper = Taper::of(estimate);
+        let taper = Taper::new(estimate);
         let patches = taper.standard_error().powi(-2);
         if patches < FEWEST_PATCHES {
             return Err(MeasuredCovarianceError::FewPatches { patches, wanted: FEWEST_PATCHES });

@@ -58,7 +58,7 @@ impl RecordCorrelation {
         if present < 3 {
             return Err(EstimateError::TooFew { present, wanted: 3 });
         }
-        let Moments { mean, std, .. } = Moments::of_values(values());
+        let Moments { mean, std, .. } = Moments::from_values(values());
         if std == 0.0 {
             return Err(EstimateError::Constant { present });
         }

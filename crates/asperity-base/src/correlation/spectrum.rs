@@ -86,7 +86,7 @@ fn parzen(u: f64) -> f64 {
 /// # Errors
 /// The heights present do not vary.
 pub fn profile_spectrum(map: &HeightMap, axis: Axis) -> Result<ProfileSpectrum, EstimateError> {
-    let extent = Extent::of(map.values_m());
+    let extent = Extent::new(map.values_m());
     if extent.largest_deviation() <= 4.0 * f64::EPSILON * extent.mean.abs() {
         return Err(EstimateError::Constant { present: extent.n });
     }
@@ -101,7 +101,7 @@ pub fn profile_spectrum(map: &HeightMap, axis: Axis) -> Result<ProfileSpectrum, 
     };
     let q_min = TAU / (n as f64 * pitch_m);
     let q_rad_per_m: Vec<f64> = (0..psd_m3.len()).map(|k| k as f64 * q_min).collect();
-    let reliable = ReliableBand::of_profile(&q_rad_per_m, &psd_m3, route.resolution() * q_min, PI / pitch_m);
+    let reliable = ReliableBand::from_profile(&q_rad_per_m, &psd_m3, route.resolution() * q_min, PI / pitch_m);
     Ok(ProfileSpectrum { q_rad_per_m, psd_m3, route, profiles: used, profiles_left_out: all - used, reliable })
 }
 
@@ -202,7 +202,7 @@ mod tests {
         let map = HeightMap::new(grid, Array2::from_shape_vec((6, 21), heights.clone()).unwrap()).unwrap();
         let found = profile_spectrum(&map, Axis::X).unwrap();
         assert_eq!((found.profiles, found.profiles_left_out, found.route), (6, 0, SpectrumRoute::MaskedCorrelogram));
-        let mean = Extent::of(&heights).mean;
+        let mean = Extent::new(&heights).mean;
         for (q, psd) in found.q_rad_per_m.iter().zip(&found.psd_m3) {
             let mut wanted = 0.0;
             for lag in -10_i32..=10 {

@@ -28,19 +28,19 @@ const LANES: usize = 8;
 #[doc(hidden)]
 pub trait Real: FftNum + Default {
     /// Rounded to this precision.
-    fn of(value: f64) -> Self;
+    fn from_double(value: f64) -> Self;
     /// In double precision.
-    fn double(self) -> f64;
+    fn to_f64(self) -> f64;
     /// The forward and the inverse transform of a length.
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
 impl Real for f32 {
-    fn of(value: f64) -> Self {
+    fn from_double(value: f64) -> Self {
         value as Self
     }
 
-    fn double(self) -> f64 {
+    fn to_f64(self) -> f64 {
         f64::from(self)
     }
 
@@ -50,11 +50,11 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
-    fn of(value: f64) -> Self {
+    fn from_double(value: f64) -> Self {
         value
     }
 
-    fn double(self) -> f64 {
+    fn to_f64(self) -> f64 {
         self
     }
 
@@ -143,13 +143,13 @@ impl<T: Real> Convolution<T> {
     pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<T> {
         let scale = 1.0 / (self.nx * self.ny) as f64;
         let columns = (0..self.stored_kx()).flat_map(|kx| (0..self.ny).map(move |ky| (kx, ky)));
-        columns.map(|(kx, ky)| T::of(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
+        columns.map(|(kx, ky)| T::from_double(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
     }
 
     /// One factor for [`Convolution::forward`].
     #[doc(hidden)]
     pub fn factor(&self, value: f64) -> T {
-        T::of(value / (self.nx * self.ny) as f64)
+        T::from_double(value / (self.nx * self.ny) as f64)
     }
 
     #[doc(hidden)]
@@ -235,7 +235,7 @@ impl<T: Real> Convolution<T> {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
                 self.along_columns[0].process_with_scratch(column, &mut lane.scratch);
                 let first = if kx == 0 { constant } else { symbol[0] };
-                let sum = (first * column[0].norm_sqr()).double();
+                let sum = (first * column[0].norm_sqr()).to_f64();
                 column[0] = column[0] * first;
                 let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
                 // A stored column stands for its opposite as well.
@@ -288,7 +288,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [
     #[inline(always)]
     fn run((plan, pairs, first, to): (&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])) {
         let (nx, stride) = (plan.nx, plan.ny + PAD);
-        let half = T::of(0.5);
+        let half = T::from_double(0.5);
         let width = to.len() / stride;
         // The transform of an even and an odd row, e + io, is e + io at k and the conjugate of e − io at −k.
         let halves = |at: Complex<T>, opposite: Complex<T>| {
@@ -379,9 +379,9 @@ impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T])> for Multiply {
                 values[lane] = Complex::new(factor * value.re, factor * value.im);
             }
         }
-        let mut sum: f64 = lanes.into_iter().map(Real::double).sum();
+        let mut sum: f64 = lanes.into_iter().map(Real::to_f64).sum();
         for (value, factor) in rest.iter_mut().zip(rest_of_factors) {
-            sum += (*factor * value.norm_sqr()).double();
+            sum += (*factor * value.norm_sqr()).to_f64();
             *value = *value * *factor;
         }
         sum
@@ -425,7 +425,7 @@ mod tests {
         let columns = plan.columns;
         let fill = |slab: &mut &[f64], row: usize, out: &mut [T]| {
             let values = &slab[row % ROWS_OF_SLAB * columns..][..columns];
-            out.iter_mut().zip(values).for_each(|(out, z)| *out = T::of(*z));
+            out.iter_mut().zip(values).for_each(|(out, z)| *out = T::from_double(*z));
             values.iter().any(|z| *z != 0.0)
         };
         let mut slabs: Vec<&[f64]> = map.chunks(ROWS_OF_SLAB * columns).collect();
@@ -434,7 +434,7 @@ mod tests {
         let mut slabs: Vec<&mut [f64]> = result.chunks_mut(ROWS_OF_SLAB * columns).collect();
         let take = |out: &mut &mut [f64], row: usize, values: &[T]| {
             let out = &mut out[row % ROWS_OF_SLAB * columns..][..columns];
-            out.iter_mut().zip(values).for_each(|(out, value)| *out = value.double());
+            out.iter_mut().zip(values).for_each(|(out, value)| *out = value.to_f64());
         };
         plan.backward(&mut slabs, take, &mut work);
         (energy, result)

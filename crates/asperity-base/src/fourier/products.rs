@@ -6,7 +6,7 @@
 use asperity_fft::{complex_f64, real_forward, real_inverse};
 use rayon::prelude::*;
 
-use super::lanes::{BLOCK, TILE, gather, make_real};
+use super::transpose::{BLOCK, TILE, gather, make_real};
 use super::{Complex64, good_length};
 
 /// Lanes whose powers are added before the sums of such blocks are.

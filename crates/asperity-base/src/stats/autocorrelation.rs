@@ -35,7 +35,7 @@ impl CorrelationTime {
 /// # Errors
 /// Fewer than four values, or all equal.
 pub fn correlation_time(record: &[f64]) -> Result<CorrelationTime, StatsError> {
-    let moments = Moments::of(record);
+    let moments = Moments::new(record);
     let statistic = "a correlation time";
     if moments.n < 4 {
         return Err(StatsError::TooFew { statistic, n: moments.n, wanted: 4 });
@@ -109,7 +109,7 @@ mod tests {
         for gap in [3, 4, 50] {
             record[gap] = f64::NAN;
         }
-        let moments = Moments::of(&record);
+        let moments = Moments::new(&record);
         let fast = autocorrelation(&record, &moments);
         for (lag, rho) in fast.iter().enumerate() {
             let products: Vec<f64> = (0..record.len() - lag)

@@ -23,17 +23,17 @@ impl Histogram {
     ///
     /// # Errors
     /// No value is present, or all are equal.
-    pub fn of(values: &[f64]) -> Result<Self, StatsError> {
+    pub fn new(values: &[f64]) -> Result<Self, StatsError> {
         let sorted = sorted_present(values.iter().copied());
         let (first, last) = ends(&sorted)?;
         let quartile_range = quantile_sorted(&sorted, 0.75) - quantile_sorted(&sorted, 0.25);
-        let spread = if quartile_range > 0.0 { 2.0 * quartile_range } else { 3.49 * super::Moments::of(&sorted).std };
+        let spread = if quartile_range > 0.0 { 2.0 * quartile_range } else { 3.49 * super::Moments::new(&sorted).std };
         let width = spread / (sorted.len() as f64).cbrt();
         let bins = ((last - first) / width).ceil().clamp(1.0, MAX_BINS as f64) as usize;
-        Self::of_sorted(&sorted, bins)
+        Self::from_sorted(&sorted, bins)
     }
 
-    fn of_sorted(sorted: &[f64], bins: usize) -> Result<Self, StatsError> {
+    fn from_sorted(sorted: &[f64], bins: usize) -> Result<Self, StatsError> {
         let (first, last) = ends(sorted)?;
         let edge = |i: usize| if i == bins { last } else { first + (last - first) * (i as f64 / bins as f64) };
         let edges: Vec<f64> = (0..=bins).map(edge).collect();
@@ -73,10 +73,10 @@ mod tests {
     #[test]
     fn every_value_falls_in_one_bin_and_the_density_integrates_to_one() {
         let values = random::standard_normal(&mut random::stream(3, "histogram", 0), 5000);
-        let histogram = Histogram::of(&values).unwrap();
+        let histogram = Histogram::new(&values).unwrap();
         assert_eq!(histogram.counts.iter().sum::<usize>(), 5000);
         let width = histogram.edges[1] - histogram.edges[0];
-        // IQR of the standard normal law is 1.349; its quartiles' standard error is about 1.36/√n.
+        // IQR of the standard normal distribution is 1.349; its quartiles' standard error is about 1.36/√n.
         assert!((width - 2.0 * 1.349 / 5000_f64.cbrt()).abs() < 0.01, "width {width}");
         let integral: f64 = histogram.density().iter().map(|d| d * width).sum();
         assert!((integral - 1.0).abs() < 1e-12);
@@ -84,14 +84,14 @@ mod tests {
 
     #[test]
     fn edges_belong_to_the_bin_on_their_right_but_the_last() {
-        let histogram = Histogram::of_sorted(&[0.0, 1.0, 2.0, 4.0], 4).unwrap();
+        let histogram = Histogram::from_sorted(&[0.0, 1.0, 2.0, 4.0], 4).unwrap();
         assert_eq!(histogram.counts, [1, 1, 1, 1]);
         assert_eq!(histogram.centres(), [0.5, 1.5, 2.5, 3.5]);
-        assert!(Histogram::of(&[1.0, 1.0]).is_err());
-        assert!(Histogram::of(&[f64::NAN]).is_err());
+        assert!(Histogram::new(&[1.0, 1.0]).is_err());
+        assert!(Histogram::new(&[f64::NAN]).is_err());
         // Heavy ties: the quartile range is 0, an outlier far away must not ask for endless bins.
         let mut ties = vec![0.0; 1000];
         ties.extend([1.0, 1e9]);
-        assert!(Histogram::of(&ties).unwrap().counts.len() <= MAX_BINS);
+        assert!(Histogram::new(&ties).unwrap().counts.len() <= MAX_BINS);
     }
 }

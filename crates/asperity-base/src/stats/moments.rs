@@ -33,7 +33,7 @@ pub struct Extent {
 
 impl Extent {
     /// The extent of a sample. The mean is that of the differences from the first value.
-    pub fn of(values: &[f64]) -> Self {
+    pub fn new(values: &[f64]) -> Self {
         let Some(origin) = values.iter().copied().find(|v| !v.is_nan()) else {
             return Self { n: 0, mean: f64::NAN, least: f64::NAN, largest: f64::NAN };
         };
@@ -72,13 +72,13 @@ impl Moments {
     ///
     /// Two passes: the mean of the differences from the first value, then powers of the deviations, scaled by the
     /// largest so that neither squares of nanometres nor large offsets lose digits.
-    pub fn of(values: &[f64]) -> Self {
-        Self::within(&Extent::of(values), values)
+    pub fn new(values: &[f64]) -> Self {
+        Self::with_extent(&Extent::new(values), values)
     }
 
     /// The moments of a slice whose extent is known.
     #[doc(hidden)]
-    pub fn within(extent: &Extent, values: &[f64]) -> Self {
+    pub fn with_extent(extent: &Extent, values: &[f64]) -> Self {
         Self::with_absolute(extent, values).0
     }
 
@@ -112,8 +112,8 @@ impl Moments {
     }
 
     /// The moments of values that are passed one by one, NaN skipped.
-    pub fn of_values(values: impl Iterator<Item = f64>) -> Self {
-        Self::of(&values.collect::<Vec<f64>>())
+    pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
+        Self::new(&values.collect::<Vec<f64>>())
     }
 
     /// Standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a single one.
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn moments_of_four_values_by_hand() {
         // Deviations of 1, 2, 3, 6 from 3: −2, −1, 0, 3; m₂ = 14/4, m₃ = 18/4, m₄ = 98/4.
-        let m = Moments::of(&[1.0, f64::NAN, 2.0, 3.0, 6.0]);
+        let m = Moments::new(&[1.0, f64::NAN, 2.0, 3.0, 6.0]);
         assert_eq!((m.n, m.mean), (4, 3.0));
         assert!((m.std - 3.5_f64.sqrt()).abs() < 1e-15);
         assert!((m.sample_std() - (14.0_f64 / 3.0).sqrt()).abs() < 1e-15);
@@ -152,19 +152,19 @@ mod tests {
         // Multiples of 2⁻³⁰ m on 1 m are exact in binary, so that the offset costs nothing but the mean's own rounding.
         let unit = 2.0_f64.powi(-30);
         let values: Vec<f64> = [1.0, 2.0, 3.0, 6.0].iter().map(|v| 1.0 + v * unit).collect();
-        let (shifted, plain) = (Moments::of(&values), Moments::of(&[1.0, 2.0, 3.0, 6.0]));
+        let (shifted, plain) = (Moments::new(&values), Moments::new(&[1.0, 2.0, 3.0, 6.0]));
         assert!((shifted.std / unit / plain.std - 1.0).abs() < 1e-12);
         assert!((shifted.skewness - plain.skewness).abs() < 1e-7 * plain.skewness);
-        let tiny = Moments::of(&[1e-200, 2e-200, 3e-200, 6e-200]);
+        let tiny = Moments::new(&[1e-200, 2e-200, 3e-200, 6e-200]);
         assert!((tiny.excess_kurtosis - plain.excess_kurtosis).abs() < 1e-13);
     }
 
     #[test]
     fn no_values_and_equal_values_are_not_given_a_shape() {
-        assert!(Moments::of(&[f64::NAN]).mean.is_nan());
-        let equal = Moments::of(&[0.1; 7]);
+        assert!(Moments::new(&[f64::NAN]).mean.is_nan());
+        let equal = Moments::new(&[0.1; 7]);
         assert_eq!((equal.mean, equal.std), (0.1, 0.0));
         assert!(equal.skewness.is_nan() && equal.excess_kurtosis.is_nan());
-        assert!(Moments::of(&[1.0]).sample_std().is_nan());
+        assert!(Moments::new(&[1.0]).sample_std().is_nan());
     }
 }

@@ -81,10 +81,10 @@ impl ProcessMoments {
     ///
     /// # Panics
     /// If the lanes of a strip differ in number or length.
-    pub fn of(records: &[&[f64]], layout: impl Into<Layout>) -> Self {
+    pub fn new(records: &[&[f64]], layout: impl Into<Layout>) -> Self {
         let layout = layout.into();
         let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
-        let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
+        let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
         let n = moments.n as f64;
         let mut found = Self {
             moments,
@@ -140,7 +140,7 @@ impl ProcessMoments {
     /// ln σ (κ − 1) S_2/4 with the kurtosis κ. The degrees of freedom are those of the scatter of σ² and ℓ, which err alike.
     ///
     /// # Panics
-    /// As [`ProcessMoments::of`].
+    /// As [`ProcessMoments::new`].
     #[must_use]
     pub fn with_correlation(
         self,
@@ -187,7 +187,7 @@ fn wider(a: Option<Estimate>, b: Option<Estimate>) -> Option<Estimate> {
 
 /// Skewness on the scale of its arctangent, on which its spread hardly depends on it.
 fn skewness(value: f64, spread: Spread) -> Option<Estimate> {
-    let half = spread.of_high_order().student(TAIL) * spread.variance.sqrt() / (1.0 + value * value);
+    let half = spread.for_high_order().student(TAIL) * spread.variance.sqrt() / (1.0 + value * value);
     let finite = value.atan().abs() + half < std::f64::consts::FRAC_PI_2;
     let end = |sign: f64| (value.atan() + sign * half).tan();
     Estimate::new(value, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| finite)
@@ -195,14 +195,14 @@ fn skewness(value: f64, spread: Spread) -> Option<Estimate> {
 
 /// Excess kurtosis from the kurtosis κ on the scale 1/κ³, on which it is spread evenly.
 fn excess_kurtosis(kurtosis: f64, spread: Spread) -> Option<Estimate> {
-    let half = 3.0 * spread.of_high_order().student(TAIL) * spread.variance.sqrt() / kurtosis;
+    let half = 3.0 * spread.for_high_order().student(TAIL) * spread.variance.sqrt() / kurtosis;
     let end = |sign: f64| kurtosis / (1.0 - sign * half).cbrt() - 3.0;
     Estimate::new(kurtosis - 3.0, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| half < 1.0)
 }
 
 impl Spread {
     /// Variances of third and fourth powers rest on few large values: half of the blocks carry them, as counted.
-    fn of_high_order(self) -> Self {
+    fn for_high_order(self) -> Self {
         Self { blocks: 0.5 * self.blocks, ..self }
     }
 }
@@ -212,7 +212,7 @@ impl Spread {
 pub fn share_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
     let layout = layout.into();
     let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
-    let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
+    let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
     let above = |value: &f64| if value.is_nan() { f64::NAN } else { f64::from(u8::from(*value > level)) };
     let indicators: Vec<Vec<f64>> = records.iter().map(|record| record.iter().map(above).collect()).collect();
     let share = indicators.iter().flatten().filter(|above| **above > 0.0).count() as f64 / moments.n as f64;
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_moments_of_the_law_in_one_record_as_in_twenty() {
+    fn intervals_hold_the_moments_of_the_distribution_in_one_record_as_in_twenty() {
         // Central moments 1 + 2c², 6c + 8c³ and, beyond three squared variances, 48c² + 48c⁴.
         let c = 0.05_f64;
         let variance = 1.0 + 2.0 * c * c;
@@ -262,7 +262,7 @@ mod tests {
             for run in 0..runs {
                 let records = records(c, count, 1000 / count, run);
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-                let found = ProcessMoments::of(&views, false);
+                let found = ProcessMoments::new(&views, false);
                 let estimates =
                     [found.mean, found.std, found.coefficient_of_variation, found.skewness, found.excess_kurtosis];
                 for (held, (estimate, truth)) in held.iter_mut().zip(estimates.iter().zip(truth)) {
@@ -282,7 +282,7 @@ mod tests {
     fn a_record_without_slow_waves_has_the_size_of_its_standard_deviation() {
         // Differences of a record have no long-run variance, so the mean has no interval; the standard deviation has one.
         let record: Vec<f64> = records(0.0, 1, 2000, 5)[0].windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let found = ProcessMoments::of(&[&record], false);
+        let found = ProcessMoments::new(&[&record], false);
         assert!(found.std.is_some());
         // Nearly white: worth its number over Σρ², 1.2.
         assert!(found.effective_size > 800.0, "{}", found.effective_size);
@@ -296,7 +296,7 @@ mod tests {
         let runs = 200;
         for run in 0..runs {
             let record = &records(0.0, 1, 100, 1000 + run)[0];
-            let found = ProcessMoments::of(&[record], false).with_correlation(
+            let found = ProcessMoments::new(&[record], false).with_correlation(
                 &[record],
                 false,
                 &|lag| phi.powi(lag as i32),
@@ -312,12 +312,12 @@ mod tests {
 
     #[test]
     fn what_does_not_vary_or_is_too_short_has_no_interval() {
-        let constant = ProcessMoments::of(&[&[0.2; 50]], false);
+        let constant = ProcessMoments::new(&[&[0.2; 50]], false);
         assert!(constant.mean.is_none() && constant.moments.mean == 0.2 && constant.effective_size == 1.0);
         let short: Vec<f64> = (0..50).map(|i| (f64::from(i) / 25.0).sin()).collect();
-        assert!(ProcessMoments::of(&[&short], false).mean.is_none());
+        assert!(ProcessMoments::new(&[&short], false).mean.is_none());
         let about_zero: Vec<f64> = records(0.0, 1, 1000, 0)[0].iter().map(|x| x - 3.0).collect();
-        let found = ProcessMoments::of(&[&about_zero], false);
+        let found = ProcessMoments::new(&[&about_zero], false);
         assert!(found.std.is_some() && found.coefficient_of_variation.is_none());
     }
 

@@ -228,7 +228,7 @@ mod tests {
             let (mut means, mut variances, mut blocks) = (vec![], vec![], vec![]);
             for run in 0..runs {
                 let records = autoregressive(0.9, records, n, run + 1);
-                let mean = Moments::of(&records.concat()).mean;
+                let mean = Moments::new(&records.concat()).mean;
                 let sum = RecordSum::new(&views(&records), mean, false.into());
                 let influence: Vec<Vec<f64>> =
                     records.iter().map(|record| record.iter().map(|x| (x - mean) / 2000.0).collect()).collect();
@@ -237,14 +237,14 @@ mod tests {
                 variances.push(spread.variance);
                 blocks.push(spread.blocks);
             }
-            let found = Moments::of(&variances);
-            let ratio = found.mean / Moments::of(&means).std.powi(2);
-            println!("{records} × {n}: {ratio} {:?} {:?}", found.std / found.mean, Moments::of(&blocks).mean);
+            let found = Moments::new(&variances);
+            let ratio = found.mean / Moments::new(&means).std.powi(2);
+            println!("{records} × {n}: {ratio} {:?} {:?}", found.std / found.mean, Moments::new(&blocks).mean);
             // A variance over 200 runs has a standard error of 10 %, the mean of 200 variances on 15 blocks one of 3 %.
             assert!((ratio - 1.0).abs() < 4.0 * 0.105, "{records} records: {ratio}");
             // Degrees of freedom are those of the estimate's own scatter, within what they are known to themselves.
             let freedom = 2.0 * (found.mean / found.std).powi(2);
-            let told = Moments::of(&blocks).mean;
+            let told = Moments::new(&blocks).mean;
             assert!(told / freedom < 1.8 && freedom / told < 1.8, "{records} records: {told} for {freedom}");
         }
     }
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn too_few_blocks_carry_no_spread() {
         let records = autoregressive(0.99, 1, 300, 9);
-        let mean = Moments::of(&records[0]).mean;
+        let mean = Moments::new(&records[0]).mean;
         let influence = vec![records[0].iter().map(|x| (x - mean) / 300.0).collect()];
         assert!(RecordSum::new(&views(&records), mean, false.into()).spread(&influence, 1.0).is_none());
     }

@@ -29,7 +29,7 @@ pub enum Order {
 #[doc(hidden)]
 pub fn sorted(values: &[f64], origin: f64, order: Order) -> Vec<f64> {
     if values.len() >= LARGE
-        && let Some(dealer) = Dealer::of(values)
+        && let Some(dealer) = Dealer::new(values)
     {
         return dealer.sorted(values, origin, order);
     }
@@ -78,7 +78,7 @@ struct Dealt {
 
 impl Dealer {
     /// `None` when nearly all values are equal or missing: nothing to deal.
-    fn of(values: &[f64]) -> Option<Self> {
+    fn new(values: &[f64]) -> Option<Self> {
         let buckets = (values.len() / BUCKET).clamp(2, MAX_BUCKETS);
         let mut sample: Vec<f64> =
             values.iter().step_by(values.len() / (SAMPLED * buckets)).copied().filter(|v| v.is_finite()).collect();

@@ -76,7 +76,7 @@ impl<'a> Samples<'a> {
         let mut times = vec![-1.0; count];
         samples.iter().for_each(|&r| times[r] += 1.0);
         let n = count as f64;
-        // The bootstrap's variance falls short by (R − 1)/R, and so few samples spread as Student's law.
+        // The bootstrap's variance falls short by (R − 1)/R, and so few samples spread as Student's distribution.
         let spread = (n / (n - 1.0)).sqrt() * student_quantile(0.975, n - 1.0) / NORMAL_95 / n;
         let shift = |k: usize| spread * times.iter().zip(&self.influences).map(|(t, u)| t * u[k]).sum::<f64>();
         let values = points.iter().map(|&k| self.values[k] + shift(k)).collect();
@@ -85,9 +85,9 @@ impl<'a> Samples<'a> {
 
     /// Mean and standard deviation of the points.
     pub(super) fn moments(&self, resamples: &Resamples) -> (Estimate, Estimate) {
-        let moments = Moments::of(&self.values);
+        let moments = Moments::new(&self.values);
         let drawn: Vec<Moments> =
-            (0..resamples.count).into_par_iter().map(|i| Moments::of(&self.resample(resamples, i).1)).collect();
+            (0..resamples.count).into_par_iter().map(|i| Moments::new(&self.resample(resamples, i).1)).collect();
         (
             resamples.estimate(moments.mean, drawn.iter().map(|m| m.mean).collect(), ANY),
             resamples.estimate(moments.sample_std(), drawn.iter().map(Moments::sample_std).collect(), POSITIVE),

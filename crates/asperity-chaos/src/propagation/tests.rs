@@ -45,7 +45,7 @@ fn a_product_of_lognormal_parameters_has_its_closed_moments_and_indices() {
 }
 
 #[test]
-fn the_band_is_that_of_the_law() {
+fn the_band_is_that_of_the_distribution() {
     // ln y normal: quantiles e^{±1.96σ}; a uniform parameter: y = x.
     let propagation = Propagation::new(vec![Parameter::lognormal("a", 1.0, 0.1).unwrap()], 16, 1).unwrap();
     let values = evaluated(&propagation, |x| x[0]);
@@ -62,11 +62,11 @@ fn the_band_is_that_of_the_law() {
 }
 
 #[test]
-fn intervals_of_95_percent_become_laws() {
+fn intervals_of_95_percent_become_distributions() {
     let interval = Interval { low: 0.8, high: 1.25 };
     for parameter in [Parameter::normal_within("n", interval), Parameter::lognormal_within("l", interval)] {
-        let law = parameter.unwrap().law().clone();
-        assert!((law.cdf(0.8) - 0.025).abs() < 1e-9 && (law.cdf(1.25) - 0.975).abs() < 1e-9);
+        let marginal = parameter.unwrap().marginal().clone();
+        assert!((marginal.cdf(0.8) - 0.025).abs() < 1e-9 && (marginal.cdf(1.25) - 0.975).abs() < 1e-9);
     }
     assert!(Parameter::lognormal_within("l", Interval { low: 0.0, high: 1.0 }).is_err());
     assert!(Parameter::lognormal("l", 1.0, -0.1).is_err());

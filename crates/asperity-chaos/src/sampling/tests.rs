@@ -177,7 +177,7 @@ fn replicates_are_independent_and_their_spread_is_the_standard_error() {
                 .collect();
             let mean = means.iter().sum::<f64>() / 10.0;
             let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 9.0;
-            // The 97.5 % point of Student's law with 9 degrees of freedom.
+            // The 97.5 % point of Student's distribution with 9 degrees of freedom.
             beyond += usize::from(mean.abs() > 2.262 * (variance / 10.0).sqrt());
             squares += means.iter().map(|m| m * m).sum::<f64>();
             neighbours += means.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();

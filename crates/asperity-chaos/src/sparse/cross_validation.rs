@@ -45,8 +45,8 @@ pub(super) fn select(
     let start = GrowingFit::new(candidates, response);
     let mut search = match regression.method {
         SparseMethod::SubspacePursuit => {
-            let fit = if terms > constant { subspace_pursuit::of_size(start, terms) } else { start };
-            Search::of_one(fit)
+            let fit = if terms > constant { subspace_pursuit::with_terms(start, terms) } else { start };
+            Search::from_single(fit)
         }
         // To the end, without early stop.
         _ => regression.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
@@ -101,9 +101,10 @@ impl Part {
         // A path may end early, with nothing left to explain or nothing left to enter.
         let last = |squares: &[f64]| squares.last().copied().unwrap_or(of_the_mean);
         let squares = match regression.method {
-            SparseMethod::SubspacePursuit => {
-                sizes.iter().map(|&size| last(&squares_of(&subspace_pursuit::of_size(start.clone(), size)))).collect()
-            }
+            SparseMethod::SubspacePursuit => sizes
+                .iter()
+                .map(|&size| last(&squares_of(&subspace_pursuit::with_terms(start.clone(), size))))
+                .collect(),
             _ => {
                 let limit = sizes.last().copied().unwrap_or(0);
                 let squares = squares_of(&regression.search(start, limit, usize::MAX / 2).fit);

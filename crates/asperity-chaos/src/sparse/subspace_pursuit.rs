@@ -69,7 +69,7 @@ pub(super) fn sizes(candidates: &Candidates<'_>, limit: usize) -> Vec<usize> {
 }
 
 /// The model of so many terms, the constant included.
-pub(super) fn of_size<'a, 'c>(start: GrowingFit<'a, 'c>, terms: usize) -> GrowingFit<'a, 'c> {
+pub(super) fn with_terms<'a, 'c>(start: GrowingFit<'a, 'c>, terms: usize) -> GrowingFit<'a, 'c> {
     let mut correlations = vec![0.0; start.candidates().columns()];
     start.candidates().correlate(start.residual(), &mut correlations);
     pursue(&start, &correlations, terms.saturating_sub(start.terms().len()))

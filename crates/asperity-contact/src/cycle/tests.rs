@@ -31,7 +31,7 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
 
 /// Returns a paraboloid of radius 1 on a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
+    let grid = Grid::with_size(n, n, side_m, side_m).unwrap();
     let c = 0.5 * side_m;
     let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - c).powi(2) + (y - c).powi(2))).unwrap();
     (grid, map.heights_m().clone())

@@ -23,7 +23,7 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
 
 /// Returns a paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
 fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
+    let grid = Grid::with_size(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * side_m + offset * grid.dx_m();
     let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - centre).powi(2) + (y - centre).powi(2))).unwrap();
     (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
@@ -157,7 +157,7 @@ fn one_wave_has_the_westergaard_width() {
 #[test]
 fn a_double_sinusoid_has_its_small_load_and_near_full_limits() {
     let (n, h) = (256, 0.01);
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let map = HeightMap::from_function(grid, |x, y| h * (2.0 * PI * x).cos() * (2.0 * PI * y).cos()).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
     let full = 2.0_f64.sqrt() * PI * h;
@@ -482,7 +482,7 @@ fn a_rigid_plastic_solid_under_load_yields_at_its_highest_points() {
 #[test]
 fn rough_contact_lies_between_persson_and_the_asperity_models() {
     let n = 256;
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
     let heights = rough(n, 20);
     let mut slope2 = 0.0;
@@ -509,7 +509,7 @@ fn a_large_map_is_solved_equally_on_any_number_of_threads_and_by_another_operato
     // Enough cells for the solver to use several threads, in rows that do not fill the last slab.
     let n = 270;
     let heights = rough(n, 3);
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     for (boundary, control, hardness_pa) in [
         (Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }, Control::MeanPressure { pascal: 0.02 }, None),
         (Boundary::Free, Control::Percentile { percent: 10.0 }, Some(0.3)),

@@ -36,7 +36,7 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
 
 /// Returns a paraboloid of radius 1 in the middle of a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
+    let grid = Grid::with_size(n, n, side_m, side_m).unwrap();
     let c = 0.5 * side_m;
     let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - c).powi(2) + (y - c).powi(2))).unwrap();
     (grid, map.heights_m().clone())

@@ -4,9 +4,9 @@ use asperity_base::correlation::{
     LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity, WindowedRecords,
     cross_correlation, fit_length, fit_record, fitted_length_interval, rank_lengths, record_spectrum,
 };
-use asperity_base::law::Marginal;
-use asperity_base::law::fit::{Family, fit};
-use asperity_base::law::goodness::ProcessNull;
+use asperity_base::distribution::Marginal;
+use asperity_base::distribution::fit::{Family, fit};
+use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::random;
 use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
 use asperity_friction::statistics::FrictionStatistics;
@@ -74,7 +74,7 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
     for (strips, periodic) in [(1, false), (4, true), (24, false)] {
         let (single, copies) = copied(strips, 2400 / strips, strips as u64);
         let (single, copies) = (views(&single), views(&copies));
-        let (a, b) = (ProcessMoments::of(&single, periodic), ProcessMoments::of(&copies, layout(periodic)));
+        let (a, b) = (ProcessMoments::new(&single, periodic), ProcessMoments::new(&copies, layout(periodic)));
         same_estimate(a.mean, b.mean, "mean");
         same_estimate(a.std, b.std, "std");
         same_estimate(a.coefficient_of_variation, b.coefficient_of_variation, "CoV");
@@ -101,7 +101,7 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
             cross_correlation(&pairs, tracks, 1.0, 0).unwrap().interval
         };
         same(cross(&single, 1), cross(&copies, TRACKS), "cross-correlation");
-        let (a, b) = (Stationarity::of(&single, 1, 1.0).unwrap(), Stationarity::of(&copies, TRACKS, 1.0).unwrap());
+        let (a, b) = (Stationarity::new(&single, 1, 1.0).unwrap(), Stationarity::new(&copies, TRACKS, 1.0).unwrap());
         close(a.trend.p_value, b.trend.p_value, "trend");
         close(a.variance_change.p_value, b.variance_change.p_value, "variance");
         let spectrum =
@@ -156,7 +156,7 @@ fn independent_tracks_count_as_strips() {
         let first: Vec<Vec<f64>> = all.iter().step_by(tracks).cloned().collect();
         let (one, four) = (views(&first), views(&all));
         let of =
-            |records: &[&[f64]], tracks: usize| ProcessMoments::of(records, Layout { periodic: false, lanes: tracks });
+            |records: &[&[f64]], tracks: usize| ProcessMoments::new(records, Layout { periodic: false, lanes: tracks });
         let (a, b) = (of(&one, 1), of(&four, tracks));
         mean.push(b.mean.unwrap().standard_error / a.mean.unwrap().standard_error);
         std.push(b.std.unwrap().standard_error / a.std.unwrap().standard_error);
@@ -173,7 +173,7 @@ fn independent_tracks_count_as_strips() {
     for (what, ratios, scatter) in [("mean", mean, 0.2), ("std", std, 0.2), ("ℓ", fitted, 0.2), ("curve", curve, 0.3)]
     {
         let logarithms: Vec<f64> = ratios.iter().map(|ratio: &f64| ratio.ln()).collect();
-        let found = Moments::of(&logarithms);
+        let found = Moments::new(&logarithms);
         println!("{what}: {} ± {}", found.mean.exp(), found.std);
         // A standard error from some thirty blocks has an error of 1/√60 = 13 %, a quotient of two 18 %. For jackknives
         // from twenty parts of correlated curves it is some 30 %. The bound is four errors of the mean of 20
@@ -237,7 +237,7 @@ fn p_values_of_a_correct_distribution_are_uniform_on_periodic_strips_and_on_copi
                 let of = |strip: usize| record("normal:3,1", n, 100_000 * seed + 100 * run + strip as u64, periodic);
                 let records: Vec<Vec<f64>> = (0..strips).flat_map(|strip| vec![of(strip); tracks]).collect();
                 let values = records.concat();
-                let null = ProcessNull::of(&views(&records), known, 99, run).unwrap();
+                let null = ProcessNull::new(&views(&records), known, 99, run).unwrap();
                 let found = null.goodness(&fit(Family::Normal, &values).unwrap(), &values).unwrap();
                 [found.kolmogorov_smirnov.p_value, found.anderson_darling.unwrap().p_value]
             })

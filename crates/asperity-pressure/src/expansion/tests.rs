@@ -1,14 +1,14 @@
 use super::*;
-use asperity_base::law::standard_normal_cdf;
-use asperity_chaos::{Design, SamplingMethod, StepLaw, distance};
+use asperity_base::distribution::standard_normal_cdf;
+use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod, distance};
 
 fn xi_samples(stage: &str, samples: usize, dimensions: usize) -> Vec<Vec<f64>> {
     let design = Design::new(SamplingMethod::LatinHypercube, 9, stage, samples, dimensions).unwrap();
     (0..samples).map(|i| design.xi(i)).collect()
 }
 
-fn independent(pressures_pa: &[f64], evaluations: usize) -> Evidence<'_> {
-    Evidence { pressures_pa, groups: None, evaluations, largest_pa: f64::INFINITY }
+fn independent(pressures_pa: &[f64], evaluations: usize) -> TrainingSamples<'_> {
+    TrainingSamples { pressures_pa, groups: None, evaluations, largest_pa: f64::INFINITY }
 }
 
 fn estimate_of(
@@ -16,13 +16,13 @@ fn estimate_of(
     pressure: impl Fn(&[f64]) -> f64,
     samples: usize,
     basis: Basis,
-) -> Result<(Estimate, StepLaw), MethodError> {
+) -> Result<(Estimate, DiscreteDistribution), MethodError> {
     let variables = basis.set().variables();
     let (fine, fresh) = (xi_samples("fine", samples, variables), xi_samples("fresh", 3000, variables));
     let pressures: Vec<f64> = fine.iter().map(|xi| pressure(xi)).collect();
     let truth: Vec<f64> = fresh.iter().map(|xi| pressure(xi)).collect();
     let estimate = estimate(response, &fine, independent(&pressures, fresh.len()), basis, &fresh, 1)?;
-    Ok((estimate, StepLaw::empirical(&truth)?))
+    Ok((estimate, DiscreteDistribution::empirical(&truth)?))
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn a_polynomial_pressure_is_recovered_exactly() {
     let basis = Basis::hermite(3, 4).unwrap();
     let (estimate, truth) = estimate_of(Response::Pressure, pressure, 120, basis).unwrap();
     assert!(estimate.leave_one_out_error.unwrap() < 1e-20);
-    assert!(distance::wasserstein_1(&estimate.law, &truth) < 1e-10);
+    assert!(distance::wasserstein_1(&estimate.distribution, &truth) < 1e-10);
     // All that is left is the choice of 3,000 fresh samples of Î¾.
     let evaluations = truth.std() / 3000.0_f64.sqrt();
     // Whose spread is taken from 120 samples, of a relative standard error of 1/√240 = 6 % at normal spread.
@@ -46,7 +46,7 @@ fn a_lognormal_pressure_is_recovered_exactly_by_its_logarithm() {
     let pressure = |xi: &[f64]| (15.0 + 0.8 * xi[0] - 0.3 * xi[1] + 0.1 * xi[0] * xi[1]).exp();
     let basis = Basis::hermite(2, 2).unwrap();
     let (estimate, truth) = estimate_of(Response::Logarithm, pressure, 40, basis).unwrap();
-    assert!(distance::wasserstein_1(&estimate.law, &truth) < 1e-10 * truth.std());
+    assert!(distance::wasserstein_1(&estimate.distribution, &truth) < 1e-10 * truth.std());
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn the_standard_error_of_the_mean_is_that_of_least_squares() {
     // The spread of 400 samples has a relative standard error of 1/√800 = 3.5 %.
     assert!((estimate.mean_se_pa / wanted - 1.0).abs() < 0.15, "{} {wanted}", estimate.mean_se_pa);
     assert!(estimate.mean_bias_pa.unwrap().abs() < 4.0 * wanted);
-    // The law of 50 + ξ₀ + ε is N(50, 2), that of the expansion N(50, 1).
+    // The distribution of 50 + ξ₀ + ε is N(50, 2), that of the expansion N(50, 1).
     let band = estimate.band.unwrap();
     for (i, value) in band.values.iter().enumerate() {
         let [low, high] = band.simultaneous(i);
@@ -87,13 +87,17 @@ fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the
     let fine: Vec<Vec<f64>> = (0..80).map(|i| vec![-1.4 + 2.8 * f64::from(i) / 79.0]).collect();
     let pressures: Vec<f64> = fine.iter().map(|xi| (20.0 + xi[0]).exp()).collect();
     let fresh = xi_samples("fresh", 20_000, 1);
-    let evidence = Evidence { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
+    let training = TrainingSamples { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
     let basis = Basis::hermite(1, 1).unwrap();
-    let found = estimate(Response::Logarithm, &fine, evidence, basis, &fresh, 1).unwrap();
-    assert_eq!(found.law.quantile(1.0), hardness);
+    let found = estimate(Response::Logarithm, &fine, training, basis, &fresh, 1).unwrap();
+    assert_eq!(found.distribution.quantile(1.0), hardness);
     // The fresh samples of Î¾ are stratified: each share is met to one stratum.
     let beyond = standard_normal_cdf(-1.5);
-    assert!((1.0 - found.law.cdf_left(hardness) - beyond).abs() < 2.0 / 20_000.0, "{}", found.law.cdf_left(hardness));
+    assert!(
+        (1.0 - found.distribution.cdf_left(hardness) - beyond).abs() < 2.0 / 20_000.0,
+        "{}",
+        found.distribution.cdf_left(hardness)
+    );
     // E min(e^{20+ξ}, H) = e^{20.5} Φ(1.5 − 1) + H Φ(−1.5); a stratum of 1/20,000 moves it by less than 1e-3.
     let mean = 20.5_f64.exp() * standard_normal_cdf(0.5) + hardness * beyond;
     assert!((found.mean_pa / mean - 1.0).abs() < 1e-3, "{} {mean}", found.mean_pa);
@@ -106,9 +110,9 @@ fn under_a_hardness_an_exponent_beyond_the_largest_number_is_the_hardness() {
     let (fine, fresh) = (xi_samples("fine", 100, 1), xi_samples("fresh", 3000, 1));
     let pressures: Vec<f64> = fine.iter().map(|xi| (260.0 * xi[0].clamp(-2.5, 2.5)).exp()).collect();
     let hardness = pressures.iter().copied().fold(0.0, f64::max);
-    let evidence = Evidence { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
-    let found = estimate(Response::Logarithm, &fine, evidence, Basis::hermite(1, 1).unwrap(), &fresh, 1).unwrap();
-    assert!(found.law.quantile(1.0) == hardness && found.mean_pa <= hardness, "{}", found.mean_pa);
+    let training = TrainingSamples { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
+    let found = estimate(Response::Logarithm, &fine, training, Basis::hermite(1, 1).unwrap(), &fresh, 1).unwrap();
+    assert!(found.distribution.quantile(1.0) == hardness && found.mean_pa <= hardness, "{}", found.mean_pa);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use asperity_base::correlation::{
     Autocorrelation, BlockSpectrum, CorrelationFamily, CorrelationModel, Covariance, MeasuredCovariance,
     MeasuredCovarianceError, Rotated, SeparableCovariance, StationaryCovariance, fit_covariance,
 };
-use asperity_base::law::standard_normal_quantile;
+use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 use asperity_surface::{GaussianSurface, KarhunenLoeve, ModesRoute, RandomSurface, SpectralField};
@@ -179,7 +179,7 @@ fn scattered_voids_leave_a_smooth_map_nearly_smooth() {
 fn a_mixture_that_no_model_fits_is_reproduced_where_the_fitted_model_is_not() {
     let map = sample(&Mixture, unit_grid(320, 256), 3);
     let (_, measured) = measure(&map);
-    let spectrum = BlockSpectrum::of(&map).unwrap();
+    let spectrum = BlockSpectrum::new(&map).unwrap();
     let fitted = fit_covariance(&[&spectrum], measured.std_m(), &CorrelationFamily::ALL).unwrap().best();
     // The standard error of one lag of one map where the correlation is small; it is less where the correlation is
     // large.
@@ -278,7 +278,7 @@ fn a_lay_that_does_not_decay_is_reported_and_its_covariance_stays_valid() {
 fn an_estimate_of_fewer_lags_gives_a_shorter_covariance() {
     let long = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 150.0).unwrap();
     let map = sample(&SeparableCovariance(long), unit_grid(128, 128), 8);
-    let all = MeasuredCovariance::of(&map).unwrap();
+    let all = MeasuredCovariance::from_map(&map).unwrap();
     for (reach_x, reach_y) in [(64, 64), (5, 9), (1, 1)] {
         let few = MeasuredCovariance::new(&Autocorrelation::within(&map, reach_x, reach_y).unwrap()).unwrap();
         // The correlation of the moving average ends at twice the taper; its spline has tails of sixteen lags.

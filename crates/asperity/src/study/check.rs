@@ -8,7 +8,7 @@ use asperity_formats::LengthUnit;
 use thiserror::Error;
 
 use crate::chaos::{MAX_TERMS, Propagation, number_of_terms};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::PITCH_RANGE_M;
 use crate::study::config::{
     BoundaryChoice, CovarianceChoice, DistributionChoice, FrictionSection, GeneratorChoice, Study, SurfaceSection,

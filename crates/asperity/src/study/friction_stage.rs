@@ -129,7 +129,7 @@ impl SolvedLevel {
 /// Contact area over nominal area, with the relative error of the mean contact area of the windows.
 fn contact_fraction(level: &Level, layout: Layout) -> (f64, Option<Interval>) {
     let areas_m2: Vec<&[f64]> = level.records.iter().map(|record| record.area_m2.as_slice()).collect();
-    let moments = ProcessMoments::of(&areas_m2, layout);
+    let moments = ProcessMoments::new(&areas_m2, layout);
     let share = level.contact_fraction / moments.moments.mean;
     let interval =
         moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
@@ -167,7 +167,7 @@ pub(super) struct Setup {
 impl Setup {
     pub(super) fn new(section: &FrictionSection, material: &MaterialSection) -> Result<Self, StudyError> {
         let [nx, ny] = section.points;
-        let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
+        let grid = Grid::with_size(nx, ny, section.strip[0].0, section.strip[1].0)
             .map_err(|error| StudyError::Grid { section: "friction", error })?;
         let compliance = section.mean_compliance.map(|c| c.0);
         let (half_space, mean_compliance_m_per_pa) =

@@ -108,9 +108,9 @@ pub(super) fn run(
     output.assumptions.push(words(&propagation, &uncertain, &controls, realisations));
     let parameters = propagation.parameters().iter().map(|parameter| UncertainParameter {
         name: parameter.name().to_owned(),
-        mean: parameter.law().mean(),
-        std: parameter.law().std(),
-        law: law_result(parameter.law()),
+        mean: parameter.marginal().mean(),
+        std: parameter.marginal().std(),
+        law: law_result(parameter.marginal()),
     });
     let result = UncertaintyResult {
         points: propagation.points(),
@@ -276,7 +276,7 @@ fn words(
         .parameters()
         .iter()
         .map(|parameter| {
-            let (mean, std) = (parameter.law().mean(), parameter.law().std());
+            let (mean, std) = (parameter.marginal().mean(), parameter.marginal().std());
             match parameter.name() {
                 "skewness" => format!("skewness {} ± {}", sentence::digits(mean), sentence::digits(std)),
                 name => {

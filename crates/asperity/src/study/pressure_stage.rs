@@ -6,10 +6,10 @@ mod maps;
 mod tables;
 
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::pressure::{Problem, Study as Sizes};
+use crate::pressure::{MethodComparison, Problem};
 use crate::random;
 use crate::study::config::{BoundaryChoice, MaterialSection, PressureSection};
 use crate::study::output::StageOutput;
@@ -81,13 +81,13 @@ pub(super) fn run(
     let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
     let [row, column] = section.cell.unwrap_or([grid.ny() / 2, grid.nx() / 2]);
     let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);
-    let sizes = Sizes {
+    let sizes = MethodComparison {
         fine_solves: section.fine_solves,
         reference_samples: section.reference_samples,
         variables: section.variables.min(surface.xi_len()),
         degree: section.degree,
         stiffness: section.stiffness,
-        ..Sizes::new(seed)
+        ..MethodComparison::new(seed)
     };
     let results = sizes.run(&problem, monitor)?;
     let separation_m = match control {

@@ -144,7 +144,7 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.pressure, &self.material, &surface, wants(Stage::Pressure))
         {
-            let grid = Grid::covering(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
+            let grid = Grid::with_size(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
                 .map_err(|error| StudyError::Grid { section: "pressure", error })?;
             let generated = surface.model.patch(grid, section.boundary == BoundaryChoice::Periodic)?;
             karhunen_loeve = generated.karhunen_loeve.clone();

@@ -68,7 +68,7 @@ impl Specimen {
     /// The scan cannot be read or has no texture, the model is not valid, or the grid is not one.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
         let [width, height] = self.size;
-        let grid = Grid::covering(self.points[0], self.points[1], width.0, height.0)
+        let grid = Grid::with_size(self.points[0], self.points[1], width.0, height.0)
             .map_err(|error| StudyError::Grid { section: "size and points", error })?;
         let names = self.surface.files().iter().map(|file| file.to_string_lossy().into_owned());
         let scans = names.zip(self.surface.read_scans(folder)?).collect();

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::correlation::{CorrelationModel, Covariance, MeasuredCovariance, StationaryCovariance};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::Grid;
 use crate::study::StudyError;
 use crate::study::config::TranslationChoice;

@@ -3,7 +3,7 @@
 use asperity_formats::Scan;
 
 use crate::correlation::{CorrelationFamily, CorrelationModel, MeasuredReport, StationaryCovariance};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::HeightMap;
 use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 use crate::study::contact_check::contact_warning;

@@ -15,7 +15,7 @@ use asperity_formats::Scan;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::{Grid, HeightMap};
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;

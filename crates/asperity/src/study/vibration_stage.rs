@@ -14,8 +14,8 @@ pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
+use crate::distribution::Marginal;
 use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
-use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
 use crate::study::output::StageOutput;

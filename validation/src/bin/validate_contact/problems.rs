@@ -193,7 +193,7 @@ fn standardised(heights: Vec<f64>) -> ndarray::Array1<f64> {
 /// Periodic heights over the unit square, self-affine with H = 0.8 between four cycles and `cutoff` cycles per side and flat
 /// below, with an rms gradient of 1; known at `points` × `points` places, of which every `stride`-th is kept.
 pub(crate) fn rough(points: usize, cutoff: f64, stride: usize) -> Result<Array2<f64>, Box<dyn Error>> {
-    let grid = Grid::covering(points, points, 1.0, 1.0)?;
+    let grid = Grid::with_size(points, points, 1.0, 1.0)?;
     let filter = |qx: f64, qy: f64| match qx.hypot(qy) {
         q if q > cutoff => 0.0,
         q => q.max(4.0).powf(-1.8),

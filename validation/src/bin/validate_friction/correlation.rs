@@ -5,7 +5,7 @@ use std::fmt::Write;
 use asperity::correlation::{
     LengthFit, LengthSettings, RecordEnds, RecordModel, Stationarity, WindowedRecords, cross_correlation, fit_length,
 };
-use asperity::law::Marginal;
+use asperity::distribution::Marginal;
 use asperity::random;
 use asperity::stats::wilson_interval;
 use rayon::prelude::*;
@@ -196,7 +196,7 @@ fn drifts(runs: usize) -> Result<String> {
                 };
                 let records: Vec<Vec<f64>> = (0..strips).map(of).collect();
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-                Ok(Stationarity::of(&views, 1, CELL_M * LENGTH as f64 / 40.0)?)
+                Ok(Stationarity::new(&views, 1, CELL_M * LENGTH as f64 / 40.0)?)
             })?;
             let rate = |called: &dyn Fn(&Stationarity) -> bool| {
                 100.0 * found.iter().filter(|tests| called(tests)).count() as f64 / runs as f64

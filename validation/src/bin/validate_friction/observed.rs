@@ -128,7 +128,7 @@ fn lengths(runs: usize) -> Result<String> {
             let channel =
                 WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values.as_slice()] };
             let naive = fit_length(&[channel], RecordModel::Exponential, Default::default())?;
-            Ok((ObservedLengths::of(&[&values], step_m, history)?, naive.length_m))
+            Ok((ObservedLengths::fit(&[&values], step_m, history)?, naive.length_m))
         })?;
         let mean = |value: &dyn Fn(&ObservedLengths) -> f64| {
             found.iter().map(|(found, _)| value(found)).sum::<f64>() / runs as f64
@@ -174,8 +174,12 @@ fn short(runs: usize) -> Result<String> {
                 warnings: Vec::new(),
             };
             let prepared = Preparation::default().apply(&record)?;
-            Ok(FittedRecord::new(&prepared, DistributionChoice::One(asperity::law::fit::Family::Normal), "planted")
-                .ok())
+            Ok(FittedRecord::new(
+                &prepared,
+                DistributionChoice::One(asperity::distribution::fit::Family::Normal),
+                "planted",
+            )
+            .ok())
         })?;
         let accepted: Vec<&FittedRecord> = found.iter().flatten().collect();
         let covered = |of: &dyn Fn(&FittedRecord) -> Option<[f64; 2]>, truth: f64| {

@@ -2,7 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "the laws are written in this program")]
 
-use asperity::law::Marginal;
+use asperity::distribution::Marginal;
 use asperity::random;
 
 /// Steps to a correlation length.

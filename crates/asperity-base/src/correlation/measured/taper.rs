@@ -88,7 +88,7 @@ impl Ellipse {
 }
 
 impl Taper {
-    pub(super) fn of(estimate: &Autocorrelation) -> Self {
+    pub(super) fn new(estimate: &Autocorrelation) -> Self {
         let grid = estimate.grid();
         let (reach_x, reach_y) = estimate.reach();
         let share =
@@ -101,7 +101,7 @@ impl Taper {
             .filter(|(rho, _)| !rho.is_nan())
             .map(|(rho, times)| times * rho * rho)
             .sum();
-        let lobe = Lobe::of(estimate, limit);
+        let lobe = Lobe::new(estimate, limit);
         let reliable = decay(estimate, limit, &lobe.ellipse, squares);
         let side = |pitch_m: f64, estimated: usize, limit: isize, reach: isize| {
             let open = 2 * reach > limit || reliable.is_infinite();
@@ -213,7 +213,7 @@ struct Lobe {
 }
 
 impl Lobe {
-    fn of(estimate: &Autocorrelation, limit: (isize, isize)) -> Self {
+    fn new(estimate: &Autocorrelation, limit: (isize, isize)) -> Self {
         let (limit_x, limit_y) = limit;
         let width = 2 * limit_x + 1;
         let place = |x: isize, y: isize| ((y + limit_y) * width + x + limit_x) as usize;

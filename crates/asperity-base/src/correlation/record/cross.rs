@@ -39,8 +39,8 @@ pub fn cross_correlation(
     if !(step_m > 0.0 && step_m.is_finite()) {
         return Err(EstimateError::BadStep { step_m });
     }
-    let first = Moments::of_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
-    let second = Moments::of_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
+    let first = Moments::from_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
+    let second = Moments::from_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
     let present = first.n.min(second.n);
     if present < 4 {
         return Err(EstimateError::TooFew { present, wanted: 4 });
@@ -72,7 +72,7 @@ pub fn cross_correlation(
     let coefficient = total.correlation();
     let count = pieces.len();
     let left_out: Vec<f64> = pieces.iter().map(|piece| total.plus(piece, -1.0).correlation().atanh()).collect();
-    let spread = Moments::of(&left_out).std * (count as f64 - 1.0).sqrt();
+    let spread = Moments::new(&left_out).std * (count as f64 - 1.0).sqrt();
     let half = student_quantile(0.975, count as f64 - 1.0) * spread;
     let interval = if half.is_finite() {
         Interval { low: (coefficient.atanh() - half).tanh(), high: (coefficient.atanh() + half).tanh() }
@@ -117,8 +117,8 @@ impl Sums {
 /// About twenty pieces, whole strips where there are as many, of at least some correlation times each. Both quantities are
 /// counted from their means in units of their standard deviations.
 fn pieces(records: &[(&[f64], &[f64])], lanes: usize) -> Vec<Sums> {
-    let first = Moments::of_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
-    let second = Moments::of_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
+    let first = Moments::from_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
+    let second = Moments::from_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
     let time = |values: &[f64]| correlation_time(values).map_or(1.0, |time| time.steps);
     let longest = records.iter().map(|pair| time(pair.0).max(time(pair.1))).fold(1.0, f64::max);
     let wanted = PIECES.div_ceil(records.len().div_ceil(lanes).max(1));

@@ -84,6 +84,6 @@ pub fn fitted_length_interval(
     };
     let lengths: Vec<f64> = (0..parts).map(without).collect::<Option<_>>()?;
     let freedom = (parts - 1) as f64;
-    let reach = student_quantile(0.975, freedom) * Moments::of(&lengths).std * freedom.sqrt();
+    let reach = student_quantile(0.975, freedom) * Moments::new(&lengths).std * freedom.sqrt();
     Some(Interval { low: (fit.length_m - reach).max(0.0), high: fit.length_m + reach })
 }

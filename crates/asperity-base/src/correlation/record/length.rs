@@ -104,18 +104,18 @@ pub fn fit_length(
     settings: LengthSettings,
 ) -> Result<LengthFit, EstimateError> {
     check(channels)?;
-    let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
+    let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
     let records = channels.iter().map(|channel| channel.records.len()).max().unwrap_or(0);
     let owners: Vec<usize> = (0..records).collect();
     let too_few = || EstimateError::TooFew { present: 0, wanted: 3 };
-    let likelihood = Likelihood::of(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)?;
+    let likelihood = Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)?;
     let (low_m, high_m) = range_m(channels);
     let noise_at = |length_m: f64| likelihood.profile(length_m, settings.noise);
     let curve = |length_m: f64| noise_at(length_m).1;
     let (length_m, least) = minimum(&curve, low_m, high_m);
     let (noise_share, _) = noise_at(length_m);
     let narrowest = narrowest(channels);
-    let pieces = Pieces::of(narrowest, length_m + narrowest.window_m, settings, &shape);
+    let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
     let theory = likelihood.spread();
     let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_share, narrowest.lanes));
     let (dispersion, lanes_alike, freedom, count) = match scattered {
@@ -135,8 +135,8 @@ pub fn fit_length(
     // Skewed records scatter more than theory, as their scores do.
     let lack_of_fit =
         tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
-            let law = ChiSquared::new(degrees_of_freedom).ok()?;
-            Some(LackOfFit { statistic, degrees_of_freedom, p_value: law.sf(statistic.max(0.0)) })
+            let marginal = ChiSquared::new(degrees_of_freedom).ok()?;
+            Some(LackOfFit { statistic, degrees_of_freedom, p_value: marginal.sf(statistic.max(0.0)) })
         });
     let noise_interval = settings.noise.then(|| {
         let reach = tangent.noise_variance(noise_share).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
@@ -162,9 +162,9 @@ pub fn fit_length(
 /// −ln L of a model where it is least, without the rest of [`fit_length`]; infinite where it cannot be fitted.
 pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings: LengthSettings) -> f64 {
     let channels = std::slice::from_ref(channel);
-    let shape = WindowedModel::new(model, 0.0).on_cells(channel.cell_m);
+    let shape = WindowedModel::new(model, 0.0).with_cells(channel.cell_m);
     let owners: Vec<usize> = (0..channel.records.len()).collect();
-    let Some(likelihood) = Likelihood::of(channels, &owners, (settings.ends, settings.band), &shape) else {
+    let Some(likelihood) = Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape) else {
         return f64::INFINITY;
     };
     let (low_m, high_m) = range_m(channels);
@@ -177,7 +177,7 @@ fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
             return Err(EstimateError::BadStep { step_m: channel.step_m });
         }
         let values = || channel.records.iter().flat_map(|record| record.iter().copied()).filter(|v| v.is_finite());
-        let moments = Moments::of_values(values());
+        let moments = Moments::from_values(values());
         if moments.n < 3 {
             return Err(EstimateError::TooFew { present: moments.n, wanted: 3 });
         }
@@ -265,7 +265,7 @@ pub(super) struct Pieces {
 
 impl Pieces {
     /// Cuts strips into about [`PIECES`], none shorter than ten times `reach_m`.
-    pub(super) fn of(
+    pub(super) fn new(
         channel: &WindowedRecords<'_>,
         reach_m: f64,
         settings: LengthSettings,
@@ -289,7 +289,7 @@ impl Pieces {
         let owners: Vec<usize> = (0..pieces.len()).collect();
         let cut = WindowedRecords { records: pieces, ..channel.clone() };
         let ends = if whole { settings.ends } else { RecordEnds::Free };
-        let likelihood = Likelihood::of(&[cut], &owners, (ends, settings.band), shape)?;
+        let likelihood = Likelihood::new(&[cut], &owners, (ends, settings.band), shape)?;
         (count > 1).then_some(Self { likelihood, places, count })
     }
 
@@ -303,7 +303,7 @@ impl Pieces {
     fn dispersion(&self, length_m: f64, noise: f64, lanes: usize) -> Option<(f64, f64, usize)> {
         let (scores, information) = self.likelihood.tangent(length_m, noise).scores(self.places.len());
         let of = |scores: &[f64]| {
-            let spread = Moments::of(scores).sample_std();
+            let spread = Moments::new(scores).sample_std();
             scores.len() as f64 * spread * spread / information
         };
         let found = of(&self.by_place(&scores));

@@ -170,7 +170,7 @@ impl Likelihood {
 
     /// Of records under one or more windows; `owners` numbers the records of every channel. `None` where fewer than three
     /// wavenumbers are left.
-    pub(super) fn of(
+    pub(super) fn new(
         channels: &[WindowedRecords<'_>],
         owners: &[usize],
         (ends, band): (RecordEnds, RecordBand),
@@ -185,11 +185,11 @@ impl Likelihood {
         let lowest = band.low_per_m() * (1.0 - 1e-9);
         let mut groups: Vec<Group> = Vec::new();
         for channel in channels {
-            let window = model.under(channel.window_m);
+            let window = model.with_window(channel.window_m);
             let stride = if band.highest_per_m.is_some() { 1 } else { channel.stride(ends) };
             let step_m = channel.step_m * stride as f64;
             // The common mean: that of every record alone would take power out of its lowest wavenumbers.
-            let mean = Moments::of_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
+            let mean = Moments::from_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
             let mut of_length: Vec<(usize, usize)> = Vec::new();
             for (record, owner) in channel.records.iter().zip(owners) {
                 let record: Vec<f64> = record.iter().step_by(stride).copied().collect();
@@ -246,7 +246,7 @@ impl Likelihood {
             }
         }
         let used: f64 = groups.iter().map(|g| g.shares.iter().sum::<f64>() * g.powers.len() as f64).sum();
-        (used >= 3.0).then(|| Self { groups, narrowest: model.under(narrowest_m) })
+        (used >= 3.0).then(|| Self { groups, narrowest: model.with_window(narrowest_m) })
     }
 
     /// Expected periodograms for the length ℓ ≥ 0 in metre.
@@ -420,10 +420,10 @@ mod tests {
         for (record, ends) in [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
         {
             let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, cell_m: 0.0, lanes: 1, records: vec![record] };
-            let likelihood = Likelihood::of(&[channel], &[0], (ends, RecordBand::default()), &model).unwrap();
+            let likelihood = Likelihood::new(&[channel], &[0], (ends, RecordBand::default()), &model).unwrap();
             for length in [0.0, 0.2, 4.0] {
                 let found = likelihood.spectra(length);
-                let window = model.under(3.0);
+                let window = model.with_window(3.0);
                 let mut weights = taper(60, ends, Likelihood::TAPER);
                 record.iter().zip(&mut weights).filter(|(v, _)| v.is_nan()).for_each(|(_, w)| *w = 0.0);
                 let covariance = |lag: f64| match ends {

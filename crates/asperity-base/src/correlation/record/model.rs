@@ -83,7 +83,7 @@ impl RecordModel {
 /// in closed form for all models but the Matérn ones of ν other than 1/2, 3/2 and 5/2, whose T is tabulated once.
 ///
 /// A window of few cells is not the integral over W but the mean of n values a cell Δ apart
-/// ([`WindowedModel::on_cells`]), which passes sin²(πfnΔ)/(n sin(πfΔ))² of the power at the frequency f and not sinc²(fW). The
+/// ([`WindowedModel::with_cells`]), which passes sin²(πfnΔ)/(n sin(πfΔ))² of the power at the frequency f and not sinc²(fW). The
 /// covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ); for the exponential it is the same three
 /// terms with sums instead of integrals.
 #[derive(Debug, Clone)]
@@ -106,7 +106,7 @@ impl WindowedModel {
         let table = match model {
             RecordModel::Matern { nu } if nu != 0.5 && nu != 1.5 && nu != 2.5 => {
                 assert!((0.1..=20.0).contains(&nu), "ν = {nu} lies outside [0.1, 20]");
-                Some(TailTable::of(&|r| model.scaled(r), 60.0 / (2.0 * nu).sqrt()))
+                Some(TailTable::new(&|r| model.scaled(r), 60.0 / (2.0 * nu).sqrt()))
             }
             _ => None,
         };
@@ -118,7 +118,7 @@ impl WindowedModel {
     /// # Panics
     /// If the window is negative or infinite.
     #[must_use]
-    pub fn under(&self, window_m: f64) -> Self {
+    pub fn with_window(&self, window_m: f64) -> Self {
         assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
         Self { window_m, ..self.clone() }
     }
@@ -129,7 +129,7 @@ impl WindowedModel {
     /// # Panics
     /// If the cell is negative or infinite.
     #[must_use]
-    pub fn on_cells(&self, cell_m: f64) -> Self {
+    pub fn with_cells(&self, cell_m: f64) -> Self {
         assert!(cell_m >= 0.0 && cell_m.is_finite(), "cell {cell_m} m");
         Self { cell_m, ..self.clone() }
     }
@@ -282,7 +282,7 @@ mod tests {
     fn windows_of_cells_are_their_double_sums_and_pass_what_the_discrete_transform_passes() {
         for model in MODELS {
             for (cells, cell, length) in [(1_i32, 10.0, 250.0), (4, 10.0, 250.0), (4, 10.0, 3.0), (16, 5.0, 1000.0)] {
-                let windowed = WindowedModel::new(model, f64::from(cells) * cell).on_cells(cell);
+                let windowed = WindowedModel::new(model, f64::from(cells) * cell).with_cells(cell);
                 for lag in [0, 1, 3, 4, 5, 40] {
                     let mut sum = 0.0;
                     for i in 0..cells {
@@ -299,7 +299,7 @@ mod tests {
         }
         // Power at a frequency of the exponential on cells, (1 − φ²)/(1 − 2φ cos + φ²), times sin²(πfn)/(n sin(πf))².
         let (cells, length) = (4.0_f64, 25.0_f64);
-        let windowed = WindowedModel::new(RecordModel::Exponential, cells).on_cells(1.0);
+        let windowed = WindowedModel::new(RecordModel::Exponential, cells).with_cells(1.0);
         let phi = (-1.0 / length).exp();
         for frequency in [0.003, 0.05, 0.125, 0.21] {
             let phase = 2.0 * PI * frequency;
@@ -318,7 +318,7 @@ mod tests {
         for model in [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }] {
             let error = |cells: f64| {
                 let windowed = WindowedModel::new(model, 600.0);
-                (windowed.on_cells(600.0 / cells).covariance(0.0, 250.0) - windowed.covariance(0.0, 250.0)).abs()
+                (windowed.with_cells(600.0 / cells).covariance(0.0, 250.0) - windowed.covariance(0.0, 250.0)).abs()
             };
             let (coarse, fine) = (error(16.0), error(64.0));
             assert!(fine < 1e-3 && (coarse / fine / 16.0 - 1.0).abs() < 0.05, "{model:?}: {coarse:e} {fine:e}");

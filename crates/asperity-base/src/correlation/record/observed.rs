@@ -83,7 +83,7 @@ impl ObservedLengths {
     ///
     /// # Errors
     /// As [`fit_length`].
-    pub fn of(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
+    pub fn fit(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
         let nyquist_per_m = 0.5 / step_m;
         let values: usize = records.iter().map(|record| record.len()).sum();
         let whole = Self::within(records, step_m, history, nyquist_per_m)?;
@@ -185,7 +185,7 @@ mod tests {
     }
 
     fn found(record: &[f64], history: RecordHistory) -> ObservedLengths {
-        ObservedLengths::of(&[record], history.decimation as f64, history).unwrap()
+        ObservedLengths::fit(&[record], history.decimation as f64, history).unwrap()
     }
 
     #[test]

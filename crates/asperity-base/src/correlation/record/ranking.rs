@@ -55,9 +55,9 @@ pub(super) fn ranked(
     let Some(best) = fits.first().copied() else { return Vec::new() };
     let reach_m = best.0.length_m + best.0.window_m;
     let parts = |fit: &LengthFit| {
-        let shape = WindowedModel::new(fit.model, 0.0).on_cells(fit.cell_m);
+        let shape = WindowedModel::new(fit.model, 0.0).with_cells(fit.cell_m);
         let seen = WindowedRecords { window_m: fit.window_m, cell_m: fit.cell_m, ..narrowest(channels).clone() };
-        Pieces::of(&seen, reach_m, settings, &shape).map(|pieces| pieces.negative_logs(fit.length_m, fit.noise_share))
+        Pieces::new(&seen, reach_m, settings, &shape).map(|pieces| pieces.negative_logs(fit.length_m, fit.noise_share))
     };
     let of_best = parts(&best.0);
     let rank = |own: &(LengthFit, f64)| RankedLength {
@@ -74,7 +74,7 @@ pub(super) fn ranked(
 /// Whether −ln L of the other model is greater piece by piece, beyond chance.
 fn beyond_chance(best: &[f64], other: &[f64]) -> bool {
     let differences: Vec<f64> = other.iter().zip(best).map(|(other, best)| other - best).collect();
-    let moments = Moments::of(&differences);
+    let moments = Moments::new(&differences);
     moments.mean > student_quantile(LEVEL, moments.n as f64 - 1.0) * moments.standard_error()
 }
 

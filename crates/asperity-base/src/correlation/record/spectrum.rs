@@ -6,8 +6,8 @@ use super::likelihood::{Likelihood, RecordEnds, taper, tapered};
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
 use crate::correlation::spectrum::{bin_of, edges};
+use crate::distribution::chi_square_quantile;
 use crate::fourier::{Complex64, RealFft2};
-use crate::law::chi_square_quantile;
 use crate::stats::Moments;
 
 /// Distance of ordinates up to which a taper correlates them.
@@ -52,7 +52,7 @@ pub fn record_spectrum(
     if !(step_m > 0.0 && step_m.is_finite()) {
         return Err(EstimateError::BadStep { step_m });
     }
-    let moments = Moments::of_values(records.iter().flat_map(|r| r.iter().copied()).filter(|v| v.is_finite()));
+    let moments = Moments::from_values(records.iter().flat_map(|r| r.iter().copied()).filter(|v| v.is_finite()));
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
     if longest < 8 || moments.n < 8 {
         return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
@@ -63,7 +63,7 @@ pub fn record_spectrum(
     let edges = edges(longest / 2);
     let unit_per_m = 1.0 / (longest as f64 * step_m);
     let mut bins = vec![Bin::default(); edges.len() - 1];
-    let mut shared = vec![CrossSums::of(lanes); bins.len()];
+    let mut shared = vec![CrossSums::new(lanes); bins.len()];
     for (place, record) in records.iter().enumerate().filter(|(_, record)| record.len() >= 8) {
         let lane = place % lanes;
         let n = record.len();
@@ -139,7 +139,7 @@ struct CrossSums {
 }
 
 impl CrossSums {
-    fn of(lanes: usize) -> Self {
+    fn new(lanes: usize) -> Self {
         Self { lanes, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); lanes * lanes] }
     }
 
@@ -194,7 +194,7 @@ fn spread(count: f64, kappa: &[f64]) -> f64 {
 impl RecordSpectrum {
     /// One-sided density at the bins of a model of the given length and variance under its window, sampling included:
     /// 2Δ Σ C(lΔ) cos(2πf lΔ).
-    pub fn of_model(&self, model: &WindowedModel, length_m: f64, variance: f64) -> Vec<f64> {
+    pub fn model_density(&self, model: &WindowedModel, length_m: f64, variance: f64) -> Vec<f64> {
         let lags = ((40.0 * length_m + model.window_m()) / self.step_m).ceil() as usize;
         let correlation: Vec<f64> =
             (0..=lags).map(|lag| model.correlation(lag as f64 * self.step_m, length_m)).collect();
@@ -231,7 +231,7 @@ mod tests {
             let record = autoregressive(0.8, n, 0);
             let found = record_spectrum(&[&record], 1, 0.5, RecordEnds::Periodic).unwrap();
             let sum: f64 = found.density.iter().zip(&found.width_per_m).map(|(s, width)| s * width).sum();
-            let moments = Moments::of(&record);
+            let moments = Moments::new(&record);
             assert!((sum / (moments.std * moments.std) - 1.0).abs() < 1e-12, "{n}");
             let last = found.frequency_per_m.len() - 1;
             assert!(found.frequency_per_m[last] < 1.0 && found.frequency_per_m[0] >= 1.0 / (n as f64 * 0.5) - 1e-12);
@@ -248,7 +248,7 @@ mod tests {
             let strips: Vec<Vec<f64>> = (0..20).map(|strip| autoregressive(phi, 512, 1 + 20 * seed + strip)).collect();
             let views: Vec<&[f64]> = strips.iter().map(Vec::as_slice).collect();
             let found = record_spectrum(&views, 1, step, RecordEnds::Free).unwrap();
-            let model = found.of_model(&WindowedModel::new(RecordModel::Exponential, 0.0), length, 1.0);
+            let model = found.model_density(&WindowedModel::new(RecordModel::Exponential, 0.0), length, 1.0);
             for (bin, s) in model.iter().enumerate() {
                 // Sum of the geometric series.
                 let phase = TAU * found.frequency_per_m[bin] * step;

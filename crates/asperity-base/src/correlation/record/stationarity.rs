@@ -14,7 +14,7 @@ const BLOCK: f64 = 10.0;
 const SHORTEST_BLOCK: f64 = 5.0;
 /// Most blocks of a record.
 const MOST_BLOCKS: usize = 32;
-/// Draws of the null law of the wander.
+/// Draws of the null distribution of the wander.
 const DRAWS: usize = 4000;
 
 /// A two-sided Student test of a drift that all records share.
@@ -32,7 +32,7 @@ pub struct DriftTest {
 
 /// Whether block means wander: the mean square of their cumulative sums within the records over their variance, after
 /// Kwiatkowski, Phillips, Schmidt & Shin, *J. Econometrics* **54** (1992) 159,
-/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks take the place of their correction for correlation, and the null law
+/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks take the place of their correction for correlation, and the null distribution
 /// is that of as many independent normal blocks, drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
@@ -69,13 +69,13 @@ impl Stationarity {
     ///
     /// # Errors
     /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation times.
-    pub fn of(records: &[&[f64]], lanes: usize, step_m: f64) -> Result<Self, EstimateError> {
+    pub fn new(records: &[&[f64]], lanes: usize, step_m: f64) -> Result<Self, EstimateError> {
         if !(step_m > 0.0 && step_m.is_finite()) {
             return Err(EstimateError::BadStep { step_m });
         }
         let n = records.iter().map(|record| record.len()).min().unwrap_or(0);
         let records: Vec<&[f64]> = records.iter().map(|record| &record[..n]).collect();
-        let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
+        let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
         if n < 8 || moments.n < 8 {
             return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
         }
@@ -93,7 +93,7 @@ impl Stationarity {
         let within = blocks_within(n, time);
         let many = records.len().div_ceil(lanes) >= MANY;
         let wander =
-            within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, lanes, blocks, |value| value)));
+            within.filter(|_| !many).and_then(|blocks| Wander::new(&means(&records, lanes, blocks, |value| value)));
         let blocks = match within {
             _ if many => 4 * (n / 8).clamp(1, 4),
             Some(blocks) => blocks,
@@ -110,7 +110,7 @@ impl Stationarity {
         let halves: Vec<f64> = (0..blocks).map(|b| if 2 * b < blocks { -0.5 } else { 0.5 }).collect();
         let outer: Vec<f64> =
             (0..blocks).map(|b| if 4 * b < blocks || 4 * b >= 3 * blocks { 0.5 } else { -0.5 }).collect();
-        let test = |values: &[Vec<f64>], contrast: &[f64]| DriftTest::of(values, contrast, many);
+        let test = |values: &[Vec<f64>], contrast: &[f64]| DriftTest::new(values, contrast, many);
         let slope = test(&values, &line);
         Ok(Self {
             trend: DriftTest {
@@ -131,7 +131,7 @@ impl Stationarity {
 fn without_drift(record: &[f64]) -> Vec<f64> {
     let n = record.len() as f64;
     let at = |i: usize| (2.0 * i as f64 + 1.0) / n - 1.0;
-    let mean = Moments::of(record).mean;
+    let mean = Moments::new(record).mean;
     let mut left: Vec<f64> = record.iter().map(|value| value - mean).collect();
     // Legendre's polynomials are next to orthogonal on the points.
     for polynomial in [|x: f64| x, |x: f64| 1.5 * x * x - 0.5] {
@@ -152,7 +152,7 @@ fn blocks_within(n: usize, time: f64) -> Option<usize> {
 
 /// Means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
 fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-    let mean = |values: &[f64]| Moments::of_values(values.iter().map(|value| of(*value))).mean;
+    let mean = |values: &[f64]| Moments::from_values(values.iter().map(|value| of(*value))).mean;
     let of_records: Vec<Vec<f64>> = records
         .iter()
         .map(|record| {
@@ -174,14 +174,14 @@ fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f6
 impl DriftTest {
     /// The coefficient of a contrast of sum zero in block means: from one value per record, or from the residuals of all blocks
     /// about the mean of their record and the contrast.
-    fn of(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
+    fn new(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
         let records = values.len() as f64;
         let norm: f64 = contrast.iter().map(|c| c * c).sum();
         let coefficients: Vec<f64> =
             values.iter().map(|means| means.iter().zip(contrast).map(|(y, c)| y * c).sum::<f64>() / norm).collect();
         let estimate = coefficients.iter().sum::<f64>() / records;
         let (standard_error, degrees_of_freedom) = if by_record {
-            (Moments::of(&coefficients).standard_error(), records - 1.0)
+            (Moments::new(&coefficients).standard_error(), records - 1.0)
         } else {
             let residual = |means: &Vec<f64>| {
                 let mean = means.iter().sum::<f64>() / means.len() as f64;
@@ -192,8 +192,8 @@ impl DriftTest {
             ((variance / (records * norm)).sqrt(), freedom)
         };
         let t = estimate.abs() / standard_error;
-        let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-        let p_value = law.map_or(f64::NAN, |law| 2.0 * law.cdf(-t));
+        let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+        let p_value = marginal.map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t));
         Self { estimate, standard_error, degrees_of_freedom, p_value }
     }
 
@@ -204,7 +204,7 @@ impl DriftTest {
 }
 
 impl Wander {
-    fn of(values: &[Vec<f64>]) -> Option<Self> {
+    fn new(values: &[Vec<f64>]) -> Option<Self> {
         let (records, blocks) = (values.len(), values.first()?.len());
         let statistic = wander(values);
         let mut stream = random::stream(0, "stationarity/wander", 0);
@@ -261,7 +261,7 @@ mod tests {
             let drawn: Vec<Vec<f64>> =
                 (0..records as u64).map(|r| record(0.9, n, run * records as u64 + r, drift)).collect();
             let views: Vec<&[f64]> = drawn.iter().map(Vec::as_slice).collect();
-            let found = Stationarity::of(&views, 1, 1.0).unwrap();
+            let found = Stationarity::new(&views, 1, 1.0).unwrap();
             let wander = found.wander.is_some_and(|wander| wander.significant());
             let flags = [
                 found.trend.significant(),
@@ -300,7 +300,7 @@ mod tests {
     fn too_short_a_record_is_told() {
         // Four blocks of five correlation times, each at least one step long, make twenty values.
         let short = record(0.9, 16, 1, |_| (0.0, 1.0));
-        assert!(matches!(Stationarity::of(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));
-        assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1, 1.0), Err(EstimateError::Constant { .. })));
+        assert!(matches!(Stationarity::new(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));
+        assert!(matches!(Stationarity::new(&[&[1.0; 20]], 1, 1.0), Err(EstimateError::Constant { .. })));
     }
 }

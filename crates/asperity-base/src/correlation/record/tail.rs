@@ -15,7 +15,7 @@ pub(super) struct TailTable {
 
 impl TailTable {
     /// The table of a correlation that vanishes to rounding beyond `last`.
-    pub(super) fn of(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
+    pub(super) fn new(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
         let mut points = vec![[0.0, 0.0, correlation(last)]; CELLS + 1];
         for cell in (0..CELLS).rev() {
             let (low, high) = (at(last, cell), at(last, cell + 1));

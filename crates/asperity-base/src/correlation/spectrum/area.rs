@@ -80,7 +80,7 @@ impl AngularSpectrum {
 /// # Errors
 /// The heights do not vary.
 pub fn radial_spectrum(map: &HeightMap) -> Result<RadialSpectrum, EstimateError> {
-    Ok(AreaSpectrum::of(map)?.radial())
+    Ok(AreaSpectrum::new(map)?.radial())
 }
 
 impl AreaSpectrum {
@@ -89,16 +89,16 @@ impl AreaSpectrum {
     ///
     /// # Errors
     /// The heights do not vary.
-    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
-        Self::within(map, &Extent::of(map.values_m()))
+    pub fn new(map: &HeightMap) -> Result<Self, EstimateError> {
+        Self::with_extent(map, &Extent::new(map.values_m()))
     }
 
-    /// As [`AreaSpectrum::of`], the extent of the heights being known.
+    /// As [`AreaSpectrum::new`], the extent of the heights being known.
     #[doc(hidden)]
-    pub fn within(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
+    pub fn with_extent(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
         let grid = map.grid();
         if extent.n < grid.points() {
-            return Ok(Self::of_correlation(&Autocorrelation::estimate(map)?));
+            return Ok(Self::from_correlation(&Autocorrelation::estimate(map)?));
         }
         if extent.largest_deviation() <= 4.0 * f64::EPSILON * extent.mean.abs() {
             return Err(EstimateError::Constant { present: extent.n });
@@ -122,21 +122,21 @@ impl AreaSpectrum {
     ///
     /// The resolution of [`SpectrumRoute::MaskedCorrelogram`] is that of an autocovariance that reaches half the field.
     #[doc(hidden)]
-    pub fn of_correlation(correlation: &Autocorrelation) -> Self {
-        Self::of_lags(correlation, |lag_x, lag_y| correlation.covariance_m2(lag_x, lag_y))
+    pub fn from_correlation(correlation: &Autocorrelation) -> Self {
+        Self::from_lags(correlation, |lag_x, lag_y| correlation.covariance_m2(lag_x, lag_y))
     }
 
-    /// As [`AreaSpectrum::of_correlation`] of the mean products over all heights present instead of the pairs of a lag: the
+    /// As [`AreaSpectrum::from_correlation`] of the mean products over all heights present instead of the pairs of a lag: the
     /// mean periodogram of the map with zeros in place of missing points, smoothed as the estimate is. It holds what the
     /// points that are missing scatter into every wavevector, and is not negative.
     pub(super) fn with_scatter(correlation: &Autocorrelation) -> Self {
         let present = correlation.present() as f64;
-        Self::of_lags(correlation, |lag_x, lag_y| {
+        Self::from_lags(correlation, |lag_x, lag_y| {
             correlation.covariance_m2(lag_x, lag_y) * correlation.pairs(lag_x, lag_y) / present
         })
     }
 
-    fn of_lags(correlation: &Autocorrelation, covariance_m2: impl Fn(isize, isize) -> f64 + Sync) -> Self {
+    fn from_lags(correlation: &Autocorrelation, covariance_m2: impl Fn(isize, isize) -> f64 + Sync) -> Self {
         let grid = correlation.grid();
         let (ny, nx) = grid.shape();
         let (reach_x, reach_y) = correlation.reach();
@@ -208,7 +208,7 @@ impl AreaSpectrum {
         let kept: Vec<[f64; 3]> = sums[1..=rings].iter().copied().filter(|[_, _, count]| *count > 0.0).collect();
         let q_rad_per_m: Vec<f64> = kept.iter().map(|[q, _, count]| width * q / count).collect();
         let psd_m4: Vec<f64> = kept.iter().map(|[_, density, count]| density / count).collect();
-        let reliable = ReliableBand::of_area(&q_rad_per_m, &psd_m4, self.route.resolution() * width, nyquist);
+        let reliable = ReliableBand::from_area(&q_rad_per_m, &psd_m4, self.route.resolution() * width, nyquist);
         let wavevectors = kept.iter().map(|[_, _, count]| *count as usize).collect();
         RadialSpectrum { q_rad_per_m, psd_m4, wavevectors, route: self.route, reliable }
     }
@@ -300,7 +300,7 @@ mod tests {
     }
 
     fn direction(map: &HeightMap) -> f64 {
-        AreaSpectrum::of(map).unwrap().angular().unwrap().direction_rad()
+        AreaSpectrum::new(map).unwrap().angular().unwrap().direction_rad()
     }
 
     fn turned(found: f64, wanted: f64) -> f64 {
@@ -349,7 +349,7 @@ mod tests {
         let grid = Grid::new(200, 160, 1.0, 1.25).unwrap();
         let white = random::standard_normal(&mut random::stream(15, "angular", 0), grid.points());
         let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), white).unwrap()).unwrap();
-        let spectrum = AreaSpectrum::of(&map).unwrap();
+        let spectrum = AreaSpectrum::new(&map).unwrap();
         let angular = spectrum.angular().unwrap();
         let (low, high) = angular.range_rad_per_m;
         let rays: f64 = angular.density_m2.iter().sum::<f64>() * PI / RAYS as f64;
@@ -370,7 +370,7 @@ mod tests {
     fn the_dominant_wavelength_is_that_of_the_wave() {
         let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
         for periods in [5.0, 16.0, 30.0] {
-            let found = AreaSpectrum::of(&crests(grid, 0.0, periods)).unwrap().dominant_wavelength_m().unwrap();
+            let found = AreaSpectrum::new(&crests(grid, 0.0, periods)).unwrap().dominant_wavelength_m().unwrap();
             assert!((found / (128.0 / periods) - 1.0).abs() < 1e-12, "{found}");
         }
     }
@@ -380,7 +380,7 @@ mod tests {
         let grid = Grid::new(31, 24, 0.7, 1.1).unwrap();
         let white = random::standard_normal(&mut random::stream(15, "rings", 0), grid.points());
         let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), white).unwrap()).unwrap();
-        let spectrum = AreaSpectrum::of(&map).unwrap();
+        let spectrum = AreaSpectrum::new(&map).unwrap();
         let found = spectrum.radial();
         let (qx, qy, nyquist) = spectrum.wavenumbers();
         let width = qx.max(qy);

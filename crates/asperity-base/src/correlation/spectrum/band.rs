@@ -62,16 +62,21 @@ pub struct ReliableBand {
 
 impl ReliableBand {
     /// The band of a profile's spectrum; H = 1 falls with the power 3.
-    pub(super) fn of_profile(q_rad_per_m: &[f64], psd_m3: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
-        Self::of(q_rad_per_m, psd_m3, low_rad_per_m, nyquist_rad_per_m, 3.0)
+    pub(super) fn from_profile(
+        q_rad_per_m: &[f64],
+        psd_m3: &[f64],
+        low_rad_per_m: f64,
+        nyquist_rad_per_m: f64,
+    ) -> Self {
+        Self::new(q_rad_per_m, psd_m3, low_rad_per_m, nyquist_rad_per_m, 3.0)
     }
 
     /// The band of a radial spectrum; H = 1 falls with the power 4.
-    pub(super) fn of_area(q_rad_per_m: &[f64], psd_m4: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
-        Self::of(q_rad_per_m, psd_m4, low_rad_per_m, nyquist_rad_per_m, 4.0)
+    pub(super) fn from_area(q_rad_per_m: &[f64], psd_m4: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
+        Self::new(q_rad_per_m, psd_m4, low_rad_per_m, nyquist_rad_per_m, 4.0)
     }
 
-    fn of(q: &[f64], psd: &[f64], low: f64, nyquist: f64, steepest: f64) -> Self {
+    fn new(q: &[f64], psd: &[f64], low: f64, nyquist: f64, steepest: f64) -> Self {
         let pixel = 0.5 * nyquist;
         let bins = binned(q, psd, low, nyquist);
         let limits = [
@@ -157,7 +162,7 @@ mod tests {
     fn of(psd: impl Fn(f64) -> f64) -> (f64, UpperLimit) {
         let q: Vec<f64> = (1..=512).map(f64::from).collect();
         let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();
-        let band = ReliableBand::of_area(&q, &psd, LOW, NYQUIST);
+        let band = ReliableBand::from_area(&q, &psd, LOW, NYQUIST);
         assert_eq!(band.low_rad_per_m, LOW);
         (band.high_rad_per_m, band.upper_limit)
     }
@@ -193,7 +198,7 @@ mod tests {
         let q: Vec<f64> = (1..=512).map(f64::from).collect();
         let end_of = |psd: &dyn Fn(f64) -> f64| {
             let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();
-            let band = ReliableBand::of_area(&q, &psd, LOW, NYQUIST);
+            let band = ReliableBand::from_area(&q, &psd, LOW, NYQUIST);
             (band, end_of_fall(&q, &psd, band, NYQUIST).0)
         };
         // e^{−(q/40)²}: from the end of the band at b to √(b² + 40² ln 1000).

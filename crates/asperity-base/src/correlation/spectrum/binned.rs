@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use crate::correlation::profiles;
 use crate::correlation::{Autocorrelation, Axis, EstimateError, SpectrumRoute};
+use crate::distribution::chi_square_quantile;
 use crate::fourier::{good_length, power, signed_index};
-use crate::law::chi_square_quantile;
 use crate::map::HeightMap;
 use crate::stats::Extent;
 
@@ -30,7 +30,7 @@ const COLUMNS: usize = 16;
 /// # The band
 /// The density of a bin is the mean over its Fourier coefficients. A periodogram of Gaussian heights has at every coefficient
 /// the true density P times χ²₂/2, and two coefficients at the distance d wavenumbers correlate by κ(d), so that the sum over
-/// a bin, both signs of q counted, has the relative variance 2 ΣΣ P P′κ/(ΣP)². Matched to a chi-square law (Welch and
+/// a bin, both signs of q counted, has the relative variance 2 ΣΣ P P′κ/(ΣP)². Matched to a chi-square distribution (Welch and
 /// Satterthwaite) that makes
 ///
 /// > ν = (Σ P)² / ΣΣ P P′ κ(q − q′)
@@ -301,9 +301,9 @@ impl BinnedSpectrum {
 pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, EstimateError> {
     let (spectrum, scatter) = if map.missing_points() > 0 {
         let correlation = Autocorrelation::estimate(map)?;
-        (AreaSpectrum::of_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
+        (AreaSpectrum::from_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
     } else {
-        (AreaSpectrum::of(map)?, None)
+        (AreaSpectrum::new(map)?, None)
     };
     let (nx, ny) = (map.grid().nx(), map.grid().ny());
     let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
@@ -341,7 +341,7 @@ pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, Estimat
 pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpectrum, EstimateError> {
     let spectrum = profile_spectrum(map, axis)?;
     let (all, n, pitch_m) = profiles::dimensions(map, axis);
-    let mean_m = Extent::of(map.values_m()).mean;
+    let mean_m = Extent::new(map.values_m()).mean;
     let missing = missing_per_profile(map, axis);
     let periodogram = spectrum.route == SpectrumRoute::Periodogram;
     let window = hann(n);

@@ -58,11 +58,11 @@ pub struct Block {
 }
 
 impl BlockSpectrum {
-    /// The spectrum of a map, see [`AreaSpectrum::of`].
+    /// The spectrum of a map, see [`AreaSpectrum::new`].
     ///
     /// # Errors
     /// The heights present do not vary.
-    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
+    pub fn new(map: &HeightMap) -> Result<Self, EstimateError> {
         /// Sums over the wavevectors of a block.
         #[derive(Clone, Default)]
         struct Sums {
@@ -71,7 +71,7 @@ impl BlockSpectrum {
             /// Wavevectors and their densities.
             places: Vec<([f64; 2], f64)>,
         }
-        let spectrum = AreaSpectrum::of(map)?;
+        let spectrum = AreaSpectrum::new(map)?;
         let radial = spectrum.radial();
         let band = radial.reliable;
         let grid = map.grid();

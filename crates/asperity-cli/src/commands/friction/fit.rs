@@ -6,11 +6,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use asperity::correlation::RankedLength;
+use asperity::distribution::fit::Fit;
 use asperity::friction::measured::{
     Abscissa, ColumnTable, Cut, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
     Preparation, Prepared, RecordColumns,
 };
-use asperity::law::fit::Fit;
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::Estimate;
 use asperity::study::{Table, json_bytes};
@@ -281,7 +281,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
     let laws = &fitted.laws;
     let law = |fit: &Fit| {
         let aic = fit.aic_correlated(laws.effective_size);
-        json!({ "name": fit.family.key(), "law": fit.law.to_string(), "aic": aic })
+        json!({ "name": fit.family.key(), "law": fit.marginal.to_string(), "aic": aic })
     };
     let model = |ranked: &RankedLength| {
         let fit = &ranked.fit;

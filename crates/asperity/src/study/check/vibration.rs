@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use super::{POSITIVE, Problem, at_least, positive, problem, within};
+use crate::distribution::Marginal;
 use crate::friction::process::Steady;
-use crate::law::Marginal;
 use crate::study::config::{FluctuationChoice, MapSection, Study, VelocityLaw, VibrationSection};
 use crate::vibration::{Method, Trajectory, TrajectorySettings, VibrationError};
 

@@ -67,7 +67,7 @@ impl TwinOptions {
         let filling = |size_m: [f64; 2]| [0, 1].map(|axis| (size_m[axis] / pitch_m[axis]).round() as usize);
         let grid = match (self.points, self.size_m) {
             (None, None) => Ok(scan),
-            (Some([nx, ny]), Some([width_m, height_m])) => Grid::covering(nx, ny, width_m, height_m),
+            (Some([nx, ny]), Some([width_m, height_m])) => Grid::with_size(nx, ny, width_m, height_m),
             (Some([nx, ny]), None) => Grid::new(nx, ny, pitch_m[0], pitch_m[1]),
             (None, Some(size_m)) => {
                 let [nx, ny] = filling(size_m);

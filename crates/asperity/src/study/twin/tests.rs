@@ -6,7 +6,7 @@ use ndarray::Array2;
 use super::*;
 use crate::correlation::CorrelationFamily;
 use crate::correlation::{Autocorrelation, CorrelationModel, Covariance, Rotated};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::monitor::Silent;
 use crate::quantity::Length;
 use crate::study::config::CovarianceChoice;
