@@ -69,27 +69,27 @@ impl RealFft2 {
         Self { nx, ny, row_forward: real_forward(nx), row_inverse: real_inverse(nx), column_forward, column_inverse }
     }
 
-    /// Columns of the map.
+    /// Returns the columns of the map.
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Rows of the map.
+    /// Returns the rows of the map.
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Stored wavenumbers along x: nx/2 + 1.
+    /// Returns the stored wavenumbers along x: nx/2 + 1.
     pub fn stored_kx(&self) -> usize {
         self.nx / 2 + 1
     }
 
-    /// Length of the stored spectrum, (nx/2 + 1)·ny; the entry of (kx, ky) is at kx·ny + ky.
+    /// Returns the length of the stored spectrum, (nx/2 + 1)·ny; the entry of (kx, ky) is at kx·ny + ky.
     pub fn spectrum_len(&self) -> usize {
         self.stored_kx() * self.ny
     }
 
-    /// A zero spectrum.
+    /// Returns a zero spectrum.
     pub fn spectrum(&self) -> Vec<Complex64> {
         vec![Complex64::default(); self.spectrum_len()]
     }
@@ -99,7 +99,7 @@ impl RealFft2 {
         if kx == 0 || 2 * kx == self.nx { 1.0 } else { 2.0 }
     }
 
-    /// Scratch memory for one caller.
+    /// Returns the scratch memory for one caller.
     pub fn workspace(&self) -> Workspace {
         Workspace { rows: self.spectrum(), lane: self.lane() }
     }
@@ -217,12 +217,12 @@ impl RealFft2 {
     }
 }
 
-/// The signed wavenumber of index `k` of `n`: 0, 1, …, n/2, …, −1.
+/// Returns the signed wavenumber of index `k` of `n`: 0, 1, …, n/2, …, −1.
 pub fn signed_index(k: usize, n: usize) -> f64 {
     if 2 * k > n { k as f64 - n as f64 } else { k as f64 }
 }
 
-/// The least even length ≥ `n` whose prime factors are 2, 3, 5 and 7, on which transforms are fast.
+/// Returns the least even length ≥ `n` whose prime factors are 2, 3, 5 and 7, on which transforms are fast.
 pub fn good_length(n: usize) -> usize {
     let smooth = |mut m: usize| {
         for p in [2, 3, 5, 7] {
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// The defining sum, term by term.
+    /// Returns the defining sum, term by term.
     fn dense(map: &[f64], nx: usize, ny: usize, kx: usize, ky: usize) -> Complex64 {
         let mut sum = Complex64::default();
         for row in 0..ny {

@@ -74,7 +74,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of `nx` × `ny` points with pitches in metre.
+    /// Creates a grid of `nx` × `ny` points with pitches in metre.
     ///
     /// # Errors
     /// Fewer than two points along a direction, or a pitch outside of [`PITCH_RANGE_M`].
@@ -86,7 +86,7 @@ impl Grid {
         Ok(Self { nx, ny, dx_m, dy_m })
     }
 
-    /// A grid that covers `width_m` × `height_m` with `nx` × `ny` cells: the width of n points is n·dx.
+    /// Creates a grid that covers `width_m` × `height_m` with `nx` × `ny` cells: the width of n points is n·dx.
     ///
     /// # Errors
     /// As [`Grid::new`].
@@ -94,52 +94,52 @@ impl Grid {
         Self::new(nx, ny, width_m / nx as f64, height_m / ny as f64)
     }
 
-    /// Points along x (columns).
+    /// Returns the points along x (columns).
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Points along y (rows).
+    /// Returns the points along y (rows).
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Pitch along x in metre.
+    /// Returns the pitch along x in metre.
     pub fn dx_m(&self) -> f64 {
         self.dx_m
     }
 
-    /// Pitch along y in metre.
+    /// Returns the pitch along y in metre.
     pub fn dy_m(&self) -> f64 {
         self.dy_m
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn points(&self) -> usize {
         self.nx * self.ny
     }
 
-    /// Length n·dx along x in metre.
+    /// Returns the length n·dx along x in metre.
     pub fn width_m(&self) -> f64 {
         self.nx as f64 * self.dx_m
     }
 
-    /// Length n·dy along y in metre.
+    /// Returns the length n·dy along y in metre.
     pub fn height_m(&self) -> f64 {
         self.ny as f64 * self.dy_m
     }
 
-    /// Area of all cells in square metre.
+    /// Returns the area of all cells in square metre.
     pub fn area_m2(&self) -> f64 {
         self.width_m() * self.height_m()
     }
 
-    /// Area of one cell in square metre.
+    /// Returns the area of one cell in square metre.
     pub fn cell_area_m2(&self) -> f64 {
         self.dx_m * self.dy_m
     }
 
-    /// Array shape (rows, columns) = (ny, nx).
+    /// Returns the array shape (rows, columns) = (ny, nx).
     pub fn shape(&self) -> (usize, usize) {
         (self.ny, self.nx)
     }
@@ -165,7 +165,7 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// A map from heights in metre, shape `[ny, nx]`. Every non-finite height counts as missing.
+    /// Creates a map from heights in metre, shape `[ny, nx]`. Every non-finite height counts as missing.
     ///
     /// # Errors
     /// The array does not fit the grid, or no height is present.
@@ -184,7 +184,7 @@ impl HeightMap {
         Ok(Self { grid, heights_m })
     }
 
-    /// A map whose height is a function of the cell centre (x, y) in metre.
+    /// Creates a map whose height is a function of the cell centre (x, y) in metre.
     ///
     /// # Errors
     /// No height is finite.
@@ -195,40 +195,40 @@ impl HeightMap {
         Self::new(grid, heights_m)
     }
 
-    /// The map with every height multiplied by a finite factor.
+    /// Returns the map with every height multiplied by a finite factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         assert!(factor.is_finite(), "the factor {factor} is not finite");
         Self { grid: self.grid, heights_m: &self.heights_m * factor }
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Heights in metre, shape `[ny, nx]`, NaN where missing.
+    /// Returns the heights in metre, shape `[ny, nx]`, NaN where missing.
     pub fn heights_m(&self) -> &Array2<f64> {
         &self.heights_m
     }
 
-    /// All heights in row order, in metre, NaN where missing.
+    /// Returns all heights in row order, in metre, NaN where missing.
     pub fn values_m(&self) -> &[f64] {
         // `new` keeps rows contiguous, so that there always is a slice.
         self.heights_m.as_slice().unwrap_or_default()
     }
 
-    /// The heights that are present, in row order, in metre.
+    /// Returns the heights that are present, in row order, in metre.
     pub fn present_m(&self) -> impl Iterator<Item = f64> + '_ {
         self.heights_m.iter().copied().filter(|z| !z.is_nan())
     }
 
-    /// Number of missing heights.
+    /// Returns the number of missing heights.
     pub fn missing_points(&self) -> usize {
         self.heights_m.iter().filter(|z| z.is_nan()).count()
     }
 
-    /// The heights of a map without missing points.
+    /// Returns the heights of a map without missing points.
     ///
     /// # Errors
     /// [`MapError::Incomplete`] when heights are missing.

@@ -9,7 +9,7 @@ pub trait Monitor: Sync {
     /// `done` of `total` blocks of the task `what` are finished. Called from any thread, in any order.
     fn progress(&self, what: &str, done: usize, total: usize);
 
-    /// Whether the computation should stop at the next block.
+    /// Returns whether the computation should stop at the next block.
     fn cancelled(&self) -> bool;
 }
 

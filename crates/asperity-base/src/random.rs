@@ -10,7 +10,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// A counter-based generator.
 pub type Stream = ChaCha12Rng;
 
-/// The generator of sample `index` of the named `stage` under `seed`.
+/// Returns the generator of sample `index` of the named `stage` under `seed`.
 ///
 /// The seed and the stage name (FNV-1a, 64 bits) fill the ChaCha key, the index selects the 64-bit stream, so streams of
 /// different indices never overlap.
@@ -47,7 +47,7 @@ pub fn fill_standard_normal(stream: &mut Stream, xi: &mut [f64]) {
     }
 }
 
-/// `n` independent standard normal variables.
+/// Returns `n` independent standard normal variables.
 pub fn standard_normal(stream: &mut Stream, n: usize) -> Vec<f64> {
     let mut xi = vec![0.0; n];
     fill_standard_normal(stream, &mut xi);

@@ -1,8 +1,8 @@
-//! Distributions of finitely many values, with atoms, and distances between distributions.
+//! Discrete distributions with point masses, and distances between distributions.
 
 use thiserror::Error;
 
-/// Why a distribution could not be made.
+/// Reason why a distribution could not be created.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DiscreteDistributionError {
     /// There are no values.
@@ -26,7 +26,7 @@ pub enum DiscreteDistributionError {
     },
 }
 
-/// A distribution on finitely many values: its distribution function is a staircase, continuous from the right.
+/// Distribution on finitely many values. Its distribution function is a step function, continuous from the right.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscreteDistribution {
     /// Distinct values, increasing.
@@ -36,18 +36,18 @@ pub struct DiscreteDistribution {
 }
 
 impl DiscreteDistribution {
-    /// The empirical distribution of a sample.
+    /// Creates the empirical distribution of a sample.
     ///
     /// # Errors
-    /// No values, or one that is not finite.
+    /// The sample is empty, or a value is not finite.
     pub fn empirical(sample: &[f64]) -> Result<Self, DiscreteDistributionError> {
         Self::weighted(sample.iter().map(|&value| (value, 1.0)))
     }
 
-    /// The distribution with probabilities proportional to the weights of (value, weight) pairs.
+    /// Creates the distribution whose probabilities are proportional to the weights of (value, weight) pairs.
     ///
     /// # Errors
-    /// No values, a value that is not finite, a negative weight, or no positive weight.
+    /// There are no values, a value is not finite, a weight is negative, or no weight is positive.
     pub fn weighted(atoms: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, DiscreteDistributionError> {
         let mut atoms: Vec<(f64, f64)> = atoms.into_iter().collect();
         if atoms.is_empty() {
@@ -84,22 +84,22 @@ impl DiscreteDistribution {
         Ok(Self { values, cumulative })
     }
 
-    /// Distinct values, increasing.
+    /// Returns the distinct values in increasing order.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// Distribution function at each of [`DiscreteDistribution::values`].
+    /// Returns the distribution function at each of [`DiscreteDistribution::values`].
     pub fn cumulative(&self) -> &[f64] {
         &self.cumulative
     }
 
-    /// F(x) = P(X ≤ x).
+    /// Returns F(x) = P(X ≤ x).
     pub fn cdf(&self, x: f64) -> f64 {
         self.after(self.values.partition_point(|&v| v <= x))
     }
 
-    /// P(X < x).
+    /// Returns P(X < x).
     pub fn cdf_left(&self, x: f64) -> f64 {
         self.after(self.values.partition_point(|&v| v < x))
     }
@@ -108,35 +108,35 @@ impl DiscreteDistribution {
         if count == 0 { 0.0 } else { self.cumulative[count - 1] }
     }
 
-    /// The least value x with F(x) ≥ probability.
+    /// Returns the smallest value x with F(x) ≥ probability.
     pub fn quantile(&self, probability: f64) -> f64 {
         let position = self.cumulative.partition_point(|&f| f < probability);
         self.values[position.min(self.values.len() - 1)]
     }
 
-    /// (value, probability) of each atom.
+    /// Returns (value, probability) of each point mass.
     pub fn atoms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.values.iter().enumerate().map(|(i, &value)| (value, self.cumulative[i] - self.after(i)))
     }
 
-    /// Mean.
+    /// Returns the mean.
     pub fn mean(&self) -> f64 {
         self.atoms().map(|(value, probability)| value * probability).sum()
     }
 
-    /// Standard deviation of the distribution itself: divided by n, not n − 1.
+    /// Returns the standard deviation of the distribution (divisor n, not n − 1).
     pub fn std(&self) -> f64 {
         let mean = self.mean();
         self.atoms().map(|(value, probability)| probability * (value - mean).powi(2)).sum::<f64>().sqrt()
     }
 }
 
-/// Kolmogorov–Smirnov distance sup_x |F(x) − G(x)| of two distributions, exactly, atoms included.
+/// Returns the Kolmogorov–Smirnov distance sup_x |F(x) − G(x)| of two distributions, exact also for point masses.
 pub fn kolmogorov_smirnov(first: &DiscreteDistribution, second: &DiscreteDistribution) -> f64 {
     differences(first, second).map(|(_, difference)| difference).fold(0.0, f64::max)
 }
 
-/// Wasserstein-1 distance ∫|F(x) − G(x)| dx of two distributions, exactly; in the unit of the values.
+/// Returns the Wasserstein-1 distance ∫|F(x) − G(x)| dx of two distributions, exact, in the unit of the values.
 pub fn wasserstein_1(first: &DiscreteDistribution, second: &DiscreteDistribution) -> f64 {
     let mut sum = 0.0;
     let mut left: Option<(f64, f64)> = None;
@@ -149,7 +149,7 @@ pub fn wasserstein_1(first: &DiscreteDistribution, second: &DiscreteDistribution
     sum
 }
 
-/// (x, |F(x) − G(x)|) at every value of either distribution, increasing.
+/// Returns (x, |F(x) − G(x)|) at every value of either distribution, increasing.
 fn differences<'a>(
     first: &'a DiscreteDistribution,
     second: &'a DiscreteDistribution,
@@ -168,8 +168,11 @@ fn differences<'a>(
     })
 }
 
-/// Kolmogorov–Smirnov distance of a distribution of steps and a distribution function given by G(x) = P(Y ≤ x) and its left limit
-/// P(Y < x); exact, because G is monotone between steps. For a continuous G both functions are the same.
+/// Returns the Kolmogorov–Smirnov distance between a discrete distribution and the distribution function G(x) = P(Y ≤
+/// x).
+///
+/// `cdf_left` is the left limit P(Y < x); it equals `cdf` for a continuous G. The result is exact because G is monotone
+/// between the values.
 pub fn kolmogorov_smirnov_to(
     distribution: &DiscreteDistribution,
     cdf: impl Fn(f64) -> f64,
@@ -183,10 +186,11 @@ pub fn kolmogorov_smirnov_to(
         .fold(0.0, f64::max)
 }
 
-/// Wasserstein-1 distance ∫₀¹|F⁻¹(u) − G⁻¹(u)| du of a distribution of steps and a distribution given by its quantile function G⁻¹.
+/// Returns the Wasserstein-1 distance ∫₀¹|F⁻¹(u) − G⁻¹(u)| du between a discrete distribution and one with the quantile
+/// function G⁻¹.
 ///
-/// Two-point Gauss quadrature on 16 equal parts of each step: exact up to rounding where G⁻¹ is a cubic on a part and does
-/// not cross the step. Probabilities 0 and 1 are never asked for.
+/// Two-point Gauss quadrature on 16 equal parts of each step is exact up to rounding where G⁻¹ is a cubic on a part and
+/// does not cross the step. `quantile` is never called with 0 or 1.
 pub fn wasserstein_1_to(distribution: &DiscreteDistribution, quantile: impl Fn(f64) -> f64) -> f64 {
     const PARTS: usize = 16;
     let offset = 0.5 / 3.0_f64.sqrt();
@@ -279,7 +283,7 @@ mod tests {
         let sample = standard_normal(&mut stream(3, "normal", 0), 4000);
         let scaled =
             kolmogorov_smirnov_to(&distribution(&sample), standard_normal_cdf, standard_normal_cdf) * 4000.0_f64.sqrt();
-        // The 0.01 % and 99.99 % points of Kolmogorov's limit distribution.
+        // The 0.01 % and 99.99 % points of Kolmogorov's limiting distribution.
         assert!((0.32..2.23).contains(&scaled), "√n D = {scaled}");
     }
 

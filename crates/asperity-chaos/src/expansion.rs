@@ -1,4 +1,4 @@
-//! Functions of a Î¾ as sums of orthonormal polynomials.
+//! Polynomial chaos expansions of functions of standard variables ξ.
 
 use rayon::prelude::*;
 
@@ -6,10 +6,10 @@ use super::horner::{Evaluate, Horner, Scratch};
 use super::{Basis, Fit, LeastSquares, RegressionError};
 use asperity_base::wide::wide;
 
-/// Points that a thread evaluates at a time.
+/// Number of points that a thread evaluates at a time.
 const BLOCK: usize = 1024;
 
-/// f(ξ) = Σ_α c_α Ψ_α(ξ) with orthonormal Ψ_α.
+/// Expansion f(ξ) = Σ_α c_α Ψ_α(ξ) in orthonormal polynomials Ψ_α.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expansion {
     basis: Basis,
@@ -18,7 +18,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// An expansion with given coefficients, in the order of the basis.
+    /// Creates an expansion with given coefficients, in the order of the basis.
     ///
     /// # Panics
     /// If the numbers of coefficients and functions differ.
@@ -28,10 +28,10 @@ impl Expansion {
         Self { basis, coefficients, horner }
     }
 
-    /// The least-squares expansion of the values `response` at `xi_samples`, and its fit.
+    /// Fits an expansion to the values `response` at `xi_samples` by least squares, and returns it with the fit.
     ///
     /// # Errors
-    /// As [`LeastSquares::new`] and [`LeastSquares::fit`].
+    /// See [`LeastSquares::new`] and [`LeastSquares::fit`].
     pub fn fit<G: AsRef<[f64]>>(
         basis: Basis,
         xi_samples: &[G],
@@ -44,20 +44,20 @@ impl Expansion {
         Ok((Self::new(basis, fit.coefficients.clone()), fit))
     }
 
-    /// The basis.
+    /// Returns the basis.
     pub fn basis(&self) -> &Basis {
         &self.basis
     }
 
-    /// Coefficients in the order of the basis.
+    /// Returns the coefficients in the order of the basis.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// f(ξ), the same bits as [`Expansion::evaluate_many`] gives.
+    /// Returns f(ξ), bit-identical to [`Expansion::evaluate_many`].
     ///
     /// # Panics
-    /// If the Î¾ is shorter than the number of variables; values beyond them are ignored.
+    /// If `xi` is shorter than the number of variables; further entries are ignored.
     pub fn evaluate(&self, xi: &[f64]) -> f64 {
         let mut value = [0.0];
         self.check(&[xi]);
@@ -65,10 +65,10 @@ impl Expansion {
         value[0]
     }
 
-    /// f at each Î¾, in order, by all threads. A Î¾'s value does not depend on the others.
+    /// Evaluates f at each ξ in parallel, in order. A value does not depend on the other points.
     ///
     /// # Panics
-    /// As [`Expansion::evaluate`].
+    /// See [`Expansion::evaluate`].
     pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, xi_samples: &[G]) -> Vec<f64> {
         self.check(xi_samples);
         let mut values = vec![0.0; xi_samples.len()];
@@ -89,12 +89,12 @@ impl Expansion {
         wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, xi_samples, values, scratch));
     }
 
-    /// E f = c₀.
+    /// Returns the mean E f = c₀.
     pub fn mean(&self) -> f64 {
         self.coefficients[0]
     }
 
-    /// Var f = Σ_{α≠0} c_α².
+    /// Returns the variance Var f = Σ_{α≠0} c_α².
     pub fn variance(&self) -> f64 {
         self.coefficients[1..].iter().map(|c| c * c).sum()
     }

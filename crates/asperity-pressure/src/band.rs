@@ -15,7 +15,7 @@ const MANY: f64 = 1000.0;
 const LEAST_DEGREES: f64 = 3.0;
 /// Values on either side whose errors tell that of the one between them.
 const NEIGHBOURS: usize = 2;
-/// Larger rises of a distribution function between neighbouring values are atoms.
+/// Larger rises of a distribution function between neighbouring values are point masses.
 const ATOM: f64 = 0.02;
 
 /// An estimated distribution function with 95 % bands at some values.
@@ -36,7 +36,7 @@ pub struct Band {
 }
 
 impl Band {
-    /// The band of normal errors with the given covariance, row by row; where that is estimated with few degrees of freedom,
+    /// Creates the band of normal errors with the given covariance, row by row; where that is estimated with few degrees of freedom,
     /// of Student's.
     pub(super) fn new(
         values: &[f64],
@@ -67,13 +67,13 @@ impl Band {
         }
     }
 
-    /// The band of another estimate, of which this one, without bias, tells the bias.
+    /// Returns the band of another estimate, of which this one, without bias, tells the bias.
     pub(super) fn with_estimate(self, cdf: Vec<f64>) -> Self {
         let bias = cdf.iter().zip(&self.cdf).map(|(biased, unbiased)| biased - unbiased).collect();
         Self { cdf, bias, ..self }
     }
 
-    /// The band of the empirical distribution function of `samples` independent values; F̂ at `values` is `cdf`.
+    /// Creates the band of the empirical distribution function of `samples` independent values; F̂ at `values` is `cdf`.
     ///
     /// # References
     /// A. Agresti and B. A. Coull, *Am. Stat.* **52** (1998) 119, <https://doi.org/10.1080/00031305.1998.10480550>.
@@ -82,7 +82,7 @@ impl Band {
         let n = values.len();
         let covariance: Vec<f64> = (0..n * n).map(|k| covariance(k / n, k % n)).collect();
         let band = Self::new(values, cdf, &covariance, None, seed);
-        // Of the share with two of either kind more (Agresti and Coull): few on one side say less of their own spread.
+        // Of the fraction with two of either kind more (Agresti and Coull): few on one side say less of their own spread.
         let count = samples as f64;
         let more = |f: &f64| (count * f + 2.0) / (count + 4.0);
         let standard_error = |f: &f64| (more(f) * (1.0 - more(f)) / count).sqrt();
@@ -99,12 +99,12 @@ impl Band {
         self
     }
 
-    /// The 95 % interval of F at the value number `i`.
+    /// Returns the 95 % interval of F at the value number `i`.
     pub fn pointwise(&self, i: usize) -> [f64; 2] {
         self.around(i, self.pointwise_factor)
     }
 
-    /// The 95 % band of F at all values, at the one number `i`.
+    /// Returns the 95 % band of F at all values, at the one number `i`.
     pub fn simultaneous(&self, i: usize) -> [f64; 2] {
         self.around(i, self.simultaneous_factor)
     }
@@ -114,12 +114,12 @@ impl Band {
         [(unbiased - half).clamp(0.0, 1.0), (unbiased + half).clamp(0.0, 1.0)]
     }
 
-    /// Standard error of F at any value: linear between those known.
+    /// Returns the standard error of F at any value: linear between those known.
     pub fn standard_error_at(&self, value: f64) -> f64 {
         self.interpolated(&self.standard_errors, value).unwrap_or(f64::INFINITY)
     }
 
-    /// Bias of F at any value: linear between those known.
+    /// Returns the bias of F at any value: linear between those known.
     pub fn bias_at(&self, value: f64) -> f64 {
         self.interpolated(&self.bias, value).unwrap_or(0.0)
     }
@@ -129,8 +129,8 @@ impl Band {
         let (Some(low), Some(high)) = (after.checked_sub(1), self.values.get(after)) else {
             return [known.first(), known.last()][usize::from(after > 0)].copied();
         };
-        let share = (value - self.values[low]) / (high - self.values[low]);
-        Some(known[low] + share * (known[after] - known[low]))
+        let fraction = (value - self.values[low]) / (high - self.values[low]);
+        Some(known[low] + fraction * (known[after] - known[low]))
     }
 }
 
@@ -146,7 +146,7 @@ pub struct QuantileResult {
 }
 
 impl Band {
-    /// A quantile of `distribution`, which this is the band of.
+    /// Returns a quantile of `distribution`, which this is the band of.
     pub fn quantile(&self, distribution: &DiscreteDistribution, probability: f64) -> QuantileResult {
         let limit = |value: f64, factor: f64| {
             distribution.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value)
@@ -158,10 +158,10 @@ impl Band {
                 return values.last().copied().unwrap_or(f64::NAN);
             };
             let Some(before) = place.checked_sub(1).map(|before| values[before]) else { return values[place] };
-            // Between values the limit rises evenly, unless there is an atom.
+            // Between values the limit rises evenly, unless there is a point mass.
             let [low, high] = [before, values[place]].map(|value| limit(value, factor));
-            let share = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
-            before + share * (values[place] - before)
+            let fraction = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
+            before + fraction * (values[place] - before)
         };
         let factor = self.pointwise_factor;
         let interval = Interval { low: at(factor), high: at(-factor) };
@@ -174,7 +174,7 @@ fn student_95(degrees_of_freedom: usize) -> f64 {
     if degrees_of_freedom == 0 { f64::INFINITY } else { student_quantile(0.975, degrees_of_freedom as f64) }
 }
 
-/// The 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
+/// Returns the 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
 fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64 {
     let n = standard_errors.len();
     let used: Vec<usize> = (0..n).filter(|i| standard_errors[*i] > 0.0).collect();
@@ -186,7 +186,7 @@ fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64
     quantile_95((0..DRAWS).map(|draw| (0..used.len()).map(|a| z[(a, draw)].abs()).fold(0.0, f64::max)))
 }
 
-/// The same of means of few vectors, each over the standard error that is taken from these vectors: Student's factors for several
+/// Returns the same of means of few vectors, each over the standard error that is taken from these vectors: Student's factors for several
 /// values at once. So few vectors do not tell how their errors at different values are correlated, and stratified designs take away most
 /// of what is common to them: they are taken as independent.
 fn critical_value_of_groups(values: usize, degrees_of_freedom: usize, seed: u64) -> f64 {
@@ -204,7 +204,7 @@ fn critical_value_of_groups(values: usize, degrees_of_freedom: usize, seed: u64)
     quantile_95(ratios.chunks_exact(values.max(1)).map(|own| own.iter().copied().fold(0.0, f64::max)))
 }
 
-/// Normal vectors with the given correlation.
+/// Returns the normal vectors with the given correlation.
 fn draws(correlation: &Mat<f64>, count: usize, seed: u64) -> Option<Mat<f64>> {
     let n = correlation.nrows();
     let eigen = correlation.self_adjoint_eigen(Side::Lower).ok()?;
@@ -220,7 +220,7 @@ fn quantile_95(values: impl Iterator<Item = f64>) -> f64 {
     values[values.len() * 95 / 100]
 }
 
-/// The root of a variance, widened for the variance that it has itself.
+/// Returns the root of a variance, widened for the variance that it has itself.
 fn widened(variance: f64, uncertainty: f64) -> f64 {
     let degrees = 2.0 * variance * variance / uncertainty;
     let factor = if degrees < MANY { student_quantile(0.975, degrees.max(LEAST_DEGREES)) / NORMAL_95 } else { 1.0 };
@@ -258,7 +258,7 @@ impl Moments {
         }
     }
 
-    /// Variance of the sum of squares of each component about its mean, from their spread: Σ (d² − σ²)².
+    /// Returns the variance of the sum of squares of each component about its mean, from their spread: Σ (d² − σ²)².
     fn of_squares(&self) -> impl Iterator<Item = f64> {
         let n = self.count;
         self.sums.iter().zip(&self.powers).enumerate().map(move |(i, (sum, [third, fourth]))| {
@@ -269,7 +269,7 @@ impl Moments {
         })
     }
 
-    /// Variance of each component.
+    /// Returns the variance of each component.
     pub(super) fn variances(&self) -> impl Iterator<Item = f64> {
         (0..self.sums.len())
             .scan(0, |place, i| {
@@ -280,7 +280,7 @@ impl Moments {
             .map(|(place, sum)| (self.products[place] - sum * sum / self.count) / (self.count - 1.0))
     }
 
-    /// Covariance of the vectors, pair by pair; zero of fewer than two.
+    /// Returns the covariance of the vectors, pair by pair; zero of fewer than two.
     fn covariances(&self) -> impl Iterator<Item = f64> {
         let pairs = (0..self.sums.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
         let scale = if self.count > 1.0 { 1.0 / (self.count - 1.0) } else { 0.0 };
@@ -332,7 +332,7 @@ impl Total {
         self.values[i]
     }
 
-    /// The standard error, of few vectors with these degrees of freedom. Otherwise it is widened where few of the many vectors make it
+    /// Returns the standard error, of few vectors with these degrees of freedom. Otherwise it is widened where few of the many vectors make it
     /// up: by Student's factor over the normal one, with Satterthwaite's degrees of freedom 2 V²/var V of its variance V.
     ///
     /// # References
@@ -346,7 +346,7 @@ impl Total {
         self.covariances[i * (i + 1) / 2 + i].max(0.0)
     }
 
-    /// The standard error at one of the leading `count` values of F, of which the first is an atom. Those of its neighbours are about
+    /// Returns the standard error at one of the leading `count` values of F, of which the first is a point mass. Those of its neighbours are about
     /// the same, but other vectors make them up: where their mean is larger, it is taken.
     fn standard_error_among(&self, i: usize, count: usize) -> f64 {
         let own = self.standard_error(i, None);
@@ -360,7 +360,7 @@ impl Total {
         own.max(widened(variance, uncertainty))
     }
 
-    /// The band of the first of them, at `values`.
+    /// Returns the band of the first of them, at `values`.
     pub(super) fn band(&self, values: &[f64], degrees_of_freedom: Option<usize>, seed: u64) -> Band {
         let n = values.len();
         let pair = |i: usize, j: usize| self.covariances[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];

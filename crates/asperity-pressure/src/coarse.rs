@@ -8,7 +8,7 @@ use asperity_contact::{self as contact, Control, HalfSpace, Solver, Workspace};
 
 /// Points kept of so many along either side, the coarsest first; of all, solved to a loose tolerance.
 const STRIDES: [usize; 3] = [4, 2, 1];
-/// Fewest points along a side.
+/// Minimum number of points along a side.
 const LEAST_POINTS: usize = 8;
 /// Tolerance of coarse solutions: their error is that of the grid,
 const TOLERANCE: f64 = 1e-2;
@@ -25,7 +25,7 @@ pub(super) struct CoarseModel {
 }
 
 impl CoarseModel {
-    /// The coarse models that a problem has, the coarsest first: none of a grid that cannot be divided.
+    /// Returns the coarse models that a problem has, the coarsest first: none of a grid that cannot be divided.
     pub(super) fn all(problem: &Problem<'_>) -> Vec<Self> {
         STRIDES.iter().filter_map(|stride| Self::new(problem, *stride)).collect()
     }
@@ -48,7 +48,7 @@ impl CoarseModel {
         Some(Self { half_space, stride, first, cell: (row / stride, column / stride) })
     }
 
-    /// Points along either side.
+    /// Returns the points along either side.
     pub(super) fn shape(&self) -> (usize, usize) {
         self.half_space.grid().shape()
     }
@@ -57,7 +57,7 @@ impl CoarseModel {
         self.half_space.workspace()
     }
 
-    /// The contact of a map, under the plane that the whole map would have; whatever its residual, for it is a model only.
+    /// Returns the contact of a map, under the plane that the whole map would have; whatever its residual, for it is a model only.
     /// `None` where it cannot be posed.
     pub(super) fn observe(
         &self,
@@ -95,13 +95,13 @@ impl CoarseModel {
 const TRANSFORMS_PER_ITERATION: f64 = 4.0;
 const WORK_PER_SOLUTION: f64 = 6e4;
 
-/// Work of generating a map, in units of the arithmetic of transforms.
+/// Returns the work of generating a map, in units of the arithmetic of transforms.
 pub(super) fn generation_work(shape: (usize, usize)) -> f64 {
     let points = (shape.0 * shape.1) as f64;
     points * points.log2()
 }
 
-/// Work of a solution with so many iterations, in the same units.
+/// Returns the work of a solution with so many iterations, in the same units.
 pub(super) fn solution_work(shape: (usize, usize), iterations: f64) -> f64 {
     TRANSFORMS_PER_ITERATION * (iterations + 2.0) * generation_work(shape) + WORK_PER_SOLUTION
 }

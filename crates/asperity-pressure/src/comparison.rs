@@ -32,10 +32,10 @@ pub struct MethodComparison {
     pub variables: usize,
     /// Their total degree.
     pub degree: usize,
-    /// Evaluations of an expansion on fresh samples of Î¾.
+    /// Evaluations of an expansion on fresh samples of ξ.
     pub surrogate_samples: usize,
-    /// Least share of converged contact problems in a run.
-    pub valid_share: f64,
+    /// Least fraction of converged contact problems in a run.
+    pub valid_fraction: f64,
     /// Whether the stiffness of contacts is among the scalars: one linear problem more for each Monte Carlo and each coarse
     /// solution. It changes nothing else.
     pub stiffness: bool,
@@ -105,7 +105,7 @@ pub struct ComparisonResults {
 }
 
 impl MethodComparison {
-    /// The customary sizes: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8 variables.
+    /// Creates the customary sizes: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8 variables.
     pub fn new(seed: u64) -> Self {
         Self {
             seed,
@@ -114,7 +114,7 @@ impl MethodComparison {
             variables: 8,
             degree: 3,
             surrogate_samples: 10_000,
-            valid_share: 0.95,
+            valid_fraction: 0.95,
             stiffness: false,
         }
     }
@@ -140,12 +140,13 @@ impl MethodComparison {
         let stride = site_stride(problem);
         let reference = {
             let stage = "pressure/reference";
-            let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_share);
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_fraction);
             let site_stride = problem.cells_are_alike().then_some(stride);
             self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?, largest_pa)?
         };
         let monte_carlo = {
-            let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+            let sampling =
+                Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
             let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
             solve(&whole, kept, monitor)?
         };
@@ -153,7 +154,7 @@ impl MethodComparison {
         let fields = FieldDistributions::new(&monte_carlo, self.variables, self.degree, site_shape);
         let monte_carlo = monte_carlo.without_fields();
         let stratified = |method, stage| {
-            let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_share);
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_fraction);
             match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
                 Err(PressureError::Sampling(reason)) => Ok(Err(MethodError::from(reason))),
                 Err(error) => Err(error),
@@ -178,7 +179,7 @@ impl MethodComparison {
         })
     }
 
-    /// The distribution by [`Method::Default`] alone, without a reference: what a user who trusts it wants. The solutions on coarser grids beside.
+    /// Returns the distribution by [`Method::Default`] alone, without a reference: what a user who trusts it wants. The solutions on coarser grids beside.
     ///
     /// # Errors
     /// As [`MethodComparison::run`], and what [`MethodError`] says.
@@ -188,7 +189,7 @@ impl MethodComparison {
         monitor: &dyn Monitor,
     ) -> Result<(Estimate, Vec<CoarseSolves>), PressureError> {
         self.validate(problem)?;
-        let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+        let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
         let samples = solve(problem, sampling, monitor)?;
         let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
         Ok((nested.estimate_pressure(problem, self.seed, true, true)?, nested.coarse_solves(problem)))
@@ -211,7 +212,7 @@ impl MethodComparison {
         Ok(Reference { samples: samples.posed(), failures, sites: sites.max(1), estimate, ks_resolution })
     }
 
-    /// The distributions of the scalars; those that cannot be had are left out.
+    /// Returns the distributions of the scalars; those that cannot be had are left out.
     fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
         let scalar = |quantity: Quantity| {
             let found = nested.estimate(quantity, problem, self.seed).ok()?;
@@ -249,17 +250,17 @@ impl MethodComparison {
                 wanted: "at most the number of normal variables of the surface",
             });
         }
-        if !(self.valid_share > 0.0 && self.valid_share <= 1.0) {
+        if !(self.valid_fraction > 0.0 && self.valid_fraction <= 1.0) {
             return Err(PressureError::Parameter {
                 parameter: "valid_share",
-                value: self.valid_share,
+                value: self.valid_fraction,
                 wanted: "above 0 and at most 1",
             });
         }
         Ok(())
     }
 
-    /// Samples of Î¾ on which expansions are evaluated.
+    /// Returns the samples of ξ on which expansions are evaluated.
     fn fresh_xi(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
         let design = self.fresh_design("pressure/expansion", variables)?;
         Ok((0..design.samples()).map(|i| design.xi(i)).collect())
@@ -375,7 +376,7 @@ fn site_stride(problem: &Problem<'_>) -> usize {
     (nx.min(ny) / SITES).max(1)
 }
 
-/// Rows and columns of the sites.
+/// Returns the rows and columns of the sites.
 fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
     let (ny, nx) = problem.half_space().grid().shape();
     (ny.div_ceil(stride), nx.div_ceil(stride))
@@ -385,7 +386,7 @@ fn pressures_pa(samples: &Samples) -> Vec<f64> {
     samples.observations().iter().map(|o| o.pressure_pa).collect()
 }
 
-/// A method's error apart from others.
+/// Returns a method's error apart from others.
 fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estimate, MethodError>, PressureError> {
     match outcome {
         Ok(estimate) => Ok(Ok(estimate)),
@@ -395,7 +396,7 @@ fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estim
 }
 
 impl ComparisonResults {
-    /// The estimate of one method, if it has one.
+    /// Returns the estimate of one method, if it has one.
     pub fn estimate(&self, method: Method) -> Option<&(Estimate, ReferenceDistances)> {
         self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
     }

@@ -1,4 +1,4 @@
-//! Directions in the space of samples of Î¾ that have names.
+//! Directions in the space of samples of ξ that have names.
 
 use crate::Problem;
 use crate::rotated_variables::{RotatedVariables, responses};
@@ -11,8 +11,8 @@ pub(super) struct NamedDirections {
 }
 
 impl NamedDirections {
-    /// The height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
-    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose Î¾ is too long.
+    /// Creates the height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
+    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose ξ is too long.
     pub(super) fn from_cell(problem: &Problem<'_>, most: usize) -> Self {
         let mut named = Self::default();
         for (ring, response) in responses(problem) {
@@ -27,7 +27,7 @@ impl NamedDirections {
         named
     }
 
-    /// The leading variables themselves.
+    /// Creates the leading variables themselves.
     pub(super) fn leading(xi_len: usize, most: usize) -> Self {
         let unit = |j: usize| (0..xi_len).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
         let count = most.min(xi_len);
@@ -37,7 +37,7 @@ impl NamedDirections {
         }
     }
 
-    /// The variables of a Î¾.
+    /// Returns the variables of a ξ.
     pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
         self.directions.apply(xi)
     }

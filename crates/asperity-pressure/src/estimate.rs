@@ -15,7 +15,7 @@ const MOST_POOLED: usize = 1 << 22;
 /// A distribution and how it came about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The distribution of the pressure in pascal, with its atom at 0.
+    /// The distribution of the pressure in pascal, with its point mass at 0.
     pub distribution: DiscreteDistribution,
     /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
     pub contact_probability: f64,
@@ -45,7 +45,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The empirical distribution of independent samples.
+    /// Creates the empirical distribution of independent samples.
     pub(super) fn from_independent(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let distribution = samples.distribution()?;
         let n = samples.len();
@@ -69,7 +69,7 @@ impl Estimate {
         })
     }
 
-    /// The mean of the empirical distributions of independent randomisations; what they differ by tells the errors.
+    /// Creates the mean of the empirical distributions of independent randomisations; what they differ by tells the errors.
     pub(super) fn from_replicates(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let distribution = samples.distribution()?;
         let nodes = nodes(&distribution, samples.len());
@@ -83,7 +83,7 @@ impl Estimate {
         Ok(Self::from_multilevel(found, largest_pa))
     }
 
-    /// The empirical distribution of many cells; each sample is one, however many cells it gives.
+    /// Creates the empirical distribution of many cells; each sample is one, however many cells it gives.
     #[doc(hidden)]
     pub fn from_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let each = samples.sites().first().map_or(1, Vec::len).max(1);
@@ -113,8 +113,8 @@ impl Estimate {
         for mut group in groups {
             group.sort_by(f64::total_cmp);
             let n = group.len() as f64;
-            let share = |t: &f64| group.partition_point(|p| p <= t) as f64 / n;
-            let mut values: Vec<f64> = nodes.iter().map(share).collect();
+            let fraction = |t: &f64| group.partition_point(|p| p <= t) as f64 / n;
+            let mut values: Vec<f64> = nodes.iter().map(fraction).collect();
             values.push(group.iter().sum::<f64>() / n);
             moments.add(&values);
         }
@@ -133,7 +133,7 @@ impl Estimate {
 }
 
 impl Estimate {
-    /// The 95 % interval of `mean_pa` within the possible range, none without a standard error.
+    /// Returns the 95 % interval of `mean_pa` within the possible range, none without a standard error.
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
         let unbiased = self.mean_pa - self.mean_bias_pa.unwrap_or(0.0);
@@ -141,14 +141,14 @@ impl Estimate {
         half.is_finite().then(|| Interval { low: possible(unbiased - half), high: possible(unbiased + half) })
     }
 
-    /// The 95 % interval of a quantile in pascal, none without a band.
+    /// Returns the 95 % interval of a quantile in pascal, none without a band.
     pub fn quantile_interval_pa(&self, probability: f64) -> Option<Interval> {
         self.band.as_ref().map(|band| band.quantile(&self.distribution, probability).interval)
     }
 }
 
 impl Estimate {
-    /// An estimate of the pressure by several models; `largest_pa` is its upper bound.
+    /// Creates an estimate of the pressure by several models; `largest_pa` is its upper bound.
     pub(super) fn from_multilevel(found: MultilevelEstimate, largest_pa: f64) -> Self {
         let MultilevelEstimate {
             distribution,
@@ -186,7 +186,7 @@ impl Estimate {
     }
 }
 
-/// Pressures from 0 on between which the distribution has about the same probability, with enough of so many samples beyond each.
+/// Returns the pressures from 0 on between which the distribution has about the same probability, with enough of so many samples beyond each.
 pub(super) fn nodes(distribution: &DiscreteDistribution, samples: usize) -> Vec<f64> {
     let atom = distribution.cdf(0.0);
     let quantiles = (1..NODES).map(|k| distribution.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
@@ -204,7 +204,7 @@ pub(super) fn nodes(distribution: &DiscreteDistribution, samples: usize) -> Vec<
 pub struct ReferenceDistances {
     /// Kolmogorov–Smirnov distance.
     pub ks_distance: f64,
-    /// Wasserstein-1 distance divided by the standard deviation of the reference distribution, atom at 0 included; `None` when that
+    /// Wasserstein-1 distance divided by the standard deviation of the reference distribution, point mass at 0 included; `None` when that
     /// is 0.
     pub wasserstein_1_over_std: Option<f64>,
 }
@@ -240,10 +240,10 @@ mod tests {
                 *held += usize::from(band.quantile(&distribution, probability).interval.contains(probability));
             }
         }
-        // The standard error of a share of 95 % is 0.7 %.
+        // The standard error of a fraction of 95 % is 0.7 %.
         for held in held {
-            let share = held as f64 / replicates as f64;
-            assert!((0.925..=0.975).contains(&share), "{share}");
+            let fraction = held as f64 / replicates as f64;
+            assert!((0.925..=0.975).contains(&fraction), "{fraction}");
         }
     }
 

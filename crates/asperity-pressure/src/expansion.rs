@@ -1,12 +1,12 @@
 //! The paper's chaos expansions of the pressure in contact, eq. (8) to (11).
 //!
 //! Both are fitted by least squares to the K samples in contact alone, and give the distribution
-//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh samples of Î¾. Fitting only p > 0 and clipping afterwards
+//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh samples of ξ. Fitting only p > 0 and clipping afterwards
 //! is truncated regression: the distribution is biased, and the variance of the variables left out is lost. Standard errors and
 //! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
 //!
 //! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
-//! by orders of magnitude on some samples of Î¾. Values above the hardness are set to the hardness, as those below zero are set to zero.
+//! by orders of magnitude on some samples of ξ. Values above the hardness are set to the hardness, as those below zero are set to zero.
 
 use crate::surrogate::{self, Fitted, PointMasses, Surrogate, TrainingSamples, others};
 use crate::{Estimate, MethodError};
@@ -33,7 +33,7 @@ struct Conditional<'a> {
     largest_pa: f64,
 }
 
-/// The distribution of the pressure from an expansion in the variables of the basis, those that lead the samples of Î¾; `fresh` samples of Î¾ evaluate F_c.
+/// Returns the distribution of the pressure from an expansion in the variables of the basis, those that lead the samples of ξ; `fresh` samples of ξ evaluate F_c.
 ///
 /// # Errors
 /// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
@@ -50,7 +50,7 @@ pub(super) fn estimate(
     let conditional = Conditional { response, basis, xi_samples, pressures_pa, fresh, largest_pa };
     let found = surrogate::estimate(&conditional, training, seed)?;
     let in_contact = training.pressures_pa.iter().filter(|p| **p > 0.0).count();
-    let (contact_probability_se, interval) = training.share_in_contact(seed);
+    let (contact_probability_se, interval) = training.contact_fraction(seed);
     Ok(Estimate {
         contact_probability: in_contact as f64 / training.pressures_pa.len() as f64,
         contact_probability_se,

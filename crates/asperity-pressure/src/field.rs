@@ -98,7 +98,7 @@ impl FieldDistributions {
         Some(distributions)
     }
 
-    /// Quantiles and standard errors.
+    /// Returns the quantiles and standard errors.
     fn add_spread(&mut self, fields: &FieldSamples) {
         let (ny, nx) = self.grid.shape();
         let kept = fields.kept.len();
@@ -128,7 +128,7 @@ impl FieldDistributions {
     }
 }
 
-/// The expansion of every cell, of the degree up to `degree` whose error is least on average over the cells.
+/// Returns the expansion of every cell, of the degree up to `degree` whose error is least on average over the cells.
 fn global(
     samples: &Samples,
     fields: &FieldSamples,
@@ -155,7 +155,7 @@ fn global(
     best.map(|(_, found)| found).ok_or_else(|| too_few.into())
 }
 
-/// The relative leave-one-out error of every cell.
+/// Returns the relative leave-one-out error of every cell.
 fn error_map(squares: &LeastSquares, fields: &FieldSamples, kappa: f64) -> Result<Array2<f64>, RegressionError> {
     let (ny, nx) = fields.grid.shape();
     // Row by row: all cells in double precision need not exist at once.

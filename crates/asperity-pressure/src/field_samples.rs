@@ -64,7 +64,7 @@ impl FieldSamples {
     }
 }
 
-/// Pressures in pascal in contact, minus gaps in metre out of it.
+/// Returns the pressures in pascal in contact, minus gaps in metre out of it.
 pub(super) fn signed(solution: &Solution) -> Vec<f32> {
     let gap_m = solution.gap_m();
     let cells = solution.pressure_pa().iter().zip(&gap_m);

@@ -10,7 +10,7 @@ const LATTICE: usize = 4;
 const SMALL_LATTICE: usize = 2;
 /// Samples for each cell that the large lattice needs.
 const SAMPLES_PER_CELL: usize = 10;
-/// Share of the variance of the cells below which differences do not vary.
+/// Fraction of the variance of the cells below which differences do not vary.
 const ROUNDING: f64 = 1e-9;
 /// Cells that differ so much by chance only this often are not pooled.
 const LEVEL: f64 = 0.05;
@@ -69,7 +69,7 @@ impl Homogeneity {
         Ok(Self { cells: cells.len(), samples: sites.len(), contact_p_value, mean_p_value, p_value })
     }
 
-    /// Whether the samples do not show that cells differ, at 5 %.
+    /// Returns whether the samples do not show that cells differ, at 5 %.
     pub fn is_plausible(&self) -> bool {
         self.p_value >= LEVEL
     }

@@ -1,8 +1,8 @@
 //! The distribution of the random contact pressure (paper §3).
 //!
 //! A random surface is pressed against a rigid plane; the pressure p at one cell is a random
-//! variable with an atom at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
-//! [`solve`] evaluates it on a design of samples of Î¾, and [`MethodComparison`] estimates its distribution by several [`Method`]s from the same
+//! variable with a point mass at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
+//! [`solve`] evaluates it on a design of samples of ξ, and [`MethodComparison`] estimates its distribution by several [`Method`]s from the same
 //! number of contact solutions and compares each with its own Monte Carlo reference.
 
 mod band;

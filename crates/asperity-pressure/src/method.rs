@@ -17,7 +17,7 @@ pub enum Method {
     PolynomialChaos,
     /// Eq. (9): the same of the logarithm of the pressure in contact.
     PolynomialChaosLog,
-    /// Eq. (8) on the Monte Carlo samples, in the variables of the Î¾ rotated to the cell.
+    /// Eq. (8) on the Monte Carlo samples, in the variables of the ξ rotated to the cell.
     PolynomialChaosLocal,
     /// Multilevel estimator: the Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the cell
     /// that predict the coarse results.
@@ -36,7 +36,7 @@ impl Method {
         Self::Default,
     ];
 
-    /// The name in result files.
+    /// Returns the name in result files.
     pub fn name(self) -> &'static str {
         match self {
             Self::MonteCarlo => "monte_carlo",
@@ -68,12 +68,12 @@ pub enum MethodError {
     /// The expansion of the logarithm exceeds the largest floating-point number.
     #[error("the expansion overflows on {overflowed} of {evaluations} fresh samples")]
     Overflow {
-        /// Samples of Î¾ on which it overflows.
+        /// Samples of ξ on which it overflows.
         overflowed: usize,
-        /// Samples of Î¾ evaluated.
+        /// Samples of ξ evaluated.
         evaluations: usize,
     },
-    /// No variable of the Î¾ predicts the pressure of the cell.
+    /// No variable of the ξ predicts the pressure of the cell.
     #[error("no normal variable predicts the pressure of the cell")]
     NoVariables,
     /// There are too few samples.

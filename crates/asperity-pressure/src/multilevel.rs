@@ -23,13 +23,13 @@ use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
 /// Parts into which the samples are split for cross-fitting.
 const FOLDS: usize = 5;
-/// Fewest fine samples.
+/// Minimum number of fine samples.
 pub(super) const LEAST_SAMPLES: usize = 2 * FOLDS;
 /// Values at which the distribution function is estimated,
 const THRESHOLDS: usize = 1000;
 /// and those at which its covariance is.
 const NODES: usize = 64;
-/// Fewest samples on either side of a value whose share has normal errors.
+/// Minimum number of samples on either side of a value whose share has normal errors.
 pub(super) const RARE: usize = 15;
 /// Independent randomisations of the points on which the expectation of model 0 is computed, and points of each.
 const REPLICATES: usize = 10;
@@ -74,7 +74,7 @@ pub(super) struct Settings {
 }
 
 impl LevelSamples {
-    /// Samples on which model `l` is known.
+    /// Returns the samples on which model `l` is known.
     fn count(&self, l: usize) -> usize {
         self.models[l].len()
     }
@@ -153,14 +153,14 @@ fn fold_size(fold: usize, count: usize) -> usize {
     (count + FOLDS - 1 - fold) / FOLDS
 }
 
-/// A point between 0 and 1 for each index, evenly spread.
+/// Returns a point between 0 and 1 for each index, evenly spread.
 fn golden(index: usize) -> f64 {
     ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
 }
 
-/// The error at a share 0 to 1 of increasing ones.
-fn pick(errors: &[f64], share: f64) -> f64 {
-    errors[((share * errors.len() as f64) as usize).min(errors.len() - 1)]
+/// Returns the error at a share 0 to 1 of increasing ones.
+fn pick(errors: &[f64], fraction: f64) -> f64 {
+    errors[((fraction * errors.len() as f64) as usize).min(errors.len() - 1)]
 }
 
 /// Adds up distribution functions at increasing thresholds.
@@ -237,13 +237,13 @@ pub(super) fn estimate(nested: &LevelSamples, settings: &Settings) -> Result<Mul
     let mut errors = Total::new(nodes.len() + 1);
     let mut classes: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();
     for (fold, (fits, _)) in folds.iter().enumerate() {
-        let share = fold_size(fold, fine) as f64 / fine as f64;
+        let fraction = fold_size(fold, fine) as f64 / fine as f64;
         for sample in (0..nested.count(0)).filter(|i| i % FOLDS == fold) {
             let mut own = Contribution::new(&nodes, settings);
             let mut class = 0;
             fits.brackets(nested, sample, |l, prediction, errors, sign| {
                 class = l;
-                let weight = sign * share / fold_size(fold, nested.count(l)) as f64;
+                let weight = sign * fraction / fold_size(fold, nested.count(l)) as f64;
                 total.add(prediction, errors, weight);
                 own.add(prediction, errors, weight);
             });
@@ -271,7 +271,7 @@ pub(super) fn estimate(nested: &LevelSamples, settings: &Settings) -> Result<Mul
     })
 }
 
-/// Variance of what a sample adds to each bracket, summed over the nodes: of the fine model first, of the coarsest last. All models
+/// Returns the variance of what a sample adds to each bracket, summed over the nodes: of the fine model first, of the coarsest last. All models
 /// are known on the same samples.
 pub(super) fn bracket_variances(nested: &LevelSamples, settings: &Settings) -> Result<Vec<f64>, MethodError> {
     let last = nested.models.len() - 1;
@@ -322,7 +322,7 @@ fn expect_normal(
     Ok(())
 }
 
-/// Increasing values at which F is estimated, from the least one to beyond the largest drawn.
+/// Returns the increasing values at which F is estimated, from the least one to beyond the largest drawn.
 fn thresholds(fine: &[f64], drawn: &[f64], settings: &Settings) -> Vec<f64> {
     let within = |q: &f64| *q > settings.least && *q < settings.largest;
     let quantiles = |values: &[f64], count: usize| {
@@ -373,7 +373,7 @@ fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -
     nodes
 }
 
-/// The distribution whose distribution function is nearest to the given values (isotonic regression by pooling adjacent
+/// Returns the distribution whose distribution function is nearest to the given values (isotonic regression by pooling adjacent
 /// violators, which never increases the largest error), limited to [0, 1].
 fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<DiscreteDistribution, MethodError> {
     let mut pools: Vec<(f64, usize)> = Vec::with_capacity(distribution.len());

@@ -11,18 +11,18 @@ use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples,
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
 
-/// Least share of the fine samples that a coarse model has to have.
+/// Least fraction of the fine samples that a coarse model has to have.
 const LEAST_HAD: f64 = 0.95;
 /// Samples on which it is seen what a coarse model is worth.
 const PILOT: usize = 250;
 /// CoarseModel solutions beyond the fine samples may cost so many times the fine ones,
-const COARSE_SHARE: f64 = 4.0;
+const COARSE_FRACTION: f64 = 4.0;
 /// and are made until they add no more than this share to the variance; their number is raised in steps of this factor.
 const ADDED_VARIANCE: f64 = 1.0 / 3.0;
 const SCALE_STEP: f64 = 1.1;
 /// Degree of the polynomials by which a model predicts the next.
 const DEGREE: usize = 3;
-/// Most variables of the rotated Î¾.
+/// Maximum number of variables of the rotated ξ.
 const MOST_VARIABLES: usize = 3;
 
 /// A scalar that each contact has.
@@ -45,7 +45,7 @@ impl Quantity {
     pub const ALL: [Self; 5] =
         [Self::Pressure, Self::ContactFraction, Self::MeanPressure, Self::MeanGap, Self::Stiffness];
 
-    /// The value, continued beyond its bounds where that is known: out of contact the pressure says nothing about how far from
+    /// Returns the value, continued beyond its bounds where that is known: out of contact the pressure says nothing about how far from
     /// contact the cell is, the gap does; at the hardness it says nothing about how far the cell yields, the plastic displacement
     /// does. `kappa` is the pressure that such a metre counts as.
     fn latent(self, observation: &Observation, kappa: f64) -> f64 {
@@ -80,7 +80,7 @@ impl Quantity {
     }
 }
 
-/// The ratio of the spreads of the pressures in contact and of the gaps out of it; 1 where one of them has none.
+/// Returns the ratio of the spreads of the pressures in contact and of the gaps out of it; 1 where one of them has none.
 pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
     let spread = |in_contact: bool, quantity: fn(&Observation) -> f64| {
         let chosen = observations.iter().filter(|o| (o.pressure_pa > 0.0) == in_contact).map(|o| (quantity(o), 1.0));
@@ -114,7 +114,7 @@ pub struct CoarseSolves {
 }
 
 impl NestedSamples {
-    /// Solves the samples of Î¾ of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
+    /// Solves the samples of ξ of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
     /// on them as pays: every model gets samples in proportion to √(V/w), with the variance V that it takes away and its work w per
     /// sample, until together they add little to the variance of the fine samples or the work is spent.
     ///
@@ -207,7 +207,7 @@ impl NestedSamples {
         retain(&mut self.coarse, &used);
     }
 
-    /// Solves the leading `counts` samples of Î¾ of a design on the models.
+    /// Solves the leading `counts` samples of ξ of a design on the models.
     fn add(
         &mut self,
         problem: &Problem<'_>,
@@ -288,7 +288,7 @@ impl NestedSamples {
         multilevel::estimate(&nested, &settings)
     }
 
-    /// Solutions on each coarse model, the coarsest first.
+    /// Returns the solutions on each coarse model, the coarsest first.
     pub(super) fn coarse_solves(&self, problem: &Problem<'_>) -> Vec<CoarseSolves> {
         let fine = mean_work(problem.half_space().grid().shape(), &self.fine);
         let count = |(model, said): (&CoarseModel, &Vec<Observation>)| {
@@ -303,7 +303,7 @@ impl NestedSamples {
         Settings { seed, degree: DEGREE, fitted: true, least, largest }
     }
 
-    /// The values of a quantity on the used models and the fine one, of as many leading samples as `kept` says.
+    /// Returns the values of a quantity on the used models and the fine one, of as many leading samples as `kept` says.
     fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> LevelSamples {
         let kappa = kappa_pa_per_m(&self.fine);
         let values = |observations: &[Observation]| -> Vec<f64> {
@@ -320,7 +320,7 @@ impl NestedSamples {
     }
 }
 
-/// Samples beyond the `fine` ones of each model but the first, from the variances per sample and the work of all.
+/// Returns the samples beyond the `fine` ones of each model but the first, from the variances per sample and the work of all.
 ///
 /// Least variance at given work asks for samples in proportion to √(V/w); with the number of fine samples given, more than that
 /// still pay until all coarse models together add little.
@@ -336,7 +336,7 @@ fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
             wanted[l] = wanted[l].max(wanted[l - 1]);
         }
         let work: f64 = wanted.iter().zip(&works[1..]).map(|(count, work)| (count - n) * work).sum();
-        if work.is_nan() || work > COARSE_SHARE * n * works[0] {
+        if work.is_nan() || work > COARSE_FRACTION * n * works[0] {
             return counts;
         }
         counts = wanted.iter().map(|count| (count - n) as usize).collect();
@@ -353,7 +353,7 @@ fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
     solution_work(shape, iterations)
 }
 
-/// What every model says of each Î¾; `None` where it cannot.
+/// What every model says of each ξ; `None` where it cannot.
 fn observe(
     problem: &Problem<'_>,
     models: &[CoarseModel],
@@ -387,7 +387,7 @@ fn retain<T>(items: &mut Vec<T>, marked: &[bool]) {
     items.retain(|_| marks.next() == Some(&true));
 }
 
-/// Rows as columns.
+/// Returns the rows as columns.
 fn columns(rows: impl Iterator<Item = Vec<Observation>>, count: usize) -> Vec<Vec<Observation>> {
     let mut columns = vec![Vec::new(); count];
     for row in rows {

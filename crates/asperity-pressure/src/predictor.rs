@@ -79,7 +79,7 @@ impl Predictor {
         Ok(Self::Fitted(Box::new(Fitted { scaling, slope, expansion, mean, errors, relative_error })))
     }
 
-    /// The prediction s(x).
+    /// Returns the prediction s(x).
     pub(super) fn predict(&self, row: &[f64]) -> f64 {
         match self {
             Self::Identity => row[0],
@@ -90,7 +90,7 @@ impl Predictor {
         }
     }
 
-    /// The errors around a prediction, increasing and equally likely.
+    /// Returns the errors around a prediction, increasing and equally likely.
     pub(super) fn errors(&self, prediction: f64) -> &[f64] {
         match self {
             Self::Identity => &[0.0],
@@ -98,26 +98,26 @@ impl Predictor {
         }
     }
 
-    /// Mean square leave-one-out error over the variance of the quantity, if there is an expansion.
+    /// Returns the mean square leave-one-out error over the variance of the quantity, if there is an expansion.
     pub(super) fn relative_error(&self) -> Option<f64> {
         if let Self::Fitted(fitted) = self { fitted.relative_error } else { None }
     }
 
-    /// Number of coefficients.
+    /// Returns the number of coefficients.
     pub(super) fn coefficients(&self) -> Option<usize> {
         let Self::Fitted(fitted) = self else { return None };
         fitted.expansion.as_ref().map(|expansion| expansion.coefficients().len())
     }
 }
 
-/// Variance of a sample.
+/// Returns the variance of a sample.
 fn spread(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     values.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / n
 }
 
-/// Slope of the least-squares line of the values over the first variable; 0 where that does not vary.
+/// Returns the slope of the least-squares line of the values over the first variable; 0 where that does not vary.
 fn slope(rows: &[Vec<f64>], values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let first = |row: &Vec<f64>| row.first().copied().unwrap_or(0.0);
@@ -170,7 +170,7 @@ pub(super) struct Scaling {
 }
 
 impl Scaling {
-    /// The scaling of a sample. Variables that do not vary are dropped.
+    /// Creates the scaling of a sample. Variables that do not vary are dropped.
     pub(super) fn new(rows: &[Vec<f64>]) -> Self {
         let n = rows.len() as f64;
         let columns = (0..rows.first().map_or(0, Vec::len))
@@ -186,12 +186,12 @@ impl Scaling {
         Self { columns }
     }
 
-    /// Number of variables that vary.
+    /// Returns the number of variables that vary.
     pub(super) fn variables(&self) -> usize {
         self.columns.len()
     }
 
-    /// The dimensionless variables, limited to the range of the sample so that a polynomial is never extrapolated.
+    /// Returns the dimensionless variables, limited to the range of the sample so that a polynomial is never extrapolated.
     pub(super) fn apply(&self, row: &[f64]) -> Vec<f64> {
         self.columns.iter().map(|&(j, mean, std, least, largest)| (row[j].clamp(least, largest) - mean) / std).collect()
     }

@@ -65,7 +65,7 @@ impl Observation {
     }
 }
 
-/// Means over the cells beside one.
+/// Returns the means over the cells beside one.
 fn beside(solution: &Solution, (row, column): (usize, usize)) -> [f64; 3] {
     let (ny, nx) = solution.grid().shape();
     let wraps = solution.boundary() != Boundary::Free;
@@ -135,7 +135,7 @@ impl fmt::Debug for Problem<'_> {
 }
 
 impl<'a> Problem<'a> {
-    /// The pressure at the centre cell `[ny/2, nx/2]`; `hardness_pa = None` is elastic.
+    /// Creates the pressure at the centre cell `[ny/2, nx/2]`; `hardness_pa = None` is elastic.
     ///
     /// In random studies the plane is fixed in space, [`Control::Plane`]: one that X % of the ensemble's heights exceed lies
     /// at the (1 − X/100) quantile of their marginal distribution. Under any other control each map has a plane of its own. A
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
         Ok(Self { surface, half_space, control, hardness_pa, cell, solver: Solver::default(), stiffness: false })
     }
 
-    /// The same at another cell (row, column).
+    /// Returns the same at another cell (row, column).
     ///
     /// # Errors
     /// The cell lies outside the grid.
@@ -172,12 +172,12 @@ impl<'a> Problem<'a> {
         Ok(Self { cell: (row, column), ..self })
     }
 
-    /// The same with another solver.
+    /// Returns the same with another solver.
     pub fn with_solver(self, solver: Solver) -> Self {
         Self { solver, ..self }
     }
 
-    /// The same with the stiffness of every contact, dp̄/dδ with the approach δ of the plane: one linear problem more for each.
+    /// Returns the same with the stiffness of every contact, dp̄/dδ with the approach δ of the plane: one linear problem more for each.
     ///
     /// The cells in contact are held and plastic ones keep their pressure, as on the way down. The mean compliance of a periodic
     /// half-space is part of it, 1/(dp̄/dδ) = 1/k + c, unlike in [`StiffnessSolver`](contact::StiffnessSolver), which has k alone.
@@ -185,12 +185,12 @@ impl<'a> Problem<'a> {
         Self { stiffness: true, ..self }
     }
 
-    /// The random surface.
+    /// Returns the random surface.
     pub fn surface(&self) -> &'a dyn RandomSurface {
         self.surface
     }
 
-    /// The half-space.
+    /// Returns the half-space.
     pub fn half_space(&self) -> &'a HalfSpace {
         self.half_space
     }
@@ -200,12 +200,12 @@ impl<'a> Problem<'a> {
         self.control
     }
 
-    /// Upper bound of the pressure in pascal, if any.
+    /// Returns the upper bound of the pressure in pascal, if any.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
     }
 
-    /// Whether the pressures of all cells have the same distribution: a stationary surface on a periodic half-space.
+    /// Returns whether the pressures of all cells have the same distribution: a stationary surface on a periodic half-space.
     pub fn cells_are_alike(&self) -> bool {
         self.half_space.boundary() != Boundary::Free && self.surface.is_periodic_and_stationary()
     }
@@ -215,17 +215,17 @@ impl<'a> Problem<'a> {
         self.solver
     }
 
-    /// Whether the stiffness of every contact is found too.
+    /// Returns whether the stiffness of every contact is found too.
     pub fn has_stiffness(&self) -> bool {
         self.stiffness
     }
 
-    /// The cell (row, column).
+    /// Returns the cell (row, column).
     pub fn cell(&self) -> (usize, usize) {
         self.cell
     }
 
-    /// Solves the contact of one Î¾'s map.
+    /// Solves the contact of one ξ's map.
     ///
     /// # Errors
     /// The map is incomplete or flat, or the solver did not converge.
@@ -244,7 +244,7 @@ impl<'a> Problem<'a> {
         Ok(solution)
     }
 
-    /// What the contact of one Î¾'s map says about the cell.
+    /// What the contact of one ξ's map says about the cell.
     ///
     /// # Errors
     /// As [`Problem::solve`].

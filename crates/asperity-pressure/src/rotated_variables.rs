@@ -1,7 +1,7 @@
-//! A Î¾ rotated to one cell: the few standard normal variables that matter most for it.
+//! A ξ rotated to one cell: the few standard normal variables that matter most for it.
 //!
-//! The leading variables of a Î¾ describe the whole map, and none of them one cell. The height of the cell and means of the
-//! heights over rings around it are linear in the Î¾ of a Gaussian surface (monotone in linear ones of a translated one);
+//! The leading variables of a ξ describe the whole map, and none of them one cell. The height of the cell and means of the
+//! heights over rings around it are linear in the ξ of a Gaussian surface (monotone in linear ones of a translated one);
 //! in an orthonormal basis that begins with their directions a few variables say nearly all that can be said without solving.
 //! Their distribution is exactly standard normal.
 //!
@@ -16,25 +16,25 @@ use crate::predictor::Predictor;
 use crate::{MethodError, Problem};
 use asperity_contact::Boundary;
 
-/// Longest Î¾ whose response is found by finite differences, where the surface does not state it.
+/// Longest ξ whose response is found by finite differences, where the surface does not state it.
 const MAX_XI_LEN: usize = 2048;
 /// Half width of such a difference.
 const DIFFERENCE: f64 = 1e-3;
-/// Samples that choose among directions, and the share of the error that one more has to take away.
+/// Samples that choose among directions, and the fraction of the error that one more has to take away.
 const CHOOSING: usize = 1000;
 const WORTHWHILE: f64 = 0.02;
-/// Share of a direction that has to be new.
+/// Fraction of a direction that has to be new.
 const NEW: f64 = 1e-6;
 
-/// Orthonormal directions in the space of samples of Î¾.
+/// Orthonormal directions in the space of samples of ξ.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RotatedVariables {
     directions: Vec<Vec<f64>>,
 }
 
 impl RotatedVariables {
-    /// Directions of the cell of `problem` and of rings around it, the one that matters most first: at most `most` that make
-    /// a polynomial of `degree` predict the `values` of the `xi_samples` better. None of a surface whose Î¾ is too long or has no
+    /// Returns the directions of the cell of `problem` and of rings around it, the one that matters most first: at most `most` that make
+    /// a polynomial of `degree` predict the `values` of the `xi_samples` better. None of a surface whose ξ is too long or has no
     /// direction of its own for the cell.
     pub(super) fn new(
         problem: &Problem<'_>,
@@ -76,7 +76,7 @@ impl RotatedVariables {
         Self { directions }
     }
 
-    /// The variables of a Î¾.
+    /// Returns the variables of a ξ.
     pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
         self.directions.iter().map(|direction| dot(direction, xi)).collect()
     }
@@ -87,8 +87,8 @@ impl RotatedVariables {
         let mut rest = direction.to_vec();
         // Twice is enough.
         for own in self.directions.iter().chain(&self.directions) {
-            let share = dot(own, &rest);
-            rest.iter_mut().zip(own).for_each(|(rest, own)| *rest -= share * own);
+            let fraction = dot(own, &rest);
+            rest.iter_mut().zip(own).for_each(|(rest, own)| *rest -= fraction * own);
         }
         let new = dot(&rest, &rest);
         if !(new > NEW * whole && new.is_finite()) {
@@ -105,9 +105,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Response of the mean height of each ring to each normal variables, with the number of the ring: 0 is the cell itself, n those up to
+/// Returns the response of the mean height of each ring to each normal variables, with the number of the ring: 0 is the cell itself, n those up to
 /// 2ⁿ⁻¹ times the finer pitch away; up to a factor that is the same for all. None of a surface that does not state its response
-/// and whose Î¾ is too long.
+/// and whose ξ is too long.
 pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
     let rings = rings(problem);
     let used: Vec<usize> = (0..rings.len()).filter(|ring| !rings[*ring].is_empty()).collect();
@@ -116,7 +116,7 @@ pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
     used.into_iter().zip(responses).filter(|(_, response)| response.iter().all(|x| x.is_finite())).collect()
 }
 
-/// Response of the mean height of a ring, where the surface states it.
+/// Returns the response of the mean height of a ring, where the surface states it.
 fn stated_response(problem: &Problem<'_>, ring: &[usize]) -> Option<Vec<f64>> {
     let (ny, nx) = problem.surface().grid().shape();
     let mut weights = Array2::zeros((ny, nx));
@@ -149,7 +149,7 @@ fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -
     used.iter().map(|ring| columns.iter().map(|column| column[*ring]).collect()).collect()
 }
 
-/// The cell alone, and the cells of rings around it whose radii double; some may have none.
+/// Returns the cell alone, and the cells of rings around it whose radii double; some may have none.
 fn rings(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     let grid = problem.surface().grid();
     let (row, column) = problem.cell();

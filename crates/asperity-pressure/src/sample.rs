@@ -1,4 +1,4 @@
-//! Contact solutions on a design of samples of Î¾.
+//! Contact solutions on a design of samples of ξ.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,10 +17,10 @@ pub struct Failure {
     pub reason: FailureReason,
 }
 
-/// Which samples of Î¾ are solved.
+/// Which samples of ξ are solved.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling<'a> {
-    /// How the samples of Î¾ are placed.
+    /// How the samples of ξ are placed.
     pub method: SamplingMethod,
     /// Independent randomisations among which they are divided.
     pub replicates: usize,
@@ -28,20 +28,20 @@ pub struct Sampling<'a> {
     pub seed: u64,
     /// See `seed`.
     pub stage: &'a str,
-    /// Number of samples of Î¾; rounded up to as many for every replicate.
+    /// Number of samples of ξ; rounded up to as many for every replicate.
     pub samples: usize,
     /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
     pub site_stride: Option<usize>,
     /// Bytes of whole pressure fields that are kept at most, of the leading samples; beside them every cell's sum over all
     /// samples. `None` keeps neither.
     pub field_bytes: Option<usize>,
-    /// Least share (0 to 1) of the contact problems that have to be solved.
-    pub valid_share: f64,
+    /// Smallest fraction (0 to 1) of the contact problems that have to be solved.
+    pub valid_fraction: f64,
 }
 
 impl<'a> Sampling<'a> {
-    /// So many independent samples of Î¾.
-    pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_share: f64) -> Self {
+    /// So many independent samples of ξ.
+    pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_fraction: f64) -> Self {
         Self {
             method: SamplingMethod::MonteCarlo,
             replicates: 1,
@@ -50,12 +50,12 @@ impl<'a> Sampling<'a> {
             samples,
             site_stride: None,
             field_bytes: None,
-            valid_share,
+            valid_fraction,
         }
     }
 }
 
-/// The pressures of a design of samples of Î¾, in index order, and the samples that failed.
+/// The pressures of a design of samples of ξ, in index order, and the samples that failed.
 #[derive(Debug, Clone)]
 pub struct Samples {
     /// One for each replicate, equally large.
@@ -72,9 +72,9 @@ pub struct Samples {
 /// Solves the contact problems in parallel; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// The design cannot be made, fewer than the wanted share of the problems were solved, or the monitor cancelled.
+/// The design cannot be made, fewer than the wanted fraction of the problems were solved, or the monitor cancelled.
 pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
-    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_share } = sampling;
+    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_fraction } = sampling;
     let each = samples.div_ceil(replicates.max(1));
     let design = Design::new(method, seed, stage, each, problem.surface().xi_len())?;
     let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
@@ -132,12 +132,12 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
         }
     }
     match solved.failures.first() {
-        Some(first) if (solved.indices.len() as f64) < valid_share * samples as f64 || solved.indices.is_empty() => {
+        Some(first) if (solved.indices.len() as f64) < valid_fraction * samples as f64 || solved.indices.is_empty() => {
             Err(PressureError::TooFewValid {
                 stage: stage.to_owned(),
                 valid: solved.indices.len(),
                 samples,
-                wanted_percent: 100.0 * valid_share,
+                wanted_percent: 100.0 * valid_fraction,
                 first_index: first.index,
                 first_reason: first.reason.clone(),
             })
@@ -147,17 +147,17 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
 }
 
 impl Samples {
-    /// Number of samples with an answer.
+    /// Returns the number of samples with an answer.
     pub fn len(&self) -> usize {
         self.indices.len()
     }
 
-    /// Whether no sample has an answer: never, [`solve`] refuses that.
+    /// Returns whether no sample has an answer: never, [`solve`] refuses that.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
 
-    /// Number of contact problems posed, failed ones included.
+    /// Returns the number of contact problems posed, failed ones included.
     pub fn posed(&self) -> usize {
         self.designs.iter().map(Design::samples).sum()
     }
@@ -167,18 +167,18 @@ impl Samples {
         &self.observations
     }
 
-    /// The samples without an answer, in index order.
+    /// Returns the samples without an answer, in index order.
     pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
 
-    /// The whole Î¾ of the solved sample number `position`.
+    /// Returns the whole ξ of the solved sample number `position`.
     pub fn xi(&self, position: usize) -> Vec<f64> {
         let (index, each) = (self.indices[position], self.designs[0].samples());
         self.designs[index / each].xi(index % each)
     }
 
-    /// The leading `variables` Î¾ values of every solved sample.
+    /// Returns the leading `variables` ξ values of every solved sample.
     pub fn leading_xi(&self, variables: usize) -> Vec<Vec<f64>> {
         (0..self.len())
             .map(|position| {
@@ -189,17 +189,17 @@ impl Samples {
             .collect()
     }
 
-    /// Number of independent randomisations.
+    /// Returns the number of independent randomisations.
     pub fn replicates(&self) -> usize {
         self.designs.len()
     }
 
-    /// The randomisation of the solved sample number `position`.
+    /// Returns the randomisation of the solved sample number `position`.
     pub(super) fn replicate_of(&self, position: usize) -> usize {
         self.indices[position] / self.designs[0].samples()
     }
 
-    /// Pressures of the sites that were kept in pascal, of each solved sample.
+    /// Returns the pressures of the sites that were kept in pascal, of each solved sample.
     pub fn sites(&self) -> &[Vec<f32>] {
         &self.sites
     }
@@ -209,22 +209,22 @@ impl Samples {
         self.fields.as_ref()
     }
 
-    /// The same without fields.
+    /// Returns the same without fields.
     pub(super) fn without_fields(self) -> Self {
         Self { fields: None, ..self }
     }
 
-    /// Number K of samples in contact.
+    /// Returns the number K of samples in contact.
     pub fn in_contact(&self) -> usize {
         self.observations.iter().filter(|o| o.pressure_pa > 0.0).count()
     }
 
-    /// K/K_t, the share of samples in contact.
+    /// K/K_t, the fraction of samples in contact.
     pub fn contact_probability(&self) -> f64 {
         self.in_contact() as f64 / self.len() as f64
     }
 
-    /// The empirical distribution of the pressure in pascal.
+    /// Returns the empirical distribution of the pressure in pascal.
     ///
     /// # Errors
     /// A pressure is not finite.
@@ -264,11 +264,11 @@ mod tests {
         }
     }
 
-    fn solve_often_flat(flat_below: f64, valid_share: f64) -> Result<Samples, PressureError> {
+    fn solve_often_flat(flat_below: f64, valid_fraction: f64) -> Result<Samples, PressureError> {
         let surface = OftenFlat { grid: Grid::new(6, 6, 1.0, 1.0).unwrap(), flat_below };
         let half_space = HalfSpace::new(surface.grid, 1.0, Boundary::Free).unwrap();
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.5 }, None)?;
-        let sampling = Sampling::monte_carlo(1, "often_flat", 40, valid_share);
+        let sampling = Sampling::monte_carlo(1, "often_flat", 40, valid_fraction);
         solve(&problem, Sampling { method: SamplingMethod::LatinHypercube, ..sampling }, &Silent)
     }
 

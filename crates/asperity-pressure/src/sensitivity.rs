@@ -11,9 +11,9 @@ use asperity_chaos::{
     SparseRegression,
 };
 
-/// Most variables around the cell.
+/// Maximum number of variables around the cell.
 const MOST_LOCAL: usize = 8;
-/// Most terms of an expansion, and samples for each.
+/// Maximum number of terms of an expansion, and samples for each.
 const MOST_TERMS: usize = 40;
 const SAMPLES_PER_TERM: usize = 4;
 /// Resamples of the intervals.
@@ -21,12 +21,12 @@ const RESAMPLES: usize = 200;
 /// Quantities whose indices are estimated.
 const QUANTITIES: [Quantity; 3] = [Quantity::Pressure, Quantity::ContactFraction, Quantity::MeanPressure];
 
-/// Which variables of the Î¾.
+/// Which variables of the ξ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VariableSet {
     /// The height of the cell, and what is new in the mean heights of rings around it whose radii double.
     Local,
-    /// The leading ones of the Î¾.
+    /// The leading ones of the ξ.
     Global,
 }
 
@@ -43,7 +43,7 @@ pub struct Sensitivity {
 
 /// Sobol' indices from a sparse expansion.
 ///
-/// Shares of the variance that the expansion explains; what it leaves, `cross_validated_error`, is the share of other
+/// Fractions of the variance that the expansion explains; what it leaves, `cross_validated_error`, is the fraction of other
 /// variables, of higher degrees, and of errors of the fit. Intervals are those of the coefficients: the terms are chosen once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensitivityIndices {
@@ -60,7 +60,7 @@ pub struct SensitivityIndices {
 /// Why there are no indices.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SensitivityError {
-    /// The Î¾ is too long to find the response of single heights.
+    /// The ξ is too long to find the response of single heights.
     #[error("too many normal variables to rotate them to the cell")]
     NoVariables,
     /// The basis could not be made.
@@ -147,7 +147,7 @@ mod tests {
     use asperity_base::random::{standard_normal, stream};
 
     #[test]
-    fn indices_of_a_known_polynomial_are_its_variance_shares() {
+    fn indices_of_a_known_polynomial_are_its_variance_fractions() {
         // 2 x₀ + x₁ x₂ + 0.5 η: shares 4/5 and 1/5 of what the variables say, and 1/21 left.
         let rows: Vec<Vec<f64>> = (0..500).map(|i| standard_normal(&mut stream(1, "sensitivity", i), 4)).collect();
         let values: Vec<f64> = rows.iter().map(|x| 2.0 * x[0] + x[1] * x[2] + 0.5 * x[3]).collect();

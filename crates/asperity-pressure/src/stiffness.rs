@@ -8,7 +8,7 @@ use asperity_contact::{Boundary, HalfSpace, Solution, StiffnessSolver, Workspace
 pub(super) const TOLERANCE: f64 = 1e-4;
 pub(super) const LOOSE_TOLERANCE: f64 = 1e-2;
 
-/// Rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, the cells in contact held: 1/(1/k + c) with the stiffness k of the
+/// Returns the rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, the cells in contact held: 1/(1/k + c) with the stiffness k of the
 /// interface ([`StiffnessSolver`], loading) and the mean compliance c of a periodic half-space, which yields beside it (0 on the free
 /// boundary). 0 without contact, 1/c in complete contact.
 pub(super) fn approach_stiffness_pa_per_m(
@@ -33,7 +33,7 @@ pub(super) struct Approach {
     pub(super) short: Option<FailureReason>,
 }
 
-/// The stiffness that no contact on a half-space exceeds: that of its mean mode.
+/// Returns the stiffness that no contact on a half-space exceeds: that of its mean mode.
 pub(super) fn largest_pa_per_m(half_space: &HalfSpace) -> f64 {
     1.0 / mean_compliance_m_per_pa(half_space)
 }
@@ -92,8 +92,8 @@ mod tests {
         }
     }
 
-    /// Mean over maps of the stiffness against that of central differences of the mean pressure of the same maps, and the
-    /// share of maps on which both agree: the load is piecewise linear in the approach, and some maps have a kink between.
+    /// Returns the mean over maps of the stiffness against that of central differences of the mean pressure of the same maps, and the
+    /// fraction of maps on which both agree: the load is piecewise linear in the approach, and some maps have a kink between.
     fn against_differences(surface: &dyn RandomSurface, half_space: &HalfSpace, hardness_pa: Option<f64>) {
         let (step_m, count) = (1e-4, 40);
         let solver = Solver { tolerance: 1e-11, ..Solver::default() };

@@ -1,8 +1,8 @@
 //! Distributions from models that are cheap to evaluate, and how far from the truth they are.
 //!
 //! A [`Surrogate`] is fitted to samples; its distribution is its own, whatever it is worth. What it is off by is estimated from samples that
-//! it was not fitted to: on the same samples of Î¾ the truth and the distribution that the model gives are both known. With h_f the distribution given
-//! the Î¾ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
+//! it was not fitted to: on the same samples of ξ the truth and the distribution that the model gives are both known. With h_f the distribution given
+//! the ξ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
 //!
 //! F̃(t) = mean_i [s_i(t) − β (h_f(t | ξ_i) − E h_f(t))]
 //!
@@ -28,7 +28,7 @@ use asperity_chaos::{Design, DiscreteDistribution};
 
 /// Parts into which the samples are split.
 const FOLDS: usize = 10;
-/// Most variables of the rotated Î¾, and the degree of the polynomials that choose them.
+/// Maximum number of variables of the rotated ξ, and the degree of the polynomials that choose them.
 const MOST_VARIABLES: usize = 8;
 const CHOOSING_DEGREE: usize = 3;
 
@@ -40,7 +40,7 @@ pub type PointMasses = Vec<(f64, f64)>;
 pub struct Fitted {
     /// The distribution.
     pub distribution: PointMasses,
-    /// The distribution given the Î¾ of each sample that was not fitted, in their order.
+    /// The distribution given the ξ of each sample that was not fitted, in their order.
     pub given: Vec<PointMasses>,
     pub coefficients: usize,
     pub leave_one_out_error: Option<f64>,
@@ -58,7 +58,7 @@ pub struct TrainingSamples<'a> {
     pub pressures_pa: &'a [f64],
     /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
     pub groups: Option<&'a [usize]>,
-    /// Fresh samples of Î¾ on which models are evaluated.
+    /// Fresh samples of ξ on which models are evaluated.
     pub evaluations: usize,
     /// Upper bound of the pressure: the hardness, or infinity.
     pub largest_pa: f64,
@@ -69,22 +69,22 @@ impl TrainingSamples<'_> {
         self.groups.map_or(sample, |groups| groups[sample])
     }
 
-    /// Number of groups.
+    /// Returns the number of groups.
     fn count(&self) -> usize {
         self.groups.map_or(self.pressures_pa.len(), |groups| groups.iter().max().map_or(0, |last| last + 1))
     }
 
-    /// Degrees of freedom of the spread of the groups, where they are few.
+    /// Returns the degrees of freedom of the spread of the groups, where they are few.
     fn degrees_of_freedom(&self) -> Option<usize> {
         self.groups.map(|_| self.count().saturating_sub(1))
     }
 
-    /// Samples in contact.
+    /// Returns the samples in contact.
     fn in_contact(&self) -> usize {
         self.pressures_pa.iter().filter(|p| **p > 0.0).count()
     }
 
-    /// The mean of a vector of each sample with its error.
+    /// Returns the mean of a vector of each sample with its error.
     fn mean(&self, vectors: &[Vec<f64>]) -> Total {
         let length = vectors.first().map_or(0, Vec::len);
         let mut groups = vec![vec![0.0; length]; self.count()];
@@ -99,19 +99,19 @@ impl TrainingSamples<'_> {
         total
     }
 
-    /// The share of samples in contact: its standard error and 95 % interval.
-    pub(super) fn share_in_contact(&self, seed: u64) -> (f64, Interval) {
+    /// Returns the fraction of samples in contact: its standard error and 95 % interval.
+    pub(super) fn contact_fraction(&self, seed: u64) -> (f64, Interval) {
         let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
-        let share = in_contact as f64 / samples as f64;
+        let fraction = in_contact as f64 / samples as f64;
         if self.groups.is_none() {
-            return ((share * (1.0 - share) / samples as f64).sqrt(), wilson_interval(in_contact, samples));
+            return ((fraction * (1.0 - fraction) / samples as f64).sqrt(), wilson_interval(in_contact, samples));
         }
         let seen: Vec<Vec<f64>> = self.pressures_pa.iter().map(|p| vec![f64::from(u8::from(*p <= 0.0))]).collect();
         let band = self.mean(&seen).band(&[0.0], self.degrees_of_freedom(), seed);
         (band.standard_errors[0], self.contact_interval(&band))
     }
 
-    /// The 95 % interval of P(contact) from the band of F; Wilson's where samples of either kind are rare.
+    /// Returns the 95 % interval of P(contact) from the band of F; Wilson's where samples of either kind are rare.
     fn contact_interval(&self, band: &Band) -> Interval {
         let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
         if in_contact.min(samples - in_contact) < RARE {
@@ -122,7 +122,7 @@ impl TrainingSamples<'_> {
     }
 }
 
-/// The distribution by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
+/// Returns the distribution by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
 ///
 /// # Errors
 /// The samples have no model, or it overflows.
@@ -170,7 +170,7 @@ pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: 
     })
 }
 
-/// Distribution function at the nodes and mean without bias.
+/// Returns the distribution function at the nodes and mean without bias.
 fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
     let count = training.pressures_pa.len();
     let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
@@ -202,7 +202,7 @@ fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f
         });
     }
     let mut total = training.mean(&seen);
-    // Fresh samples of Î¾ have an error of their own.
+    // Fresh samples of ξ have an error of their own.
     let mut fresh = Moments::new(nodes.len() + 1);
     for said in &said {
         let used = said.iter().zip(&slopes).map(|(said, slope)| if *slope > 0.0 { slope * said } else { 0.0 });
@@ -212,7 +212,7 @@ fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f
     Ok(total)
 }
 
-/// The share between 0 and 1 of what was said that makes the differences from what was seen vary least.
+/// Returns the fraction between 0 and 1 of what was said that makes the differences from what was seen vary least.
 fn slope(seen: &[Vec<f64>], said: &[Vec<f64>], k: usize) -> f64 {
     let n = seen.len() as f64;
     let mean = |vectors: &[Vec<f64>]| vectors.iter().map(|v| v[k]).sum::<f64>() / n;
@@ -223,7 +223,7 @@ fn slope(seen: &[Vec<f64>], said: &[Vec<f64>], k: usize) -> f64 {
     if slope.is_finite() { slope.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Distribution function at the nodes, and mean.
+/// Returns the distribution function at the nodes, and mean.
 fn summary(mut atoms: PointMasses, nodes: &[f64]) -> Vec<f64> {
     atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
@@ -241,7 +241,7 @@ fn summary(mut atoms: PointMasses, nodes: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Samples in the variables of the Î¾ rotated to the cell, and fresh ones.
+/// Samples in the variables of the ξ rotated to the cell, and fresh ones.
 #[derive(Debug, Clone)]
 pub struct RotatedSamples {
     /// Variables of each sample; none where no direction predicts the pressure.
@@ -254,7 +254,7 @@ pub struct RotatedSamples {
 }
 
 impl RotatedSamples {
-    /// `design` makes fresh samples of Î¾ of so many variables.
+    /// `design` makes fresh samples of ξ of so many variables.
     pub(super) fn new<E>(
         problem: &Problem<'_>,
         samples: &Samples,
@@ -280,21 +280,21 @@ impl RotatedSamples {
         self.rows.first().map_or(0, Vec::len)
     }
 
-    /// The samples, independent of each other.
+    /// Returns the samples, independent of each other.
     pub fn training(&self) -> TrainingSamples<'_> {
         let Self { pressures_pa, fresh, largest_pa, .. } = self;
         TrainingSamples { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
     }
 }
 
-/// The pressure of each sample, continued below zero by the gap and above the hardness by the plastic displacement.
+/// Returns the pressure of each sample, continued below zero by the gap and above the hardness by the plastic displacement.
 pub(super) fn latent_pa(samples: &Samples) -> Vec<f64> {
     let kappa = kappa_pa_per_m(samples.observations());
     let latent = |o: &crate::Observation| o.pressure_pa + kappa * (o.plastic_displacement_m - o.gap_m);
     samples.observations().iter().map(latent).collect()
 }
 
-/// Positions below `count` that are not among increasing ones.
+/// Returns the positions below `count` that are not among increasing ones.
 pub fn others(samples: &[usize], count: usize) -> Vec<usize> {
     (0..count).filter(|i| samples.binary_search(i).is_err()).collect()
 }
@@ -304,7 +304,7 @@ mod tests {
     use super::*;
     use asperity_base::random::{standard_normal, stream};
 
-    /// Ignores the Î¾: half the mean of the pressures, always.
+    /// Ignores the ξ: half the mean of the pressures, always.
     struct HalfTheMean<'a>(&'a [f64]);
 
     impl Surrogate for HalfTheMean<'_> {

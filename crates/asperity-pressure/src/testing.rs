@@ -35,7 +35,7 @@ impl RandomSurface for Shape {
     }
 }
 
-/// A Gaussian surface of unit height and edge, ℓ = L/5, on a free half-space of unit modulus.
+/// Returns a Gaussian surface of unit height and edge, ℓ = L/5, on a free half-space of unit modulus.
 pub(super) fn gaussian_surface(points: usize, modes: usize) -> (KarhunenLoeve, HalfSpace) {
     let grid = Grid::with_size(points, points, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();

@@ -16,11 +16,11 @@ use asperity::distribution::standard_normal_quantile;
 use asperity::pressure::MethodError;
 use asperity::pressure::surrogate::{Fitted, PointMasses, RotatedSamples, Surrogate};
 
-/// Errors drawn for each fresh Î¾, and for each sample that is held out.
+/// Errors drawn for each fresh ξ, and for each sample that is held out.
 const DRAWS: usize = 5;
 const DRAWS_HELD: usize = 20;
 
-/// Censored regression on the variables of the rotated Î¾.
+/// Censored regression on the variables of the rotated ξ.
 #[derive(Debug)]
 pub(crate) struct LatentOverlap<'a> {
     samples: &'a RotatedSamples,

@@ -16,13 +16,13 @@ use asperity::pressure::surrogate::{Fitted, PointMasses, RotatedSamples, Surroga
 /// Penalty ½ λ c² of all coefficients of the log odds but the constant: it keeps them finite where the samples of either
 /// kind are separate.
 const RIDGE: f64 = 1e-2;
-/// Errors drawn for each fresh Î¾, and for each sample that is held out.
+/// Errors drawn for each fresh ξ, and for each sample that is held out.
 const DRAWS: usize = 5;
 const DRAWS_HELD: usize = 20;
 /// Samples in a group of neighbouring predictions that share one law of errors.
 const GROUP: usize = 50;
 
-/// The parts on the variables of the rotated Î¾.
+/// The parts on the variables of the rotated ξ.
 #[derive(Debug)]
 pub(crate) struct TwoPart<'a> {
     samples: &'a RotatedSamples,

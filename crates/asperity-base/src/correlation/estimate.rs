@@ -104,7 +104,7 @@ impl Autocorrelation {
         Self::within(map, reach_x, reach_y)
     }
 
-    /// Half the points of a grid along x and y, rounded up: the lags of [`Autocorrelation::estimate`].
+    /// Returns the half the points of a grid along x and y, rounded up: the lags of [`Autocorrelation::estimate`].
     pub fn half_field(grid: Grid) -> (usize, usize) {
         let half = |points: usize| points.div_ceil(2).min(points - 1);
         (half(grid.nx()), half(grid.ny()))
@@ -162,7 +162,7 @@ impl Autocorrelation {
         Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs, squares_m2: None })
     }
 
-    /// The same with the [semivariance](Autocorrelation::semivariance_m2) beside it, from the map it was estimated of.
+    /// Returns the same with the [semivariance](Autocorrelation::semivariance_m2) beside it, from the map it was estimated of.
     ///
     /// # Panics
     /// If the map is smaller than the lags reach.
@@ -188,10 +188,10 @@ impl Autocorrelation {
         Self { squares_m2: Some(squares), ..self }
     }
 
-    /// The autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of all maps,
+    /// Creates the autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of all maps,
     /// over the number of pairs. Each map is about its own mean.
     ///
-    /// Its grid and reach are the smallest along x and y, so that every map has a say at every lag; the share of the
+    /// Its grid and reach are the smallest along x and y, so that every map has a say at every lag; the fraction of the
     /// variance that went with the means is that of the smallest map.
     ///
     /// # Errors
@@ -238,32 +238,32 @@ impl Autocorrelation {
         Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs: Some(pairs), squares_m2 })
     }
 
-    /// Grid of the map; of pooled maps the smallest.
+    /// Returns the grid of the map; of pooled maps the smallest.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Mean of the heights present, which was removed, in metre.
+    /// Returns the mean of the heights present, which was removed, in metre.
     pub fn mean_m(&self) -> f64 {
         self.mean_m
     }
 
-    /// Number of heights present.
+    /// Returns the number of heights present.
     pub fn present(&self) -> usize {
         self.present
     }
 
-    /// Ordered pairs of heights of the same map, each height with itself as well.
+    /// Returns the ordered pairs of heights of the same map, each height with itself as well.
     pub fn all_pairs(&self) -> f64 {
         self.all_pairs
     }
 
-    /// Largest lags along x and y in points.
+    /// Returns the largest lags along x and y in points.
     pub fn reach(&self) -> (usize, usize) {
         (self.reach_x, self.reach_y)
     }
 
-    /// Place of a lag, by the symmetry C(−k, −l) = C(k, l).
+    /// Returns the place of a lag, by the symmetry C(−k, −l) = C(k, l).
     fn place(&self, lag_x: isize, lag_y: isize) -> usize {
         let (lag_x, lag_y) = if lag_y < 0 { (-lag_x, -lag_y) } else { (lag_x, lag_y) };
         let (reach_x, reach_y) = (self.reach_x as isize, self.reach_y as isize);
@@ -274,7 +274,7 @@ impl Autocorrelation {
         (lag_y * (2 * reach_x + 1) + lag_x + reach_x) as usize
     }
 
-    /// Covariance at a lag in points, in m²; NaN where no pair is present.
+    /// Returns the covariance at a lag in points, in m²; NaN where no pair is present.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -282,7 +282,7 @@ impl Autocorrelation {
         self.covariance_m2[self.place(lag_x, lag_y)]
     }
 
-    /// Number of pairs of present heights at a lag in points.
+    /// Returns the number of pairs of present heights at a lag in points.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -291,7 +291,7 @@ impl Autocorrelation {
         self.pairs.as_ref().map_or_else(|| complete_pairs(self.grid, lag_x, lag_y), |pairs| pairs[place])
     }
 
-    /// Semivariance γ(lag) = Σ (z(i, j) − z(i + l, j + k))²/2N over the N pairs at a lag, in m²; NaN where no pair is
+    /// Returns the semivariance γ(lag) = Σ (z(i, j) − z(i + l, j + k))²/2N over the N pairs at a lag, in m²; NaN where no pair is
     /// present, `None` without [`Autocorrelation::and_semivariance`].
     ///
     /// Near zero C(0) − C(lag) differs from it by what the heights at the edges of the map and of its voids differ from the
@@ -307,7 +307,7 @@ impl Autocorrelation {
         self.squares_m2.as_ref().map(|squares| squares[place] - self.covariance_m2[place])
     }
 
-    /// Correlation C(lag)/C(0); NaN where no pair is present.
+    /// Returns the correlation C(lag)/C(0); NaN where no pair is present.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -315,12 +315,12 @@ impl Autocorrelation {
         self.covariance_m2(lag_x, lag_y) / self.variance_m2()
     }
 
-    /// Variance of the heights present, C(0), in m².
+    /// Returns the variance of the heights present, C(0), in m².
     pub fn variance_m2(&self) -> f64 {
         self.covariance_m2(0, 0)
     }
 
-    /// Correlation at the lags 0, 1, 2, … points along an axis, up to its reach.
+    /// Returns the correlation at the lags 0, 1, 2, … points along an axis, up to its reach.
     pub fn along(&self, axis: Axis) -> Vec<f64> {
         match axis {
             Axis::X => (0..=self.reach_x as isize).map(|lag| self.correlation(lag, 0)).collect(),
@@ -328,7 +328,7 @@ impl Autocorrelation {
         }
     }
 
-    /// Distance in metre at which the correlation along an axis first falls to `level`, linear between lags; `None` when
+    /// Returns the distance in metre at which the correlation along an axis first falls to `level`, linear between lags; `None` when
     /// it does not fall so far within the reach, by default half the field.
     pub fn decay_length_m(&self, axis: Axis, level: f64) -> Option<f64> {
         let pitch_m = match axis {
@@ -338,13 +338,13 @@ impl Autocorrelation {
         first_crossing(&self.along(axis), level).map(|lags| lags * pitch_m)
     }
 
-    /// Distance in metre at which the correlation along an axis first falls to 1/e.
+    /// Returns the distance in metre at which the correlation along an axis first falls to 1/e.
     pub fn correlation_length_m(&self, axis: Axis) -> Option<f64> {
         self.decay_length_m(axis, (-1.0_f64).exp())
     }
 }
 
-/// Correlation of a map along an axis at all its lags 0, 1, … points, pair-normalised as [`Autocorrelation`]; NaN where no
+/// Returns the correlation of a map along an axis at all its lags 0, 1, … points, pair-normalised as [`Autocorrelation`]; NaN where no
 /// pair is present. Few pairs are left beyond half the field, and what they say is ruled by the mean that was removed.
 ///
 /// # Errors
@@ -363,7 +363,7 @@ pub fn axis_correlation(map: &HeightMap, axis: Axis) -> Result<Vec<f64>, Estimat
     Ok((0..points).map(|lag| covariance(lag) / covariance(0)).collect())
 }
 
-/// Distance in metre at which the correlation of a map along an axis first falls to 1/e, linear between lags, at any lag of
+/// Returns the distance in metre at which the correlation of a map along an axis first falls to 1/e, linear between lags, at any lag of
 /// the map; `None` when it does not.
 ///
 /// Within half the field it is [`Autocorrelation::correlation_length_m`]. A longer one says that the field is too short for
@@ -376,7 +376,7 @@ pub fn axis_correlation_length_m(map: &HeightMap, axis: Axis) -> Result<Option<f
     Ok(first_crossing(&axis_correlation(map, axis)?, (-1.0_f64).exp()).map(|lags| lags * pitch_m))
 }
 
-/// Pairs of points of a complete map at a lag.
+/// Returns the pairs of points of a complete map at a lag.
 fn complete_pairs(grid: Grid, lag_x: isize, lag_y: isize) -> f64 {
     ((grid.nx() - lag_x.unsigned_abs()) * (grid.ny() - lag_y.unsigned_abs())) as f64
 }
@@ -398,7 +398,7 @@ mod tests {
     use ndarray::Array2;
     use rand::RngExt;
 
-    /// A white map with a share of its heights missing.
+    /// Returns a white map with a fraction of its heights missing.
     fn masked(nx: usize, ny: usize, missing: f64, seed: u64) -> HeightMap {
         let mut stream = random::stream(seed, "mask", 0);
         let heights = random::standard_normal(&mut stream, nx * ny);
@@ -545,7 +545,7 @@ mod tests {
         assert_eq!(first_crossing(&[1.0, f64::NAN, 0.1], 0.5), None);
     }
 
-    /// Heights less their least-squares plane.
+    /// Returns the heights less their least-squares plane.
     fn levelled(map: &HeightMap) -> HeightMap {
         let (ny, nx) = map.grid().shape();
         let basis = |row: usize, column: usize| [1.0, column as f64 / nx as f64 - 0.5, row as f64 / ny as f64 - 0.5];

@@ -114,12 +114,12 @@ pub struct CovarianceFits {
 }
 
 impl CovarianceFits {
-    /// The covariance ranked first.
+    /// Returns the covariance ranked first.
     pub fn best(&self) -> Covariance {
         self.fits[0].covariance
     }
 
-    /// The fit of the model with this name, as in study files.
+    /// Returns the fit of the model with this name, as in study files.
     pub fn named(&self, name: &str) -> Option<&CovarianceFit> {
         self.fits.iter().find(|fit| fit.covariance.model().name() == name)
     }
@@ -143,7 +143,7 @@ impl CorrelationFamily {
     /// All families.
     pub const ALL: [Self; 4] = [Self::SquaredExponential, Self::Exponential, Self::SelfAffine, Self::Matern];
 
-    /// Range and start of the shape parameter, if there is one.
+    /// Returns the range and start of the shape parameter, if there is one.
     fn shape(self) -> Option<(Range, f64)> {
         match self {
             Self::SquaredExponential | Self::Exponential => None,
@@ -152,7 +152,7 @@ impl CorrelationFamily {
         }
     }
 
-    /// The model of a shape parameter, the third of `parameters`.
+    /// Returns the model of a shape parameter, the third of `parameters`.
     fn model(self, parameters: &[f64]) -> CorrelationModel {
         match (self, parameters.get(2)) {
             (Self::SquaredExponential, _) => CorrelationModel::SquaredExponential,
@@ -264,8 +264,8 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
     };
     let mut best: Option<(Vec<f64>, f64)> = None;
     for start in 0..STARTS {
-        let share = (start as f64 + 1.0) / (STARTS as f64 + 1.0);
-        let length = |axis: usize| pitch_m[axis] * (size_m[axis] / pitch_m[axis]).powf(share);
+        let fraction = (start as f64 + 1.0) / (STARTS as f64 + 1.0);
+        let length = |axis: usize| pitch_m[axis] * (size_m[axis] / pitch_m[axis]).powf(fraction);
         let mut first: Vec<f64> = (0..2).map(length).collect();
         first.extend(family.shape().map(|(_, value)| value));
         let found = least_squares(&residuals, &first, &ranges);
@@ -290,7 +290,7 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
     })
 }
 
-/// The largest side along x and y of any map, in metre.
+/// Returns the largest side along x and y of any map, in metre.
 fn largest_size_m(spectra: &[&BlockSpectrum]) -> [f64; 2] {
     let mut largest_m = [0.0_f64; 2];
     for spectrum in spectra {

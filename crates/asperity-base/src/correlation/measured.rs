@@ -43,8 +43,8 @@ pub enum MeasuredCovarianceError {
 /// What was done to an autocorrelation to make it a covariance. All correlations are over the variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredReport {
-    /// Share of the variance that went with the map's mean; lags and variance are corrected for it.
-    pub mean_share: f64,
+    /// Fraction of the variance that went with the map's mean; lags and variance are corrected for it.
+    pub mean_fraction: f64,
     /// Standard error of a lag near zero in a field without correlation there, √(Σρ²/N).
     pub standard_error: f64,
     /// Largest lag along x, over all directions, up to which the estimate is used as it stands, in metre.
@@ -57,7 +57,7 @@ pub struct MeasuredReport {
     pub decayed_y: bool,
     /// Largest change of a lag by the taper.
     pub taper_change: f64,
-    /// Share of the variance in negative values of the tapered spectrum, which were set to zero.
+    /// Fraction of the variance in negative values of the tapered spectrum, which were set to zero.
     pub clipped_variance: f64,
     /// Largest change of a lag by the balancing of the spectrum and the end of its factor.
     pub clipping_change: f64,
@@ -67,7 +67,7 @@ pub struct MeasuredReport {
 ///
 /// Six steps lead from an [`Autocorrelation`] to it, and [`MeasuredReport`] says what they changed:
 ///
-/// 1. *Slope.* Near zero the correlation is taken from the semivariance, 1 − γ/σ², whose errors are a share of γ itself; it
+/// 1. *Slope.* Near zero the correlation is taken from the semivariance, 1 − γ/σ², whose errors are a fraction of γ itself; it
 ///    gives way to the autocorrelation as the taper falls. The autocorrelation has a kink at zero, of the height of the
 ///    squares at the edges against the rest, that would count as roughness (or cancel it) at the shortest wavelengths.
 /// 2. *Mean.* Because the map's mean was removed, the estimate tends to (ρ − β)/(1 − β), β the mean of ρ over all pairs of
@@ -103,7 +103,7 @@ pub struct MeasuredCovariance {
 }
 
 impl MeasuredCovariance {
-    /// The covariance of a map, from its autocorrelation at all lags.
+    /// Creates the covariance of a map, from its autocorrelation at all lags.
     ///
     /// # Errors
     /// Heights that do not vary, a map of few independent patches, or no pair of neighbours.
@@ -112,7 +112,7 @@ impl MeasuredCovariance {
         Self::new(&Autocorrelation::within(map, grid.nx() - 1, grid.ny() - 1)?.and_semivariance(map))
     }
 
-    /// The covariance of the map from which `estimate` was made, with [`Autocorrelation::and_semivariance`] or without, then
+    /// Creates the covariance of the map from which `estimate` was made, with [`Autocorrelation::and_semivariance`] or without, then
     /// with the kink at zero that it has. One that reaches over all lags of the map keeps most of a
     /// correlation that does not decay within it.
     ///
@@ -129,7 +129,7 @@ impl MeasuredCovariance {
         if patches < FEWEST_PATCHES {
             return Err(MeasuredCovarianceError::FewPatches { patches, wanted: FEWEST_PATCHES });
         }
-        let mean_share = mean_share(estimate, &taper);
+        let mean_fraction = mean_fraction(estimate, &taper);
         // Rows are lags 0 … along y, columns all lags along x.
         let (reach_x, reach_y) = taper.reach();
         let mut taper_change = 0.0_f64;
@@ -142,7 +142,7 @@ impl MeasuredCovariance {
             let weight = taper.weight(lag_x, lag_y);
             let semivariance = estimate.semivariance_m2(lag_x, lag_y).map(|gamma| gamma / estimate.variance_m2());
             let near = semivariance.map_or(0.0, |gamma| weight * (1.0 - gamma - estimated));
-            let rho = (1.0 - mean_share) * (estimated + near) + mean_share;
+            let rho = (1.0 - mean_fraction) * (estimated + near) + mean_fraction;
             taper_change = taper_change.max(((1.0 - weight) * rho).abs());
             weight * rho
         });
@@ -151,7 +151,7 @@ impl MeasuredCovariance {
         let (reliable_x_m, reliable_y_m) = taper.reliable_m();
         let (decayed_x, decayed_y) = taper.decayed();
         let report = MeasuredReport {
-            mean_share,
+            mean_fraction,
             standard_error: taper.standard_error(),
             reliable_x_m,
             reliable_y_m,
@@ -161,23 +161,23 @@ impl MeasuredCovariance {
             clipped_variance,
             clipping_change: largest_change,
         };
-        let std_m = (estimate.variance_m2() / (1.0 - mean_share)).sqrt();
+        let std_m = (estimate.variance_m2() / (1.0 - mean_fraction)).sqrt();
         Ok(Self { std_m, spline, dx_m: grid.dx_m(), dy_m: grid.dy_m(), report })
     }
 
-    /// The same correlation with another standard deviation of the heights.
+    /// Returns the same correlation with another standard deviation of the heights.
     #[must_use]
     pub fn with_std(self, std_m: f64) -> Self {
         Self { std_m, ..self }
     }
 
-    /// The same correlation at lags longer by `factor`.
+    /// Returns the same correlation at lags longer by `factor`.
     #[must_use]
     pub fn stretched(self, factor: f64) -> Self {
         Self { dx_m: factor * self.dx_m, dy_m: factor * self.dy_m, ..self }
     }
 
-    /// The covariance of a Gaussian field that keeps the slopes of this one after a translation with `distortion`, ρ ↦ T(ρ).
+    /// Returns the covariance of a Gaussian field that keeps the slopes of this one after a translation with `distortion`, ρ ↦ T(ρ).
     ///
     /// The spectrum is first changed so that the distorted correlation has the spectrum of this one, as nearly as a positive
     /// spectrum allows. A translation with heavy tails turns long waves into short ones; slopes that are then left over (or are
@@ -221,7 +221,7 @@ impl MeasuredCovariance {
         best
     }
 
-    /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
+    /// Returns the power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
     ///
     /// It is that of the lags times the factor of the spline through them, which falls like q⁻⁴ beyond their Nyquist
     /// wavenumber π/dx, where the map says nothing.
@@ -229,7 +229,7 @@ impl MeasuredCovariance {
         self.profile_psd_m3(q_rad_per_m * self.dx_m, self.spline.reach().0, |k| self.spline.value(k, 0.0)) * self.dx_m
     }
 
-    /// The same of profiles along y.
+    /// Returns the same of profiles along y.
     pub fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
         self.profile_psd_m3(q_rad_per_m * self.dy_m, self.spline.reach().1, |k| self.spline.value(0.0, k)) * self.dy_m
     }
@@ -240,7 +240,7 @@ impl MeasuredCovariance {
         self.std_m * self.std_m * (1.0 + lags) * spline_factor(phase)
     }
 
-    /// Mean of the two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴ over the directions, at each of the
+    /// Returns the mean of the two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴ over the directions, at each of the
     /// wavenumbers in rad/m: over rings about as wide as the reach of the covariance resolves, linear between them.
     pub fn radial_psd_m4(&self, q_rad_per_m: &[f64]) -> Vec<f64> {
         let (reach_x, reach_y) = self.spline.reach();
@@ -287,12 +287,12 @@ impl MeasuredCovariance {
         self.report
     }
 
-    /// Covariance σ²ρ at the lag (dx, dy) in metre, in m².
+    /// Returns the covariance σ²ρ at the lag (dx, dy) in metre, in m².
     pub fn value_m2(&self, dx_m: f64, dy_m: f64) -> f64 {
         self.std_m * self.std_m * self.correlation(dx_m, dy_m)
     }
 
-    /// Lags along x and y in metre beyond which the covariance is zero.
+    /// Returns the lags along x and y in metre beyond which the covariance is zero.
     pub fn support_m(&self) -> (f64, f64) {
         let (x, y) = self.spline.reach();
         (x as f64 * self.dx_m, y as f64 * self.dy_m)
@@ -309,17 +309,17 @@ impl StationaryCovariance for MeasuredCovariance {
     }
 }
 
-/// Transform of the cubic spline that is one at zero and zero at every other lag, over the pitch, at a phase per lag.
+/// Returns the transform of the cubic spline that is one at zero and zero at every other lag, over the pitch, at a phase per lag.
 fn spline_factor(phase: f64) -> f64 {
     let half = 0.5 * phase;
     let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
     3.0 * sinc.powi(4) / (2.0 + phase.cos())
 }
 
-/// The mean β of ρ over all pairs of points, from the estimate (ρ − β)/(1 − β) within the taper w and zero beyond it.
+/// Returns the mean β of ρ over all pairs of points, from the estimate (ρ − β)/(1 − β) within the taper w and zero beyond it.
 ///
 /// With N pairs at a lag, β = Σ N w ((1 − β)ρ̂ + β)/Σ N, which is linear in β.
-fn mean_share(estimate: &Autocorrelation, taper: &Taper) -> f64 {
+fn mean_fraction(estimate: &Autocorrelation, taper: &Taper) -> f64 {
     let (reach_x, reach_y) = estimate.reach();
     let (reach_x, reach_y) = (reach_x as isize, reach_y as isize);
     // Every point makes a pair with every other and with itself.

@@ -10,7 +10,7 @@ use super::estimate::Axis;
 /// Rows that are read at a time for profiles along y.
 const TILE: usize = 8;
 
-/// Number of profiles along `axis`, their points, and their pitch in metre.
+/// Returns the number of profiles along `axis`, their points, and their pitch in metre.
 #[doc(hidden)]
 pub fn dimensions(map: &HeightMap, axis: Axis) -> (usize, usize, f64) {
     let grid = map.grid();
@@ -43,7 +43,7 @@ pub fn copy(map: &HeightMap, axis: Axis, range: Range<usize>, heights_m: &mut [f
     }
 }
 
-/// Sums of products of `term` of the heights over the pairs of the same profile, at the lags 0 … padded/2. Lags are free of
+/// Returns the sums of products of `term` of the heights over the pairs of the same profile, at the lags 0 … padded/2. Lags are free of
 /// wrapped pairs up to `padded` less the points of a profile.
 pub(super) fn lag_sums(map: &HeightMap, axis: Axis, padded: usize, term: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let (all, points, _) = dimensions(map, axis);

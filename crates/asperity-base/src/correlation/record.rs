@@ -81,12 +81,12 @@ impl RecordCorrelation {
         Ok(Self { step_m, correlation, pairs, mean, variance })
     }
 
-    /// Distance in metre at which the correlation first falls to 1/e, linear between lags; `None` if it does not.
+    /// Returns the distance in metre at which the correlation first falls to 1/e, linear between lags; `None` if it does not.
     pub fn correlation_length_m(&self) -> Option<f64> {
         first_crossing(&self.correlation, (-1.0_f64).exp()).map(|lags| lags * self.step_m)
     }
 
-    /// Root mean square difference from a model over the lags up to where the correlation first falls to zero, weighted by
+    /// Returns the root mean square difference from a model over the lags up to where the correlation first falls to zero, weighted by
     /// pairs.
     pub fn misfit(&self, model: &WindowedModel, length_m: f64) -> f64 {
         let square =
@@ -94,8 +94,8 @@ impl RecordCorrelation {
         self.fitted_lags().into_iter().map(square).sum::<f64>().sqrt()
     }
 
-    /// Lags 1, 2, … that enter a fit: up to where the correlation first falls to zero, at least three, with the root of
-    /// their share of the pairs.
+    /// Returns the lags 1, 2, … that enter a fit: up to where the correlation first falls to zero, at least three, with the root of
+    /// their fraction of the pairs.
     fn fitted_lags(&self) -> Vec<(f64, f64, f64)> {
         let end = self.correlation.iter().position(|rho| rho.is_nan() || *rho <= 0.0).unwrap_or(self.correlation.len());
         let lags = 1..(end + 1).max(4).min(self.correlation.len());
@@ -115,7 +115,7 @@ mod tests {
         RecordCorrelation::estimate(&[values], 1.0, values.len()).map(|found| found.correlation)
     }
 
-    /// A stationary autoregressive record with correlation φ^lag.
+    /// Returns a stationary autoregressive record with correlation φ^lag.
     fn autoregressive(phi: f64, n: usize, index: u64) -> Vec<f64> {
         let noise = random::standard_normal(&mut random::stream(31, "ar", index), n);
         let mut last = noise[0];
@@ -147,7 +147,7 @@ mod tests {
         }
     }
 
-    /// The exact correlation of a model at lags of one metre, as if estimated.
+    /// Returns the exact correlation of a model at lags of one metre, as if estimated.
     fn exact(model: &WindowedModel, length_m: f64, lags: usize) -> RecordCorrelation {
         let correlation = (0..lags).map(|lag| model.correlation(10.0 * lag as f64, length_m)).collect();
         RecordCorrelation { step_m: 10.0, correlation, pairs: vec![100.0; lags], mean: 0.0, variance: 1.0 }

@@ -31,7 +31,7 @@ pub enum SpectrumRoute {
 }
 
 impl SpectrumRoute {
-    /// Half the width of a line in wavenumbers 2π/L: closer to zero, the removed mean and plane and the field's edge rule.
+    /// Returns the half the width of a line in wavenumbers 2π/L: closer to zero, the removed mean and plane and the field's edge rule.
     fn resolution(self) -> f64 {
         match self {
             Self::Periodogram => 2.0,
@@ -58,12 +58,12 @@ pub struct ProfileSpectrum {
     pub reliable: ReliableBand,
 }
 
-/// The Hann window, sin²(π(i + ½)/n).
+/// Returns the Hann window, sin²(π(i + ½)/n).
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2)).collect()
 }
 
-/// Parzen's lag window, zero from |u| = 1; its transform is non-negative.
+/// Returns Parzen's lag window, zero from |u| = 1; its transform is non-negative.
 fn parzen(u: f64) -> f64 {
     let u = u.abs();
     if u <= 0.5 {
@@ -75,7 +75,7 @@ fn parzen(u: f64) -> f64 {
     }
 }
 
-/// Mean power spectral density of the profiles along `axis`, heights counted from the map's mean.
+/// Returns the mean power spectral density of the profiles along `axis`, heights counted from the map's mean.
 ///
 /// When at least half of the profiles are complete it is the mean of their periodograms, |Σ w z e^{−iqx}|² Δ/Σw², w a Hann
 /// window. Otherwise it is the transform Δ Σ w(l) C(l) e^{−iql} of the mean product C(l) over all pairs of present heights
@@ -105,7 +105,7 @@ pub fn profile_spectrum(map: &HeightMap, axis: Axis) -> Result<ProfileSpectrum, 
     Ok(ProfileSpectrum { q_rad_per_m, psd_m3, route, profiles: used, profiles_left_out: all - used, reliable })
 }
 
-/// Missing points of every profile.
+/// Returns the missing points of every profile.
 fn missing_per_profile(map: &HeightMap, axis: Axis) -> Vec<usize> {
     let (all, _, _) = profiles::dimensions(map, axis);
     let mut missing = vec![0; all];
@@ -118,7 +118,7 @@ fn missing_per_profile(map: &HeightMap, axis: Axis) -> Vec<usize> {
     missing
 }
 
-/// Mean periodogram of the `complete` profiles; the others count as zeros, which add nothing.
+/// Returns the mean periodogram of the `complete` profiles; the others count as zeros, which add nothing.
 fn periodogram(map: &HeightMap, axis: Axis, complete: usize, mean_m: f64) -> Vec<f64> {
     let (all, n, pitch_m) = profiles::dimensions(map, axis);
     let window = hann(n);
@@ -136,7 +136,7 @@ fn periodogram(map: &HeightMap, axis: Axis, complete: usize, mean_m: f64) -> Vec
     power.into_iter().map(|power| norm * power).collect()
 }
 
-/// Windowed transform of the mean products over pairs of all profiles.
+/// Returns the windowed transform of the mean products over pairs of all profiles.
 fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
     let (_, n, pitch_m) = profiles::dimensions(map, axis);
     let half = (n - 1) / 2;

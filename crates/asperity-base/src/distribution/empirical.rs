@@ -2,7 +2,7 @@
 
 use crate::stats::between_order_statistics;
 
-/// Distribution function; the half steps beyond the first and the last value are atoms there.
+/// Returns the distribution function; the half steps beyond the first and the last value are point masses there.
 pub(super) fn cdf(sorted: &[f64], x: f64) -> f64 {
     if x.is_nan() {
         return f64::NAN;
@@ -19,7 +19,7 @@ pub(super) fn cdf(sorted: &[f64], x: f64) -> f64 {
     (after as f64 - 0.5 + (x - left) / (right - left)) / n
 }
 
-/// Quantile.
+/// Returns the quantile.
 pub(super) fn quantile(sorted: &[f64], probability: f64) -> f64 {
     let position = (probability * sorted.len() as f64 - 0.5).clamp(0.0, sorted.len() as f64 - 1.0);
     between_order_statistics(sorted, position)

@@ -37,7 +37,7 @@ pub enum DistributionError {
         skewness: f64,
         /// Kurtosis that was wanted; 3 for the normal distribution.
         kurtosis: f64,
-        /// 1 + skewness², the kurtosis of two atoms, which a density exceeds.
+        /// 1 + skewness², the kurtosis of two point masses, which a density exceeds.
         least: f64,
     },
     /// The parameters of a distribution with these moments were not found.

@@ -79,7 +79,7 @@ impl Family {
         Self::Empirical { bins: 32 },
     ];
 
-    /// Name of the distribution.
+    /// Returns the name of the distribution.
     pub fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
@@ -92,7 +92,7 @@ impl Family {
         }
     }
 
-    /// Name that tells distributions with a fitted shift from those without.
+    /// Returns the name that tells distributions with a fitted shift from those without.
     pub fn key(self) -> &'static str {
         match self {
             Self::ShiftedLognormal => "shifted_lognormal",
@@ -102,7 +102,7 @@ impl Family {
         }
     }
 
-    /// Number of fitted parameters.
+    /// Returns the number of fitted parameters.
     pub fn parameters(self) -> usize {
         match self {
             Self::Normal | Self::Lognormal | Self::Weibull | Self::Gamma | Self::Beta { .. } => 2,
@@ -145,12 +145,12 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Akaike's criterion 2k − 2 ln L for independent values; less is better.
+    /// Returns Akaike's criterion 2k − 2 ln L for independent values; less is better.
     pub fn aic(&self) -> f64 {
         self.aic_correlated(self.n as f64)
     }
 
-    /// Akaike's criterion 2k − 2 (n_eff/n) ln L of a correlated sample that is worth n_eff independent values; see
+    /// Returns Akaike's criterion 2k − 2 (n_eff/n) ln L of a correlated sample that is worth n_eff independent values; see
     /// [`rank_by_aic`].
     pub fn aic_correlated(&self, effective_size: f64) -> f64 {
         2.0 * self.family.parameters() as f64 - 2.0 * effective_size / self.n as f64 * self.log_likelihood
@@ -162,7 +162,7 @@ impl Fit {
     }
 }
 
-/// The distribution of a family that makes the values most likely; NaN values are skipped.
+/// Returns the distribution of a family that makes the values most likely; NaN values are skipped.
 ///
 /// The likelihood with a free end is unbounded: as the end approaches the sample's extreme, the density there can be made
 /// arbitrarily large. Free ends are therefore *local* maxima outside the sample. Where there is none, the lognormal,

@@ -22,7 +22,7 @@ pub struct Goodness {
     pub p_value: f64,
 }
 
-/// Kolmogorov–Smirnov: D = sup |F_n − F|. NaN values are skipped.
+/// Returns the Kolmogorov–Smirnov: D = sup |F_n − F|. NaN values are skipped.
 ///
 /// `effective_size` is the number of independent values a correlated sample is worth
 /// ([`crate::stats::correlation_time`]); `None` takes all as independent. The p-value is Kolmogorov's limit at
@@ -151,7 +151,7 @@ fn present(values: &[f64], marginal: &Marginal, wanted: usize) -> Result<Vec<f64
     Ok(sorted)
 }
 
-/// Kolmogorov's Q(λ) = 2 Σ (−1)^{k−1} e^{−2k²λ²}; for small λ by its theta transform, which converges there.
+/// Returns Kolmogorov's Q(λ) = 2 Σ (−1)^{k−1} e^{−2k²λ²}; for small λ by its theta transform, which converges there.
 fn kolmogorov_survival(lambda: f64) -> f64 {
     if lambda <= 0.0 {
         1.0
@@ -164,7 +164,7 @@ fn kolmogorov_survival(lambda: f64) -> f64 {
     }
 }
 
-/// P(A² < z) in the limit of many values.
+/// Returns P(A² < z) in the limit of many values.
 fn anderson_darling_limit(z: f64) -> f64 {
     if z <= 0.0 {
         0.0

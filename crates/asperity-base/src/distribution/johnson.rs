@@ -37,7 +37,7 @@ impl JohnsonSystem {
     /// Every system.
     pub const ALL: [Self; 4] = [Self::Unbounded, Self::Bounded, Self::Lognormal, Self::Normal];
 
-    /// Name of the distribution: `johnson_su`, `johnson_sb`, `johnson_sl` or `johnson_sn`.
+    /// Returns the name of the distribution: `johnson_su`, `johnson_sb`, `johnson_sl` or `johnson_sn`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unbounded => "johnson_su",
@@ -64,7 +64,7 @@ pub struct Johnson {
 }
 
 impl Johnson {
-    /// The standard normal value g of x; ±∞ beyond the support.
+    /// Returns the standard normal value g of x; ±∞ beyond the support.
     pub(super) fn normal_of(&self, x: f64) -> f64 {
         let from_low = x - self.xi;
         let f = match self.system {
@@ -78,7 +78,7 @@ impl Johnson {
         self.direction() * (self.gamma + self.delta * f)
     }
 
-    /// The x of a standard normal value g.
+    /// Returns the x of a standard normal value g.
     pub(super) fn value_of(&self, g: f64) -> f64 {
         let t = (self.direction() * g - self.gamma) / self.delta;
         let (xi, lambda) = (self.xi, self.lambda);
@@ -92,7 +92,7 @@ impl Johnson {
         }
     }
 
-    /// Logarithm of the density; −∞ outside the support.
+    /// Returns the logarithm of the density; −∞ outside the support.
     pub(super) fn ln_pdf(&self, x: f64) -> f64 {
         let u = (x - self.xi) / self.lambda;
         // −ln df/du.
@@ -106,7 +106,7 @@ impl Johnson {
         ln_normal(self.normal_of(x)) + (self.delta / self.lambda.abs()).ln() - stretch
     }
 
-    /// Moments of x.
+    /// Returns the moments of x.
     pub(super) fn exact(&self) -> Exact {
         let Self { gamma, delta, xi, lambda, .. } = *self;
         let unit = match self.system {
@@ -125,7 +125,7 @@ impl Johnson {
         }
     }
 
-    /// −1 where x falls with γ + δ f.
+    /// Returns −1 where x falls with γ + δ f.
     fn direction(&self) -> f64 {
         if self.system == JohnsonSystem::Lognormal && self.lambda < 0.0 { -1.0 } else { 1.0 }
     }

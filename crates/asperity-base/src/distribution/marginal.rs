@@ -63,7 +63,7 @@ pub enum Marginal {
     /// Johnson's distribution: a simple function of (x − ξ)/λ is normal.
     Johnson(Johnson),
     /// A measured distribution: linear interpolation between sorted values at probabilities (i + ½)/n, with the half steps
-    /// beyond the first and the last value as atoms there.
+    /// beyond the first and the last value as point masses there.
     Empirical {
         /// Sorted values.
         sorted: Vec<f64>,
@@ -74,7 +74,7 @@ impl Marginal {
     /// The standard normal distribution.
     pub const STANDARD_NORMAL: Self = Self::Normal { mean: 0.0, std: 1.0 };
 
-    /// The normal distribution of this mean and standard deviation.
+    /// Creates the normal distribution of this mean and standard deviation.
     ///
     /// # Errors
     /// `std` is not positive, or a parameter is not finite.
@@ -82,7 +82,7 @@ impl Marginal {
         Self::Normal { mean, std }.checked()
     }
 
-    /// The distribution of shift + e^{mu + sigma ξ}, ξ standard normal.
+    /// Creates the distribution of shift + e^{mu + sigma ξ}, ξ standard normal.
     ///
     /// # Errors
     /// `sigma` is not positive, or a parameter is not finite.
@@ -90,7 +90,7 @@ impl Marginal {
         Self::Lognormal { mu, sigma, shift }.checked()
     }
 
-    /// The Weibull distribution; shape 1 is the exponential distribution.
+    /// Creates the Weibull distribution; shape 1 is the exponential distribution.
     ///
     /// # Errors
     /// `shape` or `scale` is not positive, or a parameter is not finite.
@@ -98,7 +98,7 @@ impl Marginal {
         Self::Weibull { shape, scale, shift }.checked()
     }
 
-    /// The Gamma distribution; shape 1 is the exponential distribution.
+    /// Creates the Gamma distribution; shape 1 is the exponential distribution.
     ///
     /// # Errors
     /// `shape` or `scale` is not positive, or a parameter is not finite.
@@ -106,7 +106,7 @@ impl Marginal {
         Self::Gamma { shape, scale, shift }.checked()
     }
 
-    /// The Beta distribution on [low, high].
+    /// Creates the Beta distribution on [low, high].
     ///
     /// # Errors
     /// A shape is not positive, `high` is not above `low`, or a parameter is not finite.
@@ -128,7 +128,7 @@ impl Marginal {
         Self::Johnson(Johnson { system, gamma, delta, xi, lambda }).checked()
     }
 
-    /// The measured distribution of a sample, in any order.
+    /// Creates the measured distribution of a sample, in any order.
     ///
     /// # Errors
     /// Fewer than two values, a value that is not finite, or all values equal.
@@ -137,7 +137,7 @@ impl Marginal {
         Self::Empirical { sorted: values }.checked()
     }
 
-    /// Name of the distribution: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl`
+    /// Returns the name of the distribution: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl`
     /// and `johnson_sn`.
     pub fn name(&self) -> &'static str {
         match self {
@@ -151,7 +151,7 @@ impl Marginal {
         }
     }
 
-    /// Names and values of the parameters; none for an empirical distribution.
+    /// Returns the names and values of the parameters; none for an empirical distribution.
     pub fn parameters(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::Normal { mean, std } => vec![("mean", mean), ("std", std)],
@@ -167,7 +167,7 @@ impl Marginal {
         }
     }
 
-    /// The distribution of the same kind with these [`Marginal::parameters`], unchecked; an empirical distribution is left as it is.
+    /// Returns the distribution of the same kind with these [`Marginal::parameters`], unchecked; an empirical distribution is left as it is.
     ///
     /// # Panics
     /// If there are fewer values than parameters.
@@ -185,7 +185,7 @@ impl Marginal {
         }
     }
 
-    /// The distribution of a + bX with b > 0, where X has this distribution and a, b are such that the mean and standard deviation become
+    /// Returns the distribution of a + bX with b > 0, where X has this distribution and a, b are such that the mean and standard deviation become
     /// those stated.
     ///
     /// # Errors
@@ -219,7 +219,7 @@ impl Marginal {
         })
     }
 
-    /// Whether every parameter lies in its range.
+    /// Returns whether every parameter lies in its range.
     ///
     /// # Errors
     /// [`DistributionError::Parameter`] or [`DistributionError::Sample`] with the first offender.
@@ -264,7 +264,7 @@ impl Marginal {
         Ok(self)
     }
 
-    /// Distribution function F(x).
+    /// Returns the distribution function F(x).
     pub fn cdf(&self, x: f64) -> f64 {
         match self {
             Self::Normal { mean, std } => standard_normal_cdf((x - mean) / std),
@@ -277,7 +277,7 @@ impl Marginal {
         }
     }
 
-    /// Survival function 1 − F(x), without cancellation in the upper tail.
+    /// Returns the survival function 1 − F(x), without cancellation in the upper tail.
     pub fn survival(&self, x: f64) -> f64 {
         match self {
             Self::Normal { mean, std } => standard_normal_cdf((mean - x) / std),
@@ -299,12 +299,12 @@ impl Marginal {
         }
     }
 
-    /// Quantile F⁻¹(probability); NaN outside [0, 1].
+    /// Returns the quantile F⁻¹(probability); NaN outside [0, 1].
     pub fn quantile(&self, probability: f64) -> f64 {
         self.quantile_of_tails(probability, 1.0 - probability, || standard_normal_quantile(probability))
     }
 
-    /// The translation F⁻¹(Φ(g)) of a standard normal value g, without loss in either tail.
+    /// Returns the translation F⁻¹(Φ(g)) of a standard normal value g, without loss in either tail.
     ///
     /// # References
     /// Grigoriu, *Applied Non-Gaussian Processes*, Prentice Hall 1995, ch. 3.
@@ -334,12 +334,12 @@ impl Marginal {
         }
     }
 
-    /// Density; zero outside the support, +∞ at an end where it diverges. An empirical distribution has none: NaN.
+    /// Returns the density; zero outside the support, +∞ at an end where it diverges. An empirical distribution has none: NaN.
     pub fn pdf(&self, x: f64) -> f64 {
         self.ln_pdf(x).exp()
     }
 
-    /// Logarithm of the density; −∞ outside the support, NaN for an empirical distribution.
+    /// Returns the logarithm of the density; −∞ outside the support, NaN for an empirical distribution.
     pub fn ln_pdf(&self, x: f64) -> f64 {
         match self {
             Self::Normal { mean, std } => ln_normal((x - mean) / std) - std.ln(),
@@ -375,12 +375,12 @@ impl Marginal {
     }
 }
 
-/// ln φ(x).
+/// Returns ln φ(x).
 pub(super) fn ln_normal(x: f64) -> f64 {
     -0.5 * x * x - 0.5 * std::f64::consts::TAU.ln()
 }
 
-/// ln(t^exponent), with 0⁰ = 1.
+/// Returns ln(t^exponent), with 0⁰ = 1.
 fn power_log(exponent: f64, t: f64) -> f64 {
     if exponent == 0.0 { 0.0 } else { exponent * t.ln() }
 }

@@ -12,22 +12,22 @@ pub(super) struct Exact {
 }
 
 impl Marginal {
-    /// Mean.
+    /// Returns the mean.
     pub fn mean(&self) -> f64 {
         self.exact().mean
     }
 
-    /// Standard deviation.
+    /// Returns the standard deviation.
     pub fn std(&self) -> f64 {
         self.exact().std
     }
 
-    /// Skewness E(x − m)³/σ³.
+    /// Returns the skewness E(x − m)³/σ³.
     pub fn skewness(&self) -> f64 {
         self.exact().skewness
     }
 
-    /// Excess kurtosis E(x − m)⁴/σ⁴ − 3.
+    /// Returns the excess kurtosis E(x − m)⁴/σ⁴ − 3.
     pub fn excess_kurtosis(&self) -> f64 {
         self.exact().excess_kurtosis
     }
@@ -88,7 +88,7 @@ fn beta(a: f64, b: f64, low: f64, high: f64) -> Exact {
     }
 }
 
-/// The interpolated distribution is uniform, with mass 1/n, between neighbours, and has an atom of 1/(2n) at either end.
+/// Returns the interpolated distribution is uniform, with mass 1/n, between neighbours, and has a point mass of 1/(2n) at either end.
 fn empirical(sorted: &[f64]) -> Exact {
     let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else {
         return Exact { mean: f64::NAN, std: f64::NAN, skewness: f64::NAN, excess_kurtosis: f64::NAN };

@@ -5,7 +5,7 @@ use statrs::function::{beta, erf, gamma};
 /// Beyond it e^{−x²/2} is below the least double.
 const FARTHEST: f64 = 40.0;
 
-/// The standard normal distribution function Φ.
+/// Returns the standard normal distribution function Φ.
 pub fn standard_normal_cdf(x: f64) -> f64 {
     let tail = |x: f64| 0.5 * exp_minus_half_square(x) * scaled_erfc(x * std::f64::consts::FRAC_1_SQRT_2);
     if x.is_nan() {
@@ -56,12 +56,12 @@ fn exp_minus_half_square(x: f64) -> f64 {
     (-0.5 * coarse * coarse).exp() * (-0.5 * (x - coarse) * (x + coarse)).exp()
 }
 
-/// The standard normal density φ.
+/// Returns the standard normal density φ.
 pub fn standard_normal_pdf(x: f64) -> f64 {
     exp_minus_half_square(x) / std::f64::consts::TAU.sqrt()
 }
 
-/// The standard normal quantile Φ⁻¹: −∞ at 0, +∞ at 1, NaN outside [0, 1].
+/// Returns the standard normal quantile Φ⁻¹: −∞ at 0, +∞ at 1, NaN outside [0, 1].
 pub fn standard_normal_quantile(probability: f64) -> f64 {
     match probability {
         p if !(0.0..=1.0).contains(&p) => f64::NAN,
@@ -77,7 +77,7 @@ pub fn standard_normal_quantile(probability: f64) -> f64 {
     }
 }
 
-/// The regularised incomplete Beta function I_x(a, b): the distribution function of Beta(a, b) on [0, 1].
+/// Returns the regularised incomplete Beta function I_x(a, b): the distribution function of Beta(a, b) on [0, 1].
 pub(crate) fn beta_cdf(a: f64, b: f64, x: f64) -> f64 {
     if x <= 0.0 {
         0.0
@@ -88,13 +88,13 @@ pub(crate) fn beta_cdf(a: f64, b: f64, x: f64) -> f64 {
     }
 }
 
-/// 1 − I_x(a, b) without cancellation in the upper tail.
+/// Returns 1 − I_x(a, b) without cancellation in the upper tail.
 pub(crate) fn beta_survival(a: f64, b: f64, x: f64) -> f64 {
     // Below the split of the continued fraction the upper tail is not small, and 1 − x may round to one.
     if x < (a + 1.0) / (a + b + 2.0) { 1.0 - beta_cdf(a, b, x) } else { beta_cdf(b, a, 1.0 - x) }
 }
 
-/// The regularised incomplete gamma function P(a, x): the distribution function of the Gamma distribution of scale 1.
+/// Returns the regularised incomplete gamma function P(a, x): the distribution function of the Gamma distribution of scale 1.
 pub(crate) fn gamma_cdf(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         0.0
@@ -103,7 +103,7 @@ pub(crate) fn gamma_cdf(a: f64, x: f64) -> f64 {
     }
 }
 
-/// 1 − P(a, x) without cancellation in the upper tail.
+/// Returns 1 − P(a, x) without cancellation in the upper tail.
 pub(crate) fn gamma_survival(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         1.0
@@ -112,7 +112,7 @@ pub(crate) fn gamma_survival(a: f64, x: f64) -> f64 {
     }
 }
 
-/// The x with P(a, x) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
+/// Returns the x with P(a, x) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
 ///
 /// Newton's method on the logarithm of that tail against ln x. The density of ln x is log-concave, hence so are both tails,
 /// so that from its own side of the root the method goes there without overshooting.
@@ -152,12 +152,12 @@ pub(crate) fn gamma_quantile(a: f64, lower: f64, upper: f64) -> f64 {
     t.exp()
 }
 
-/// ln B(a, b).
+/// Returns ln B(a, b).
 pub(crate) fn ln_beta(a: f64, b: f64) -> f64 {
     gamma::ln_gamma(a) + gamma::ln_gamma(b) - gamma::ln_gamma(a + b)
 }
 
-/// The x in [0, 1] with I_x(a, b) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
+/// Returns the x in [0, 1] with I_x(a, b) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
 pub(crate) fn beta_quantile(a: f64, b: f64, lower: f64, upper: f64) -> f64 {
     if !(lower >= 0.0 && upper >= 0.0) {
         f64::NAN
@@ -168,7 +168,7 @@ pub(crate) fn beta_quantile(a: f64, b: f64, lower: f64, upper: f64) -> f64 {
     }
 }
 
-/// (x, 1 − x) with I_x(a, b) = `probability` ≤ ½.
+/// Returns (x, 1 − x) with I_x(a, b) = `probability` ≤ ½.
 ///
 /// Newton's method on ln I against t = ln(x/(1−x)). The density of t is log-concave, hence so is its distribution
 /// function (Prékopa), and Newton's method on a concave increasing function overshoots at most once.
@@ -203,14 +203,14 @@ fn beta_lower_quantile(a: f64, b: f64, probability: f64) -> (f64, f64) {
     logistic_pair(t)
 }
 
-/// (x, 1 − x) for x = 1/(1 + e^{−t}), both without cancellation.
+/// Returns (x, 1 − x) for x = 1/(1 + e^{−t}), both without cancellation.
 fn logistic_pair(t: f64) -> (f64, f64) {
     let e = (-t.abs()).exp();
     let (large, small) = (1.0 / (1.0 + e), e / (1.0 + e));
     if t >= 0.0 { (large, small) } else { (small, large) }
 }
 
-/// The digamma function ψ = (ln Γ)′ of x > 0.
+/// Returns the digamma function ψ = (ln Γ)′ of x > 0.
 pub(crate) fn digamma(x: f64) -> f64 {
     let (mut x, mut below) = (x, 0.0);
     while x < 15.0 {
@@ -224,7 +224,7 @@ pub(crate) fn digamma(x: f64) -> f64 {
     below + x.ln() - 0.5 / x - series
 }
 
-/// The trigamma function ψ′ of x > 0.
+/// Returns the trigamma function ψ′ of x > 0.
 pub(crate) fn trigamma(x: f64) -> f64 {
     let (mut x, mut below) = (x, 0.0);
     while x < 15.0 {
@@ -237,7 +237,7 @@ pub(crate) fn trigamma(x: f64) -> f64 {
     below + (1.0 + 0.5 / x + series) / x
 }
 
-/// ln Γ(x) of x > 0.
+/// Returns ln Γ(x) of x > 0.
 pub(crate) fn ln_gamma(x: f64) -> f64 {
     gamma::ln_gamma(x)
 }

@@ -48,7 +48,7 @@ impl FromStr for Marginal {
 }
 
 impl fmt::Display for Marginal {
-    /// The shortest text that reads back as the same distribution; an empirical distribution, which has none, shows its size.
+    /// Returns the shortest text that reads back as the same distribution; an empirical distribution, which has none, shows its size.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Normal { mean: 0.0, std: 1.0 } => f.write_str("normal"),

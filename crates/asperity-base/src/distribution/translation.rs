@@ -22,7 +22,7 @@ const NEGLIGIBLE: f64 = 1e-15;
 pub struct Translation {
     marginal: &'static str,
     /// s_1, s_2, …, s_ORDER and last what the series leaves of the variance, so that they sum to one.
-    shares: Vec<f64>,
+    fractions: Vec<f64>,
     /// The shares without a tail of rounding, which is added to the last of them.
     summed: Vec<f64>,
 }
@@ -52,37 +52,37 @@ impl Translation {
                 (before, here) = (here, (g * here - order.sqrt() * before) / (order + 1.0).sqrt());
             }
         }
-        let mut shares: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();
+        let mut fractions: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();
         // The error of the rule may leave more than the variance: no correlation exceeds one.
-        let excess = shares.iter().sum::<f64>().max(1.0);
-        shares.iter_mut().for_each(|share| *share /= excess);
-        let rest = 1.0 - shares.iter().sum::<f64>();
-        shares.push(rest.max(0.0));
-        let mut summed = shares.clone();
+        let excess = fractions.iter().sum::<f64>().max(1.0);
+        fractions.iter_mut().for_each(|fraction| *fraction /= excess);
+        let rest = 1.0 - fractions.iter().sum::<f64>();
+        fractions.push(rest.max(0.0));
+        let mut summed = fractions.clone();
         while let [.., before, last] = &mut summed[..]
             && *last < NEGLIGIBLE
         {
             *before += *last;
             summed.pop();
         }
-        Ok(Self { marginal: marginal.name(), shares, summed })
+        Ok(Self { marginal: marginal.name(), fractions, summed })
     }
 
-    /// The correlation ρ_X of translated variables whose normal variables have the correlation ρ_G.
+    /// Returns the correlation ρ_X of translated variables whose normal variables have the correlation ρ_G.
     ///
     /// # Panics
     /// If ρ_G lies outside [−1, 1].
     pub fn correlation(&self, normal_correlation: f64) -> f64 {
         assert!(normal_correlation.abs() <= 1.0, "a correlation of {normal_correlation} is none");
-        self.summed.iter().rev().fold(0.0, |sum, share| (sum + share) * normal_correlation)
+        self.summed.iter().rev().fold(0.0, |sum, fraction| (sum + fraction) * normal_correlation)
     }
 
-    /// The least correlation that two variables of this distribution can have by translation, ρ_X at ρ_G = −1.
+    /// Returns the least correlation that two variables of this distribution can have by translation, ρ_X at ρ_G = −1.
     pub fn least_correlation(&self) -> f64 {
         self.correlation(-1.0)
     }
 
-    /// The normal correlation ρ_G that gives the correlation ρ_X after translation.
+    /// Returns the normal correlation ρ_G that gives the correlation ρ_X after translation.
     ///
     /// ρ_X increases with ρ_G because x increases with g, so there is one root, found by Newton's method kept inside a
     /// bracket.
@@ -116,9 +116,9 @@ impl Translation {
         Ok(rho)
     }
 
-    /// The slope dρ_X/dρ_G at ρ_G.
+    /// Returns the slope dρ_X/dρ_G at ρ_G.
     pub fn slope(&self, rho: f64) -> f64 {
-        self.summed.iter().enumerate().rev().fold(0.0, |sum, (i, share)| sum * rho + share * (i as f64 + 1.0))
+        self.summed.iter().enumerate().rev().fold(0.0, |sum, (i, fraction)| sum * rho + fraction * (i as f64 + 1.0))
     }
 
     /// [`Translation::correlation`] and [`Translation::slope`] at many normal correlations, to the same bits.
@@ -135,10 +135,10 @@ impl Translation {
             let mut rho = [0.0; LANES];
             rho[..normal.len()].copy_from_slice(normal);
             let (mut sums, mut rises) = ([0.0; LANES], [0.0; LANES]);
-            for (i, share) in self.summed.iter().enumerate().rev() {
-                let rise = share * (i as f64 + 1.0);
+            for (i, fraction) in self.summed.iter().enumerate().rev() {
+                let rise = fraction * (i as f64 + 1.0);
                 for lane in 0..LANES {
-                    sums[lane] = (sums[lane] + share) * rho[lane];
+                    sums[lane] = (sums[lane] + fraction) * rho[lane];
                     rises[lane] = rises[lane] * rho[lane] + rise;
                 }
             }
@@ -181,7 +181,7 @@ mod tests {
             assert!((friction.correlation(rho) - target).abs() < 1e-14);
         }
         assert!((friction.least_correlation() + 0.951_586_25).abs() < 1e-8, "{}", friction.least_correlation());
-        assert!(friction.shares[ORDER] < 1e-12);
+        assert!(friction.fractions[ORDER] < 1e-12);
         let error = friction.normal_correlation(-0.99).unwrap_err();
         assert!(matches!(error, DistributionError::Correlation { least, .. } if (least + 0.9516).abs() < 1e-4));
     }
@@ -221,8 +221,8 @@ mod tests {
     fn the_inverse_meets_every_reachable_correlation() {
         for text in ["beta:0.4,0.3", "lognormal:0,1.5", "weibull:0.7,1", "normal"] {
             let translation = translation(text);
-            for share in [0.0, 0.1, 0.4, 0.7, 0.999, 1.0] {
-                let target = translation.least_correlation() * (1.0 - share) + share;
+            for fraction in [0.0, 0.1, 0.4, 0.7, 0.999, 1.0] {
+                let target = translation.least_correlation() * (1.0 - fraction) + fraction;
                 let rho = translation.normal_correlation(target).unwrap();
                 assert!((translation.correlation(rho) - target).abs() < 1e-13, "{text} at {target}");
             }

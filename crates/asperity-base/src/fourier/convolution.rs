@@ -31,7 +31,7 @@ pub trait Real: FftNum + Default {
     fn from_double(value: f64) -> Self;
     /// In double precision.
     fn to_f64(self) -> f64;
-    /// The forward and the inverse transform of a length.
+    /// Returns the forward and the inverse transform of a length.
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
@@ -114,31 +114,31 @@ impl<T: Real> Convolution<T> {
         Self { rows, columns, nx, ny, along_rows, along_columns }
     }
 
-    /// Stored wavenumbers along x: nx/2 + 1.
+    /// Returns the stored wavenumbers along x: nx/2 + 1.
     #[doc(hidden)]
     pub fn stored_kx(&self) -> usize {
         self.nx / 2 + 1
     }
 
-    /// Points of the torus along y.
+    /// Returns the points of the torus along y.
     #[doc(hidden)]
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Points of the torus along x.
+    /// Returns the points of the torus along x.
     #[doc(hidden)]
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which a result is finished.
+    /// Returns the slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which a result is finished.
     #[doc(hidden)]
     pub fn slabs(&self) -> usize {
         self.rows.div_ceil(ROWS_OF_SLAB)
     }
 
-    /// The factors `symbol(kx, ky)`, ky being signed, as [`Convolution::forward`] wants them.
+    /// Returns the factors `symbol(kx, ky)`, ky being signed, as [`Convolution::forward`] wants them.
     #[doc(hidden)]
     pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<T> {
         let scale = 1.0 / (self.nx * self.ny) as f64;
@@ -172,7 +172,7 @@ impl<T: Real> Convolution<T> {
     }
 
     /// Does `work` on the items, shared among threads where the map is large.
-    fn share<I: Send>(
+    fn distribute<I: Send>(
         &self,
         lane: &mut Lane<T>,
         items: impl Iterator<Item = I>,
@@ -208,7 +208,7 @@ impl<T: Real> Convolution<T> {
         let ConvolutionWork { pairs, columns, lane } = work;
         let (nx, ny) = (self.nx, self.ny);
         let items = slabs.iter_mut().zip(pairs.chunks_mut(ROWS_OF_SLAB / 2 * (nx + PAD))).enumerate();
-        self.share(lane, items, |lane, (slab, (input, pairs))| {
+        self.distribute(lane, items, |lane, (slab, (input, pairs))| {
             let [even, odd] = &mut lane.rows;
             for (pair, out) in pairs.chunks_exact_mut(nx + PAD).enumerate() {
                 let row = slab * ROWS_OF_SLAB + 2 * pair;
@@ -229,7 +229,7 @@ impl<T: Real> Convolution<T> {
         let blocks = columns.chunks_mut(BLOCK * (ny + PAD)).zip(symbol.chunks(BLOCK * ny));
         let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
         let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
-        self.share(lane, items, |lane, (block, columns, symbol, energy)| {
+        self.distribute(lane, items, |lane, (block, columns, symbol, energy)| {
             wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
             for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
@@ -261,7 +261,7 @@ impl<T: Real> Convolution<T> {
         let ConvolutionWork { columns, lane, .. } = work;
         let columns = &*columns;
         let nx = self.nx;
-        self.share(lane, slabs.iter_mut().enumerate(), |lane, (slab, output)| {
+        self.distribute(lane, slabs.iter_mut().enumerate(), |lane, (slab, output)| {
             let Lane { rows: [even, odd], slab: pairs, scratch } = lane;
             let first = slab * ROWS_OF_SLAB;
             let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
@@ -393,7 +393,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// The convolution of a map with the kernel of `symbol` on the torus by its definition.
+    /// Returns the convolution of a map with the kernel of `symbol` on the torus by its definition.
     fn direct(plan: &Convolution<f64>, symbol: impl Fn(usize, f64) -> f64, map: &[f64]) -> Vec<f64> {
         let (nx, ny) = (plan.nx, plan.ny);
         let turn = |k: f64, n: usize| std::f64::consts::TAU * k / n as f64;

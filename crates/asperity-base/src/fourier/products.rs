@@ -12,7 +12,7 @@ use super::{Complex64, good_length};
 /// Lanes whose powers are added before the sums of such blocks are.
 const LANES: usize = 64;
 
-/// Half transforms along x of a map of `rows` × `columns` values continued with zeros to the length `nx`: slabs of [`TILE`]
+/// Returns the half transforms along x of a map of `rows` × `columns` values continued with zeros to the length `nx`: slabs of [`TILE`]
 /// rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
 ///
 /// Each slab has its own memory, which is cheaper to come by than one piece of it all.
@@ -43,7 +43,7 @@ fn transformed_rows(
         .collect()
 }
 
-/// |X|² of a map of `ny` × `nx` values, laid out as the spectrum of [`super::RealFft2`]; `fill` writes a row of the map.
+/// Returns |X|² of a map of `ny` × `nx` values, laid out as the spectrum of [`super::RealFft2`]; `fill` writes a row of the map.
 #[doc(hidden)]
 pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let transformed = transformed_rows(ny, nx, nx, &fill);
@@ -62,7 +62,7 @@ pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> V
     power
 }
 
-/// Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags k = 0 …
+/// Returns Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags k = 0 …
 /// `reach_y` and l = −`reach_x` … `reach_x`, as rows of 2·`reach_x` + 1 values. `fill` writes a row of the map.
 ///
 /// The map is continued with zeros by as much as the lags reach, which keeps the wrapped pairs of the circular correlation
@@ -127,7 +127,7 @@ pub fn autocorrelation_sums(
     sums
 }
 
-/// Σ |X|² over `lanes` of `length` values continued with zeros to `padded`, for the wavenumbers 0 … padded/2. `fill` writes
+/// Returns Σ |X|² over `lanes` of `length` values continued with zeros to `padded`, for the wavenumbers 0 … padded/2. `fill` writes
 /// the lanes of a range, one after the other.
 #[doc(hidden)]
 pub fn summed_power(
@@ -164,7 +164,7 @@ pub fn summed_power(
     sums
 }
 
-/// The real sequence, of even `length`, whose transform is the real and even `power`, of length/2 + 1 values: sums of
+/// Returns the real sequence, of even `length`, whose transform is the real and even `power`, of length/2 + 1 values: sums of
 /// products at the lags 0 … length/2 of lanes whose [`summed_power`] it is.
 #[doc(hidden)]
 pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
@@ -176,7 +176,7 @@ pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
     output.iter().take(length / 2 + 1).map(|value| value / length as f64).collect()
 }
 
-/// Real parts of the transform of a real sequence, for the wavenumbers 0 … length/2.
+/// Returns the real parts of the transform of a real sequence, for the wavenumbers 0 … length/2.
 #[doc(hidden)]
 pub fn real_transform(values: &[f64]) -> Vec<f64> {
     let plan = real_forward(values.len());

@@ -34,7 +34,7 @@ pub(super) fn gather<'a, T: Copy + Default + 'a>(
     }
 }
 
-/// A real row has real first and Nyquist coefficients; rounding leaves dust there that realfft refuses.
+/// Returns a real row has real first and Nyquist coefficients; rounding leaves dust there that realfft refuses.
 pub(super) fn make_real(half: &mut [Complex64], length: usize) {
     half[0].im = 0.0;
     if length.is_multiple_of(2) {

@@ -17,8 +17,8 @@ impl Range {
     }
 
     fn inverse(&self, value: f64) -> f64 {
-        let share = ((value / self.low).ln() / (self.high / self.low).ln()).clamp(1e-3, 1.0 - 1e-3);
-        (share / (1.0 - share)).ln()
+        let fraction = ((value / self.low).ln() / (self.high / self.low).ln()).clamp(1e-3, 1.0 - 1e-3);
+        (fraction / (1.0 - fraction)).ln()
     }
 }
 

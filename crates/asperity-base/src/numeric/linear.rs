@@ -53,7 +53,7 @@ pub fn solution(mut matrix: Vec<Vec<f64>>, right: &[f64]) -> Vec<f64> {
 /// `matrix` holds the rows one after the other. Returns false when a pivot is so small that the system does not determine the
 /// unknowns.
 pub fn solve_positive_definite(matrix: &mut [f64], right: &mut [f64]) -> bool {
-    /// Least pivot of a unit diagonal.
+    /// Smallest pivot of a unit diagonal.
     const LEAST_PIVOT: f64 = 1e-11;
     let n = right.len();
     let scale: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();

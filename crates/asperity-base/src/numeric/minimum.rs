@@ -12,7 +12,7 @@ pub struct GoldenSection {
 }
 
 impl GoldenSection {
-    /// The middle of the bracket.
+    /// Returns the middle of the bracket.
     pub fn middle(&self) -> f64 {
         0.5 * (self.bracket[0] + self.bracket[1])
     }

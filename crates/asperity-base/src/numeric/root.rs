@@ -36,9 +36,9 @@ pub fn try_root_between<E>(
     }
     // The newest point, one of the other sign, and the one that the newest replaced.
     let (mut new, mut other) = ((b, fb), (a, fa));
-    let mut share = 0.5;
+    let mut fraction = 0.5;
     for _ in 0..LARGEST_COUNT {
-        let x = new.0 + share * (other.0 - new.0);
+        let x = new.0 + fraction * (other.0 - new.0);
         let next = (x, f(x)?);
         if next.1.is_nan() {
             return Ok(None);
@@ -68,7 +68,7 @@ pub fn try_root_between<E>(
             0.5
         };
         let least = 0.5 * resolved / width;
-        share = wanted.clamp(least, 1.0 - least);
+        fraction = wanted.clamp(least, 1.0 - least);
     }
     let best = if new.1.abs() < other.1.abs() { new } else { other };
     Ok(Some(best.0))

@@ -20,13 +20,13 @@ pub struct CorrelationTime {
 }
 
 impl CorrelationTime {
-    /// Effective number of independent values, n/τ.
+    /// Returns the effective number of independent values, n/τ.
     pub fn effective_size(&self) -> f64 {
         self.n as f64 / self.steps
     }
 }
 
-/// The integrated autocorrelation time of an equally spaced record; NaN are missing values, and lags count pairs of which
+/// Returns the integrated autocorrelation time of an equally spaced record; NaN are missing values, and lags count pairs of which
 /// both are present.
 ///
 /// The window is the least W ≥ 5 τ(W) (Madras & Sokal, *J. Stat. Phys.* **50** (1988) 109,
@@ -57,7 +57,7 @@ pub fn correlation_time(record: &[f64]) -> Result<CorrelationTime, StatsError> {
     Ok(CorrelationTime { n: moments.n, steps: steps.max(1.0), window, resolved })
 }
 
-/// Sums of products of deviations from `mean`, and numbers of pairs, at the lags 0 … `lags` − 1 of a record whose missing
+/// Returns the sums of products of deviations from `mean`, and numbers of pairs, at the lags 0 … `lags` − 1 of a record whose missing
 /// values are not finite, by transforms of the record continued with zeros.
 ///
 /// # Panics
@@ -82,7 +82,7 @@ pub fn lag_sums(record: &[f64], mean: f64, lags: usize) -> (Vec<f64>, Vec<f64>) 
     (products, pairs)
 }
 
-/// ρ_k for k = 0 … n/2 as the mean product over present pairs.
+/// Returns ρ_k for k = 0 … n/2 as the mean product over present pairs.
 fn autocorrelation(record: &[f64], moments: &Moments) -> Vec<f64> {
     let (products, pairs) = lag_sums(record, moments.mean, record.len() / 2 + 1);
     let variance = moments.std * moments.std;

@@ -25,7 +25,7 @@ pub fn map<R: Send>(values: &[f64], work: impl Fn(&[f64]) -> R + Sync + Send) ->
     }
 }
 
-/// Sums of `terms` over all values. What a missing value, NaN, adds is up to `terms`.
+/// Returns the sums of `terms` over all values. What a missing value, NaN, adds is up to `terms`.
 #[doc(hidden)]
 pub fn sums<const N: usize>(values: &[f64], terms: impl Fn(f64) -> [f64; N] + Sync + Send) -> [f64; N] {
     let blocks = map(values, |block| {
@@ -45,7 +45,7 @@ pub fn sums<const N: usize>(values: &[f64], terms: impl Fn(f64) -> [f64; N] + Sy
     total
 }
 
-/// Sum and number of the values that are not NaN.
+/// Returns the sum and number of the values that are not NaN.
 #[doc(hidden)]
 pub fn sum_present(values: &[f64]) -> (f64, f64) {
     let [sum, count] = sums(values, |value| if value.is_nan() { [0.0, 0.0] } else { [value, 1.0] });

@@ -2,7 +2,7 @@
 
 use super::{StatsError, quantile_sorted, sorted_present};
 
-/// Most bins a rule may ask for: more than a figure can show.
+/// Maximum number of bins a rule may ask for: more than a figure can show.
 const MAX_BINS: usize = 512;
 
 /// Counts of values in bins of equal width.
@@ -15,7 +15,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// The histogram of the present values in bins of the width of Freedman and Diaconis, 2·IQR·n^{−1/3}, of which there
+    /// Creates the histogram of the present values in bins of the width of Freedman and Diaconis, 2·IQR·n^{−1/3}, of which there
     /// are at most 512. Where half of all values are equal (IQR = 0) Scott's width 3.49·std·n^{−1/3} is taken.
     ///
     /// # References
@@ -44,14 +44,14 @@ impl Histogram {
         Ok(Self { edges, counts })
     }
 
-    /// Density in each bin: share of the values over the bin's width; it integrates to one.
+    /// Returns the density in each bin: fraction of the values over the bin's width; it integrates to one.
     pub fn density(&self) -> Vec<f64> {
         let total = self.counts.iter().sum::<usize>() as f64;
         let widths = self.edges.windows(2).map(|pair| pair[1] - pair[0]);
         self.counts.iter().zip(widths).map(|(count, width)| *count as f64 / (total * width)).collect()
     }
 
-    /// Bin centres.
+    /// Returns the bin centres.
     pub fn centres(&self) -> Vec<f64> {
         self.edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
     }

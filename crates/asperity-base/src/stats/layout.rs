@@ -20,13 +20,13 @@ impl From<bool> for Layout {
 }
 
 impl Layout {
-    /// Number of strips.
+    /// Returns the number of strips.
     #[doc(hidden)]
     pub fn strips(self, records: usize) -> usize {
         records.div_ceil(self.lanes)
     }
 
-    /// The lanes of each strip.
+    /// Returns the lanes of each strip.
     ///
     /// # Panics
     /// If a strip lacks a lane, or its lanes differ in length.
@@ -38,7 +38,7 @@ impl Layout {
     }
 }
 
-/// Sum over the lanes at every position of a function of the values present (finite); NaN where none is.
+/// Returns the sum over the lanes at every position of a function of the values present (finite); NaN where none is.
 #[doc(hidden)]
 pub fn sum_of_lanes<T: AsRef<[f64]>>(lanes: &[T], of: impl Fn(f64) -> f64) -> Vec<f64> {
     let at = |place: usize| {

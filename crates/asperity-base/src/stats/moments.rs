@@ -25,14 +25,14 @@ pub struct Extent {
     pub n: usize,
     /// Mean.
     pub mean: f64,
-    /// Least value.
+    /// Smallest value.
     pub least: f64,
     /// Largest value.
     pub largest: f64,
 }
 
 impl Extent {
-    /// The extent of a sample. The mean is that of the differences from the first value.
+    /// Creates the extent of a sample. The mean is that of the differences from the first value.
     pub fn new(values: &[f64]) -> Self {
         let Some(origin) = values.iter().copied().find(|v| !v.is_nan()) else {
             return Self { n: 0, mean: f64::NAN, least: f64::NAN, largest: f64::NAN };
@@ -61,14 +61,14 @@ impl Extent {
         Self { n: count as usize, mean: origin + sum / count, least, largest }
     }
 
-    /// Largest distance of a value from the mean.
+    /// Returns the largest distance of a value from the mean.
     pub fn largest_deviation(&self) -> f64 {
         f64::max(self.largest - self.mean, self.mean - self.least)
     }
 }
 
 impl Moments {
-    /// The moments of a slice, NaN skipped.
+    /// Creates the moments of a slice, NaN skipped.
     ///
     /// Two passes: the mean of the differences from the first value, then powers of the deviations, scaled by the
     /// largest so that neither squares of nanometres nor large offsets lose digits.
@@ -76,13 +76,13 @@ impl Moments {
         Self::with_extent(&Extent::new(values), values)
     }
 
-    /// The moments of a slice whose extent is known.
+    /// Creates the moments of a slice whose extent is known.
     #[doc(hidden)]
     pub fn with_extent(extent: &Extent, values: &[f64]) -> Self {
         Self::with_absolute(extent, values).0
     }
 
-    /// The moments of a slice whose extent is known, and its mean absolute deviation from the mean.
+    /// Returns the moments of a slice whose extent is known, and its mean absolute deviation from the mean.
     #[doc(hidden)]
     pub fn with_absolute(extent: &Extent, values: &[f64]) -> (Self, f64) {
         let Extent { n, mean, least, largest } = *extent;
@@ -111,22 +111,22 @@ impl Moments {
         (moments, scale * absolute)
     }
 
-    /// The moments of values that are passed one by one, NaN skipped.
+    /// Creates the moments of values that are passed one by one, NaN skipped.
     pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
         Self::new(&values.collect::<Vec<f64>>())
     }
 
-    /// Standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a single one.
+    /// Returns the standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a single one.
     pub fn sample_std(&self) -> f64 {
         if self.n < 2 { f64::NAN } else { self.std * (self.n as f64 / (self.n as f64 - 1.0)).sqrt() }
     }
 
-    /// Standard error of the mean of *independent* values, sample_std/√n.
+    /// Returns the standard error of the mean of *independent* values, sample_std/√n.
     pub fn standard_error(&self) -> f64 {
         self.sample_std() / (self.n as f64).sqrt()
     }
 
-    /// Standard deviation over |mean|.
+    /// Returns the standard deviation over |mean|.
     pub fn coefficient_of_variation(&self) -> f64 {
         self.std / self.mean.abs()
     }

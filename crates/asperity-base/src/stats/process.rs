@@ -76,7 +76,7 @@ pub struct ProcessMoments {
 }
 
 impl ProcessMoments {
-    /// Moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are independent of each
+    /// Returns the moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are independent of each
     /// other, lanes of one count as far as they differ; `true` and `false` stand for periodic and free strips of one lane.
     ///
     /// # Panics
@@ -132,7 +132,7 @@ impl ProcessMoments {
         found
     }
 
-    /// The same with intervals of mean and standard deviation that a model of the correlation makes where the records give none,
+    /// Returns the same with intervals of mean and standard deviation that a model of the correlation makes where the records give none,
     /// or where they are wider: short records know their correlation badly, a model of one length knows it better.
     ///
     /// `correlation` is that of the model at a lag in steps, and `length_error` the standard error of the logarithm of its length.
@@ -155,9 +155,9 @@ impl ProcessMoments {
         }
         let sum = RecordSum::new(&records, self.moments.mean, layout.into());
         let (mut first, mut second) = (0.0, 0.0);
-        for (lag, share) in sum.shares().iter().enumerate() {
+        for (lag, fraction) in sum.fractions().iter().enumerate() {
             let rho = correlation(lag);
-            (first, second) = (first + share * rho, second + share * rho * rho);
+            (first, second) = (first + fraction * rho, second + fraction * rho * rho);
         }
         if !(first > 0.0 && first < 0.5 && second > 0.0) {
             return self;
@@ -179,13 +179,13 @@ impl ProcessMoments {
     }
 }
 
-/// The one with the wider interval.
+/// Returns the one with the wider interval.
 fn wider(a: Option<Estimate>, b: Option<Estimate>) -> Option<Estimate> {
     let width = |estimate: &Estimate| estimate.interval.high - estimate.interval.low;
     a.into_iter().chain(b).max_by(|a, b| width(a).total_cmp(&width(b)))
 }
 
-/// Skewness on the scale of its arctangent, on which its spread hardly depends on it.
+/// Returns the skewness on the scale of its arctangent, on which its spread hardly depends on it.
 fn skewness(value: f64, spread: Spread) -> Option<Estimate> {
     let half = spread.for_high_order().student(TAIL) * spread.variance.sqrt() / (1.0 + value * value);
     let finite = value.atan().abs() + half < std::f64::consts::FRAC_PI_2;
@@ -193,7 +193,7 @@ fn skewness(value: f64, spread: Spread) -> Option<Estimate> {
     Estimate::new(value, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| finite)
 }
 
-/// Excess kurtosis from the kurtosis κ on the scale 1/κ³, on which it is spread evenly.
+/// Returns the excess kurtosis from the kurtosis κ on the scale 1/κ³, on which it is spread evenly.
 fn excess_kurtosis(kurtosis: f64, spread: Spread) -> Option<Estimate> {
     let half = 3.0 * spread.for_high_order().student(TAIL) * spread.variance.sqrt() / kurtosis;
     let end = |sign: f64| kurtosis / (1.0 - sign * half).cbrt() - 3.0;
@@ -201,33 +201,33 @@ fn excess_kurtosis(kurtosis: f64, spread: Spread) -> Option<Estimate> {
 }
 
 impl Spread {
-    /// Variances of third and fourth powers rest on few large values: half of the blocks carry them, as counted.
+    /// Returns the variances of third and fourth powers rest on few large values: half of the blocks carry them, as counted.
     fn for_high_order(self) -> Self {
         Self { blocks: 0.5 * self.blocks, ..self }
     }
 }
 
-/// Share of the values present that exceed a level, with a 95 % interval on the scale of its logit; see [`ProcessMoments`]
+/// Returns the fraction of the values present that exceed a level, with a 95 % interval on the scale of its logit; see [`ProcessMoments`]
 /// for the records.
-pub fn share_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
+pub fn fraction_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
     let layout = layout.into();
     let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
     let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
     let above = |value: &f64| if value.is_nan() { f64::NAN } else { f64::from(u8::from(*value > level)) };
     let indicators: Vec<Vec<f64>> = records.iter().map(|record| record.iter().map(above).collect()).collect();
-    let share = indicators.iter().flatten().filter(|above| **above > 0.0).count() as f64 / moments.n as f64;
-    if !(share > 0.0 && share < 1.0) {
-        return (share, None);
+    let fraction = indicators.iter().flatten().filter(|above| **above > 0.0).count() as f64 / moments.n as f64;
+    if !(fraction > 0.0 && fraction < 1.0) {
+        return (fraction, None);
     }
     let influences: Vec<Vec<f64>> =
-        indicators.iter().map(|record| record.iter().map(|v| (v - share) / moments.n as f64).collect()).collect();
+        indicators.iter().map(|record| record.iter().map(|v| (v - fraction) / moments.n as f64).collect()).collect();
     let estimate = RecordSum::new(&records, moments.mean, layout).spread(&influences, 1.0).and_then(|spread| {
-        let half = spread.student(TAIL) * spread.variance.sqrt() / (share * (1.0 - share));
-        let odds = |sign: f64| share / (1.0 - share) * (sign * half).exp();
+        let half = spread.student(TAIL) * spread.variance.sqrt() / (fraction * (1.0 - fraction));
+        let odds = |sign: f64| fraction / (1.0 - fraction) * (sign * half).exp();
         let end = |sign: f64| odds(sign) / (1.0 + odds(sign));
-        Estimate::new(share, spread, Interval { low: end(-1.0), high: end(1.0) })
+        Estimate::new(fraction, spread, Interval { low: end(-1.0), high: end(1.0) })
     });
-    (share, estimate)
+    (fraction, estimate)
 }
 
 #[cfg(test)]
@@ -322,16 +322,16 @@ mod tests {
     }
 
     #[test]
-    fn the_share_above_a_level_is_a_share_with_an_interval() {
+    fn the_fraction_above_a_level_is_a_fraction_with_an_interval() {
         let records = records(0.0, 4, 1000, 3);
         let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-        let (share, estimate) = share_above(&views, 4.0, false);
+        let (fraction, estimate) = fraction_above(&views, 4.0, false);
         let count = records.iter().flatten().filter(|x| **x > 4.0).count();
-        assert_eq!(share, count as f64 / 4000.0);
+        assert_eq!(fraction, count as f64 / 4000.0);
         let estimate = estimate.unwrap();
-        assert!(estimate.interval.low > 0.0 && estimate.interval.contains(share));
+        assert!(estimate.interval.low > 0.0 && estimate.interval.contains(fraction));
         // 1 − Φ(1) = .1587; the standard error is about √(.13/800 · 2).
-        assert!((share - 0.1587).abs() < 4.0 * estimate.standard_error, "{estimate:?}");
-        assert_eq!(share_above(&views, 10.0, false), (0.0, None));
+        assert!((fraction - 0.1587).abs() < 4.0 * estimate.standard_error, "{estimate:?}");
+        assert_eq!(fraction_above(&views, 10.0, false), (0.0, None));
     }
 }

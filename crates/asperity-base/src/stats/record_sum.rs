@@ -12,7 +12,7 @@ const REACHES: f64 = 4.65;
 const LEAST_LENGTHS: f64 = 3.75;
 /// Long records afford a wider window, down to so many blocks.
 const BLOCKS_TO_SPARE: f64 = 40.0;
-/// Largest share of the variance that the fitted means may have taken out of the window.
+/// Largest fraction of the variance that the fitted means may have taken out of the window.
 const LARGEST_FITTED: f64 = 0.5;
 /// Few blocks narrow the window, to so much of its width, and fewer carry no interval.
 const WANTED_BLOCKS: f64 = 10.0;
@@ -27,13 +27,13 @@ pub struct RecordSum {
     lengths: Vec<usize>,
     layout: Layout,
     /// Pairs on the same strip at the lags 0, 1, 2, …, over the squared number of values.
-    shares: Vec<f64>,
+    fractions: Vec<f64>,
     /// Distance in steps at which the correlation of the values falls to 1/e.
     length: f64,
 }
 
 impl RecordSum {
-    /// Pairs of the values present (finite) of `records`, across the lanes of a strip too. `mean` is that of the values.
+    /// Returns the pairs of the values present (finite) of `records`, across the lanes of a strip too. `mean` is that of the values.
     ///
     /// # Panics
     /// If a record is empty, or the lanes of a strip differ in length.
@@ -42,19 +42,19 @@ impl RecordSum {
         let lengths: Vec<usize> = layout.by_strip(records).map(|lanes| lanes[0].len()).collect();
         let (products, counts) = pooled(records, mean, layout);
         let present = records.iter().flat_map(|record| record.iter()).filter(|v| v.is_finite()).count() as f64;
-        let mut found = Self { lengths, layout, shares: vec![], length: 0.0 };
+        let mut found = Self { lengths, layout, fractions: vec![], length: 0.0 };
         found.length = crossing(&products, &counts, (-1.0_f64).exp());
-        found.shares = counts.into_iter().map(|count| count / (present * present)).collect();
+        found.fractions = counts.into_iter().map(|count| count / (present * present)).collect();
         found
     }
 
-    /// Pairs at the lags 0, 1, 2, …, over the squared number of values.
+    /// Returns the pairs at the lags 0, 1, 2, …, over the squared number of values.
     #[doc(hidden)]
-    pub fn shares(&self) -> &[f64] {
-        &self.shares
+    pub fn fractions(&self) -> &[f64] {
+        &self.fractions
     }
 
-    /// The spread of a statistic whose error is the sum of its influences (NaN where a value is missing), record after record
+    /// Returns the spread of a statistic whose error is the sum of its influences (NaN where a value is missing), record after record
     /// as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for those of the process.
     ///
     /// The variance is the sum of the products of influences over all pairs within strips, under a window of their lag that
@@ -70,12 +70,12 @@ impl RecordSum {
         let influence = self.across(influence);
         let views: Vec<&[f64]> = influence.iter().map(Vec::as_slice).collect();
         let (products, _) = pooled(&views, 0.0, Layout { lanes: 1, ..self.layout });
-        let reach = crossing(&products, &self.shares, FADED);
+        let reach = crossing(&products, &self.fractions, FADED);
         let least = (REACHES * reach).max(LEAST_LENGTHS * self.length).max(3.0);
-        let spare = 0.75 / (self.shares[0] * BLOCKS_TO_SPARE);
+        let spare = 0.75 / (self.fractions[0] * BLOCKS_TO_SPARE);
         let mut end = spare.clamp(least, 2.0 * least);
-        let taken = |end: f64| self.weighted(end, |share, weight| share * weight);
-        let squares = |end: f64| self.weighted(end, |share, weight| share * weight * weight);
+        let taken = |end: f64| self.weighted(end, |fraction, weight| fraction * weight);
+        let squares = |end: f64| self.weighted(end, |fraction, weight| fraction * weight * weight);
         while end > 2.0 && (fitted * taken(end) > LARGEST_FITTED)
             || (end > NARROWEST * least && squares(end) * WANTED_BLOCKS > 1.0)
         {
@@ -87,9 +87,9 @@ impl RecordSum {
         // An exponential correlogram of the same reach.
         let decay = reach / (1.0 / FADED).ln();
         let exponential = |lag: usize| (-(lag as f64) / decay).exp();
-        let whole: f64 = self.shares.iter().enumerate().map(|(lag, share)| share * exponential(lag)).sum();
+        let whole: f64 = self.fractions.iter().enumerate().map(|(lag, fraction)| fraction * exponential(lag)).sum();
         let within: f64 =
-            self.shares.iter().enumerate().map(|(lag, s)| flat_top(lag as f64, end) * s * exponential(lag)).sum();
+            self.fractions.iter().enumerate().map(|(lag, s)| flat_top(lag as f64, end) * s * exponential(lag)).sum();
         let variance = sum / (1.0 - fitted * taken(end)) / (within / whole);
         let (third, fourth, blocks) = self.block_moments(&influence, end.round() as usize);
         let excess = (fourth - 3.0 / blocks).max(0.0);
@@ -98,7 +98,7 @@ impl RecordSum {
         sound.then_some(Spread { variance, blocks: freedom, skewness: third })
     }
 
-    /// Influences added up across the lanes of every strip.
+    /// Returns the influences added up across the lanes of every strip.
     fn across<'a>(&self, influence: &'a [Vec<f64>]) -> Cow<'a, [Vec<f64>]> {
         match self.layout.lanes {
             1 => Cow::Borrowed(influence),
@@ -107,10 +107,10 @@ impl RecordSum {
     }
 
     fn weighted(&self, end: f64, term: impl Fn(f64, f64) -> f64) -> f64 {
-        self.shares.iter().enumerate().map(|(lag, share)| term(*share, flat_top(lag as f64, end))).sum()
+        self.fractions.iter().enumerate().map(|(lag, fraction)| term(*fraction, flat_top(lag as f64, end))).sum()
     }
 
-    /// Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and number of blocks of about `side` values with the sums S.
+    /// Returns Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and number of blocks of about `side` values with the sums S.
     fn block_moments(&self, influence: &[Vec<f64>], side: usize) -> (f64, f64, f64) {
         let mut powers = [0.0; 4];
         for (record, length) in influence.iter().zip(&self.lengths) {
@@ -128,7 +128,7 @@ impl RecordSum {
     }
 }
 
-/// Sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these pairs, at each lag; on
+/// Returns the sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these pairs, at each lag; on
 /// a periodic strip the lag is that of the shorter way round.
 fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>) {
     let periodic = layout.periodic;
@@ -155,15 +155,15 @@ fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>)
     (products, counts)
 }
 
-/// Lag at which the mean product first falls to a share of that at lag zero; the longest where it does not.
-fn crossing(products: &[f64], pairs: &[f64], share: f64) -> f64 {
+/// Lag at which the mean product first falls to a fraction of that at lag zero; the longest where it does not.
+fn crossing(products: &[f64], pairs: &[f64], fraction: f64) -> f64 {
     let at = |lag: usize| products[lag] / pairs[lag] * pairs[0] / products[0];
     let mut above = (0, 1.0);
     for lag in 1..products.len() {
         let value = at(lag);
-        if value <= share {
+        if value <= fraction {
             let (near, high) = above;
-            return near as f64 + (high - share) / (high - value) * (lag - near) as f64;
+            return near as f64 + (high - fraction) / (high - value) * (lag - near) as f64;
         }
         if value.is_finite() {
             above = (lag, value);

@@ -8,7 +8,7 @@ const LARGE: usize = 1 << 16;
 const CHUNK: usize = 1 << 16;
 /// Values in a bucket, on average; it stays in the first cache.
 const BUCKET: usize = 1024;
-/// Most buckets: a bucket's index must fit its type.
+/// Maximum number of buckets: a bucket's index must fit its type.
 const MAX_BUCKETS: usize = 1 << 14;
 /// Values sampled per bucket to find where buckets end, and cells of the table that finds a value's bucket.
 const SAMPLED: usize = 8;
@@ -22,7 +22,7 @@ pub enum Order {
     Descending,
 }
 
-/// The present (not NaN) values less `origin`, sorted.
+/// Returns the present (not NaN) values less `origin`, sorted.
 ///
 /// Large samples are dealt into buckets whose ends are quantiles of a part of the sample, and the buckets are sorted apart.
 /// However the values are distributed, the result is that of sorting them all; unforeseen clusters cost time alone.
@@ -38,12 +38,12 @@ pub fn sorted(values: &[f64], origin: f64, order: Order) -> Vec<f64> {
     keys.into_iter().map(|key| value(key, order) - origin).collect()
 }
 
-/// An integer that is ordered as [`f64::total_cmp`] orders, or the other way round. Integers are twice as fast to sort.
+/// Returns an integer that is ordered as [`f64::total_cmp`] orders, or the other way round. Integers are twice as fast to sort.
 fn key(value: f64, order: Order) -> i64 {
     flipped(flip(value.to_bits() as i64), order)
 }
 
-/// The value of a [`key`].
+/// Returns the value of a [`key`].
 fn value(key: i64, order: Order) -> f64 {
     f64::from_bits(flip(flipped(key, order)) as u64)
 }
@@ -105,7 +105,7 @@ impl Dealer {
         ((below + along * (above - below)).min(above) as usize).min(self.buckets - 1)
     }
 
-    /// Values of one chunk by bucket, missing ones dropped.
+    /// Returns the values of one chunk by bucket, missing ones dropped.
     fn deal(&self, chunk: &[f64], order: Order) -> Dealt {
         let missing = self.buckets;
         let places: Vec<u16> = chunk
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Samples that are smooth, spiked, tied, in two narrow clusters, of huge range, or infinite in part.
+    /// Returns the samples that are smooth, spiked, tied, in two narrow clusters, of huge range, or infinite in part.
     fn samples() -> Vec<Vec<f64>> {
         let normal = random::standard_normal(&mut random::stream(9, "sorting", 0), 3 * LARGE + 77);
         let of = |f: &dyn Fn(usize, f64) -> f64| normal.iter().enumerate().map(|(i, z)| f(i, *z)).collect::<Vec<f64>>();

@@ -18,13 +18,13 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The spread of the statistic times a factor.
+    /// Returns the spread of the statistic times a factor.
     #[doc(hidden)]
     pub fn scaled(self, factor: f64) -> Self {
         Self { variance: factor * factor * self.variance, ..self }
     }
 
-    /// Values of (estimate − truth)/√variance that leave `tail` on the lower and on the upper side.
+    /// Returns the values of (estimate − truth)/√variance that leave `tail` on the lower and on the upper side.
     ///
     /// Student's quantiles on as many degrees of freedom as there are blocks, bent by Hall's cubic for the skewness of the
     /// studentised sum.
@@ -37,14 +37,14 @@ impl Spread {
         (self.unbent(-student), self.unbent(student))
     }
 
-    /// The studentised distance from a supposed truth over its limit: beyond ±1 the truth is refused.
+    /// Returns the studentised distance from a supposed truth over its limit: beyond ±1 the truth is refused.
     #[doc(hidden)]
     pub fn distance(&self, difference: f64, tail: f64) -> f64 {
         let (t, skew) = (difference / self.variance.sqrt(), self.skewness);
         (t + skew * t * t / 3.0 + skew * skew * t.powi(3) / 27.0 + skew / 6.0) / self.student(tail)
     }
 
-    /// Student's upper quantile.
+    /// Returns Student's upper quantile.
     #[doc(hidden)]
     pub fn student(&self, tail: f64) -> f64 {
         student_quantile(1.0 - tail, self.blocks)
@@ -56,7 +56,7 @@ impl Spread {
     }
 }
 
-/// 1 up to half of `end`, then falling to 0 there: the weight of pairs of values this far apart.
+/// Returns 1 up to half of `end`, then falling to 0 there: the weight of pairs of values this far apart.
 ///
 /// # References
 /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>.

@@ -2,7 +2,7 @@ use super::*;
 use crate::{Design, Family, MultiIndexSet, SamplingMethod, Truncation};
 use std::f64::consts::PI;
 
-/// The expansion of f over a Sobol' design, f a function of the standard variables.
+/// Returns the expansion of f over a Sobol' design, where f is a function of the standard variables.
 fn expand(families: &[Family], degree: usize, samples: usize, f: impl Fn(&[f64]) -> f64) -> (Expansion, Fit) {
     let set = MultiIndexSet::total_degree(families.len(), degree).unwrap();
     let basis = Basis::new(set, families.to_vec()).unwrap();
@@ -55,7 +55,7 @@ fn ishigami_has_its_published_indices() {
         let [x1, x2, x3] = [x[0], x[1], x[2]].map(|x| PI * x);
         x1.sin() + a * x2.sin().powi(2) + b * x3.powi(4) * x1.sin()
     });
-    // The least smooth part, 7 sin² πx = 3.5 − 3.5 cos 2πx, leaves a variance share of 2e-5 beyond degree 12.
+    // The least smooth part, 7 sin² πx = 3.5 − 3.5 cos 2πx, leaves a variance fraction of 2e-5 beyond degree 12.
     assert!(fit.leave_one_out.relative_error.unwrap() < 1e-3);
     assert!((expansion.variance() / 13.844_587_940_719_254 - 1.0).abs() < 1e-3, "{}", expansion.variance());
     let first = expansion.first_order_indices();
@@ -93,8 +93,8 @@ fn the_borehole_has_its_published_moments_and_indices() {
 
 #[test]
 fn the_sobol_g_function_comes_within_its_known_truncation() {
-    // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, 99.4 %, and of products less; the variables
-    // with a = 99 hold a share of 3e-4 and are left out.
+    // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, which is 99.4 %, and less of products. The
+    // variables with a = 99 contribute a fraction of 3e-4 and are left out.
     let a = [0.0, 1.0, 4.5, 9.0];
     let (expansion, _) = expand(&[Family::Legendre; 4], 6, 2000, |x| {
         x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product()
@@ -119,12 +119,12 @@ fn normal_xi_samples(points: usize, variables: usize) -> Vec<Vec<f64>> {
     (0..points).map(|i| design.xi(i)).collect()
 }
 
-/// Coefficients between −1 and 1, every third of them zero.
+/// Returns coefficients between −1 and 1; every third one is zero.
 fn coefficients(count: usize) -> Vec<f64> {
     (0..count).map(|k| if k % 3 == 1 { 0.0 } else { (1.7 * k as f64 + 0.3).sin() }).collect()
 }
 
-/// Values of sets of all kinds, against the sum over `Basis::fill`.
+/// Compares values of expansions on several kinds of sets with the sum over `Basis::fill`.
 #[test]
 fn nested_sums_are_the_sums_of_all_terms() {
     let families = |variables: usize| -> Vec<Family> {

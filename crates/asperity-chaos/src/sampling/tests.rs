@@ -77,7 +77,7 @@ fn a_longer_monte_carlo_or_sobol_design_starts_with_the_shorter_one() {
     }
 }
 
-/// Root-mean-square error of the sample mean of f over 40 designs; E f = 0.
+/// Returns the root-mean-square error of the sample mean of f over 40 designs; E f = 0.
 fn rms_error(method: SamplingMethod, samples: usize, f: impl Fn(&[f64]) -> f64) -> f64 {
     let squares: f64 = (0..40)
         .map(|seed| {

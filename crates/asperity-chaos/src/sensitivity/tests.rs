@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use super::*;
 use crate::{Basis, Design, Family, MultiIndexSet, RegressionError, SamplingMethod};
 
-/// Rows of a Monte Carlo design and the function's values there.
+/// Returns the rows of a Monte Carlo design and the values of the function there.
 fn sampled(families: &[Family], samples: usize, seed: u64, f: impl Fn(&[f64]) -> f64) -> (Vec<Vec<f64>>, Vec<f64>) {
     let design = Design::new(SamplingMethod::MonteCarlo, seed, "indices", samples, families.len()).unwrap();
     let xi_samples: Vec<Vec<f64>> = (0..samples)
@@ -24,7 +24,7 @@ fn fitted(
     Expansion::fit(basis.clone(), &xi_samples, &values).map(|(expansion, _)| expansion)
 }
 
-/// Indices with 99 % intervals, and the relative leave-one-out error.
+/// Returns indices with 99 % intervals, and the relative leave-one-out error.
 fn estimated(basis: &Basis, xi_samples: &[Vec<f64>], values: &[f64], closed: &[&[usize]]) -> (IndexEstimates, f64) {
     let resamples = Resamples { count: 200, level: 0.99, seed: 4 };
     let estimates =
@@ -33,7 +33,7 @@ fn estimated(basis: &Basis, xi_samples: &[Vec<f64>], values: &[f64], closed: &[&
     (estimates, fit.leave_one_out.relative_error.unwrap())
 }
 
-/// Whether a value lies within an interval widened by the share of the variance that the terms leave out.
+/// Asserts that a value lies within an interval widened by the variance fraction that the terms leave out.
 fn assert_held(name: &str, estimates: &[Estimate], truths: &[f64], truncation: f64) {
     for (variable, (estimate, truth)) in estimates.iter().zip(truths).enumerate() {
         let Interval { low, high } = estimate.interval;
@@ -57,11 +57,11 @@ fn ishigami_lies_within_its_intervals() {
     assert_held("closed", &estimates.closed, &[0.557_588_86], truncation);
 }
 
-/// V_u/V of the Sobol' g function, for terms of total degree 4 alone or for all of it.
+/// Returns V_u/V of the Sobol' g function, for terms of total degree 4 alone or for the whole function.
 ///
-/// Of the variance 1/3 of 2|x| − 1 the Legendre polynomials of degree 2 and 4 hold 15/16 and 3/64.
+/// The Legendre polynomials of degree 2 and 4 contain 15/16 and 3/64 of the variance 1/3 of 2|x| − 1.
 fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
-    let shares = [(0_usize, 1.0), (2, 15.0 / 16.0 / 3.0), (4, 3.0 / 64.0 / 3.0)];
+    let fractions = [(0_usize, 1.0), (2, 15.0 / 16.0 / 3.0), (4, 3.0 / 64.0 / 3.0)];
     let part = {
         let a = a.to_vec();
         move |subset: usize| -> f64 {
@@ -71,7 +71,7 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
                 return active.iter().map(|w| w / 3.0).product();
             }
             (0..3_usize.pow(active.len() as u32))
-                .map(|code| (0..active.len()).map(|k| shares[code / 3_usize.pow(k as u32) % 3]).collect::<Vec<_>>())
+                .map(|code| (0..active.len()).map(|k| fractions[code / 3_usize.pow(k as u32) % 3]).collect::<Vec<_>>())
                 .filter(|choice| choice.iter().all(|s| s.0 > 0) && choice.iter().map(|s| s.0).sum::<usize>() <= 4)
                 .map(|choice| choice.iter().zip(&active).map(|(s, w)| s.1 * w).product::<f64>())
                 .sum()
@@ -86,7 +86,7 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
 fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
     let a = [0.0, 1.0, 4.5, 9.0];
     let (exact, projected) = (sobol_g_parts(&a, false), sobol_g_parts(&a, true));
-    // Without the four variables of a = 99, which hold 3e-4.
+    // Without the four variables of a = 99, which contribute 3e-4.
     assert!((exact(1) - 0.716_192_169).abs() < 5e-4 && (exact(2) - 0.179_048_042).abs() < 5e-4);
     let basis = Basis::new(MultiIndexSet::total_degree(4, 4).unwrap(), vec![Family::Legendre; 4]).unwrap();
     let g = |x: &[f64]| x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product();
@@ -104,7 +104,7 @@ fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
         }
         held += usize::from(estimates.closed[0].interval.contains(projected(1) + projected(2) + projected(3)));
     }
-    // 125 intervals, those of a data set dependent; 119 expected.
+    // 125 intervals, dependent within a data set; 119 are expected to contain the truth.
     assert!(held >= 106, "{held} of 125 intervals hold the index of the truncated function");
 }
 

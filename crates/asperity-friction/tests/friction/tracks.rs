@@ -8,7 +8,7 @@ use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::{Family, fit};
 use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::random;
-use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
+use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, fraction_above};
 use asperity_friction::statistics::FrictionStatistics;
 use asperity_friction::strip::Record;
 
@@ -81,7 +81,7 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
         same_estimate(a.skewness, b.skewness, "skewness");
         same_estimate(a.excess_kurtosis, b.excess_kurtosis, "kurtosis");
         close(a.effective_size, b.effective_size, "effective size");
-        let share = |records: &[&[f64]], layout: Layout| share_above(records, 0.5, layout).1;
+        let share = |records: &[&[f64]], layout: Layout| fraction_above(records, 0.5, layout).1;
         same_estimate(share(&single, periodic.into()), share(&copies, layout(periodic)), "share");
         let family = Family::Beta { low: 0.0, high: 1.0 };
         let parameters =

@@ -22,7 +22,7 @@ fn small_comparison() -> MethodComparison {
     }
 }
 
-/// A faint wave that rides on a normal mean height is in full contact or in none, and a periodic half-space answers
+/// Returns a faint wave that rides on a normal mean height is in full contact or in none, and a periodic half-space answers
 /// its mean overlap by p = (ξσ − d)/K₀: the distribution of the pressure is known.
 fn shifted_wave(plane_m: f64, check: impl Fn(&Problem<'_>, &dyn Fn(f64) -> f64)) {
     let (std_m, compliance) = (2e-6, 4e-15);
@@ -51,7 +51,7 @@ fn every_sampler_finds_the_known_distribution_of_a_shifted_wave() {
             let error = estimate.contact_probability - (1.0 - cdf(0.0));
             assert!(error.abs() < 4.0 * estimate.contact_probability_se, "{} {error:.4}", method.name());
         }
-        // In one variable every one of the ten designs of twelve puts the atom in its place to within one stratum.
+        // In one variable every one of the ten designs of twelve puts the point mass in its place to within one stratum.
         for method in [Method::LatinHypercube, Method::Sobol] {
             let error = results.estimate(method).unwrap().0.contact_probability - (1.0 - cdf(0.0));
             assert!(error.abs() <= 1.0 / 12.0, "{} {error:.4}", method.name());
@@ -67,7 +67,7 @@ fn the_papers_expansion_finds_a_linear_pressure_and_counts_its_atom_twice() {
         let (estimate, _) = results.estimate(Method::PolynomialChaos).unwrap();
         // In contact p is exactly linear in ξ, up to the faint wave ...
         assert!(estimate.leave_one_out_error.unwrap() < 1e-8);
-        // ... but samples of Î¾ out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
+        // ... but samples of ξ out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
         let p = estimate.contact_probability;
         let wanted = 1.0 - p + p * cdf(0.0);
         let bound = 4.0 * p * (0.25_f64 / 20_000.0).sqrt() + 1e-3;
@@ -204,7 +204,7 @@ fn a_study_is_the_same_on_one_thread_and_on_two() {
 
 #[test]
 fn more_xi_variables_than_sobol_points_have_are_a_recorded_reason() {
-    /// A Î¾ whose tail is idle.
+    /// A ξ whose tail is idle.
     struct LongXi<'a>(&'a dyn RandomSurface);
     impl RandomSurface for LongXi<'_> {
         fn xi_len(&self) -> usize {
@@ -236,7 +236,7 @@ fn sizes_out_of_range_are_refused() {
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
     let error = MethodComparison { variables: 5, ..small_comparison() }.run(&problem, &Silent).unwrap_err();
     assert!(matches!(error, PressureError::Parameter { parameter: "variables", .. }));
-    let error = MethodComparison { valid_share: 0.0, ..small_comparison() }.run(&problem, &Silent).unwrap_err();
+    let error = MethodComparison { valid_fraction: 0.0, ..small_comparison() }.run(&problem, &Silent).unwrap_err();
     assert!(matches!(error, PressureError::Parameter { parameter: "valid_share", .. }));
 }
 
@@ -297,7 +297,7 @@ fn the_stiffness_is_one_more_scalar_and_changes_nothing_else() {
     let plain = DiscreteDistribution::empirical(&values).unwrap();
     let se = stiffness.mean_se.hypot(plain.std() / (values.len() as f64).sqrt());
     assert!((stiffness.mean - plain.mean()).abs() < 4.0 * se, "{} {} ± {se}", stiffness.mean, plain.mean());
-    // CoarseModel grids and the Î¾ say something of it.
+    // CoarseModel grids and the ξ say something of it.
     assert!(stiffness.mean_se < 0.9 * plain.std() / 200.0_f64.sqrt(), "{} {}", stiffness.mean_se, plain.std());
     let rest: Vec<ScalarResult> =
         with.scalars.iter().filter(|scalar| scalar.quantity != Quantity::Stiffness).cloned().collect();

@@ -33,7 +33,7 @@ fn a_polynomial_pressure_is_recovered_exactly() {
     let (estimate, truth) = estimate_of(Response::Pressure, pressure, 120, basis).unwrap();
     assert!(estimate.leave_one_out_error.unwrap() < 1e-20);
     assert!(distance::wasserstein_1(&estimate.distribution, &truth) < 1e-10);
-    // All that is left is the choice of 3,000 fresh samples of Î¾.
+    // All that is left is the choice of 3,000 fresh samples of ξ.
     let evaluations = truth.std() / 3000.0_f64.sqrt();
     // Whose spread is taken from 120 samples, of a relative standard error of 1/√240 = 6 % at normal spread.
     assert!((estimate.mean_se_pa / evaluations - 1.0).abs() < 0.3, "{} {evaluations}", estimate.mean_se_pa);
@@ -81,7 +81,7 @@ fn an_exponent_beyond_the_largest_number_is_a_reason_not_a_pressure() {
 
 #[test]
 fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the_hardness() {
-    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh samples of Î¾ it exceeds
+    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh samples of ξ it exceeds
     // the hardness with probability Φ(−1.5).
     let hardness = 21.5_f64.exp();
     let fine: Vec<Vec<f64>> = (0..80).map(|i| vec![-1.4 + 2.8 * f64::from(i) / 79.0]).collect();
@@ -91,7 +91,7 @@ fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the
     let basis = Basis::hermite(1, 1).unwrap();
     let found = estimate(Response::Logarithm, &fine, training, basis, &fresh, 1).unwrap();
     assert_eq!(found.distribution.quantile(1.0), hardness);
-    // The fresh samples of Î¾ are stratified: each share is met to one stratum.
+    // The fresh samples of ξ are stratified: each share is met to one stratum.
     let beyond = standard_normal_cdf(-1.5);
     assert!(
         (1.0 - found.distribution.cdf_left(hardness) - beyond).abs() < 2.0 / 20_000.0,

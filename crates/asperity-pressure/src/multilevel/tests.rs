@@ -24,11 +24,11 @@ fn settings(seed: u64, least: f64) -> Settings {
     Settings { seed, degree: 2, fitted: true, least, largest: f64::INFINITY }
 }
 
-/// Share of truths inside their intervals, told with its name.
+/// Returns the fraction of truths inside their intervals, told with its name.
 fn covered(name: &str, inside: &[bool]) -> f64 {
-    let share = inside.iter().filter(|inside| **inside).count() as f64 / inside.len() as f64;
-    println!("{name}: {:.1} % of {}", 100.0 * share, inside.len());
-    share
+    let fraction = inside.iter().filter(|inside| **inside).count() as f64 / inside.len() as f64;
+    println!("{name}: {:.1} % of {}", 100.0 * fraction, inside.len());
+    fraction
 }
 
 #[test]
@@ -57,9 +57,9 @@ fn models_at_their_word_give_the_telescoping_sum() {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let [first, second] = [&nested.models[0], &nested.models[1]];
     assert!((found.mean - (mean(second) - mean(&first[..fine]) + mean(first))).abs() < 1e-12);
-    let share = |values: &[f64], t: f64| values.iter().filter(|q| **q <= t).count() as f64 / values.len() as f64;
+    let fraction = |values: &[f64], t: f64| values.iter().filter(|q| **q <= t).count() as f64 / values.len() as f64;
     for (t, cdf) in found.band.values.iter().zip(&found.band.cdf) {
-        let wanted = share(second, *t) - share(&first[..fine], *t) + share(first, *t);
+        let wanted = fraction(second, *t) - fraction(&first[..fine], *t) + fraction(first, *t);
         assert!((cdf - wanted).abs() < 1e-12, "{t}: {cdf} {wanted}");
     }
 }
@@ -94,9 +94,9 @@ fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
         .collect();
     let names = ["P(contact)", "mean", "10 % quantile", "median", "90 % quantile", "simultaneous band"];
     for (k, name) in names.iter().enumerate() {
-        let share = covered(name, &rows.iter().map(|row| row.0[k]).collect::<Vec<_>>());
-        // A share of .95 has a standard error of .007.
-        assert!(share >= 0.93 && (k == 5 || share <= 0.97), "{name}: {share}");
+        let fraction = covered(name, &rows.iter().map(|row| row.0[k]).collect::<Vec<_>>());
+        // A fraction of .95 has a standard error of .007.
+        assert!(fraction >= 0.93 && (k == 5 || fraction <= 0.97), "{name}: {fraction}");
     }
     let rms = |k: usize| (rows.iter().map(|row| row.1[k].powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
     assert!((rms(0) / rms(1) - 1.0).abs() < 0.1, "{} {}", rms(0), rms(1));

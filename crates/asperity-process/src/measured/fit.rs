@@ -153,7 +153,7 @@ fn correlate(
 fn std_ratio(fit: &LengthFit) -> f64 {
     let window = WindowedModel::new(fit.model, fit.window_m).with_cells(fit.cell_m);
     let left = if fit.length_m > 0.0 { window.covariance(0.0, fit.length_m) } else { 1.0 };
-    ((1.0 - fit.noise_share) / left).sqrt()
+    ((1.0 - fit.noise_fraction) / left).sqrt()
 }
 
 /// Returns moments whose intervals account for the fitted correlation if the record is short.
@@ -165,7 +165,7 @@ fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthF
         return moments;
     }
     let window = WindowedModel::new(fit.model, fit.window_m).with_cells(fit.cell_m);
-    let fraction = 1.0 - fit.noise_share;
+    let fraction = 1.0 - fit.noise_fraction;
     let rho = |lag: usize| match lag {
         0 => 1.0,
         _ => fraction * window.correlation(lag as f64 * step_m, fit.length_m),
@@ -358,10 +358,10 @@ fn notes_on(
 ) -> Vec<String> {
     let mut notes = Vec::new();
     let whole = narrowed_to_per_m.is_none();
-    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_share > 0.0) {
+    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_fraction > 0.0) {
         notes.push(format!(
             "white noise is {:.2} % ({:.2} to {:.2} %) of the variance; the correlation length excludes it",
-            100.0 * fit.noise_share,
+            100.0 * fit.noise_fraction,
             100.0 * interval.low,
             100.0 * interval.high
         ));

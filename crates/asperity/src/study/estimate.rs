@@ -93,7 +93,7 @@ impl Study {
             let plan = cutoff::Plan::new(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
-            // On every thread a solver, a Î¾, a map and its transform.
+            // On every thread a solver, a ξ, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
                 let cells = nx.saturating_mul(ny);
                 threads as f64 * (memory_bytes(cells) + cells as f64 * 4.0 * DOUBLE_BYTES)

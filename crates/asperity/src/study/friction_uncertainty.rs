@@ -217,7 +217,7 @@ fn response(name: &'static str, propagation: &Propagation, found: &Propagated) -
         interval: Some(pair(found.band())),
         loo_error: Some(found.leave_one_out),
         noise_standard_error: Some(found.noise.standard_error),
-        noise_share: Some(found.noise.variance_share.min(1.0)),
+        noise_share: Some(found.noise.variance_fraction.min(1.0)),
         sobol,
         reason: found.indices.as_ref().err().map(ToString::to_string),
     }

@@ -57,7 +57,7 @@ impl Specimen {
 
     /// Memory in byte that its generator and a map need, roughly.
     pub fn memory_bytes(&self) -> f64 {
-        // The covariance embedded in twice the width and height, in complex numbers, and the map with its Î¾.
+        // The covariance embedded in twice the width and height, in complex numbers, and the map with its ξ.
         const BYTES_PER_POINT: f64 = 4.0 * 16.0 + 3.0 * 8.0;
         BYTES_PER_POINT * self.points[0] as f64 * self.points[1] as f64
     }

@@ -116,7 +116,7 @@ impl StationaryCovariance for SurfaceCovariance {
     }
 }
 
-/// In which order a Î¾ stands for the waves of a spectral field.
+/// In which order a ξ stands for the waves of a spectral field.
 #[derive(Debug, Clone, Copy)]
 enum XiOrder {
     /// From the greatest variance.
@@ -258,7 +258,7 @@ impl SurfaceModel {
         self.strip_in(XiOrder::Variance, grid, periodic)
     }
 
-    /// The same with a Î¾ that means the same waves for every covariance, where the grid is periodic.
+    /// The same with a ξ that means the same waves for every covariance, where the grid is periodic.
     pub(super) fn comparable_strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         self.strip_in(XiOrder::Wavevector, grid, periodic)
     }

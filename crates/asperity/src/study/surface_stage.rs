@@ -344,7 +344,7 @@ pub(super) fn covariance_result(chosen: &Chosen) -> CovarianceResult {
 
 fn empirical_result(report: MeasuredReport) -> EmpiricalCovariance {
     EmpiricalCovariance {
-        mean_share: report.mean_share,
+        mean_share: report.mean_fraction,
         standard_error: report.standard_error,
         reliable_x_m: report.reliable_x_m,
         reliable_y_m: report.reliable_y_m,

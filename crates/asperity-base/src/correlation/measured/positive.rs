@@ -12,13 +12,13 @@ const TAIL: usize = 16;
 /// A correlation that is positive semi-definite, and how far it lies from what it was made of.
 pub(super) struct PositiveCorrelation {
     pub(super) spline: Spline,
-    /// Share of the variance in negative values of the spectrum.
+    /// Fraction of the variance in negative values of the spectrum.
     pub(super) clipped_variance: f64,
     /// Largest difference at any lag.
     pub(super) largest_change: f64,
 }
 
-/// The correlation k ⋆ k of the finite moving average k cut from the root of the [balanced](Rings::balance) spectrum of `lags`,
+/// Returns the correlation k ⋆ k of the finite moving average k cut from the root of the [balanced](Rings::balance) spectrum of `lags`,
 /// which is positive semi-definite on the whole lattice.
 ///
 /// Rows of `lags` are the lags 0 … R along y, columns −R … R along x, those of the other half plane being equal. `wavevector`
@@ -115,7 +115,7 @@ impl Beneath {
         self.spectrum.iter_mut().for_each(|value| *value /= variance);
     }
 
-    /// The correlation whose spectrum is multiplied by `factor` of the wavevector in radian per lag.
+    /// Returns the correlation whose spectrum is multiplied by `factor` of the wavevector in radian per lag.
     ///
     /// The spectrum is that of a periodic sequence. Cut at the end of the lags it would not be positive semi-definite, so its root
     /// is cut at half of them, as in [`made_positive`].
@@ -159,7 +159,7 @@ impl<'a> Rings<'a> {
         Self { torus, wavenumbers, fields, count }
     }
 
-    /// Sums over the fields of a function of the wavenumber and the value.
+    /// Returns the sums over the fields of a function of the wavenumber and the value.
     fn sums(&self, spectrum: &[Complex64], part: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.count * SECTORS];
         for (place, (value, field)) in spectrum.iter().zip(&self.fields).enumerate() {
@@ -216,7 +216,7 @@ struct Torus {
 }
 
 impl Torus {
-    /// A torus on which `lags_x` × `lags_y` lags and the tails of their spline do not meet.
+    /// Creates a torus on which `lags_x` × `lags_y` lags and the tails of their spline do not meet.
     fn new(lags_x: usize, lags_y: usize) -> Self {
         Self { fft: RealFft2::new(good_length(lags_x + 2 * TAIL), good_length(lags_y + 2 * TAIL)) }
     }
@@ -226,7 +226,7 @@ impl Torus {
         (y.rem_euclid(ny) * nx + x.rem_euclid(nx)) as usize
     }
 
-    /// Spectrum of a sequence on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
+    /// Returns the spectrum of a sequence on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
     fn spectrum(&self, reach_x: isize, reach_y: isize, value: impl Fn(isize, isize) -> f64) -> Vec<Complex64> {
         let mut values = vec![0.0; self.fft.nx() * self.fft.ny()];
         for y in -reach_y..=reach_y {
@@ -239,7 +239,7 @@ impl Torus {
         spectrum
     }
 
-    /// Spectrum of k ⋆ k over its variance, k the sequence of the spectrum `root` on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
+    /// Returns the spectrum of k ⋆ k over its variance, k the sequence of the spectrum `root` on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
     fn factored(&self, root: Vec<Complex64>, reach_x: isize, reach_y: isize) -> Vec<Complex64> {
         let average = self.values(root);
         let mut spectrum = self.spectrum(reach_x, reach_y, |x, y| average[self.place(x, y)]);
@@ -261,7 +261,7 @@ impl Torus {
         self.fft.multiplicity(place / self.fft.ny())
     }
 
-    /// A function of the wavevector of a place of the spectrum. A wavevector on the edge of the zone is its own opposite along
+    /// Returns a function of the wavevector of a place of the spectrum. A wavevector on the edge of the zone is its own opposite along
     /// that axis, and counts as the one of the shorter image.
     fn wavevector(&self, place: usize, image: impl Fn(f64, f64) -> (f64, f64)) -> (f64, f64) {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
@@ -275,13 +275,13 @@ impl Torus {
         if (2 * kx == nx || 2 * ky == ny) && is_shorter { other } else { own }
     }
 
-    /// Mean of a function of the spectrum over all wavevectors.
+    /// Returns the mean of a function of the spectrum over all wavevectors.
     fn sum(&self, spectrum: &[Complex64], part: impl Fn(&Complex64) -> f64) -> f64 {
         let weighted = spectrum.iter().enumerate().map(|(place, value)| self.multiplicity(place) * part(value));
         weighted.sum::<f64>() / (self.fft.nx() * self.fft.ny()) as f64
     }
 
-    /// The cubic spline through the sequence of this spectrum: its coefficients have the spectrum divided by that of the
+    /// Returns the cubic spline through the sequence of this spectrum: its coefficients have the spectrum divided by that of the
     /// B-spline's samples ⅙, ⅔, ⅙, which is (2 + cos ω)/3 along each axis.
     fn spline(&self, mut spectrum: Vec<Complex64>, reach_x: usize, reach_y: usize) -> Spline {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
@@ -304,12 +304,12 @@ pub(super) struct Spline {
 }
 
 impl Spline {
-    /// Lags in points beyond which the spline is zero.
+    /// Returns the lags in points beyond which the spline is zero.
     pub(super) fn reach(&self) -> (usize, usize) {
         (self.coefficients.ncols() / 2 + 2, self.coefficients.nrows() / 2 + 2)
     }
 
-    /// Value at a lag in points.
+    /// Returns the value at a lag in points.
     pub(super) fn value(&self, x: f64, y: f64) -> f64 {
         let (rows, columns) = self.coefficients.dim();
         let (first_column, along_x) = weights(x, columns);
@@ -326,7 +326,7 @@ impl Spline {
     }
 }
 
-/// The first of the four coefficients of `n` that meet at a position, and their weights.
+/// Returns the first of the four coefficients of `n` that meet at a position, and their weights.
 fn weights(position: f64, n: usize) -> (i64, [f64; 4]) {
     // Positions far beyond either end are all alike, and would not fit an integer.
     let place = (position + (n / 2) as f64).clamp(-4.0, n as f64 + 4.0);

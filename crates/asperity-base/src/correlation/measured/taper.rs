@@ -17,9 +17,9 @@ const MARGIN: f64 = 1.5;
 const SECTORS: usize = 4;
 /// Standard deviations by which the mean square of a sector must exceed that of noise to count.
 const SIGNIFICANT: f64 = 4.0;
-/// Share of the map over which the squares that make up the noise are summed, and to which lags are used where they decay.
-const NOISE_SHARE: f64 = 0.25;
-const LARGEST_SHARE: f64 = 0.5;
+/// Fraction of the map over which the squares that make up the noise are summed, and to which lags are used where they decay.
+const NOISE_FRACTION: f64 = 0.25;
+const LARGEST_FRACTION: f64 = 0.5;
 
 /// The weight of a lag: 1 up to the reliable ones, falling to 0 at twice those; see [`super::MeasuredCovariance`].
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl Side {
         if self.open { bohman(s) } else { flat_top(s) }
     }
 
-    /// Largest lag in metre of weight 1, within `reliable_m`.
+    /// Returns the largest lag in metre of weight 1, within `reliable_m`.
     fn reliable_m(&self, reliable_m: f64) -> f64 {
         if self.open { 0.0 } else { reliable_m.min(0.5 * (self.limit + 1) as f64 * self.pitch_m) }
     }
@@ -63,7 +63,7 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    /// The lag in coordinates in which the ellipse is the unit circle.
+    /// Returns the lag in coordinates in which the ellipse is the unit circle.
     fn scaled(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
         ((self.xx * x_m + self.xy * y_m) / self.xx.sqrt(), across * y_m)
@@ -74,13 +74,13 @@ impl Ellipse {
         x.hypot(y)
     }
 
-    /// The wavevector in rad/m in the coordinates in which the ellipse is the unit circle, in radian per radius of the lobe.
+    /// Returns the wavevector in rad/m in the coordinates in which the ellipse is the unit circle, in radian per radius of the lobe.
     fn wavevector(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> (f64, f64) {
         let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
         (qx_rad_per_m / self.xx.sqrt(), (qy_rad_per_m - self.xy / self.xx * qx_rad_per_m) / across)
     }
 
-    /// Largest |x| and |y| at the radius 1.
+    /// Returns the largest |x| and |y| at the radius 1.
     fn half_widths_m(&self) -> (f64, f64) {
         let determinant = self.xx * self.yy - self.xy * self.xy;
         ((self.yy / determinant).sqrt(), (self.xx / determinant).sqrt())
@@ -91,10 +91,10 @@ impl Taper {
     pub(super) fn new(estimate: &Autocorrelation) -> Self {
         let grid = estimate.grid();
         let (reach_x, reach_y) = estimate.reach();
-        let share =
-            |n: usize, share: f64, reach: usize| ((share * n as f64).floor() as isize).max(1).min(reach as isize);
-        let near = (share(grid.nx(), NOISE_SHARE, reach_x), share(grid.ny(), NOISE_SHARE, reach_y));
-        let limit = (share(grid.nx(), LARGEST_SHARE, reach_x), share(grid.ny(), LARGEST_SHARE, reach_y));
+        let fraction =
+            |n: usize, fraction: f64, reach: usize| ((fraction * n as f64).floor() as isize).max(1).min(reach as isize);
+        let near = (fraction(grid.nx(), NOISE_FRACTION, reach_x), fraction(grid.ny(), NOISE_FRACTION, reach_y));
+        let limit = (fraction(grid.nx(), LARGEST_FRACTION, reach_x), fraction(grid.ny(), LARGEST_FRACTION, reach_y));
         // Σρ² over all lags, the number of lags over which the noise of the estimate is itself correlated.
         let squares: f64 = half_plane(near)
             .map(|(x, y)| (estimate.correlation(x, y), if y == 0 { 1.0 } else { 2.0 }))
@@ -116,13 +116,13 @@ impl Taper {
         }
     }
 
-    /// Weight of a lag in points.
+    /// Returns the weight of a lag in points.
     pub(super) fn weight(&self, lag_x: isize, lag_y: isize) -> f64 {
         let radius = self.ellipse.radius(lag_x as f64 * self.x.pitch_m, lag_y as f64 * self.y.pitch_m);
         self.x.weight(lag_x) * self.y.weight(lag_y) * flat_top(radius / (2.0 * self.reliable))
     }
 
-    /// Lags along x and y in points beyond which every weight is zero.
+    /// Returns the lags along x and y in points beyond which every weight is zero.
     pub(super) fn reach(&self) -> (usize, usize) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
         let reach = |half_width_m: f64, side: &Side| {
@@ -131,7 +131,7 @@ impl Taper {
         (reach(x_m, &self.x), reach(y_m, &self.y))
     }
 
-    /// A wavevector in radian per lag where ellipses like that of the central lobe are circles, in units of what the taper
+    /// Returns a wavevector in radian per lag where ellipses like that of the central lobe are circles, in units of what the taper
     /// resolves.
     pub(super) fn wavevector(&self, phase_x: f64, phase_y: f64) -> (f64, f64) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
@@ -141,13 +141,13 @@ impl Taper {
         (x * radius / PI, y * radius / PI)
     }
 
-    /// Largest lags along x and y of weight 1, in metre.
+    /// Returns the largest lags along x and y of weight 1, in metre.
     pub(super) fn reliable_m(&self) -> (f64, f64) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
         (self.x.reliable_m(self.reliable * x_m), self.y.reliable_m(self.reliable * y_m))
     }
 
-    /// Whether the correlation falls into its noise within the map, along x and along y.
+    /// Returns whether the correlation falls into its noise within the map, along x and along y.
     pub(super) fn decayed(&self) -> (bool, bool) {
         (!self.x.open, !self.y.open)
     }
@@ -157,24 +157,24 @@ impl Taper {
     }
 }
 
-/// 1 up to ½, 0 from 1 on; the step between has three continuous derivatives, so that it leaks little into high
+/// Returns 1 up to ½, 0 from 1 on; the step between has three continuous derivatives, so that it leaks little into high
 /// wavenumbers.
 fn flat_top(s: f64) -> f64 {
     let t = (2.0 - 2.0 * s).clamp(0.0, 1.0);
     t.powi(4) * (35.0 - 84.0 * t + 70.0 * t * t - 20.0 * t.powi(3))
 }
 
-/// Bohman's window, the correlation of half a cosine wave with itself: positive semi-definite.
+/// Returns Bohman's window, the correlation of half a cosine wave with itself: positive semi-definite.
 fn bohman(s: f64) -> f64 {
     if s < 1.0 { (1.0 - s) * (PI * s).cos() + (PI * s).sin() / PI } else { 0.0 }
 }
 
-/// Lags (x, y) with y ≥ 0 up to a limit.
+/// Returns the lags (x, y) with y ≥ 0 up to a limit.
 fn half_plane(limit: (isize, isize)) -> impl Iterator<Item = (isize, isize)> {
     (0..=limit.1).flat_map(move |y| (-limit.0..=limit.0).map(move |x| (x, y)))
 }
 
-/// Radius up to which lags count fully: [`MARGIN`] times that from which on the mean squares of rings are those of noise,
+/// Returns the radius up to which lags count fully: [`MARGIN`] times that from which on the mean squares of rings are those of noise,
 /// s² = Σρ²/N, or the lobe's.
 fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, squares: f64) -> f64 {
     let (dx_m, dy_m) = (estimate.grid().dx_m(), estimate.grid().dy_m());

@@ -16,17 +16,17 @@ pub struct RecordBand {
 }
 
 impl RecordBand {
-    /// Lowest frequency with filters.
+    /// Returns the lowest frequency with filters.
     pub(super) fn low_per_m(&self) -> f64 {
         self.lowest_per_m.max(self.high_pass_m.map_or(0.0, f64::recip))
     }
 
-    /// Highest frequency with filters, `open_per_m` where none is stated.
+    /// Returns the highest frequency with filters, `open_per_m` where none is stated.
     pub(super) fn high_per_m(&self, open_per_m: f64) -> f64 {
         self.highest_per_m.unwrap_or(open_per_m).min(self.low_pass_m.map_or(f64::INFINITY, f64::recip))
     }
 
-    /// Share of the power that the filters leave at a frequency.
+    /// Returns the fraction of the power that the filters leave at a frequency.
     pub(super) fn passed(&self, frequency_per_m: f64) -> f64 {
         let mean_line = |cutoff_m: f64| (-(cutoff_m * frequency_per_m).powi(2)).exp2();
         let low = self.low_pass_m.map_or(1.0, |cutoff_m| mean_line(cutoff_m).powi(2));

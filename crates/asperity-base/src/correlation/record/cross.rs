@@ -26,7 +26,7 @@ pub struct CrossCorrelation {
     pub pieces: usize,
 }
 
-/// Correlation of the pairs of records, so many lanes to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
+/// Returns the correlation of the pairs of records, so many lanes to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
 ///
 /// # Errors
 /// A step that is not positive, fewer than four pairs, or a quantity that does not vary.

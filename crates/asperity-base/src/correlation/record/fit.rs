@@ -5,7 +5,7 @@ use crate::correlation::estimate::EstimateError;
 use crate::numeric::{Range, least_squares};
 use crate::stats::{Interval, Moments, student_quantile};
 
-/// Most parts of the jackknife, the least, and the least length of one in fitted lengths.
+/// Maximum number of parts of the jackknife, the least, and the least length of one in fitted lengths.
 const MOST_PARTS: usize = 20;
 const LEAST_PARTS: usize = 4;
 const LENGTHS_PER_PART: f64 = 10.0;
@@ -43,7 +43,7 @@ pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<Reco
     Ok(RecordFit { model, length_m: found[0], misfit: sum.sqrt() })
 }
 
-/// 95 % interval of the ℓ that [`fit_record`] finds in `records`, by the jackknife with Student's quantile: over the strips of
+/// Returns 95 % interval of the ℓ that [`fit_record`] finds in `records`, by the jackknife with Student's quantile: over the strips of
 /// so many lanes each, or over pieces of them at least ten lengths long where they are fewer than twenty. `None` with fewer than
 /// four parts.
 pub fn fitted_length_interval(

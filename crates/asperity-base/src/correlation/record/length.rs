@@ -48,7 +48,7 @@ pub struct LackOfFit {
 }
 
 impl LackOfFit {
-    /// Whether the model is refused at 1 %.
+    /// Returns whether the model is refused at 1 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.01
     }
@@ -69,8 +69,8 @@ pub struct LengthFit {
     pub cell_m: f64,
     /// Standard deviation under the narrowest window, without noise and filters, in the unit of the records.
     pub std: f64,
-    /// Share of white noise in the variance of the values; 0 where none was looked for.
-    pub noise_share: f64,
+    /// Fraction of white noise in the variance of the values; 0 where none was looked for.
+    pub noise_fraction: f64,
     /// Its interval; none where none was looked for.
     pub noise_interval: Option<Interval>,
     /// Whether the model fits; none where there are too few wavenumbers to tell.
@@ -113,11 +113,11 @@ pub fn fit_length(
     let noise_at = |length_m: f64| likelihood.profile(length_m, settings.noise);
     let curve = |length_m: f64| noise_at(length_m).1;
     let (length_m, least) = minimum(&curve, low_m, high_m);
-    let (noise_share, _) = noise_at(length_m);
+    let (noise_fraction, _) = noise_at(length_m);
     let narrowest = narrowest(channels);
     let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
     let theory = likelihood.spread();
-    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_share, narrowest.lanes));
+    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.lanes));
     let (dispersion, lanes_alike, freedom, count) = match scattered {
         Some((found, lanes_alike, count)) => {
             let own = count as f64 - 1.0;
@@ -131,7 +131,7 @@ pub fn fit_length(
         low: if length_m == 0.0 { 0.0 } else { lower_end(&curve, bound, low_m, length_m) },
         high: crossing(&curve, bound, length_m.max(low_m), high_m),
     };
-    let tangent = likelihood.tangent(length_m, noise_share);
+    let tangent = likelihood.tangent(length_m, noise_fraction);
     // Skewed records scatter more than theory, as their scores do.
     let lack_of_fit =
         tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
@@ -139,8 +139,8 @@ pub fn fit_length(
             Some(LackOfFit { statistic, degrees_of_freedom, p_value: marginal.sf(statistic.max(0.0)) })
         });
     let noise_interval = settings.noise.then(|| {
-        let reach = tangent.noise_variance(noise_share).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
-        Interval { low: (noise_share - reach).max(0.0), high: (noise_share + reach).min(1.0) }
+        let reach = tangent.noise_variance(noise_fraction).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
+        Interval { low: (noise_fraction - reach).max(0.0), high: (noise_fraction + reach).min(1.0) }
     });
     Ok(LengthFit {
         model,
@@ -148,8 +148,8 @@ pub fn fit_length(
         interval,
         window_m: narrowest.window_m,
         cell_m: narrowest.cell_m,
-        std: (tangent.variance() * (1.0 - noise_share)).sqrt(),
-        noise_share,
+        std: (tangent.variance() * (1.0 - noise_fraction)).sqrt(),
+        noise_fraction,
         noise_interval,
         lack_of_fit,
         log_likelihood: -least,
@@ -159,7 +159,7 @@ pub fn fit_length(
     })
 }
 
-/// −ln L of a model where it is least, without the rest of [`fit_length`]; infinite where it cannot be fitted.
+/// Returns −ln L of a model where it is least, without the rest of [`fit_length`]; infinite where it cannot be fitted.
 pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings: LengthSettings) -> f64 {
     let channels = std::slice::from_ref(channel);
     let shape = WindowedModel::new(model, 0.0).with_cells(channel.cell_m);
@@ -188,7 +188,7 @@ fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
     if channels.is_empty() { Err(EstimateError::Nothing) } else { Ok(()) }
 }
 
-/// The channel of the narrowest window, which says nearly everything that the others say.
+/// Returns the channel of the narrowest window, which says nearly everything that the others say.
 pub(super) fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords<'a> {
     let less = |a: &'b WindowedRecords<'a>, b: &'b WindowedRecords<'a>| if b.window_m < a.window_m { b } else { a };
     channels.iter().fold(&channels[0], less)
@@ -201,7 +201,7 @@ fn range_m(channels: &[WindowedRecords<'_>]) -> (f64, f64) {
     (0.02 * finest, longest)
 }
 
-/// The minimum of −ln L over ℓ: a coarse scan of ln ℓ and golden sections; 0 if that is as good.
+/// Returns the minimum of −ln L over ℓ: a coarse scan of ln ℓ and golden sections; 0 if that is as good.
 fn minimum(curve: &dyn Fn(f64) -> f64, low_m: f64, high_m: f64) -> (f64, f64) {
     let factor: f64 = 2.0;
     let steps = ((high_m / low_m).ln() / factor.ln()).ceil() as i32;
@@ -293,13 +293,13 @@ impl Pieces {
         (count > 1).then_some(Self { likelihood, places, count })
     }
 
-    /// −ln L of every piece.
+    /// Returns −ln L of every piece.
     pub(super) fn negative_logs(&self, length_m: f64, noise: f64) -> Vec<f64> {
         let spectra = self.likelihood.with_noise(&self.likelihood.spectra(length_m), noise);
         self.by_place(&self.likelihood.negative_log_by_owner(&spectra, self.places.len()))
     }
 
-    /// Variance of the pieces' scores over their information, how many lanes say the same, and the number of pieces.
+    /// Returns the variance of the pieces' scores over their information, how many lanes say the same, and the number of pieces.
     fn dispersion(&self, length_m: f64, noise: f64, lanes: usize) -> Option<(f64, f64, usize)> {
         let (scores, information) = self.likelihood.tangent(length_m, noise).scores(self.places.len());
         let of = |scores: &[f64]| {
@@ -311,7 +311,7 @@ impl Pieces {
         (found.is_finite() && alike.is_finite()).then_some((found, alike, self.count))
     }
 
-    /// Sums over the lanes of every piece.
+    /// Returns the sums over the lanes of every piece.
     fn by_place(&self, of_records: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.count];
         self.places.iter().zip(of_records).for_each(|(place, value)| sums[*place] += value);
@@ -324,7 +324,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Means over `window` cells, step by step, of a process with correlation e^{−s/ℓ} from cell to cell.
+    /// Returns the means over `window` cells, step by step, of a process with correlation e^{−s/ℓ} from cell to cell.
     fn averaged(length: f64, window: usize, step: usize, cells: usize, index: u64) -> Vec<f64> {
         let phi = if length > 0.0 { (-1.0 / length).exp() } else { 0.0 };
         let noise = random::standard_normal(&mut random::stream(41, "length", index), cells);

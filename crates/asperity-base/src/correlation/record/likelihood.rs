@@ -10,7 +10,7 @@ use crate::stats::{Moments, lag_sums};
 
 /// Shortest record that has a spectrum.
 const SHORTEST: usize = 8;
-/// Least and largest share of noise that is tried.
+/// Least and largest fraction of noise that is tried.
 const NOISE: (f64, f64) = (1e-6, 0.98);
 
 /// What lies beyond the ends of a record.
@@ -39,7 +39,7 @@ pub struct WindowedRecords<'a> {
 }
 
 impl WindowedRecords<'_> {
-    /// Length of the longest record in metre.
+    /// Returns the length of the longest record in metre.
     pub(super) fn longest_m(&self) -> f64 {
         self.records.iter().map(|record| record.len()).max().unwrap_or(0) as f64 * self.step_m
     }
@@ -54,9 +54,9 @@ impl WindowedRecords<'_> {
     }
 }
 
-/// The taper of a record: of a free one a cosine over `share` of the values at either end, of a periodic one none.
-pub(super) fn taper(n: usize, ends: RecordEnds, share: f64) -> Vec<f64> {
-    let ramp = share * n as f64;
+/// Returns the taper of a record: of a free one a cosine over `share` of the values at either end, of a periodic one none.
+pub(super) fn taper(n: usize, ends: RecordEnds, fraction: f64) -> Vec<f64> {
+    let ramp = fraction * n as f64;
     let at = |i: usize| {
         let from_end = (i.min(n - 1 - i) as f64 + 0.5) / ramp;
         if ends == RecordEnds::Periodic || from_end >= 1.0 { 1.0 } else { 0.5 - 0.5 * (PI * from_end).cos() }
@@ -64,7 +64,7 @@ pub(super) fn taper(n: usize, ends: RecordEnds, share: f64) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// The record less `mean` times its taper, missing values as zeros; and the weights that are left.
+/// Returns the record less `mean` times its taper, missing values as zeros; and the weights that are left.
 pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Vec<f64>) {
     let pairs = || record.iter().zip(taper);
     let weights = pairs().map(|(value, weight)| if value.is_finite() { *weight } else { 0.0 });
@@ -82,8 +82,8 @@ pub(super) struct Group {
     /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; none for periodic records, where it is 1.
     lag_weights: Vec<f64>,
     /// How much each of the wavenumbers 1, 2, … counts.
-    pub(super) shares: Vec<f64>,
-    /// Share of the power that filters leave of each; 1 where it does not count.
+    pub(super) fractions: Vec<f64>,
+    /// Fraction of the power that filters leave of each; 1 where it does not count.
     passed: Vec<f64>,
     /// Variance of a periodogram ordinate of the taper over that of independent ones.
     spread: f64,
@@ -95,10 +95,10 @@ impl Group {
     fn periodogram(&self, values: &[f64], squares: f64) -> Vec<f64> {
         let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
         self.plan.forward(values, &mut spectrum, &mut work);
-        spectrum[1..=self.shares.len()].iter().map(|value| self.step_m * value.norm_sqr() / squares).collect()
+        spectrum[1..=self.fractions.len()].iter().map(|value| self.step_m * value.norm_sqr() / squares).collect()
     }
 
-    /// The periodogram that is expected for the length ℓ, where the process has the given variance at a point.
+    /// Returns the periodogram that is expected for the length ℓ, where the process has the given variance at a point.
     fn expected(&self, length_m: f64, variance: impl Fn(&WindowedModel, f64) -> f64) -> Vec<f64> {
         let n = self.n;
         let covariance = |lag: usize| variance(&self.window, lag as f64 * self.step_m);
@@ -130,7 +130,7 @@ impl Group {
         }
         let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
         self.plan.forward(&folded, &mut spectrum, &mut work);
-        spectrum[1..=self.shares.len()]
+        spectrum[1..=self.fractions.len()]
             .iter()
             .zip(&self.passed)
             .map(|(v, passed)| self.step_m * v.re * passed)
@@ -151,9 +151,9 @@ impl Group {
 /// mean, is left out.
 ///
 /// A window keeps nothing at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are left out. Where
-/// several windows show a wavenumber, each of them counts with its share of one: windows on the same strip say the same.
+/// several windows show a wavenumber, each of them counts with its fraction of one: windows on the same strip say the same.
 ///
-/// White noise of the values themselves, of the share η of their variance, adds a floor: E = (1 − η) E_process + η Δ.
+/// White noise of the values themselves, of the fraction η of their variance, adds a floor: E = (1 − η) E_process + η Δ.
 pub(super) struct Likelihood {
     pub(super) groups: Vec<Group>,
     narrowest: WindowedModel,
@@ -165,7 +165,7 @@ pub(super) struct Spectra(pub(super) Vec<Vec<f64>>);
 impl Likelihood {
     /// Highest frequency that is used, in units of 1/W: there the window leaves 4/π² of the power.
     pub(super) const BAND: f64 = 0.5;
-    /// Share of a free record that its taper lowers at either end.
+    /// Fraction of a free record that its taper lowers at either end.
     pub(super) const TAPER: f64 = 0.1;
 
     /// Of records under one or more windows; `owners` numbers the records of every channel. `None` where fewer than three
@@ -214,7 +214,7 @@ impl Likelihood {
                     let used = |k: &usize| *k as f64 * step_per_m >= lowest;
                     let passed = |k: usize| if used(&k) { band.passed(k as f64 * step_per_m) } else { 1.0 };
                     let fourth: f64 = weights.iter().map(|w| w.powi(4)).sum();
-                    let share = |k: usize| {
+                    let fraction = |k: usize| {
                         let frequency = k as f64 * step_per_m;
                         if !used(&k) {
                             return 0.0;
@@ -229,7 +229,7 @@ impl Likelihood {
                         ends: if periodic { RecordEnds::Periodic } else { RecordEnds::Free },
                         plan: RealFft2::new(n, 1),
                         lag_weights,
-                        shares: (1..=last).map(share).collect(),
+                        fractions: (1..=last).map(fraction).collect(),
                         passed: (1..=last).map(passed).collect(),
                         spread: n as f64 * fourth / (squares * squares),
                         powers: Vec::new(),
@@ -245,11 +245,11 @@ impl Likelihood {
                 }
             }
         }
-        let used: f64 = groups.iter().map(|g| g.shares.iter().sum::<f64>() * g.powers.len() as f64).sum();
+        let used: f64 = groups.iter().map(|g| g.fractions.iter().sum::<f64>() * g.powers.len() as f64).sum();
         (used >= 3.0).then(|| Self { groups, narrowest: model.with_window(narrowest_m) })
     }
 
-    /// Expected periodograms for the length ℓ ≥ 0 in metre.
+    /// Returns the expected periodograms for the length ℓ ≥ 0 in metre.
     pub(super) fn spectra(&self, length_m: f64) -> Spectra {
         let narrowest_m = self.narrowest.window_m();
         // Uncorrelated values leave a variance ∝ 1/W.
@@ -257,8 +257,8 @@ impl Likelihood {
         let unit = if alone { 1.0 } else { self.narrowest.covariance(0.0, length_m) };
         let variance = |window: &WindowedModel, lag_m: f64| {
             if alone {
-                let share = if narrowest_m > 0.0 { narrowest_m / window.window_m() } else { 1.0 };
-                share * window.correlation(lag_m, 0.0)
+                let fraction = if narrowest_m > 0.0 { narrowest_m / window.window_m() } else { 1.0 };
+                fraction * window.correlation(lag_m, 0.0)
             } else {
                 window.covariance(lag_m, length_m) / unit
             }
@@ -266,53 +266,53 @@ impl Likelihood {
         Spectra(self.groups.iter().map(|group| group.expected(length_m, variance)).collect())
     }
 
-    /// Weighted sum of I/E over the wavenumbers of all records, and that of one.
+    /// Returns the weighted sum of I/E over the wavenumbers of all records, and that of one.
     fn ratio_sums(&self, spectra: &Spectra) -> (f64, f64) {
         let (mut ratios, mut count) = (0.0, 0.0);
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
             for (_, power) in &group.powers {
-                for ((i, e), share) in power.iter().zip(expected).zip(&group.shares) {
-                    ratios += share * i / e;
-                    count += share;
+                for ((i, e), fraction) in power.iter().zip(expected).zip(&group.fractions) {
+                    ratios += fraction * i / e;
+                    count += fraction;
                 }
             }
         }
         (ratios, count)
     }
 
-    /// Variance under the narrowest window that suits the length best.
+    /// Returns the variance under the narrowest window that suits the length best.
     pub(super) fn variance(&self, spectra: &Spectra) -> f64 {
         let (ratios, count) = self.ratio_sums(spectra);
         ratios / count
     }
 
-    /// −ln L at a length, the variance being the best one.
+    /// Returns −ln L at a length, the variance being the best one.
     pub(super) fn negative_log(&self, spectra: &Spectra) -> f64 {
         let (ratios, count) = self.ratio_sums(spectra);
         let mut logs = 0.0;
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
-            let sum: f64 = expected.iter().zip(&group.shares).map(|(e, share)| share * e.ln()).sum();
+            let sum: f64 = expected.iter().zip(&group.fractions).map(|(e, fraction)| fraction * e.ln()).sum();
             logs += sum * group.powers.len() as f64;
         }
         count * ((ratios / count).ln() + 1.0) + logs
     }
 
-    /// −ln L of every owner's part at the variance that suits all best.
+    /// Returns −ln L of every owner's part at the variance that suits all best.
     pub(super) fn negative_log_by_owner(&self, spectra: &Spectra, owners: usize) -> Vec<f64> {
         let variance = self.variance(spectra);
         let mut parts = vec![0.0; owners];
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
             for (owner, power) in &group.powers {
-                for ((i, e), share) in power.iter().zip(expected).zip(&group.shares) {
+                for ((i, e), fraction) in power.iter().zip(expected).zip(&group.fractions) {
                     let e = variance * e;
-                    parts[*owner] += share * (e.ln() + i / e);
+                    parts[*owner] += fraction * (e.ln() + i / e);
                 }
             }
         }
         parts
     }
 
-    /// The spectra with a share of white noise in the variance of the values.
+    /// Returns the spectra with a fraction of white noise in the variance of the values.
     pub(super) fn with_noise(&self, spectra: &Spectra, noise: f64) -> Spectra {
         let mixed = |(group, expected): (&Group, &Vec<f64>)| {
             let floor = noise * group.step_m;
@@ -321,14 +321,14 @@ impl Likelihood {
         Spectra(self.groups.iter().zip(&spectra.0).map(mixed).collect())
     }
 
-    /// The share of noise that is most likely at a length, and −ln L there.
+    /// Returns the fraction of noise that is most likely at a length, and −ln L there.
     pub(super) fn best_noise(&self, spectra: &Spectra) -> (f64, f64) {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let at = |logit: f64| {
             let value = self.negative_log(&self.with_noise(spectra, 1.0 / (1.0 + (-logit).exp())));
             if value.is_nan() { f64::INFINITY } else { value }
         };
-        let logit = |share: f64| (share / (1.0 - share)).ln();
+        let logit = |fraction: f64| (fraction / (1.0 - fraction)).ln();
         let (low, high, parts) = (logit(NOISE.0), logit(NOISE.1), 9_i32);
         let place = |i: i32| low + (high - low) * f64::from(i) / f64::from(parts);
         let scanned: Vec<f64> = (0..=parts).map(|i| at(place(i))).collect();
@@ -352,15 +352,15 @@ impl Likelihood {
         if none <= found.1 + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.0).exp()), found.1) }
     }
 
-    /// The share of noise, 0 where none is looked for, and −ln L at a length; rounding may leave nothing of an expectation, which
+    /// Returns the fraction of noise, 0 where none is looked for, and −ln L at a length; rounding may leave nothing of an expectation, which
     /// makes it infinite.
     pub(super) fn profile(&self, length_m: f64, noise: bool) -> (f64, f64) {
         let spectra = self.spectra(length_m);
-        let (share, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
-        (share, if value.is_nan() { f64::INFINITY } else { value })
+        let (fraction, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
+        (fraction, if value.is_nan() { f64::INFINITY } else { value })
     }
 
-    /// The model at a length and a share of noise, with the directions in which its parameters move it.
+    /// Returns the model at a length and a fraction of noise, with the directions in which its parameters move it.
     pub(super) fn tangent(&self, length_m: f64, noise: f64) -> Tangent<'_> {
         let step: f64 = 1e-3;
         let at = |length_m: f64| self.with_noise(&self.spectra(length_m), noise);
@@ -384,9 +384,9 @@ impl Likelihood {
         Tangent { likelihood: self, expected, variance, directions }
     }
 
-    /// Variance of an ordinate's mean over that of independent ones.
+    /// Returns the variance of an ordinate's mean over that of independent ones.
     pub(super) fn spread(&self) -> f64 {
-        let weight = |group: &Group| group.powers.len() as f64 * group.shares.iter().sum::<f64>();
+        let weight = |group: &Group| group.powers.len() as f64 * group.fractions.iter().sum::<f64>();
         let all: f64 = self.groups.iter().map(weight).sum();
         self.groups.iter().map(|group| weight(group) * group.spread).sum::<f64>() / all
     }

@@ -8,7 +8,7 @@ use statrs::function::gamma::ln_gamma;
 use super::tail::TailTable;
 use crate::correlation::CorrelationModel;
 
-/// Windows shorter than this share of ℓ change nothing, and their second differences would be rounding.
+/// Windows shorter than this fraction of ℓ change nothing, and their second differences would be rounding.
 const NO_WINDOW: f64 = 1e-5;
 
 /// A correlation ρ_0(s; ℓ) of a stationary record.
@@ -32,7 +32,7 @@ impl RecordModel {
     pub const USUAL: [Self; 4] =
         [Self::Exponential, Self::SquaredExponential, Self::Matern { nu: 1.5 }, Self::Triangle];
 
-    /// Name of the model.
+    /// Returns the name of the model.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Exponential => "exponential",
@@ -42,17 +42,17 @@ impl RecordModel {
         }
     }
 
-    /// ρ_0 at a lag s ≥ 0, for the length ℓ > 0, both in metre.
+    /// Returns ρ_0 at a lag s ≥ 0, for the length ℓ > 0, both in metre.
     pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
         self.scaled(lag_m / length_m)
     }
 
-    /// ∫₀^∞ ρ_0 ds in metre, by which lengths of different models compare.
+    /// Returns ∫₀^∞ ρ_0 ds in metre, by which lengths of different models compare.
     pub fn integral_scale_m(&self, length_m: f64) -> f64 {
         self.integral() * length_m
     }
 
-    /// ρ_0 at r = s/ℓ.
+    /// Returns ρ_0 at r = s/ℓ.
     pub(super) fn scaled(&self, r: f64) -> f64 {
         match *self {
             Self::Triangle => (1.0 - r).max(0.0),
@@ -62,7 +62,7 @@ impl RecordModel {
         }
     }
 
-    /// ∫₀^∞ ρ_0 dr.
+    /// Returns ∫₀^∞ ρ_0 dr.
     fn integral(&self) -> f64 {
         match *self {
             Self::Exponential => 1.0,
@@ -97,7 +97,7 @@ pub struct WindowedModel {
 }
 
 impl WindowedModel {
-    /// A model under a window W ≥ 0 in metre; 0 is none.
+    /// Creates a model under a window W ≥ 0 in metre; 0 is none.
     ///
     /// # Panics
     /// If the window is negative or infinite, or ν lies outside [0.1, 20].
@@ -113,7 +113,7 @@ impl WindowedModel {
         Self { model, window_m, cell_m: 0.0, integral: model.integral(), table }
     }
 
-    /// The same under another window.
+    /// Returns the same under another window.
     ///
     /// # Panics
     /// If the window is negative or infinite.
@@ -123,7 +123,7 @@ impl WindowedModel {
         Self { window_m, ..self.clone() }
     }
 
-    /// The same with windows that are the mean of values `cell_m` apart; 0 makes them integrals. Lags are then rounded to whole
+    /// Returns the same with windows that are the mean of values `cell_m` apart; 0 makes them integrals. Lags are then rounded to whole
     /// cells.
     ///
     /// # Panics
@@ -134,17 +134,17 @@ impl WindowedModel {
         Self { cell_m, ..self.clone() }
     }
 
-    /// The model without window.
+    /// Returns the model without window.
     pub fn model(&self) -> RecordModel {
         self.model
     }
 
-    /// Window W in metre.
+    /// Returns the window W in metre.
     pub fn window_m(&self) -> f64 {
         self.window_m
     }
 
-    /// Correlation at a lag for the length ℓ ≥ 0, both in metre. ℓ = 0 leaves the triangle of the window, or no correlation
+    /// Returns the correlation at a lag for the length ℓ ≥ 0, both in metre. ℓ = 0 leaves the triangle of the window, or no correlation
     /// where there is no window.
     pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
         let lag_m = lag_m.abs();
@@ -156,8 +156,8 @@ impl WindowedModel {
         self.covariance(lag_m, length_m) / self.covariance(0.0, length_m)
     }
 
-    /// Covariance under the window at a lag where that of the process is ρ_0, for ℓ > 0, both in metre. At lag 0 it is the
-    /// share of the variance that the window leaves.
+    /// Returns the covariance under the window at a lag where that of the process is ρ_0, for ℓ > 0, both in metre. At lag 0 it is the
+    /// fraction of the variance that the window leaves.
     pub fn covariance(&self, lag_m: f64, length_m: f64) -> f64 {
         if self.cell_m > 0.0 && self.window_m > 0.0 {
             let cells = (self.window_m / self.cell_m).round().max(1.0);
@@ -171,7 +171,7 @@ impl WindowedModel {
         (kink + self.tail(t + a) + self.tail((t - a).abs()) - 2.0 * self.tail(t)) / (a * a)
     }
 
-    /// Covariance of the means of n values a step of δ lengths apart, t steps from each other.
+    /// Returns the covariance of the means of n values a step of δ lengths apart, t steps from each other.
     fn mean_of_cells(&self, t: f64, n: f64, step: f64) -> f64 {
         let exponential =
             matches!(self.model, RecordModel::Exponential) || self.model == RecordModel::Matern { nu: 0.5 };
@@ -189,7 +189,7 @@ impl WindowedModel {
         (n * self.model.scaled(t * step) + (1..n as i64).map(term).sum::<f64>()) / (n * n)
     }
 
-    /// T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
+    /// Returns T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
     fn tail(&self, x: f64) -> f64 {
         match self.model {
             RecordModel::Exponential => (-x).exp(),
@@ -212,7 +212,7 @@ impl WindowedModel {
     }
 }
 
-/// Correlation of the moving average, over a window W, of a process with correlation e^{−|s|/ℓ}:
+/// Returns the correlation of the moving average, over a window W, of a process with correlation e^{−|s|/ℓ}:
 /// triangle_W ⊛ e^{−|s|/ℓ}, scaled to 1 at s = 0. ℓ = 0 leaves the triangle of the window alone, W = 0 the exponential.
 ///
 /// # Panics
@@ -239,7 +239,7 @@ mod tests {
         RecordModel::Matern { nu: 2.5 },
     ];
 
-    /// ∫ of (1 − |u|) ρ_0(s + uW) du over (−1, 1) by the midpoint rule in `n` cells of a variable that is finer at kinks.
+    /// Returns ∫ of (1 − |u|) ρ_0(s + uW) du over (−1, 1) by the midpoint rule in `n` cells of a variable that is finer at kinks.
     fn direct(model: RecordModel, lag: f64, window: f64, length: f64) -> f64 {
         let mut kinks = vec![-1.0, 0.0, 1.0];
         for kink in [-lag / window, (length - lag) / window, (-length - lag) / window] {
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn the_triangle_of_a_window_falls_to_one_over_e_at_its_known_share() {
+    fn the_triangle_of_a_window_falls_to_one_over_e_at_its_known_fraction() {
         let at = 600.0 * (1.0 - (-1.0_f64).exp());
         assert!((at / 600.0 - 0.632_12).abs() < 1e-5);
         let windowed = WindowedModel::new(RecordModel::Exponential, 600.0);

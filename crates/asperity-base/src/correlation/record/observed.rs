@@ -34,7 +34,7 @@ pub enum Observation {
 }
 
 impl Observation {
-    /// Name as in files.
+    /// Returns the name as in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Points => "points",
@@ -54,7 +54,7 @@ pub struct RecordHistory {
 }
 
 impl Default for RecordHistory {
-    /// Values as they came.
+    /// Returns the values as they came.
     fn default() -> Self {
         Self { decimation: 1, band: RecordBand::default() }
     }
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// A record of the correlation e^{−lag/ℓ}, ℓ = 20.
+    /// Returns a record of the correlation e^{−lag/ℓ}, ℓ = 20.
     fn exponential(values: usize, index: u64) -> Vec<f64> {
         let phi = (-1.0_f64 / 20.0).exp();
         let mut record = random::standard_normal(&mut random::stream(59, "observed", index), values);
@@ -202,8 +202,8 @@ mod tests {
             let noisy: Vec<f64> = record.iter().zip(&noise).map(|(value, noise)| value + 0.3 * noise).collect();
             let of_noisy = found(&noisy, RecordHistory::default());
             // .09/1.09, at the variance that the record itself has.
-            let share = of_noisy.chosen.noise_share;
-            assert!((share / 0.0826 - 1.0).abs() < 0.5, "{share}");
+            let fraction = of_noisy.chosen.noise_fraction;
+            assert!((fraction / 0.0826 - 1.0).abs() < 0.5, "{fraction}");
             assert!(of_noisy.chosen.noise_interval.unwrap().low > 0.0);
             let fives: Vec<f64> = record.chunks_exact(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
             let of_fives = found(&fives, RecordHistory { decimation: 5, ..RecordHistory::default() });

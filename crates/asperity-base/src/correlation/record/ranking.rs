@@ -57,7 +57,8 @@ pub(super) fn ranked(
     let parts = |fit: &LengthFit| {
         let shape = WindowedModel::new(fit.model, 0.0).with_cells(fit.cell_m);
         let seen = WindowedRecords { window_m: fit.window_m, cell_m: fit.cell_m, ..narrowest(channels).clone() };
-        Pieces::new(&seen, reach_m, settings, &shape).map(|pieces| pieces.negative_logs(fit.length_m, fit.noise_share))
+        Pieces::new(&seen, reach_m, settings, &shape)
+            .map(|pieces| pieces.negative_logs(fit.length_m, fit.noise_fraction))
     };
     let of_best = parts(&best.0);
     let rank = |own: &(LengthFit, f64)| RankedLength {
@@ -71,7 +72,7 @@ pub(super) fn ranked(
     fits.iter().map(rank).collect()
 }
 
-/// Whether −ln L of the other model is greater piece by piece, beyond chance.
+/// Returns whether −ln L of the other model is greater piece by piece, beyond chance.
 fn beyond_chance(best: &[f64], other: &[f64]) -> bool {
     let differences: Vec<f64> = other.iter().zip(best).map(|(other, best)| other - best).collect();
     let moments = Moments::new(&differences);

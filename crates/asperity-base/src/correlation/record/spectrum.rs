@@ -38,7 +38,7 @@ pub struct RecordSpectrum {
     pub width_per_m: Vec<f64>,
 }
 
-/// The spectrum of records with equal steps, so many lanes to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
+/// Returns the spectrum of records with equal steps, so many lanes to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
 /// counted from their common mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
 ///
 /// # Errors
@@ -80,13 +80,13 @@ pub fn record_spectrum(
         for (k, value) in spectrum.iter().enumerate().skip(1) {
             let frequency_per_m = k as f64 / (n as f64 * step_m);
             // The last of an even number of values stands for itself alone.
-            let share = if 2 * k == n { 0.5 } else { 1.0 };
+            let fraction = if 2 * k == n { 0.5 } else { 1.0 };
             if let Some(bin) = bin_of(&edges, frequency_per_m / unit_per_m) {
-                bins[bin].sum += share * 2.0 * step_m * value.norm_sqr() / squares;
-                bins[bin].frequency += share * frequency_per_m;
-                bins[bin].count += share;
-                bins[bin].power += share * 2.0 * value.norm_sqr() / squares / n as f64;
-                in_bin[bin] += share;
+                bins[bin].sum += fraction * 2.0 * step_m * value.norm_sqr() / squares;
+                bins[bin].frequency += fraction * frequency_per_m;
+                bins[bin].count += fraction;
+                bins[bin].power += fraction * 2.0 * value.norm_sqr() / squares / n as f64;
+                in_bin[bin] += fraction;
                 shared[bin].add(lane, k, *value, step_m / squares);
             }
         }
@@ -172,7 +172,7 @@ impl CrossSums {
     }
 }
 
-/// Correlation |Σ w² e^{−2πidj/n}/Σ w²|² of ordinates at the distances d = 1, 2, ….
+/// Returns the correlation |Σ w² e^{−2πidj/n}/Σ w²|² of ordinates at the distances d = 1, 2, ….
 fn neighbours(weights: &[f64], squares: f64) -> Vec<f64> {
     let n = weights.len() as f64;
     let at = |d: usize| {
@@ -200,8 +200,8 @@ impl RecordSpectrum {
             (0..=lags).map(|lag| model.correlation(lag as f64 * self.step_m, length_m)).collect();
         let at = |frequency: &f64| {
             let term = |(lag, rho): (usize, &f64)| {
-                let share = if lag == 0 { 1.0 } else { 2.0 };
-                share * rho * (TAU * frequency * lag as f64 * self.step_m).cos()
+                let fraction = if lag == 0 { 1.0 } else { 2.0 };
+                fraction * rho * (TAU * frequency * lag as f64 * self.step_m).cos()
             };
             2.0 * self.step_m * variance * correlation.iter().enumerate().map(term).sum::<f64>()
         };
@@ -262,7 +262,7 @@ mod tests {
             }
         }
         // Bins of one seed are independent, so 95 % are known to √(.95·.05/all): about .9 %; three of them.
-        let share = inside as f64 / f64::from(all);
-        assert!((share - 0.95).abs() < 0.03, "{share} of {all}");
+        let fraction = inside as f64 / f64::from(all);
+        assert!((fraction - 0.95).abs() < 0.03, "{fraction} of {all}");
     }
 }

@@ -12,7 +12,7 @@ const MANY: usize = 10;
 const BLOCK: f64 = 10.0;
 /// Shortest block where a record would otherwise hold fewer than four.
 const SHORTEST_BLOCK: f64 = 5.0;
-/// Most blocks of a record.
+/// Maximum number of blocks of a record.
 const MOST_BLOCKS: usize = 32;
 /// Draws of the null distribution of the wander.
 const DRAWS: usize = 4000;
@@ -127,7 +127,7 @@ impl Stationarity {
     }
 }
 
-/// The record without the parabola that fits it best: a drift must not pass for correlation.
+/// Returns the record without the parabola that fits it best: a drift must not pass for correlation.
 fn without_drift(record: &[f64]) -> Vec<f64> {
     let n = record.len() as f64;
     let at = |i: usize| (2.0 * i as f64 + 1.0) / n - 1.0;
@@ -137,20 +137,20 @@ fn without_drift(record: &[f64]) -> Vec<f64> {
     for polynomial in [|x: f64| x, |x: f64| 1.5 * x * x - 0.5] {
         let present = || left.iter().enumerate().filter(|(_, value)| value.is_finite());
         let square: f64 = present().map(|(i, _)| polynomial(at(i)).powi(2)).sum();
-        let share = present().map(|(i, value)| polynomial(at(i)) * value).sum::<f64>() / square;
-        left.iter_mut().enumerate().for_each(|(i, value)| *value -= share * polynomial(at(i)));
+        let fraction = present().map(|(i, value)| polynomial(at(i)) * value).sum::<f64>() / square;
+        left.iter_mut().enumerate().for_each(|(i, value)| *value -= fraction * polynomial(at(i)));
     }
     left
 }
 
-/// Blocks of a record, a multiple of four; none where there are fewer than four.
+/// Returns the blocks of a record, a multiple of four; none where there are fewer than four.
 fn blocks_within(n: usize, time: f64) -> Option<usize> {
     let of = |times: f64| (n as f64 / (times * time)) as usize / 4 * 4;
     let blocks = if of(BLOCK) >= 4 { of(BLOCK) } else { of(SHORTEST_BLOCK).min(4) };
     (blocks >= 4).then_some(blocks.min(MOST_BLOCKS))
 }
 
-/// Means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
+/// Returns the means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
 fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
     let mean = |values: &[f64]| Moments::from_values(values.iter().map(|value| of(*value))).mean;
     let of_records: Vec<Vec<f64>> = records
@@ -172,7 +172,7 @@ fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f6
 }
 
 impl DriftTest {
-    /// The coefficient of a contrast of sum zero in block means: from one value per record, or from the residuals of all blocks
+    /// Creates the coefficient of a contrast of sum zero in block means: from one value per record, or from the residuals of all blocks
     /// about the mean of their record and the contrast.
     fn new(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
         let records = values.len() as f64;
@@ -197,7 +197,7 @@ impl DriftTest {
         Self { estimate, standard_error, degrees_of_freedom, p_value }
     }
 
-    /// Whether the drift is significant at 5 %.
+    /// Returns whether the drift is significant at 5 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.05
     }
@@ -217,7 +217,7 @@ impl Wander {
         Some(Self { statistic, p_value: (above + 1) as f64 / (DRAWS + 1) as f64 })
     }
 
-    /// Whether the wander is significant at 5 %.
+    /// Returns whether the wander is significant at 5 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.05
     }
@@ -242,7 +242,7 @@ fn wander(values: &[Vec<f64>]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A stationary record of correlation φ^lag plus a drift of position along the record from 0 to 1.
+    /// Returns a stationary record of correlation φ^lag plus a drift of position along the record from 0 to 1.
     fn record(phi: f64, n: usize, index: u64, drift: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
         let noise = random::standard_normal(&mut random::stream(47, "stationarity", index), n);
         let mut last = noise[0];
@@ -254,7 +254,7 @@ mod tests {
         noise.iter().enumerate().map(at).collect()
     }
 
-    fn shares(records: usize, n: usize, drift: impl Fn(f64) -> (f64, f64) + Copy) -> [f64; 5] {
+    fn fractions(records: usize, n: usize, drift: impl Fn(f64) -> (f64, f64) + Copy) -> [f64; 5] {
         let runs = 150_u64;
         let mut counts = [0.0; 5];
         for run in 0..runs {
@@ -279,8 +279,11 @@ mod tests {
     fn stationary_records_are_called_so() {
         // 5 % of 150 runs ± 1.8 %: three errors and the blocks' correlation of some per cent.
         for (records, n) in [(1, 4000), (3, 1500), (20, 200)] {
-            for (test, share) in shares(records, n, |_| (0.0, 1.0)).into_iter().enumerate() {
-                assert!(share < 0.115 && (share > 0.0 || test == 4), "{records} records, test {test}: {share}");
+            for (test, fraction) in fractions(records, n, |_| (0.0, 1.0)).into_iter().enumerate() {
+                assert!(
+                    fraction < 0.115 && (fraction > 0.0 || test == 4),
+                    "{records} records, test {test}: {fraction}"
+                );
             }
         }
     }
@@ -288,11 +291,11 @@ mod tests {
     #[test]
     fn planted_drifts_are_seen() {
         // A rise by one standard deviation along 200 correlation lengths: the mean of a half is known to √(2·2/200)/… ≈ .14.
-        let trend = shares(1, 4000, |x| (1.5 * x, 1.0));
+        let trend = fractions(1, 4000, |x| (1.5 * x, 1.0));
         assert!(trend[0] > 0.9 && trend[1] > 0.8, "{trend:?}");
-        let ends = shares(20, 200, |x| (if !(0.25..0.75).contains(&x) { 0.5 } else { 0.0 }, 1.0));
+        let ends = fractions(20, 200, |x| (if !(0.25..0.75).contains(&x) { 0.5 } else { 0.0 }, 1.0));
         assert!(ends[2] > 0.8 && ends[0] < 0.15, "{ends:?}");
-        let louder = shares(3, 1500, |x| (0.0, 1.0 + x));
+        let louder = fractions(3, 1500, |x| (0.0, 1.0 + x));
         assert!(louder[3] > 0.8, "{louder:?}");
     }
 

@@ -14,7 +14,7 @@ pub(super) struct TailTable {
 }
 
 impl TailTable {
-    /// The table of a correlation that vanishes to rounding beyond `last`.
+    /// Creates the table of a correlation that vanishes to rounding beyond `last`.
     pub(super) fn new(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
         let mut points = vec![[0.0, 0.0, correlation(last)]; CELLS + 1];
         for cell in (0..CELLS).rev() {
@@ -30,7 +30,7 @@ impl TailTable {
         Self { last, points }
     }
 
-    /// T(x).
+    /// Returns T(x).
     pub(super) fn tail(&self, x: f64) -> f64 {
         let Some((cell, width, v)) = self.place(x) else { return 0.0 };
         let ([f0, s0, c0], [f1, s1, c1]) = (self.points[cell], self.points[cell + 1]);
@@ -44,7 +44,7 @@ impl TailTable {
         f0 + v * (d0 + v * (0.5 * e0 + v * (a3 + v * (a4 + v * a5))))
     }
 
-    /// Cell, its width, and where in it x lies; none beyond the table.
+    /// Returns the cell, its width, and where in it x lies; none beyond the table.
     fn place(&self, x: f64) -> Option<(usize, f64, f64)> {
         if x >= self.last {
             return None;
@@ -73,7 +73,7 @@ const RULE: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// Integrals of both values of `f` from `low` to `high`.
+/// Returns the integrals of both values of `f` from `low` to `high`.
 fn gauss_legendre_8(low: f64, high: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
     let mut sums = [0.0; 2];

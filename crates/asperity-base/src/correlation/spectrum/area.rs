@@ -56,7 +56,7 @@ pub struct AngularSpectrum {
 }
 
 impl AngularSpectrum {
-    /// The direction of the lay in rad, from 0 to below π: the centre of the peak around the largest density, smoothed over
+    /// Returns the direction of the lay in rad, from 0 to below π: the centre of the peak around the largest density, smoothed over
     /// ±1°, as far as it stays above half its height. Of one wave of k periods across the field it errs by less than 0.2/k rad.
     ///
     /// Every map has such a maximum; whether it has a lay, Str says.
@@ -75,7 +75,7 @@ impl AngularSpectrum {
     }
 }
 
-/// Radially averaged power spectral density of a map; the route depends on whether points are missing and is reported.
+/// Returns the radially averaged power spectral density of a map; the route depends on whether points are missing and is reported.
 ///
 /// # Errors
 /// The heights do not vary.
@@ -84,7 +84,7 @@ pub fn radial_spectrum(map: &HeightMap) -> Result<RadialSpectrum, EstimateError>
 }
 
 impl AreaSpectrum {
-    /// The spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y, or, when points
+    /// Creates the spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y, or, when points
     /// are missing, the transform of its autocovariance under a Parzen window, see [`SpectrumRoute::MaskedCorrelogram`].
     ///
     /// # Errors
@@ -117,7 +117,7 @@ impl AreaSpectrum {
         Ok(Self { grid, psd_m4, route: SpectrumRoute::Periodogram })
     }
 
-    /// ΔxΔy Σ w(lag) C(lag) e^{−iq·lag} over the lags within half the field that an autocovariance reaches and whose pairs
+    /// Returns ΔxΔy Σ w(lag) C(lag) e^{−iq·lag} over the lags within half the field that an autocovariance reaches and whose pairs
     /// are present, w the product of Parzen windows along x and y that end there.
     ///
     /// The resolution of [`SpectrumRoute::MaskedCorrelogram`] is that of an autocovariance that reaches half the field.
@@ -170,7 +170,7 @@ impl AreaSpectrum {
         (TAU / grid.width_m(), TAU / grid.height_m(), (PI / grid.dx_m()).min(PI / grid.dy_m()))
     }
 
-    /// Means over rings of wavevectors.
+    /// Returns the means over rings of wavevectors.
     pub fn radial(&self) -> RadialSpectrum {
         let (nx, ny) = (self.grid.nx(), self.grid.ny());
         let (qx_min, qy_min, nyquist) = self.wavenumbers();
@@ -213,7 +213,7 @@ impl AreaSpectrum {
         RadialSpectrum { q_rad_per_m, psd_m4, wavevectors, route: self.route, reliable }
     }
 
-    /// Integrals along rays of wavevectors; `None` when the map is too small for a wavenumber between the resolution and
+    /// Returns the integrals along rays of wavevectors; `None` when the map is too small for a wavenumber between the resolution and
     /// Nyquist's.
     ///
     /// The density is interpolated bilinearly between wavevectors and summed every half step, so that no direction gains from
@@ -243,7 +243,7 @@ impl AreaSpectrum {
         Some(AngularSpectrum { angles_rad, density_m2, range_rad_per_m: (low, high) })
     }
 
-    /// Density at a wavevector in steps along x ≥ 0 and y, linear between neighbours.
+    /// Returns the density at a wavevector in steps along x ≥ 0 and y, linear between neighbours.
     fn interpolated(&self, kx: f64, ky: f64) -> f64 {
         let ny = self.grid.ny();
         let (left, below) = (kx.floor(), ky.floor());
@@ -260,7 +260,7 @@ impl AreaSpectrum {
         low + along_x * (high - low)
     }
 
-    /// Wavelength of the largest density in metre, among the wavevectors that the estimate resolves from the mean; the first
+    /// Returns the wavelength of the largest density in metre, among the wavevectors that the estimate resolves from the mean; the first
     /// of equals.
     pub fn dominant_wavelength_m(&self) -> Option<f64> {
         let ny = self.grid.ny();
@@ -293,7 +293,7 @@ mod tests {
     use crate::random;
     use ndarray::Array2;
 
-    /// A wave whose crests run at `angle`, counter-clockwise as seen, `periods` of them across 128 points.
+    /// Returns a wave whose crests run at `angle`, counter-clockwise as seen, `periods` of them across 128 points.
     fn crests(grid: Grid, angle: f64, periods: f64) -> HeightMap {
         let q = TAU * periods / grid.height_m();
         HeightMap::from_function(grid, |x, y| (q * (x * angle.sin() + y * angle.cos())).cos()).unwrap()

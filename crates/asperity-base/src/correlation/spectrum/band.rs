@@ -61,7 +61,7 @@ pub struct ReliableBand {
 }
 
 impl ReliableBand {
-    /// The band of a profile's spectrum; H = 1 falls with the power 3.
+    /// Creates the band of a profile's spectrum; H = 1 falls with the power 3.
     pub(super) fn from_profile(
         q_rad_per_m: &[f64],
         psd_m3: &[f64],
@@ -71,7 +71,7 @@ impl ReliableBand {
         Self::new(q_rad_per_m, psd_m3, low_rad_per_m, nyquist_rad_per_m, 3.0)
     }
 
-    /// The band of a radial spectrum; H = 1 falls with the power 4.
+    /// Creates the band of a radial spectrum; H = 1 falls with the power 4.
     pub(super) fn from_area(q_rad_per_m: &[f64], psd_m4: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
         Self::new(q_rad_per_m, psd_m4, low_rad_per_m, nyquist_rad_per_m, 4.0)
     }
@@ -102,7 +102,7 @@ pub(super) fn end_of_fall(q: &[f64], psd: &[f64], band: ReliableBand, nyquist: f
     (followed.min(0.5 * nyquist).max(end), little)
 }
 
-/// Means of the spectrum in bins of a sixth of an octave, from `low` to `high`, empty ones left out: (wavenumber, density).
+/// Returns the means of the spectrum in bins of a sixth of an octave, from `low` to `high`, empty ones left out: (wavenumber, density).
 fn binned(q: &[f64], psd: &[f64], low: f64, high: f64) -> Vec<(f64, f64)> {
     let mut bins: Vec<(f64, f64, f64)> = vec![];
     let mut last = None;
@@ -142,7 +142,7 @@ fn roll_off(bins: &[(f64, f64)], end: f64, steepest: f64) -> Option<f64> {
     Some(bins[first].0)
 }
 
-/// −d ln P/d ln q by least squares.
+/// Returns −d ln P/d ln q by least squares.
 fn exponent(bins: &[(f64, f64)]) -> f64 {
     let n = bins.len() as f64;
     let points = || bins.iter().map(|(q, psd)| (q.ln(), psd.ln()));
@@ -158,7 +158,7 @@ mod tests {
     const LOW: f64 = 2.0;
     const NYQUIST: f64 = 512.0;
 
-    /// The band of a spectrum given at whole wavenumbers up to Nyquist.
+    /// Returns the band of a spectrum given at whole wavenumbers up to Nyquist.
     fn of(psd: impl Fn(f64) -> f64) -> (f64, UpperLimit) {
         let q: Vec<f64> = (1..=512).map(f64::from).collect();
         let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();

@@ -18,7 +18,7 @@ use super::{hann, lag_window_end, missing_per_profile, parzen, profile_spectrum}
 const PER_OCTAVE: f64 = 6.0;
 /// Neighbours on either side with which a coefficient is correlated under Parzen's lag window over half a side.
 const PARZEN_REACH: usize = 5;
-/// Bins on either side over which the share of the coefficients that carry the spectrum is averaged.
+/// Bins on either side over which the fraction of the coefficients that carry the spectrum is averaged.
 const POOLED: usize = 2;
 /// Degrees of freedom of a single coefficient.
 const LEAST: f64 = 2.0;
@@ -143,7 +143,7 @@ struct Sums {
 }
 
 impl Coefficients<'_> {
-    /// Sums of every bin; `bin` tells that of the wavevector (kx, ky), if any, and `magnitude` its |q|.
+    /// Returns the sums of every bin; `bin` tells that of the wavevector (kx, ky), if any, and `magnitude` its |q|.
     fn sums(
         &self,
         bins: usize,
@@ -218,7 +218,7 @@ impl Coefficients<'_> {
         sums
     }
 
-    /// Place of a wavevector, P(−q) = P(q), the lattice repeating itself.
+    /// Returns the place of a wavevector, P(−q) = P(q), the lattice repeating itself.
     fn index(&self, kx: isize, ky: isize) -> usize {
         let (nx, ny) = (self.nx as isize, self.ny as isize);
         let kx = kx.rem_euclid(nx);
@@ -227,10 +227,10 @@ impl Coefficients<'_> {
     }
 }
 
-/// Degrees of freedom of bins with the given sums of densities: of flat densities, times the pooled share that unequal ones
+/// Returns the degrees of freedom of bins with the given sums of densities: of flat densities, times the pooled share that unequal ones
 /// and missing points leave of it.
 fn degrees_of_freedom(sums: &[Sums], densities: &[f64]) -> Vec<f64> {
-    // ν of a flat density, and numerator and denominator of the share, both over (Σ P̂)². Added before they are divided they
+    // ν of a flat density, and numerator and denominator of the fraction, both over (Σ P̂)². Added before they are divided they
     // are unbiased for any number of equal coefficients, whose Σ I²/(Σ I)² has the mean 2/(N + 1).
     let parts: Vec<(f64, f64, f64)> = sums
         .iter()
@@ -251,7 +251,7 @@ fn degrees_of_freedom(sums: &[Sums], densities: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Edges of bins from half a wavenumber to beyond the `last`, in wavenumbers: equal ratios, at least one apart.
+/// Returns the edges of bins from half a wavenumber to beyond the `last`, in wavenumbers: equal ratios, at least one apart.
 pub(in crate::correlation) fn edges(last: usize) -> Vec<f64> {
     let (ratio, end) = ((1.0 / PER_OCTAVE).exp2(), last as f64 + 0.5);
     let mut edges = vec![0.5];
@@ -294,7 +294,7 @@ impl BinnedSpectrum {
     }
 }
 
-/// The spectrum of [`AreaSpectrum`] in rings of a sixth of an octave, up to the lesser Nyquist wavenumber, with their bands.
+/// Returns the spectrum of [`AreaSpectrum`] in rings of a sixth of an octave, up to the lesser Nyquist wavenumber, with their bands.
 ///
 /// # Errors
 /// The heights present do not vary.
@@ -334,7 +334,7 @@ pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, Estimat
     Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
 }
 
-/// The spectrum of [`profile_spectrum`] in bins with their bands.
+/// Returns the spectrum of [`profile_spectrum`] in bins with their bands.
 ///
 /// # Errors
 /// The heights present do not vary.
@@ -386,11 +386,11 @@ pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpec
     }
     let densities: Vec<f64> = totals.iter().map(|total| total.0).collect();
     // Profiles of zeros spread the power over more coefficients than there are profiles.
-    let share = spectrum.profiles as f64 / all as f64;
+    let fraction = spectrum.profiles as f64 / all as f64;
     let q_min = TAU / (n as f64 * pitch_m);
     let bins =
         sums.iter().zip(degrees_of_freedom(&sums, &densities)).zip(totals).map(|((sum, degrees), (density, count))| {
-            (q_min * sum.q / sum.count, density / count, (share * degrees).max(LEAST), count as usize)
+            (q_min * sum.q / sum.count, density / count, (fraction * degrees).max(LEAST), count as usize)
         });
     Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
 }

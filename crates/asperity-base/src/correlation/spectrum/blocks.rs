@@ -58,7 +58,7 @@ pub struct Block {
 }
 
 impl BlockSpectrum {
-    /// The spectrum of a map, see [`AreaSpectrum::new`].
+    /// Creates the spectrum of a map, see [`AreaSpectrum::new`].
     ///
     /// # Errors
     /// The heights present do not vary.
@@ -141,17 +141,17 @@ impl BlockSpectrum {
         })
     }
 
-    /// Wavenumbers at which the radial spectrum can be relied on.
+    /// Returns the wavenumbers at which the radial spectrum can be relied on.
     pub fn reliable(&self) -> ReliableBand {
         self.band
     }
 
-    /// Correlation of the slopes along x and y within the band: far from zero, the lay runs at an angle to the axes.
+    /// Returns the correlation of the slopes along x and y within the band: far from zero, the lay runs at an angle to the axes.
     pub fn slope_correlation(&self) -> f64 {
         self.slope_correlation
     }
 
-    /// Sides of the map in metre.
+    /// Returns the sides of the map in metre.
     #[doc(hidden)]
     pub fn size_m(&self) -> [f64; 2] {
         self.step_rad_per_m.map(|step| std::f64::consts::TAU / step)
@@ -168,7 +168,7 @@ impl BlockSpectrum {
         &self.blocks
     }
 
-    /// Expected density of a block of a map of this covariance in m⁴: folded at the Nyquist wavenumbers and smoothed by the
+    /// Returns the expected density of a block of a map of this covariance in m⁴: folded at the Nyquist wavenumbers and smoothed by the
     /// window.
     #[doc(hidden)]
     pub fn expected_m4(&self, block: &Block, covariance: &Covariance) -> f64 {
@@ -195,7 +195,7 @@ impl BlockSpectrum {
         sum
     }
 
-    /// The density with the waves that the pixels show as longer ones.
+    /// Returns the density with the waves that the pixels show as longer ones.
     fn folded_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
         /// Images on either side.
         const IMAGES: i32 = 2;
@@ -212,7 +212,7 @@ impl BlockSpectrum {
     }
 }
 
-/// Lower edges of the blocks along an axis, from wavenumber 0 to `last`.
+/// Returns the lower edges of the blocks along an axis, from wavenumber 0 to `last`.
 fn edges(last: usize) -> Vec<f64> {
     let ratio = (1.0 / PER_OCTAVE).exp2();
     let mut edges = vec![0.0, 0.5];

@@ -15,7 +15,7 @@ struct Shapes {
     mean_log_density: f64,
 }
 
-/// The Beta distribution on [low, high] with the mean and variance of the values (divisor n), which may touch the bounds.
+/// Returns the Beta distribution on [low, high] with the mean and variance of the values (divisor n), which may touch the bounds.
 ///
 /// Simple and robust, but not efficient. With `low` and `high` at the sample's extremes, which is how records are often
 /// "scaled to (0, 1)", the shapes depend on the sample size: use [`Family::BetaFreeBounds`] instead.
@@ -39,7 +39,7 @@ pub(super) fn beta_by_moments(values: &[f64], low: f64, high: f64) -> Result<Mar
     Marginal::beta(mean * sum, (1.0 - mean) * sum, low, high)
 }
 
-/// The most likely shapes between known bounds.
+/// Returns the most likely shapes between known bounds.
 pub(super) fn fit_between(sorted: &[f64], low: f64, high: f64) -> Result<Fit, DistributionError> {
     Marginal::beta(1.0, 1.0, low, high)?;
     if sorted[0] <= low || sorted[sorted.len() - 1] >= high {
@@ -51,7 +51,7 @@ pub(super) fn fit_between(sorted: &[f64], low: f64, high: f64) -> Result<Fit, Di
     Ok(Fit::unbounded(Family::Beta { low, high }, marginal, sorted))
 }
 
-/// The most likely shapes and bounds, in the sense of [`super::fit`].
+/// Returns the most likely shapes and bounds, in the sense of [`super::fit`].
 pub(super) fn fit_free(sorted: &[f64]) -> Result<Fit, DistributionError> {
     let mut kept = sorted;
     let (mut low, mut high) = (None, None);
@@ -165,17 +165,17 @@ fn shapes(values: &[f64], low: f64, high: f64) -> Option<Shapes> {
         if !(step_a.is_finite() && step_b.is_finite()) {
             return None;
         }
-        let mut share = 1.0;
+        let mut fraction = 1.0;
         let (next_a, next_b, next) = loop {
-            let (next_a, next_b) = (a + share * step_a, b + share * step_b);
+            let (next_a, next_b) = (a + fraction * step_a, b + fraction * step_b);
             if next_a > 0.0 && next_b > 0.0 {
                 let next = height(next_a, next_b);
                 if next >= reached - 1e-14 * (1.0 + reached.abs()) {
                     break (next_a, next_b, next);
                 }
             }
-            share *= 0.5;
-            if share < 1e-10 {
+            fraction *= 0.5;
+            if fraction < 1e-10 {
                 break (a, b, reached);
             }
         };

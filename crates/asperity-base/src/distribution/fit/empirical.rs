@@ -4,12 +4,12 @@ use super::{End, Family, Fit};
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::quantile_sorted;
 
-/// Least number of values in a bin.
+/// Smallest number of values in a bin.
 const LEAST: usize = 5;
 /// Values by which the distribution is held.
 const HELD: usize = 1001;
 
-/// A density that is constant in bins of equal shares of the sample, which end at its quantiles. Each of the ends, the extremes
+/// Returns a density that is constant in bins of equal fractions of the sample, which end at its quantiles. Each of the ends, the extremes
 /// among them, is a fitted parameter, so that Akaike's criterion ranks it with the others.
 pub(super) fn fit(bins: usize, sorted: &[f64]) -> Result<Fit, DistributionError> {
     let n = sorted.len();
@@ -52,14 +52,18 @@ mod tests {
 
     #[test]
     fn the_density_is_that_of_equal_shares_between_quantiles() {
-        // Shares of 1/2 on (0, 1) and (1, 3): densities 1/2 and 1/4.
+        // Fractions of 1/2 on (0, 1) and (1, 3): densities 1/2 and 1/4.
         let low = (0..50).map(|i| f64::from(i) / 50.0);
         let sorted: Vec<f64> = low.chain((0..=50).map(|i| 1.0 + f64::from(i) / 25.0)).collect();
         let found = fit(2, &sorted).unwrap();
         // The median, 1, is the 51st of 101 values and belongs to the lower bin.
         assert!((found.log_likelihood - (51.0 * 0.5_f64.ln() + 50.0 * 0.25_f64.ln())).abs() < 1e-12);
-        let share = |from: f64, to: f64| found.marginal.cdf(to) - found.marginal.cdf(from);
-        assert!((share(0.2, 0.8) - 0.3).abs() < 1e-9 && (share(1.5, 2.5) - 0.25).abs() < 1e-9, "{}", share(1.5, 2.5));
+        let fraction = |from: f64, to: f64| found.marginal.cdf(to) - found.marginal.cdf(from);
+        assert!(
+            (fraction(0.2, 0.8) - 0.3).abs() < 1e-9 && (fraction(1.5, 2.5) - 0.25).abs() < 1e-9,
+            "{}",
+            fraction(1.5, 2.5)
+        );
         assert!((found.marginal.quantile(0.75) - 2.0).abs() < 1e-9);
         assert_eq!(found.family.parameters(), 3);
         assert!(fit(32, &sorted).is_err() && fit(4, &[1.0; 100]).is_err());

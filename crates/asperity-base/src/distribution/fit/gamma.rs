@@ -3,7 +3,7 @@
 use crate::distribution::special::{digamma, trigamma};
 use crate::distribution::{DistributionError, Marginal};
 
-/// The most likely Gamma distribution of this shift.
+/// Returns the most likely Gamma distribution of this shift.
 ///
 /// The shape k is the root of ln k − ψ(k) = ln mean t − mean ln t, by Newton's method on 1/k from Minka's start, which is
 /// within 1.5 % of it; the scale is mean t/k.

@@ -18,7 +18,7 @@ const FARTHEST_CENTRE: f64 = 30.0;
 /// extreme value, where the likelihood has no bound.
 const NEAREST: f64 = 1e-4;
 
-/// The more likely of the two systems, which have the lognormal and normal distributions as limits in common.
+/// Returns the more likely of the two systems, which have the lognormal and normal distributions as limits in common.
 pub(super) fn fit(sorted: &[f64]) -> Result<Fit, DistributionError> {
     let candidates = [unbounded(sorted), bounded(sorted)];
     candidates.into_iter().flatten().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood)).ok_or(
@@ -30,7 +30,7 @@ pub(super) fn fit(sorted: &[f64]) -> Result<Fit, DistributionError> {
     )
 }
 
-/// The most likely γ and δ for given ξ and λ, with the mean log-likelihood.
+/// Returns the most likely γ and δ for given ξ and λ, with the mean log-likelihood.
 fn profile(sorted: &[f64], system: JohnsonSystem, xi: f64, lambda: f64) -> Option<(Marginal, f64)> {
     let u = || sorted.iter().map(|x| (x - xi) / lambda);
     let (normal, stretch): (Moments, f64) = match system {
@@ -52,7 +52,7 @@ fn fitted(sorted: &[f64], (marginal, mean_log): (Marginal, f64), low_end: End, h
     Fit { family: Family::Johnson, marginal, n, log_likelihood: n as f64 * mean_log, low_end, high_end }
 }
 
-/// The most likely S_U distribution: from the best of a few centres and scales, and from the distribution with the sample's moments.
+/// Returns the most likely S_U distribution: from the best of a few centres and scales, and from the distribution with the sample's moments.
 fn unbounded(sorted: &[f64]) -> Option<Fit> {
     let moments = Moments::new(sorted);
     let at = |[centre, log_scale]: [f64; 2]| {
@@ -64,7 +64,7 @@ fn unbounded(sorted: &[f64]) -> Option<Fit> {
     let height = |place: [f64; 2]| at(place).map_or(f64::NEG_INFINITY, |(_, mean_log)| mean_log);
     let mut starts: Vec<[f64; 2]> = vec![];
     for scale in [0.3_f64, 1.0, 3.0, 10.0, 100.0] {
-        starts.extend([-2.0, -0.7, 0.0, 0.7, 2.0].map(|share| [share * scale.max(0.5), scale.ln()]));
+        starts.extend([-2.0, -0.7, 0.0, 0.7, 2.0].map(|fraction| [fraction * scale.max(0.5), scale.ln()]));
     }
     if let Ok(Marginal::Johnson(marginal)) =
         Marginal::johnson_with_moments(0.0, 1.0, moments.skewness, moments.excess_kurtosis)
@@ -77,7 +77,7 @@ fn unbounded(sorted: &[f64]) -> Option<Fit> {
     Some(fitted(sorted, at(place)?, End::Given, End::Given))
 }
 
-/// The most likely S_B distribution whose ends lie outside the sample.
+/// Returns the most likely S_B distribution whose ends lie outside the sample.
 fn bounded(sorted: &[f64]) -> Option<Fit> {
     let (first, last) = (sorted[0], sorted[sorted.len() - 1]);
     let range = last - first;

@@ -3,7 +3,7 @@
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::Moments;
 
-/// The most likely lognormal distribution of this shift: mean and standard deviation of ln(x − shift).
+/// Returns the most likely lognormal distribution of this shift: mean and standard deviation of ln(x − shift).
 pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionError> {
     let moments = Moments::from_values(sorted.iter().map(|x| (x - shift).ln()));
     Marginal::lognormal(moments.mean, moments.std, shift)

@@ -61,19 +61,19 @@ pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f
 }
 
 impl Ranking {
-    /// Place of the distribution to go on with: the first whose ends the sample sees. A fitted end far outside the sample makes a distribution of
+    /// Returns the place of the distribution to go on with: the first whose ends the sample sees. A fitted end far outside the sample makes a distribution of
     /// four parameters that is hardly different from a simpler one.
     pub fn place(&self) -> Option<usize> {
         let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
         self.fits.iter().position(seen).or(if self.fits.is_empty() { None } else { Some(0) })
     }
 
-    /// The distribution to go on with.
+    /// Returns the distribution to go on with.
     pub fn chosen(&self) -> Option<&Fit> {
         self.fits.get(self.place()?)
     }
 
-    /// Distance of a fit; none for the sample's own distribution, which is fitted to all of it.
+    /// Returns the distance of a fit; none for the sample's own distribution, which is fitted to all of it.
     pub fn distance(&self, place: usize) -> Option<FitGoodness> {
         let fit = self.fits.get(place)?;
         if matches!(fit.family, Family::Empirical { .. }) { None } else { self.goodness.get(place).copied() }
@@ -132,7 +132,7 @@ mod tests {
         let ranking = rank_by_aic(&[Family::Normal], &values, None);
         let goodness = ranking.goodness[0];
         // Two normal distributions at ±3 against one of variance 10: the largest difference is 0.1582, at x = ∓1.874 (scipy.stats
-        // on a grid); a share of 4,000 values has a standard error of at most 0.008.
+        // on a grid); a fraction of 4,000 values has a standard error of at most 0.008.
         assert!((goodness.kolmogorov_smirnov.statistic - 0.1582).abs() < 0.03, "{goodness:?}");
         assert!(goodness.anderson_darling.unwrap().p_value < 1e-4);
     }

@@ -67,7 +67,7 @@ impl Fit {
             .collect()
     }
 
-    /// The fitted parameters on which the likelihood depends smoothly. An end of the support at the sample's extreme or out of
+    /// Returns the fitted parameters on which the likelihood depends smoothly. An end of the support at the sample's extreme or out of
     /// sight is none, nor one where the shape is at most 2: there the density falls so steeply that the end is known to
     /// n^{−1/shape}, better than to n^{−1/2} (Smith, *Biometrika* **72** (1985) 67,
     /// <https://doi.org/10.1093/biomet/72.1.67>).
@@ -87,7 +87,7 @@ impl Fit {
         self.fitted().into_iter().filter(regular).collect()
     }
 
-    /// The distribution with parameters moved from where they are.
+    /// Returns the distribution with parameters moved from where they are.
     #[doc(hidden)]
     pub fn moved(&self, moves: &[(Parameter, f64)]) -> Marginal {
         let mut values: Vec<f64> = self.marginal.parameters().into_iter().map(|(_, value)| value).collect();
@@ -97,21 +97,21 @@ impl Fit {
         self.marginal.with_parameters(&values)
     }
 
-    /// ∂ ln f(x)/∂θ over the parameter's scale.
+    /// Returns ∂ ln f(x)/∂θ over the parameter's scale.
     #[doc(hidden)]
     pub fn score(&self, parameter: Parameter, x: f64) -> f64 {
         let at = |by: f64| self.moved(&[(parameter, by)]).ln_pdf(x);
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
-    /// ∂F(x)/∂θ over the parameter's scale.
+    /// Returns ∂F(x)/∂θ over the parameter's scale.
     #[doc(hidden)]
     pub fn slope(&self, parameter: Parameter, x: f64) -> f64 {
         let at = |by: f64| self.moved(&[(parameter, by)]).cdf(x);
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
-    /// The fitted parameters of a distribution that was fitted to these records (with equal steps, of one process; NaN is a missing
+    /// Returns the fitted parameters of a distribution that was fitted to these records (with equal steps, of one process; NaN is a missing
     /// value; `true` and `false` stand for periodic and free strips of one lane), with 95 % intervals that know the correlation
     /// along and across strips.
     ///
@@ -148,7 +148,7 @@ impl Fit {
         self.fitted().into_iter().map(of).collect()
     }
 
-    /// Bias of the logarithm of every parameter of the distribution, by leaving out one of twenty blocks of neighbours at a time. Zero
+    /// Returns the bias of the logarithm of every parameter of the distribution, by leaving out one of twenty blocks of neighbours at a time. Zero
     /// where more than two parameters were fitted, which takes too long, and where a part of the values has no fit.
     ///
     /// # References
@@ -173,7 +173,7 @@ impl Fit {
         (0..own.len()).map(of).collect()
     }
 
-    /// −H⁻¹ s(x)/n of every value for every parameter, in the parameters' scales, as they would add up if the fit had not made
+    /// Returns −H⁻¹ s(x)/n of every value for every parameter, in the parameters' scales, as they would add up if the fit had not made
     /// the scores add up to nothing; `None` where H has no inverse.
     fn influences(&self, records: &[&[f64]], parameters: &[Parameter]) -> Option<Vec<Vec<Vec<f64>>>> {
         // At the sample's extremes, where an end was put, the density says nothing.
@@ -217,7 +217,7 @@ impl Fit {
     }
 }
 
-/// All values strip by strip, the lanes of a strip position by position, so that neighbours of a block are neighbours in space.
+/// Returns all values strip by strip, the lanes of a strip position by position, so that neighbours of a block are neighbours in space.
 fn side_by_side(records: &[&[f64]], layout: Layout) -> Vec<f64> {
     let strip = |lanes: &[&[f64]]| -> Vec<f64> {
         (0..lanes[0].len()).flat_map(|place| lanes.iter().map(move |lane| lane[place])).collect()
@@ -232,7 +232,7 @@ mod tests {
     use crate::distribution::special::trigamma;
     use crate::random;
 
-    /// A translated record of the correlation e^{−lag/5}.
+    /// Returns a translated record of the correlation e^{−lag/5}.
     fn record(marginal: &str, n: usize, index: u64) -> Vec<f64> {
         let marginal: Marginal = marginal.parse().unwrap();
         let phi = (-0.2_f64).exp();

@@ -3,7 +3,7 @@
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::Moments;
 
-/// The most likely Weibull distribution of this shift.
+/// Returns the most likely Weibull distribution of this shift.
 ///
 /// The shape k is the root of Σ tᵏ ln t/Σ tᵏ − 1/k = mean ln t, whose left side increases with k; the scale is
 /// (mean tᵏ)^{1/k}. Newton's method on ln k, kept inside a bracket.

@@ -14,9 +14,9 @@ use crate::stats::{Layout, sorted_present};
 const CELL: f64 = 0.02;
 const REACH: f64 = 5.0;
 const CELLS: usize = 500;
-/// Highest order of the autoregression, and its share of the longest record.
+/// Highest order of the autoregression, and its fraction of the longest record.
 const MOST_ORDER: usize = 64;
-const LONGEST_SHARE: usize = 8;
+const LONGEST_FRACTION: usize = 8;
 
 /// Simulated records of a translation process with the correlation of a sample, for p-values of distances to fitted distributions.
 ///
@@ -36,14 +36,14 @@ const LONGEST_SHARE: usize = 8;
 /// parameters to first order).
 #[derive(Debug, Clone)]
 pub struct ProcessNull {
-    /// Share of the values in each cell, for every draw.
+    /// Fraction of the values in each cell, for every draw.
     draws: Vec<Vec<f64>>,
     present: usize,
     order: usize,
 }
 
 impl ProcessNull {
-    /// Draws `draws` samples like `records`: with equal steps, of one process, strips independent of each other; NaN is a missing
+    /// Returns the draws `draws` samples like `records`: with equal steps, of one process, strips independent of each other; NaN is a missing
     /// value, and `true` and `false` stand for periodic and free strips of one lane. Draw i uses the stream (seed, "goodness",
     /// i).
     ///
@@ -81,7 +81,7 @@ impl ProcessNull {
         };
         let scores: Vec<Vec<f64>> = records.iter().map(|record| record.iter().map(score).collect()).collect();
         let longest = scores.iter().map(Vec::len).max().unwrap_or(0);
-        let process = Autoregression::fit(&scores, MOST_ORDER.min(longest / LONGEST_SHARE));
+        let process = Autoregression::fit(&scores, MOST_ORDER.min(longest / LONGEST_FRACTION));
         let mixture = lane_mixture(&scores, layout);
         let mut circles: Vec<Circle> = Vec::new();
         for n in scores.iter().map(Vec::len).filter(|n| layout.periodic && *n > 0) {
@@ -110,12 +110,12 @@ impl ProcessNull {
         Ok(Self { draws, present: sorted.len(), order: process.order() })
     }
 
-    /// Order of the autoregression that was fitted to the normal scores.
+    /// Returns the order of the autoregression that was fitted to the normal scores.
     pub fn order(&self) -> usize {
         self.order
     }
 
-    /// The distances of the values from a distribution fitted to them, with p-values (1 + draws farther away)/(1 + draws).
+    /// Returns the distances of the values from a distribution fitted to them, with p-values (1 + draws farther away)/(1 + draws).
     ///
     /// # Errors
     /// No value is present.
@@ -151,7 +151,7 @@ fn cell(g: f64) -> usize {
     (((g + REACH) / CELL) as usize).min(CELLS - 1)
 }
 
-/// Φ⁻¹(F(x)) without loss in either tail.
+/// Returns Φ⁻¹(F(x)) without loss in either tail.
 fn normal_score(fit: &Fit, x: f64) -> f64 {
     let lower = fit.marginal.cdf(x);
     if lower < 0.5 { standard_normal_quantile(lower) } else { -standard_normal_quantile(fit.marginal.survival(x)) }
@@ -187,15 +187,19 @@ impl Projection {
     }
 }
 
-/// Kolmogorov and Smirnov's and Anderson and Darling's distance of shares in cells from the normal distribution, of which a
+/// Returns the Kolmogorov and Smirnov's and Anderson and Darling's distance of shares in cells from the normal distribution, of which a
 /// projection takes what a fit would.
-fn distances(shares: &[f64], projection: Option<&Projection>) -> [f64; 2] {
+fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
     let moves: Vec<f64> = projection.map_or_else(Vec::new, |projection| {
-        projection.scores.iter().map(|score| score.iter().zip(shares).map(|(s, share)| s * share).sum()).collect()
+        projection
+            .scores
+            .iter()
+            .map(|score| score.iter().zip(fractions).map(|(s, fraction)| s * fraction).sum())
+            .collect()
     });
     let (mut below, mut largest, mut squares) = (0.0, 0.0_f64, 0.0);
-    for (i, share) in shares.iter().enumerate().take(CELLS - 1) {
-        below += share;
+    for (i, fraction) in fractions.iter().enumerate().take(CELLS - 1) {
+        below += fraction;
         let g = (i as f64 + 1.0) * CELL - REACH;
         let (lower, upper) = (standard_normal_cdf(g), standard_normal_cdf(-g));
         let mut difference = below - lower;
@@ -265,7 +269,7 @@ impl Autoregression {
         self.orders.len() - 1
     }
 
-    /// The path that a standard normal Î¾ makes, stationary from its first value.
+    /// Returns the path that a standard normal ξ makes, stationary from its first value.
     fn path(&self, mut xi: Vec<f64>) -> Vec<f64> {
         for t in 0..xi.len() {
             let (coefficients, std) = &self.orders[t.min(self.order())];
@@ -276,7 +280,7 @@ impl Autoregression {
     }
 }
 
-/// What of the Î¾ of a lane goes into that of another, by their distance round the strip: the root of the circulant matrix
+/// What of the ξ of a lane goes into that of another, by their distance round the strip: the root of the circulant matrix
 /// of the correlations at the same position, negative eigenvalues left out.
 fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     let lanes = layout.lanes;
@@ -304,12 +308,12 @@ fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     spectrum.iter_mut().for_each(|value| *value = value.re.max(0.0).sqrt().into());
     let mut mixture = vec![0.0; lanes];
     fft.inverse(&mut spectrum, &mut mixture, &mut work);
-    let norm = mixture.iter().map(|share| share * share).sum::<f64>().sqrt();
-    mixture.iter_mut().for_each(|share| *share /= norm);
+    let norm = mixture.iter().map(|fraction| fraction * fraction).sum::<f64>().sqrt();
+    mixture.iter_mut().for_each(|fraction| *fraction /= norm);
     mixture
 }
 
-/// Samples of Î¾ of the lanes of a strip, mixed.
+/// Returns the samples of ξ of the lanes of a strip, mixed.
 fn mixed(xi_samples: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
     if let [xi] = xi_samples {
         return vec![xi.clone()];
@@ -329,7 +333,7 @@ struct Circle {
 }
 
 impl Circle {
-    /// The autoregression on a strip of `n` values, its covariance summed over all turns and scaled to unit variance: its
+    /// Creates the autoregression on a strip of `n` values, its covariance summed over all turns and scaled to unit variance: its
     /// density 1/|1 − Σ c_k e^{−iωk}|² at the wavenumbers of the strip.
     fn new(process: &Autoregression, n: usize) -> Self {
         let fft = RealFft2::new(n, 1);
@@ -351,7 +355,7 @@ impl Circle {
         Self { fft, amplitudes }
     }
 
-    /// The path that a standard normal Î¾ makes.
+    /// Returns the path that a standard normal ξ makes.
     fn path(&self, mut xi: Vec<f64>) -> Vec<f64> {
         let (mut spectrum, mut work) = (self.fft.spectrum(), self.fft.workspace());
         self.fft.forward(&xi, &mut spectrum, &mut work);
@@ -419,7 +423,7 @@ mod tests {
         let of = |i: u64| random::standard_normal(&mut random::stream(7, "lanes", i), 4000);
         let layout = Layout { periodic: true, lanes: 4 };
         let copies = lane_mixture(&vec![of(0); 4], layout);
-        assert!(copies.iter().all(|share| (share - 0.5).abs() < 1e-12), "{copies:?}");
+        assert!(copies.iter().all(|fraction| (fraction - 0.5).abs() < 1e-12), "{copies:?}");
         // Each lane shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
         let xi_samples: Vec<Vec<f64>> = (0..4).map(of).collect();
         let lanes: Vec<Vec<f64>> =
@@ -443,7 +447,7 @@ mod tests {
             let values = record(0);
             Projection::new(&Fit { marginal: Marginal::STANDARD_NORMAL, ..fit(Family::Normal, &values).unwrap() })
         };
-        let shares = |values: &[f64], marginal: &dyn Fn(f64) -> f64| {
+        let fractions = |values: &[f64], marginal: &dyn Fn(f64) -> f64| {
             let mut counts = vec![0.0; CELLS];
             values.iter().for_each(|x| counts[cell(marginal(*x))] += 1.0 / values.len() as f64);
             counts
@@ -452,8 +456,8 @@ mod tests {
         for i in 1..=100 {
             let values = record(i);
             let Marginal::Normal { mean, std } = fit(Family::Normal, &values).unwrap().marginal else { panic!() };
-            let refitted = distances(&shares(&values, &|x| (x - mean) / std), None);
-            let linear = distances(&shares(&values, &|x| x), Some(&projection));
+            let refitted = distances(&fractions(&values, &|x| (x - mean) / std), None);
+            let linear = distances(&fractions(&values, &|x| x), Some(&projection));
             for k in 0..2 {
                 ratio[k] += linear[k] / refitted[k] / 100.0;
             }

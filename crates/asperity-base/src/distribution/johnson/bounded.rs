@@ -7,21 +7,21 @@ use super::super::moments::Exact;
 use super::super::special::standard_normal_pdf;
 use crate::numeric::root_between;
 
-/// The least δ that is searched: closer to two atoms, quadrature becomes slow and the distribution is of no use as a height distribution.
+/// The least δ that is searched: closer to two point masses, quadrature becomes slow and the distribution is of no use as a height distribution.
 const LEAST_DELTA: f64 = 2e-3;
 /// Beyond this |γ| one end holds less than 1e-300 of the probability.
 const LARGEST_GAMMA: f64 = 37.0;
 /// Half width of the normal density that the rule covers; φ(9.5) = 1e-20.
 const REACH: f64 = 9.5;
 
-/// Moments of u.
+/// Returns the moments of u.
 pub(in crate::distribution) fn unit_moments(gamma: f64, delta: f64) -> Exact {
     // 1 − u has the parameters −γ and δ.
     let mirrored = low_moments(gamma.abs() / delta, 1.0 / delta);
     if gamma >= 0.0 { mirrored } else { Exact { mean: 1.0 - mirrored.mean, skewness: -mirrored.skewness, ..mirrored } }
 }
 
-/// Moments of 1/(1 + e^{depth − σg}), depth = −τ ≥ 0.
+/// Returns the moments of 1/(1 + e^{depth − σg}), depth = −τ ≥ 0.
 fn low_moments(depth: f64, sigma: f64) -> Exact {
     let step = f64::min(0.25, 0.4 / sigma);
     // y⁴φ(g) is largest at 4σ, or where u saturates.
@@ -54,8 +54,8 @@ fn low_moments(depth: f64, sigma: f64) -> Exact {
     }
 }
 
-/// (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is below that of the lognormal distribution with e^{1/δ²} − 1 =
-/// `lognormal_d`; `None` when it is too close to two atoms.
+/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is below that of the lognormal distribution with e^{1/δ²} − 1 =
+/// `lognormal_d`; `None` when it is too close to two point masses.
 ///
 /// At each δ the skewness decreases with the depth from that of the lognormal distribution to zero, and along the distributions of one
 /// skewness the kurtosis increases with δ up to that of the lognormal distribution: two nested searches.
@@ -82,12 +82,12 @@ pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64
     Some((delta * depth(skewness, 1.0 / delta), delta))
 }
 
-/// The symmetric distribution tends to the normal one as kurtosis − 3 → −2/δ² + O(δ⁻⁴), from above.
+/// Returns the symmetric distribution tends to the normal one as kurtosis − 3 → −2/δ² + O(δ⁻⁴), from above.
 fn largest_symmetric_delta(excess: f64) -> f64 {
     2.0 * (2.0 / -excess).sqrt().max(1.0)
 }
 
-/// The depth at which the distribution of this σ has this skewness; the largest one where even the lognormal limit has less.
+/// Returns the depth at which the distribution of this σ has this skewness; the largest one where even the lognormal limit has less.
 fn depth(skewness: f64, sigma: f64) -> f64 {
     if skewness == 0.0 {
         return 0.0;

@@ -9,9 +9,9 @@ const NORMAL: f64 = 1e-9;
 const LOGNORMAL: f64 = 1e-12;
 
 impl Marginal {
-    /// The Johnson distribution of this mean, standard deviation, skewness and excess kurtosis (0 for the normal distribution).
+    /// Creates the Johnson distribution of this mean, standard deviation, skewness and excess kurtosis (0 for the normal distribution).
     ///
-    /// Every shape with kurtosis > 1 + skewness² is reached but those within about 0.2 % of two atoms. The lognormal distribution
+    /// Every shape with kurtosis > 1 + skewness² is reached but those within about 0.2 % of two point masses. The lognormal distribution
     /// gets γ = 0 and the normal one γ = 0, δ = 1.
     ///
     /// # References
@@ -19,7 +19,7 @@ impl Marginal {
     /// choice of the system; S_U is solved as in Tuenter, *J. Stat. Comput. Simul.* **70** (2001) 325.
     ///
     /// # Errors
-    /// [`DistributionError::Infeasible`] for shapes that no distribution has, [`DistributionError::Moments`] for those too close to two atoms,
+    /// [`DistributionError::Infeasible`] for shapes that no distribution has, [`DistributionError::Moments`] for those too close to two point masses,
     /// [`DistributionError::Parameter`] for a standard deviation that is not positive or a moment that is not finite.
     pub fn johnson_with_moments(
         mean: f64,
@@ -52,7 +52,7 @@ impl Marginal {
 }
 
 impl Johnson {
-    /// The distribution of −x.
+    /// Returns the distribution of −x.
     fn mirrored(self) -> Self {
         let Self { system, gamma, delta, xi, lambda } = self;
         match system {
@@ -63,7 +63,7 @@ impl Johnson {
     }
 }
 
-/// A distribution of this shape, of any mean and standard deviation; skewness ≥ 0.
+/// Returns a distribution of this shape, of any mean and standard deviation; skewness ≥ 0.
 fn unit_distribution(skewness: f64, excess: f64) -> Option<Johnson> {
     let skewness = if skewness <= NORMAL { 0.0 } else { skewness };
     if skewness == 0.0 && excess.abs() <= NORMAL {
@@ -84,7 +84,7 @@ fn unit_distribution(skewness: f64, excess: f64) -> Option<Johnson> {
     Some(Johnson { system, gamma, delta, xi: 0.0, lambda: 1.0 })
 }
 
-/// d = e^{σ²} − 1 of the lognormal distribution of this skewness: the root of d(3 + d)² = skewness².
+/// Returns d = e^{σ²} − 1 of the lognormal distribution of this skewness: the root of d(3 + d)² = skewness².
 pub(super) fn lognormal_d(skewness: f64) -> f64 {
     let square = skewness * skewness;
     // The function is convex, so that Newton's method falls to the root from the right of it.

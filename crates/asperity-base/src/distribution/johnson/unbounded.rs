@@ -11,7 +11,7 @@
 use super::super::moments::Exact;
 use crate::numeric::root_between;
 
-/// Moments of sinh((g − γ)/δ).
+/// Returns the moments of sinh((g − γ)/δ).
 pub(in crate::distribution) fn unit_moments(gamma: f64, delta: f64) -> Exact {
     let (d, shift) = ((1.0 / (delta * delta)).exp_m1(), gamma / delta);
     let omega = 1.0 + d;
@@ -34,7 +34,7 @@ pub(in crate::distribution) fn unit_moments(gamma: f64, delta: f64) -> Exact {
     }
 }
 
-/// (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is above that of the lognormal distribution; `None` if it is not.
+/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is above that of the lognormal distribution; `None` if it is not.
 ///
 /// Along the distributions of one skewness the kurtosis increases with ω, from the lognormal distribution to infinity. At each ω the
 /// difference n = d − m follows from the skewness, so that nothing cancels near the symmetric distributions, where m ≈ d.
@@ -62,7 +62,7 @@ pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64
     (m > 0.0 && delta.is_finite()).then_some((-shift * delta, delta))
 }
 
-/// The n in [0, d] with n (3 + d + (d − n)/2)² = skewness²: Newton's method on an increasing function.
+/// Returns the n in [0, d] with n (3 + d + (d − n)/2)² = skewness²: Newton's method on an increasing function.
 fn deficit(d: f64, square: f64) -> f64 {
     let mut n = (square / (3.0 + d).powi(2)).min(d);
     for _ in 0..100 {

@@ -267,7 +267,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         .with("correlation_length_m_interval", json!(correlation.and_then(|correlation| correlation.length_interval_m)))
         .with("correlation_fit_p_value", fitted.length.lack_of_fit.map(|test| test.p_value))
         .with("values_are", fitted.observation.name())
-        .with("noise_share", fitted.length.noise_share)
+        .with("noise_fraction", fitted.length.noise_fraction)
         .with("noise_share_interval", json!(fitted.length.noise_interval.map(|i| [i.low, i.high])))
         .with("law", process.marginal.as_ref().map(ToString::to_string))
         .with("law_distance", fit.map(|fit| fit.statistic))
@@ -292,7 +292,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
             "aic_difference": ranked.aic_difference,
             "worse": ranked.worse,
             "window_m": fit.window_m,
-            "noise_share": fit.noise_share,
+            "noise_fraction": fit.noise_fraction,
             "fit_p_value": fit.lack_of_fit.map(|test| test.p_value),
         })
     };

@@ -49,7 +49,7 @@ impl TwinOptions {
 
     /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.
     pub fn memory_bytes(&self, scan_points: usize, pitch_m: Option<(f64, f64)>, at_once: usize) -> f64 {
-        // The covariance embedded in twice the width and height with its sorted modes; of each twin the Î¾, the
+        // The covariance embedded in twice the width and height with its sorted modes; of each twin the ξ, the
         // transform, and the padded correlations; the scan, raw and prepared.
         const GENERATOR: f64 = 4.0 * 64.0;
         const TWIN: f64 = 4.0 * 48.0;

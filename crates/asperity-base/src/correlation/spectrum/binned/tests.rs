@@ -27,7 +27,7 @@ fn self_affine(stretch: f64) -> impl Fn(f64, f64) -> f64 + Sync {
     move |qx, qy| stretch * (1.0 + (qx * qx + (stretch * qy).powi(2)) * (24.0 / TAU).powi(2)).powf(-1.5)
 }
 
-/// Share of the bins between two wavenumbers whose band holds the true mean, over `maps` maps, and the number of bins tried.
+/// Returns the fraction of the bins between two wavenumbers whose band holds the true mean, over `maps` maps, and the number of bins tried.
 fn coverage(
     maps: u64,
     spectrum: impl Fn(u64) -> BinnedSpectrum + Sync,
@@ -53,7 +53,7 @@ fn coverage(
     (inside / tried, tried)
 }
 
-/// Mean of a spectrum over the wavevectors of the rings of a map of n × n points.
+/// Returns the mean of a spectrum over the wavevectors of the rings of a map of n × n points.
 fn ring_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let edges = edges(n / 2);
     let mut sums = vec![(0.0, 0.0); edges.len() - 1];
@@ -70,7 +70,7 @@ fn ring_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     sums.iter().map(|(sum, count)| sum / count).collect()
 }
 
-/// Mean of the spectrum of profiles along x on a lattice of pitch 1 over the wavenumbers of the bins.
+/// Returns the mean of the spectrum of profiles along x on a lattice of pitch 1 over the wavenumbers of the bins.
 fn profile_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let edges = edges(n / 2);
     // ∫ P dqy/2π over the lattice's zone, exact as the maps are made with 2n wavenumbers of it.
@@ -107,15 +107,15 @@ fn coverages(
         coverage(maps, profiles(Axis::X), &truths[1], range),
         coverage(maps, profiles(Axis::Y), &truths[2], range),
     ];
-    (found.map(|(share, _)| share), found.iter().map(|(_, tried)| *tried).fold(f64::INFINITY, f64::min))
+    (found.map(|(fraction, _)| fraction), found.iter().map(|(_, tried)| *tried).fold(f64::INFINITY, f64::min))
 }
 
-/// Means of the spectrum itself.
+/// Returns the means of the spectrum itself.
 fn true_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] {
     [ring_means(n, psd_m4), profile_means(n, psd_m4), profile_means(n, &|x, y| psd_m4(y, x))]
 }
 
-/// Means of a spectrum that is even in qx and qy and the same along both, as Parzen's lag window over half of n resolves it.
+/// Returns the means of a spectrum that is even in qx and qy and the same along both, as Parzen's lag window over half of n resolves it.
 fn resolved_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] {
     let (side, lags) = (2 * n, (n - 1) / 2 + 1);
     let lattice = Array2::from_shape_fn((side, side), |(ky, kx)| {
@@ -139,22 +139,22 @@ fn resolved_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] 
 
 #[test]
 fn bands_hold_the_spectrum_of_an_isotropic_surface_in_95_percent_of_the_bins() {
-    let (shares, tried) =
+    let (fractions, tried) =
         coverages((64, 200), &self_affine(1.0), true_means(64, &self_affine(1.0)), |_, map| map, (2.0, 33.0));
-    println!("isotropic {shares:?} of {tried}");
+    println!("isotropic {fractions:?} of {tried}");
     // Binomial standard error of 0.95 from 3,600 bins: 0.0036. The window correlates neighbouring bins by less than a tenth,
     // the lowest bins are biased by the curvature within the resolution, and the match of moments is not exact: 0.015 in all.
     assert!(tried > 3500.0);
-    assert!(shares.iter().all(|share| (share - 0.95).abs() < 0.015), "{shares:?} of {tried}");
+    assert!(fractions.iter().all(|fraction| (fraction - 0.95).abs() < 0.015), "{fractions:?} of {tried}");
 }
 
 #[test]
 fn bands_are_nearly_as_good_on_a_surface_with_a_lay() {
-    let (shares, tried) =
+    let (fractions, tried) =
         coverages((64, 200), &self_affine(4.0), true_means(64, &self_affine(4.0)), |_, map| map, (3.0, 33.0));
-    println!("lay {shares:?} of {tried}");
+    println!("lay {fractions:?} of {tried}");
     // Four times as long along y: bands that count all coefficients of a ring or all profiles as equals hold far less.
-    assert!(shares.iter().all(|share| (0.92..0.97).contains(share)), "{shares:?} of {tried}");
+    assert!(fractions.iter().all(|fraction| (0.92..0.97).contains(fraction)), "{fractions:?} of {tried}");
 }
 
 #[test]
@@ -172,9 +172,9 @@ fn bands_hold_the_spectrum_of_maps_with_missing_points() {
     // The estimate resolves less than the periodogram, so it is compared with what it can resolve.
     let psd = self_affine(1.0);
     let truths = resolved_means(64, &psd);
-    let (shares, tried) = coverages((64, 200), &psd, truths, punched, (4.0, 16.0));
-    println!("missing {shares:?} of {tried}");
-    assert!(shares.iter().all(|share| (0.9..0.98).contains(share)), "{shares:?} of {tried}");
+    let (fractions, tried) = coverages((64, 200), &psd, truths, punched, (4.0, 16.0));
+    println!("missing {fractions:?} of {tried}");
+    assert!(fractions.iter().all(|fraction| (0.9..0.98).contains(fraction)), "{fractions:?} of {tried}");
 }
 
 #[test]
