@@ -180,7 +180,7 @@ impl RealFft2 {
         self.inverse_cropped(spectrum, map, self.ny, self.nx, work);
     }
 
-    /// As [`RealFft2::inverse`], keeping the first `rows` × `columns` values alone.
+    /// See [`RealFft2::inverse`], keeping the first `rows` × `columns` values alone.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length, or the map is larger than the plan.

@@ -89,7 +89,7 @@ impl Grid {
     /// Creates a grid that covers `width_m` × `height_m` with `nx` × `ny` cells: the width of n points is n·dx.
     ///
     /// # Errors
-    /// As [`Grid::new`].
+    /// See [`Grid::new`].
     pub fn with_size(nx: usize, ny: usize, width_m: f64, height_m: f64) -> Result<Self, MapError> {
         Self::new(nx, ny, width_m / nx as f64, height_m / ny as f64)
     }

@@ -1,4 +1,4 @@
-//! Cheaper models of a contact: the same map on fewer points, solved to a loose tolerance.
+//! Cheaper models of a contact: the same map on fewer points, solved to a looser tolerance.
 
 use ndarray::{Array2, s};
 
@@ -6,16 +6,16 @@ use crate::{Observation, Problem, stiffness};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_contact::{self as contact, Control, HalfSpace, Solver, Workspace};
 
-/// Points kept of so many along either side, the coarsest first; of all, solved to a loose tolerance.
+/// Strides along either side, coarsest first. Stride 1 is the full grid with a looser tolerance.
 const STRIDES: [usize; 3] = [4, 2, 1];
 /// Minimum number of points along a side.
 const LEAST_POINTS: usize = 8;
-/// Tolerance of coarse solutions: their error is that of the grid,
+/// Tolerance of coarse solutions; their error is dominated by the grid.
 const TOLERANCE: f64 = 1e-2;
-/// and fewest times that of fine ones with which the fine grid is a coarse model too.
+/// Minimum ratio to the fine tolerance for which the full grid also serves as a coarse model.
 const LOOSER: f64 = 30.0;
 
-/// A contact on every so many points of the map along either side, the cell in question among them.
+/// Contact on every n-th point of the map along either side, including the cell of interest.
 #[derive(Debug)]
 pub(super) struct CoarseModel {
     half_space: HalfSpace,
@@ -25,7 +25,7 @@ pub(super) struct CoarseModel {
 }
 
 impl CoarseModel {
-    /// Returns the coarse models that a problem has, the coarsest first: none of a grid that cannot be divided.
+    /// Returns the coarse models of a problem, coarsest first; empty if the grid cannot be divided.
     pub(super) fn all(problem: &Problem<'_>) -> Vec<Self> {
         STRIDES.iter().filter_map(|stride| Self::new(problem, *stride)).collect()
     }
@@ -48,7 +48,7 @@ impl CoarseModel {
         Some(Self { half_space, stride, first, cell: (row / stride, column / stride) })
     }
 
-    /// Returns the points along either side.
+    /// Returns the number of points along either side.
     pub(super) fn shape(&self) -> (usize, usize) {
         self.half_space.grid().shape()
     }
@@ -57,8 +57,10 @@ impl CoarseModel {
         self.half_space.workspace()
     }
 
-    /// Returns the contact of a map, under the plane that the whole map would have; whatever its residual, for it is a model only.
-    /// `None` where it cannot be posed.
+    /// Solves the contact of a map under the plane of the full map, whatever its residual, because the result is a
+    /// predictor only.
+    ///
+    /// Returns `None` if the contact cannot be posed.
     pub(super) fn observe(
         &self,
         problem: &Problem<'_>,
@@ -90,18 +92,18 @@ impl CoarseModel {
     }
 }
 
-/// Work of one iteration over that of a transform of the map, and of one solution beside its iterations in the same arithmetic: measured
-/// with a profiler, once; only the allocation of samples hangs on them.
+/// Work of one iteration relative to a transform of the map, and work per solution besides its iterations in the same
+/// units. Measured once with a profiler; only the allocation of samples depends on them.
 const TRANSFORMS_PER_ITERATION: f64 = 4.0;
 const WORK_PER_SOLUTION: f64 = 6e4;
 
-/// Returns the work of generating a map, in units of the arithmetic of transforms.
+/// Returns the work of generating a map, in floating-point operations of transforms.
 pub(super) fn generation_work(shape: (usize, usize)) -> f64 {
     let points = (shape.0 * shape.1) as f64;
     points * points.log2()
 }
 
-/// Returns the work of a solution with so many iterations, in the same units.
+/// Returns the work of a solution with the given number of iterations, in the same units.
 pub(super) fn solution_work(shape: (usize, usize), iterations: f64) -> f64 {
     TRANSFORMS_PER_ITERATION * (iterations + 2.0) * generation_work(shape) + WORK_PER_SOLUTION
 }
@@ -114,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_coarse_contact_of_a_smooth_map_is_nearly_the_fine_one() {
-        // The contact is two to six cells wide on the coarsest grid: its load errs by some percent.
+        // The contact is two to six cells wide on the coarsest grid; its load has an error of some per cent.
         let grid = Grid::with_size(64, 64, 1.0, 1.0).unwrap();
         let wave = |x: f64| (std::f64::consts::TAU * x).cos();
         let shape = Shape::new(grid, 1.0, |x, y| wave(x - 32.5 / 64.0) * wave(y - 32.5 / 64.0));

@@ -1,4 +1,5 @@
-//! Several estimates of one distribution, each from the same number of contact solutions, against their own reference.
+//! Estimates of one distribution by several methods with the same number of contact solutions, compared with a
+//! reference.
 
 use crate::estimate::{Estimate, ReferenceDistances};
 use crate::expansion::{self, Response};
@@ -12,100 +13,101 @@ use asperity_base::monitor::Monitor;
 use asperity_base::stats::{Interval, NORMAL_95};
 use asperity_chaos::{Basis, Design, DiscreteDistribution, SamplingMethod};
 
-/// Probabilities whose quantiles are told.
+/// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
-/// Independent randomisations of stratified designs.
+/// Number of independent randomisations of stratified designs.
 const REPLICATES: usize = 10;
-/// Sites along either side whose pressures are pooled.
+/// Number of sites along either side whose pressures are pooled.
 const SITES: usize = 16;
 
-/// What is estimated how well: sizes of the runs. Runs of one seed are independent of each other.
+/// Settings of a comparison of methods: sizes of the runs. Runs of one seed are independent of each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MethodComparison {
     /// Seed of all runs.
     pub seed: u64,
-    /// Contact solutions of each method.
+    /// Number of contact solutions of each method.
     pub fine_solves: usize,
-    /// Contact solutions of the Monte Carlo reference.
+    /// Number of contact solutions of the Monte Carlo reference.
     pub reference_samples: usize,
-    /// Leading normal variables of the expansions of eq. (8) and (9).
+    /// Number of leading variables ξ of the expansions of eq. (8) and (9).
     pub variables: usize,
-    /// Their total degree.
+    /// Total degree of these expansions.
     pub degree: usize,
-    /// Evaluations of an expansion on fresh samples of ξ.
+    /// Number of evaluations of an expansion on fresh samples.
     pub surrogate_samples: usize,
-    /// Least fraction of converged contact problems in a run.
+    /// Smallest fraction of converged contact problems in a run.
     pub valid_fraction: f64,
-    /// Whether the stiffness of contacts is among the scalars: one linear problem more for each Monte Carlo and each coarse
-    /// solution. It changes nothing else.
+    /// Whether the stiffness of contacts is one of the scalars. This costs one more linear problem for each Monte Carlo
+    /// and each coarse solution and changes nothing else.
     pub stiffness: bool,
 }
 
-/// One method's answer.
+/// Result of one method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodResult {
-    /// The method.
+    /// Method.
     pub method: Method,
-    /// Contact solutions on which it rests, failed ones included.
+    /// Number of its contact solutions, including failed ones.
     pub fine_solves: usize,
-    /// Solutions on coarser grids on which it rests beside.
+    /// Further solutions on coarser grids.
     pub coarse_solves: Vec<CoarseSolves>,
-    /// Those without an answer.
+    /// Failed samples.
     pub failures: Vec<Failure>,
-    /// The estimate with its distances from the reference, or why there is none.
+    /// Estimate with its distances from the reference, or the reason why there is none.
     pub outcome: Result<(Estimate, ReferenceDistances), MethodError>,
 }
 
-/// The distribution of a scalar of the whole contact.
+/// Distribution of a scalar of the whole contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarResult {
-    /// The scalar.
+    /// Scalar.
     pub quantity: Quantity,
-    /// Its mean,
+    /// Mean.
     pub mean: f64,
-    /// the standard error of the mean,
+    /// Standard error of the mean.
     pub mean_se: f64,
-    /// and its 95 % interval within the possible values.
+    /// 95 % interval of the mean within the possible values.
     pub mean_interval: Interval,
-    /// Its distribution, estimated as by [`Method::Default`].
+    /// Distribution, estimated as by [`Method::Default`].
     pub distribution: DiscreteDistribution,
     /// 95 % intervals of the 10, 50 and 90 % quantiles.
     pub quantiles: Vec<QuantileResult>,
 }
 
-/// The Monte Carlo distribution that the methods are measured against.
+/// Monte Carlo distribution with which the methods are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// Contact solutions, failed ones included.
+    /// Number of contact solutions, including failed ones.
     pub samples: usize,
-    /// Those without an answer.
+    /// Failed samples.
     pub failures: Vec<Failure>,
-    /// Cells of each solution whose pressures are pooled: more than one where the surface is stationary.
+    /// Number of cells of each solution whose pressures are pooled; more than one if the surface is stationary.
     pub sites: usize,
-    /// The estimate.
+    /// Estimate.
     pub estimate: Estimate,
-    /// Kolmogorov–Smirnov distances to the true distribution up to this have a probability of 95 %: smaller distances of other distributions are not
-    /// resolved.
+    /// Upper 95 % limit of the Kolmogorov–Smirnov distance to the true distribution. Smaller distances of other
+    /// distributions are not resolved.
     pub ks_resolution: f64,
 }
 
-/// Everything a study of one pressure found.
+/// Results of a comparison of methods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparisonResults {
-    /// The reference.
+    /// Reference.
     pub reference: Reference,
-    /// One entry for each of [`Method::ALL`].
+    /// Result of each of [`Method::ALL`].
     pub methods: Vec<MethodResult>,
-    /// Distributions of the scalars of the whole contact.
+    /// Distributions of scalars of the whole contact.
     pub scalars: Vec<ScalarResult>,
     /// Distributions of the pressures of all cells.
     pub fields: Option<FieldDistributions>,
-    /// Which variables matter.
+    /// Sensitivity indices.
     pub sensitivities: Vec<Sensitivity>,
 }
 
 impl MethodComparison {
-    /// Creates the customary sizes: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8 variables.
+    /// Creates the customary settings: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8
+    /// variables.
     pub fn new(seed: u64) -> Self {
         Self {
             seed,
@@ -130,12 +132,12 @@ impl MethodComparison {
     /// Solves the contact problems that the methods share.
     ///
     /// # Errors
-    /// As [`MethodComparison::run`].
+    /// See [`MethodComparison::run`].
     #[doc(hidden)]
     pub fn solve<'a>(&self, problem: &Problem<'a>, monitor: &dyn Monitor) -> Result<Solutions<'a>, PressureError> {
         self.validate(problem)?;
         let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
-        // What scalars are estimated of.
+        // The problem from which scalars are estimated.
         let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
         let stride = site_stride(problem);
         let reference = {
@@ -179,10 +181,11 @@ impl MethodComparison {
         })
     }
 
-    /// Returns the distribution by [`Method::Default`] alone, without a reference: what a user who trusts it wants. The solutions on coarser grids beside.
+    /// Estimates the distribution by [`Method::Default`] alone, without a reference. Also returns the numbers of
+    /// solutions on coarser grids.
     ///
     /// # Errors
-    /// As [`MethodComparison::run`], and what [`MethodError`] says.
+    /// See [`MethodComparison::run`] and [`MethodError`].
     pub fn estimate_default(
         &self,
         problem: &Problem<'_>,
@@ -212,7 +215,7 @@ impl MethodComparison {
         Ok(Reference { samples: samples.posed(), failures, sites: sites.max(1), estimate, ks_resolution })
     }
 
-    /// Returns the distributions of the scalars; those that cannot be had are left out.
+    /// Returns the distributions of the scalars; failed ones are left out.
     fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
         let scalar = |quantity: Quantity| {
             let found = nested.estimate(quantity, problem, self.seed).ok()?;
@@ -260,7 +263,7 @@ impl MethodComparison {
         Ok(())
     }
 
-    /// Returns the samples of ξ on which expansions are evaluated.
+    /// Returns the samples ξ on which expansions are evaluated.
     fn fresh_xi(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
         let design = self.fresh_design("pressure/expansion", variables)?;
         Ok((0..design.samples()).map(|i| design.xi(i)).collect())
@@ -271,7 +274,7 @@ impl MethodComparison {
     }
 }
 
-/// Contact solutions of a study.
+/// Contact solutions shared by the methods of a comparison.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Solutions<'a> {
@@ -283,9 +286,9 @@ pub struct Solutions<'a> {
     pub monte_carlo: Samples,
     latin: Result<Samples, MethodError>,
     sobol: Result<Samples, MethodError>,
-    /// The independent samples and more on coarse grids, or why there are none.
+    /// Independent samples with further samples on coarse grids, or the reason why there are none.
     pub nested: Result<NestedSamples, MethodError>,
-    /// The independent samples in normal variables rotated to the cell, or why there are none.
+    /// Independent samples in normal variables rotated to the cell, or the reason why there are none.
     pub rotated: Result<RotatedSamples, MethodError>,
 }
 
@@ -293,7 +296,7 @@ impl Solutions<'_> {
     /// Estimates the distribution of the pressure by every method.
     ///
     /// # Errors
-    /// A distribution could not be made from its values.
+    /// A distribution could not be created from its values.
     pub fn results(self, monitor: &dyn Monitor) -> Result<ComparisonResults, PressureError> {
         let mut methods = Vec::with_capacity(Method::ALL.len());
         for method in Method::ALL {
@@ -370,7 +373,7 @@ impl Solutions<'_> {
     }
 }
 
-/// Every so many cells that pressures are pooled of.
+/// Returns the stride of the cells whose pressures are pooled.
 fn site_stride(problem: &Problem<'_>) -> usize {
     let (ny, nx) = problem.half_space().grid().shape();
     (nx.min(ny) / SITES).max(1)
@@ -386,7 +389,7 @@ fn pressures_pa(samples: &Samples) -> Vec<f64> {
     samples.observations().iter().map(|o| o.pressure_pa).collect()
 }
 
-/// Returns a method's error apart from others.
+/// Separates the errors of a method from other errors.
 fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estimate, MethodError>, PressureError> {
     match outcome {
         Ok(estimate) => Ok(Ok(estimate)),

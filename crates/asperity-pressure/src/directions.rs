@@ -1,9 +1,9 @@
-//! Directions in the space of samples of ξ that have names.
+//! Named directions in the space of ξ.
 
 use crate::Problem;
 use crate::rotated_variables::{RotatedVariables, responses};
 
-/// Orthonormal directions, each of what is new in a mean height that has a name.
+/// Orthonormal directions, each the part of a named mean height that is orthogonal to the previous ones.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NamedDirections {
     pub(super) names: Vec<String>,
@@ -11,8 +11,10 @@ pub(super) struct NamedDirections {
 }
 
 impl NamedDirections {
-    /// Creates the height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
-    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose ξ is too long.
+    /// Creates the directions of the height of the cell and of the mean heights of rings around it, from the innermost
+    /// outwards, `most` in all.
+    ///
+    /// Ring n reaches up to 2ⁿ⁻¹ times the finer pitch. The result is empty if there are too many variables ξ.
     pub(super) fn from_cell(problem: &Problem<'_>, most: usize) -> Self {
         let mut named = Self::default();
         for (ring, response) in responses(problem) {
@@ -27,7 +29,7 @@ impl NamedDirections {
         named
     }
 
-    /// Creates the leading variables themselves.
+    /// Creates the directions of the leading variables ξ themselves.
     pub(super) fn leading(xi_len: usize, most: usize) -> Self {
         let unit = |j: usize| (0..xi_len).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
         let count = most.min(xi_len);
@@ -37,7 +39,7 @@ impl NamedDirections {
         }
     }
 
-    /// Returns the variables of a ξ.
+    /// Returns the rotated variables of ξ.
     pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
         self.directions.apply(xi)
     }

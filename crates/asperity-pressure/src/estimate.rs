@@ -1,4 +1,4 @@
-//! A distribution, and how well it is known.
+//! Estimated distribution with its errors.
 
 use crate::band::{Band, Moments, Total};
 use crate::multilevel::{MultilevelEstimate, RARE};
@@ -7,45 +7,46 @@ use asperity_base::stats::{Interval, NORMAL_95, wilson_interval};
 use asperity_chaos::DiscreteDistribution;
 use asperity_chaos::distance::{kolmogorov_smirnov, wasserstein_1};
 
-/// Values at which distribution functions have bands.
+/// Number of values at which distribution functions have bands.
 const NODES: usize = 64;
-/// Pressures that are pooled at most.
+/// Maximum number of pooled pressures.
 const MOST_POOLED: usize = 1 << 22;
 
-/// A distribution and how it came about.
+/// Estimated distribution of the pressure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The distribution of the pressure in pascal, with its point mass at 0.
+    /// Distribution of the pressure in pascal, with its point mass at 0.
     pub distribution: DiscreteDistribution,
-    /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
+    /// P(contact). The paper's expansions use K/K_t, whatever part of the expansion is clipped to 0.
     pub contact_probability: f64,
-    /// Its bias, estimated from samples that the model was not fitted to; `None` of an estimate that has none.
+    /// Bias of P(contact), estimated from samples that were not used for the fit; `None` for an unbiased estimate.
     pub contact_probability_bias: Option<f64>,
-    /// The standard error of P(contact) less its bias,
+    /// Standard error of P(contact) without its bias.
     pub contact_probability_se: f64,
-    /// and its 95 % interval: it holds bias and error.
+    /// 95 % interval of P(contact), including bias and error.
     pub contact_probability_interval: Option<Interval>,
-    /// E p in pascal,
+    /// Mean pressure E p in pascal.
     pub mean_pa: f64,
-    /// its bias, as that of P(contact),
+    /// Bias of the mean in pascal; `None` for an unbiased estimate.
     pub mean_bias_pa: Option<f64>,
-    /// and the standard error of the mean less its bias.
+    /// Standard error of the mean without its bias, in pascal.
     pub mean_se_pa: f64,
-    /// The distribution function with its bands, at pressures in pascal that begin with 0.
+    /// Distribution function with its bands, at pressures in pascal that begin with 0.
     pub band: Option<Band>,
-    /// Why an estimate with a bias has neither band nor intervals.
+    /// Reason why a biased estimate has neither band nor intervals.
     pub interval_failure: Option<MethodError>,
     /// Number of coefficients of the expansion, if any.
     pub coefficients: Option<usize>,
-    /// Mean square leave-one-out error of the expanded quantity over its variance, if any. Above 1 the expansion
+    /// Mean square leave-one-out error of the expanded quantity divided by its variance, if any. Above 1 the expansion
     /// predicts worse than the mean.
     pub leave_one_out_error: Option<f64>,
-    /// Upper bound of the pressure in pascal: the hardness, or infinity. The distribution, the mean and all intervals keep to it.
+    /// Upper bound of the pressure in pascal: the hardness, or infinity. The distribution, the mean and all intervals
+    /// respect it.
     pub largest_pa: f64,
 }
 
 impl Estimate {
-    /// Creates the empirical distribution of independent samples.
+    /// Creates the empirical estimate from independent samples.
     pub(super) fn from_independent(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let distribution = samples.distribution()?;
         let n = samples.len();
@@ -69,7 +70,8 @@ impl Estimate {
         })
     }
 
-    /// Creates the mean of the empirical distributions of independent randomisations; what they differ by tells the errors.
+    /// Creates the mean of the empirical distributions of independent randomisations. Their differences determine the
+    /// errors.
     pub(super) fn from_replicates(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let distribution = samples.distribution()?;
         let nodes = nodes(&distribution, samples.len());
@@ -83,7 +85,8 @@ impl Estimate {
         Ok(Self::from_multilevel(found, largest_pa))
     }
 
-    /// Creates the empirical distribution of many cells; each sample is one, however many cells it gives.
+    /// Creates the empirical estimate from many cells. Each sample counts once for the errors, however many cells it
+    /// provides.
     #[doc(hidden)]
     pub fn from_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let each = samples.sites().first().map_or(1, Vec::len).max(1);
@@ -99,8 +102,9 @@ impl Estimate {
         Ok(Self::from_multilevel(found, largest_pa))
     }
 
-    /// By independent groups of pressures, whose distribution is that of all; of so few that their number matters, with their degrees of
-    /// freedom.
+    /// Estimates errors from independent groups of pressures whose pooled distribution is `distribution`.
+    ///
+    /// `degrees_of_freedom` is given if there are few groups.
     fn from_groups(
         distribution: DiscreteDistribution,
         samples: &Samples,
@@ -133,7 +137,7 @@ impl Estimate {
 }
 
 impl Estimate {
-    /// Returns the 95 % interval of `mean_pa` within the possible range, none without a standard error.
+    /// Returns the 95 % interval of `mean_pa` within the possible range; `None` without a standard error.
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
         let unbiased = self.mean_pa - self.mean_bias_pa.unwrap_or(0.0);
@@ -141,14 +145,14 @@ impl Estimate {
         half.is_finite().then(|| Interval { low: possible(unbiased - half), high: possible(unbiased + half) })
     }
 
-    /// Returns the 95 % interval of a quantile in pascal, none without a band.
+    /// Returns the 95 % interval of a quantile in pascal; `None` without a band.
     pub fn quantile_interval_pa(&self, probability: f64) -> Option<Interval> {
         self.band.as_ref().map(|band| band.quantile(&self.distribution, probability).interval)
     }
 }
 
 impl Estimate {
-    /// Creates an estimate of the pressure by several models; `largest_pa` is its upper bound.
+    /// Creates the estimate of the pressure from a multilevel estimate; `largest_pa` is its upper bound.
     pub(super) fn from_multilevel(found: MultilevelEstimate, largest_pa: f64) -> Self {
         let MultilevelEstimate {
             distribution,
@@ -186,7 +190,7 @@ impl Estimate {
     }
 }
 
-/// Returns the pressures from 0 on between which the distribution has about the same probability, with enough of so many samples beyond each.
+/// Returns pressures from 0 on with about equal probability between them and enough samples on both sides of each.
 pub(super) fn nodes(distribution: &DiscreteDistribution, samples: usize) -> Vec<f64> {
     let atom = distribution.cdf(0.0);
     let quantiles = (1..NODES).map(|k| distribution.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
@@ -204,8 +208,8 @@ pub(super) fn nodes(distribution: &DiscreteDistribution, samples: usize) -> Vec<
 pub struct ReferenceDistances {
     /// Kolmogorov–Smirnov distance.
     pub ks_distance: f64,
-    /// Wasserstein-1 distance divided by the standard deviation of the reference distribution, point mass at 0 included; `None` when that
-    /// is 0.
+    /// Wasserstein-1 distance divided by the standard deviation of the reference distribution, including its point mass
+    /// at 0; `None` if that standard deviation is 0.
     pub wasserstein_1_over_std: Option<f64>,
 }
 
@@ -236,11 +240,11 @@ mod tests {
             let cdf: Vec<f64> = nodes.iter().map(|t| distribution.cdf(*t)).collect();
             let band = Band::from_independent(&nodes, &cdf, n, 1);
             for (held, probability) in held.iter_mut().zip([0.1, 0.5, 0.9]) {
-                // A uniform variable is its own probability.
+                // The quantile of a uniform variable equals its probability.
                 *held += usize::from(band.quantile(&distribution, probability).interval.contains(probability));
             }
         }
-        // The standard error of a fraction of 95 % is 0.7 %.
+        // A fraction of 95 % has a standard error of 0.7 %.
         for held in held {
             let fraction = held as f64 / replicates as f64;
             assert!((0.925..=0.975).contains(&fraction), "{fraction}");

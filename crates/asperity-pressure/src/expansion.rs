@@ -1,18 +1,20 @@
 //! The paper's chaos expansions of the pressure in contact, eq. (8) to (11).
 //!
-//! Both are fitted by least squares to the K samples in contact alone, and give the distribution
-//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh samples of ξ. Fitting only p > 0 and clipping afterwards
-//! is truncated regression: the distribution is biased, and the variance of the variables left out is lost. Standard errors and
-//! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
+//! Both expansions are fitted by least squares to the K samples in contact. They give the distribution (1 − K/K_t) δ₀ +
+//! K/K_t · F_c, where F_c is evaluated on many fresh samples of ξ. Fitting only p > 0 and clipping afterwards is
+//! truncated regression: the distribution is biased, and the variance of the neglected variables is lost. Standard
+//! errors and bands include the bias, which is estimated from samples that were not used for the fit, see
+//! [`surrogate`].
 //!
-//! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
-//! by orders of magnitude on some samples of ξ. Values above the hardness are set to the hardness, as those below zero are set to zero.
+//! The contact model limits the pressure to the hardness. The expansions do not, and the exponential of eq. (9) exceeds
+//! it by orders of magnitude for some ξ. Values above the hardness are set to the hardness, and values below zero to
+//! zero.
 
 use crate::surrogate::{self, Fitted, PointMasses, Surrogate, TrainingSamples, others};
 use crate::{Estimate, MethodError};
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError};
 
-/// Which function of the pressure is expanded.
+/// Function of the pressure that is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Response {
     /// Eq. (8): p_c = min([Σ a_i Γ_i(ξ)]⁺, H).
@@ -21,7 +23,7 @@ pub(super) enum Response {
     Logarithm,
 }
 
-/// Samples and what is expanded in what.
+/// Expansion of the pressure conditional on contact.
 #[derive(Debug)]
 struct Conditional<'a> {
     response: Response,
@@ -33,11 +35,12 @@ struct Conditional<'a> {
     largest_pa: f64,
 }
 
-/// Returns the distribution of the pressure from an expansion in the variables of the basis, those that lead the samples of ξ; `fresh` samples of ξ evaluate F_c.
+/// Estimates the distribution of the pressure from an expansion in the variables of the basis, the leading variables ξ.
+/// F_c is evaluated at `fresh`.
 ///
 /// # Errors
-/// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
-/// overflows.
+/// There are too few samples in contact, they do not determine the coefficients, or the expansion of the logarithm
+/// overflows without a hardness.
 pub(super) fn estimate(
     response: Response,
     xi_samples: &[Vec<f64>],

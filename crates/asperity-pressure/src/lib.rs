@@ -1,9 +1,9 @@
-//! The distribution of the random contact pressure (paper §3).
+//! Distribution of the random contact pressure (paper §3).
 //!
-//! A random surface is pressed against a rigid plane; the pressure p at one cell is a random
-//! variable with a point mass at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
-//! [`solve`] evaluates it on a design of samples of ξ, and [`MethodComparison`] estimates its distribution by several [`Method`]s from the same
-//! number of contact solutions and compares each with its own Monte Carlo reference.
+//! A random surface is pressed against a rigid plane. The pressure p at one cell is a random variable with a point mass
+//! at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] defines the pressure, [`solve`] evaluates it
+//! on a design of samples ξ, and [`MethodComparison`] estimates its distribution by several [`Method`]s with the same
+//! number of contact solutions and compares each with an independent Monte Carlo reference.
 
 mod band;
 mod coarse;
@@ -49,7 +49,7 @@ use asperity_base::map::Grid;
 use asperity_base::monitor::Cancelled;
 use asperity_chaos::{BasisError, DiscreteDistributionError, SamplingError};
 
-/// Why a distribution of the pressure could not be computed.
+/// Reason why a distribution of the pressure could not be computed.
 #[derive(Debug, Error)]
 pub enum PressureError {
     /// The surface and the half-space have different grids.
@@ -82,7 +82,7 @@ pub enum PressureError {
         /// Values allowed.
         wanted: &'static str,
     },
-    /// Too many contact problems had no converged solution.
+    /// Too many contact problems have no converged solution.
     #[error(
         "{stage}: only {valid} of {samples} contact problems were solved, {wanted_percent} % are wanted; \
          the first failure, sample {first_index}: {first_reason}"
@@ -90,27 +90,27 @@ pub enum PressureError {
     TooFewValid {
         /// Name of the sampled run.
         stage: String,
-        /// Converged samples.
+        /// Number of converged samples.
         valid: usize,
-        /// All samples.
+        /// Total number of samples.
         samples: usize,
-        /// Wanted share in percent.
+        /// Required fraction in percent.
         wanted_percent: f64,
         /// Index of the first failed sample.
         first_index: usize,
-        /// Its reason.
+        /// Reason of the first failure.
         first_reason: FailureReason,
     },
-    /// The design could not be made.
+    /// The design could not be created.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
-    /// The basis could not be made.
+    /// The basis could not be created.
     #[error(transparent)]
     Basis(#[from] BasisError),
-    /// A distribution could not be made from its values.
+    /// A distribution could not be created from its values.
     #[error(transparent)]
     Law(#[from] DiscreteDistributionError),
-    /// A method has no answer.
+    /// A method has no estimate.
     #[error(transparent)]
     Method(#[from] MethodError),
     /// The monitor stopped the run.

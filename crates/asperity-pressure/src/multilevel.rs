@@ -1,19 +1,20 @@
-//! One distribution from many cheap samples and few exact ones.
+//! Multilevel estimator of a distribution function.
 //!
-//! A quantity q is known on the fine samples; cheaper models of it, coarser and coarser, on these and on more and more others.
-//! With h_l(t) the probability that q ≤ t given what model l and those below it say, fitted to samples that it is not applied to,
+//! Few samples are solved on the fine grid; many more are solved on coarser grids, whose results correlate with the
+//! fine ones. The estimate is a telescoping sum over the levels from coarse to fine:
 //!
-//! F(t) = mean_fine [1(q ≤ t) − h_{L}(t)] + mean_L [h_L(t) − h_{L−1}(t)] + … + mean_1 [h_1(t) − h_0(t)] + E h_0(t),
+//! F(t) = E h_0(t) + mean_1 [h_1(t) − h_0(t)] + … + mean_L [h_L(t) − h_{L−1}(t)] + mean_fine [1(q ≤ t) − h_L(t)],
 //!
-//! where mean_l goes over all samples on which model l is known. Model 0 is a few variables whose distribution is exactly standard
-//! normal, so that its expectation needs no samples of the others. Every fold of the samples is judged by fits to the other
-//! folds; given these each bracket has the expectation it should have, so F is unbiased whatever the models are worth, and the better
-//! they are the smaller its variance, which the spread of the samples' contributions tells.
+//! where h_l(t) predicts P(q ≤ t) from the results of levels 0 … l, and mean_l is over all samples of level l. Level 0
+//! consists of a few exactly standard normal variables, so its expectation requires no contact solution. Each predictor
+//! is fitted by cross-fitting: it is never applied to the samples to which it was fitted. The estimate is therefore
+//! unbiased for any predictor, and a better predictor only reduces the variance, which is estimated from the
+//! contributions of the samples.
 //!
 //! # References
 //! M. B. Giles, *Acta Numerica* **24** (2015) 259, <https://doi.org/10.1017/S096249291500001X> (multilevel Monte Carlo).
 //! B. Peherstorfer, K. Willcox and M. Gunzburger, *SIAM J. Sci. Comput.* **38** (2016) A3163,
-//! <https://doi.org/10.1137/15M1046472> (many models, nested samples).
+//! <https://doi.org/10.1137/15M1046472> (many models, levels samples).
 //! Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
 use crate::band::{Moments, Total};
@@ -21,104 +22,104 @@ use crate::predictor::Predictor;
 use crate::{Band, MethodError};
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
-/// Parts into which the samples are split for cross-fitting.
+/// Number of parts into which the samples are split for cross-fitting.
 const FOLDS: usize = 5;
 /// Minimum number of fine samples.
 pub(super) const LEAST_SAMPLES: usize = 2 * FOLDS;
-/// Values at which the distribution function is estimated,
+/// Maximum number of values at which the distribution function is estimated.
 const THRESHOLDS: usize = 1000;
-/// and those at which its covariance is.
+/// Maximum number of values at which its covariance is estimated.
 const NODES: usize = 64;
-/// Minimum number of samples on either side of a value whose share has normal errors.
+/// Minimum number of samples on either side of a value for normal errors of its fraction.
 pub(super) const RARE: usize = 15;
-/// Independent randomisations of the points on which the expectation of model 0 is computed, and points of each.
+/// Number of independent randomisations of the points for the expectation of level 0, and number of points of each.
 const REPLICATES: usize = 10;
 const POINTS: usize = 2048;
 
-/// A quantity on the samples of all models, the fine ones first.
+/// Samples of one quantity on all levels.
 #[derive(Debug, Clone)]
 pub(super) struct LevelSamples {
-    /// Standard normal variables of every sample; may be empty.
-    pub(super) normal: Vec<Vec<f64>>,
-    /// What the models say, the coarsest first, each of the leading samples; the last is the quantity itself.
-    pub(super) models: Vec<Vec<f64>>,
-    /// What else each but the last says of the same samples.
-    pub(super) beside: Vec<Vec<Vec<f64>>>,
+    /// Standard normal variables ξ of each sample; empty if none are used.
+    pub(super) xi: Vec<Vec<f64>>,
+    /// Results per level, coarsest first. Each level covers the leading samples; the last level is the quantity itself.
+    pub(super) values: Vec<Vec<f64>>,
+    /// Further results of each coarse level for the same samples, used as predictors.
+    pub(super) covariates: Vec<Vec<Vec<f64>>>,
 }
 
-/// A distribution and how well it is known.
+/// Estimated distribution with its errors.
 #[derive(Debug, Clone)]
 pub(super) struct MultilevelEstimate {
     pub(super) distribution: DiscreteDistribution,
     pub(super) mean: f64,
     pub(super) mean_se: f64,
     pub(super) band: Band,
-    /// Fine samples above the least value, and all.
+    /// Number of fine samples above the lower bound, and of all fine samples.
     pub(super) above: [usize; 2],
-    /// Of the finest model's polynomial.
+    /// Number of coefficients of the finest model's polynomial.
     pub(super) coefficients: Option<usize>,
     pub(super) leave_one_out_error: Option<f64>,
 }
 
-/// How the models are used.
+/// Settings of the estimator.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Settings {
     pub(super) seed: u64,
     /// Largest degree of the polynomials.
     pub(super) degree: usize,
-    /// Whether models predict by a polynomial, or are taken at their word.
+    /// Whether levels predict by a polynomial; otherwise their results replace those of the next finer level.
     pub(super) fitted: bool,
-    /// The value is the quantity within these bounds.
+    /// Lower and upper bound to which the quantity is clipped.
     pub(super) least: f64,
     pub(super) largest: f64,
 }
 
 impl LevelSamples {
-    /// Returns the samples on which model `l` is known.
+    /// Returns the number of samples on level `l`.
     fn count(&self, l: usize) -> usize {
-        self.models[l].len()
+        self.values[l].len()
     }
 
-    /// What model `l` and the next coarser one say of a sample, and its normal variables.
+    /// Returns the predictors of a sample: the results of level `l` and the next coarser one, and the normal variables.
     fn row(&self, l: usize, sample: usize) -> Vec<f64> {
-        let mut row = vec![self.models[l][sample]];
-        row.extend(&self.beside[l][sample]);
-        row.extend(l.checked_sub(1).map(|coarser| self.models[coarser][sample]));
-        row.extend(self.normal.get(sample).into_iter().flatten());
+        let mut row = vec![self.values[l][sample]];
+        row.extend(&self.covariates[l][sample]);
+        row.extend(l.checked_sub(1).map(|coarser| self.values[coarser][sample]));
+        row.extend(self.xi.get(sample).into_iter().flatten());
         row
     }
 }
 
-/// The fits to all samples but those of one fold.
+/// Predictors fitted to all samples outside one fold.
 struct Fold {
-    /// Of every model but the quantity itself, the coarsest first.
+    /// Predictors of every level except the quantity itself, coarsest first.
     predictors: Vec<Predictor>,
-    /// By the normal variables alone, if there are any.
+    /// Predictor from the normal variables alone, if there are any.
     normal: Option<Predictor>,
 }
 
 impl Fold {
-    fn fit(nested: &LevelSamples, fold: usize, settings: &Settings) -> Result<(Self, Vec<f64>), MethodError> {
-        let last = nested.models.len() - 1;
-        // The quantity where it is known, elsewhere drawn from its conditional distribution.
-        let mut values = nested.models[last].clone();
+    fn fit(levels: &LevelSamples, fold: usize, settings: &Settings) -> Result<(Self, Vec<f64>), MethodError> {
+        let last = levels.values.len() - 1;
+        // The quantity itself where it was solved, elsewhere a draw from its conditional distribution.
+        let mut values = levels.values[last].clone();
         let mut predictors = Vec::with_capacity(last);
         let outside = |count: usize| (0..count).filter(move |i| i % FOLDS != fold);
         for l in (0..last).rev() {
-            let rows: Vec<Vec<f64>> = outside(values.len()).map(|i| nested.row(l, i)).collect();
+            let rows: Vec<Vec<f64>> = outside(values.len()).map(|i| levels.row(l, i)).collect();
             let known: Vec<f64> = outside(values.len()).map(|i| values[i]).collect();
             let predictor =
                 if settings.fitted { Predictor::fit(&rows, &known, settings.degree)? } else { Predictor::Identity };
-            for i in values.len()..nested.count(l) {
-                let prediction = predictor.predict(&nested.row(l, i));
+            for i in values.len()..levels.count(l) {
+                let prediction = predictor.predict(&levels.row(l, i));
                 values.push(prediction + pick(predictor.errors(prediction), golden(i)));
             }
             predictors.push(predictor);
         }
         predictors.reverse();
-        let has_normal = settings.fitted && nested.normal.first().is_some_and(|row| !row.is_empty());
+        let has_normal = settings.fitted && levels.xi.first().is_some_and(|row| !row.is_empty());
         let normal = if has_normal {
-            let rows: Vec<Vec<f64>> = outside(values.len()).map(|i| nested.normal[i].clone()).collect();
+            let rows: Vec<Vec<f64>> = outside(values.len()).map(|i| levels.xi[i].clone()).collect();
             let known: Vec<f64> = outside(values.len()).map(|i| values[i]).collect();
             Some(Predictor::fit(&rows, &known, settings.degree)?)
         } else {
@@ -129,18 +130,18 @@ impl Fold {
 }
 
 impl Fold {
-    /// Calls `add` with number, prediction, errors and sign of both terms of every bracket that `sample` is in.
-    fn brackets(&self, nested: &LevelSamples, sample: usize, mut add: impl FnMut(usize, f64, &[f64], f64)) {
-        let last = nested.models.len() - 1;
-        // What the sample is taken to be by the model below.
-        let mut below = self.normal.as_ref().map(|normal| (normal.predict(&nested.normal[sample]), normal));
-        for l in (0..=last).take_while(|l| sample < nested.count(*l)) {
+    /// Calls `add` with level, prediction, errors and sign for both terms of each level that contains `sample`.
+    fn brackets(&self, levels: &LevelSamples, sample: usize, mut add: impl FnMut(usize, f64, &[f64], f64)) {
+        let last = levels.values.len() - 1;
+        // Prediction of the sample by the next coarser level.
+        let mut below = self.normal.as_ref().map(|normal| (normal.predict(&levels.xi[sample]), normal));
+        for l in (0..=last).take_while(|l| sample < levels.count(*l)) {
             if let Some((prediction, predictor)) = below {
                 add(l, prediction, predictor.errors(prediction), -1.0);
             }
             let (prediction, predictor) = match self.predictors.get(l) {
-                Some(predictor) => (predictor.predict(&nested.row(l, sample)), predictor),
-                None => (nested.models[last][sample], &Predictor::Identity),
+                Some(predictor) => (predictor.predict(&levels.row(l, sample)), predictor),
+                None => (levels.values[last][sample], &Predictor::Identity),
             };
             add(l, prediction, predictor.errors(prediction), 1.0);
             below = Some((prediction, predictor));
@@ -148,29 +149,29 @@ impl Fold {
     }
 }
 
-/// How many of the leading `count` samples belong to a fold.
+/// Returns how many of the leading `count` samples belong to a fold.
 fn fold_size(fold: usize, count: usize) -> usize {
     (count + FOLDS - 1 - fold) / FOLDS
 }
 
-/// Returns a point between 0 and 1 for each index, evenly spread.
+/// Returns a quasi-random point between 0 and 1 for each index.
 fn golden(index: usize) -> f64 {
     ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
 }
 
-/// Returns the error at a share 0 to 1 of increasing ones.
+/// Returns the quantile of increasing errors at `fraction` between 0 and 1.
 fn pick(errors: &[f64], fraction: f64) -> f64 {
     errors[((fraction * errors.len() as f64) as usize).min(errors.len() - 1)]
 }
 
-/// Adds up distribution functions at increasing thresholds.
+/// Sum of distribution functions at increasing thresholds.
 struct Histogram<'a> {
     thresholds: &'a [f64],
     steps: Vec<f64>,
 }
 
 impl Histogram<'_> {
-    /// Adds the distribution of `prediction` and any of `errors`.
+    /// Adds the distribution of `prediction` plus a random error.
     fn add(&mut self, prediction: f64, errors: &[f64], weight: f64) {
         let weight = weight / errors.len() as f64;
         for error in errors {
@@ -191,7 +192,7 @@ impl Histogram<'_> {
     }
 }
 
-/// Contributions of one sample at the nodes, and to the mean.
+/// Contributions of one sample at the nodes and to the mean.
 struct Contribution<'a> {
     nodes: &'a [f64],
     settings: &'a Settings,
@@ -219,31 +220,31 @@ impl<'a> Contribution<'a> {
     }
 }
 
-/// Estimates the distribution of the value.
+/// Estimates the distribution of the clipped quantity.
 ///
 /// # Errors
 /// There are fewer fine samples than folds, or a fit fails.
-pub(super) fn estimate(nested: &LevelSamples, settings: &Settings) -> Result<MultilevelEstimate, MethodError> {
-    let last = nested.models.len() - 1;
-    let fine = nested.count(last);
+pub(super) fn estimate(levels: &LevelSamples, settings: &Settings) -> Result<MultilevelEstimate, MethodError> {
+    let last = levels.values.len() - 1;
+    let fine = levels.count(last);
     if fine < LEAST_SAMPLES {
         return Err(MethodError::TooFewSamples { samples: fine, wanted: LEAST_SAMPLES });
     }
-    let folds = (0..FOLDS).map(|fold| Fold::fit(nested, fold, settings)).collect::<Result<Vec<_>, _>>()?;
+    let folds = (0..FOLDS).map(|fold| Fold::fit(levels, fold, settings)).collect::<Result<Vec<_>, _>>()?;
     let drawn = folds.first().map_or(&[][..], |(_, values)| values.as_slice());
-    let thresholds = thresholds(&nested.models[last], drawn, settings);
-    let nodes: Vec<f64> = nodes(&thresholds, drawn, &nested.models[last], settings);
+    let thresholds = thresholds(&levels.values[last], drawn, settings);
+    let nodes: Vec<f64> = nodes(&thresholds, drawn, &levels.values[last], settings);
     let mut total = Histogram { thresholds: &thresholds, steps: vec![0.0; thresholds.len()] };
     let mut errors = Total::new(nodes.len() + 1);
     let mut classes: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();
     for (fold, (fits, _)) in folds.iter().enumerate() {
         let fraction = fold_size(fold, fine) as f64 / fine as f64;
-        for sample in (0..nested.count(0)).filter(|i| i % FOLDS == fold) {
+        for sample in (0..levels.count(0)).filter(|i| i % FOLDS == fold) {
             let mut own = Contribution::new(&nodes, settings);
             let mut class = 0;
-            fits.brackets(nested, sample, |l, prediction, errors, sign| {
+            fits.brackets(levels, sample, |l, prediction, errors, sign| {
                 class = l;
-                let weight = sign * fraction / fold_size(fold, nested.count(l)) as f64;
+                let weight = sign * fraction / fold_size(fold, levels.count(l)) as f64;
                 total.add(prediction, errors, weight);
                 own.add(prediction, errors, weight);
             });
@@ -256,7 +257,7 @@ pub(super) fn estimate(nested: &LevelSamples, settings: &Settings) -> Result<Mul
         .filter_map(|(fold, (fits, _))| Some((fits.normal.as_ref()?, fold_size(fold, fine) as f64 / fine as f64)))
         .collect();
     if !normals.is_empty() {
-        expect_normal(&normals, nested.normal[0].len(), &nodes, settings, &mut total, &mut errors)?;
+        expect_normal(&normals, levels.xi[0].len(), &nodes, settings, &mut total, &mut errors)?;
     }
     classes.iter().for_each(|class| errors.add_sum(class));
     let predictor = folds.first().and_then(|(fold, _)| fold.predictors.last().or(fold.normal.as_ref()));
@@ -265,31 +266,33 @@ pub(super) fn estimate(nested: &LevelSamples, settings: &Settings) -> Result<Mul
         mean: errors.value(nodes.len()),
         mean_se: errors.standard_error(nodes.len(), None),
         band: errors.band(&nodes, None, settings.seed),
-        above: [nested.models[last].iter().filter(|q| **q > settings.least).count(), fine],
+        above: [levels.values[last].iter().filter(|q| **q > settings.least).count(), fine],
         coefficients: predictor.and_then(Predictor::coefficients),
         leave_one_out_error: predictor.and_then(Predictor::relative_error),
     })
 }
 
-/// Returns the variance of what a sample adds to each bracket, summed over the nodes: of the fine model first, of the coarsest last. All models
-/// are known on the same samples.
-pub(super) fn bracket_variances(nested: &LevelSamples, settings: &Settings) -> Result<Vec<f64>, MethodError> {
-    let last = nested.models.len() - 1;
-    let folds = (0..FOLDS).map(|fold| Fold::fit(nested, fold, settings)).collect::<Result<Vec<_>, _>>()?;
-    let fine = &nested.models[last];
+/// Returns the variance per sample of each term of the sum, added over the nodes: fine level first, coarsest last. All
+/// levels must cover the same samples.
+pub(super) fn bracket_variances(levels: &LevelSamples, settings: &Settings) -> Result<Vec<f64>, MethodError> {
+    let last = levels.values.len() - 1;
+    let folds = (0..FOLDS).map(|fold| Fold::fit(levels, fold, settings)).collect::<Result<Vec<_>, _>>()?;
+    let fine = &levels.values[last];
     let nodes = nodes(&thresholds(fine, fine, settings), fine, fine, settings);
     let mut moments: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();
-    for sample in 0..nested.count(last) {
+    for sample in 0..levels.count(last) {
         let mut own: Vec<Contribution<'_>> = (0..=last).map(|_| Contribution::new(&nodes, settings)).collect();
         let (fits, _) = &folds[sample % FOLDS];
-        fits.brackets(nested, sample, |l, prediction, errors, sign| own[l].add(prediction, errors, sign));
+        fits.brackets(levels, sample, |l, prediction, errors, sign| own[l].add(prediction, errors, sign));
         moments.iter_mut().zip(&own).for_each(|(moments, own)| moments.add(&own.values));
     }
     Ok(moments.iter().rev().map(|moments| moments.variances().take(nodes.len()).sum()).collect())
 }
 
-/// Adds the expectation of predictions by `variables` standard normal variables, each with its weight, over scrambled Sobol' points
-/// that draw an error each; independent randomisations tell its own error.
+/// Adds the expectation of the predictions from `variables` standard normal variables, each with its weight.
+///
+/// The expectation is over scrambled Sobol' points with one random error each; independent randomisations give its own
+/// error.
 fn expect_normal(
     normals: &[(&Predictor, f64)],
     variables: usize,
@@ -322,7 +325,7 @@ fn expect_normal(
     Ok(())
 }
 
-/// Returns the increasing values at which F is estimated, from the least one to beyond the largest drawn.
+/// Returns increasing values at which F is estimated, from the lower bound to the largest draw.
 fn thresholds(fine: &[f64], drawn: &[f64], settings: &Settings) -> Vec<f64> {
     let within = |q: &f64| *q > settings.least && *q < settings.largest;
     let quantiles = |values: &[f64], count: usize| {
@@ -346,8 +349,8 @@ fn thresholds(fine: &[f64], drawn: &[f64], settings: &Settings) -> Vec<f64> {
     thresholds
 }
 
-/// Some of the thresholds, as many of the drawn values between any two: the least value, and those on either side of which there are
-/// enough fine ones for normal errors; not the largest value.
+/// Selects thresholds with equal numbers of draws between them: the lower bound, and thresholds with enough fine
+/// samples on both sides for normal errors; not the upper bound.
 fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -> Vec<f64> {
     let mut counts = vec![0_usize; thresholds.len()];
     for q in drawn {
@@ -368,13 +371,14 @@ fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -
         let below = fine.iter().filter(|q| *q <= t).count();
         below.min(fine.len() - below) >= RARE
     };
-    // At the largest value F is one.
+    // F is 1 at the upper bound.
     nodes.retain(|t| *t == settings.least || (*t < settings.largest && common(t)));
     nodes
 }
 
-/// Returns the distribution whose distribution function is nearest to the given values (isotonic regression by pooling adjacent
-/// violators, which never increases the largest error), limited to [0, 1].
+/// Returns the distribution whose distribution function is nearest to the given values, limited to [0, 1].
+///
+/// It uses isotonic regression by pooling adjacent violators, which never increases the largest error.
 fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<DiscreteDistribution, MethodError> {
     let mut pools: Vec<(f64, usize)> = Vec::with_capacity(distribution.len());
     for value in distribution {

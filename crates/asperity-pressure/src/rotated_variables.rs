@@ -1,9 +1,9 @@
-//! A ξ rotated to one cell: the few standard normal variables that matter most for it.
+//! Rotation of the normal variables ξ to one cell.
 //!
-//! The leading variables of a ξ describe the whole map, and none of them one cell. The height of the cell and means of the
-//! heights over rings around it are linear in the ξ of a Gaussian surface (monotone in linear ones of a translated one);
-//! in an orthonormal basis that begins with their directions a few variables say nearly all that can be said without solving.
-//! Their distribution is exactly standard normal.
+//! The leading variables ξ describe the whole map, not a single cell. The height of the cell and the mean heights of
+//! rings around it are linear in ξ for a Gaussian surface, and monotone in such linear functions for a translated
+//! surface. In an orthonormal basis that begins with their directions, a few variables contain nearly all information
+//! that is available without a contact solution. They are exactly standard normal.
 //!
 //! # References
 //! R. Tipireddy and R. Ghanem, *J. Comput. Phys.* **259** (2014) 304, <https://doi.org/10.1016/j.jcp.2013.12.009> (basis
@@ -16,26 +16,30 @@ use crate::predictor::Predictor;
 use crate::{MethodError, Problem};
 use asperity_contact::Boundary;
 
-/// Longest ξ whose response is found by finite differences, where the surface does not state it.
+/// Largest number of variables ξ for which a response is computed by finite differences, if the surface does not
+/// provide it.
 const MAX_XI_LEN: usize = 2048;
-/// Half width of such a difference.
+/// Half width of the finite difference.
 const DIFFERENCE: f64 = 1e-3;
-/// Samples that choose among directions, and the fraction of the error that one more has to take away.
+/// Number of samples used to select directions, and the relative reduction of the error that a further direction must
+/// achieve.
 const CHOOSING: usize = 1000;
 const WORTHWHILE: f64 = 0.02;
-/// Fraction of a direction that has to be new.
+/// Squared fraction of a direction that must be orthogonal to the previous ones.
 const NEW: f64 = 1e-6;
 
-/// Orthonormal directions in the space of samples of ξ.
+/// Orthonormal directions in the space of ξ.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RotatedVariables {
     directions: Vec<Vec<f64>>,
 }
 
 impl RotatedVariables {
-    /// Returns the directions of the cell of `problem` and of rings around it, the one that matters most first: at most `most` that make
-    /// a polynomial of `degree` predict the `values` of the `xi_samples` better. None of a surface whose ξ is too long or has no
-    /// direction of its own for the cell.
+    /// Selects directions of the cell of `problem` and of rings around it.
+    ///
+    /// The most important direction comes first. At most `most` directions are kept, each of which improves the
+    /// prediction of `values` by a polynomial of `degree` in ξ. The result is empty if there are too many variables ξ
+    /// or none has a direction of its own for the cell.
     pub(super) fn new(
         problem: &Problem<'_>,
         most: usize,
@@ -71,21 +75,21 @@ impl RotatedVariables {
         Ok(chosen)
     }
 
-    /// Given directions, which are orthonormal.
+    /// Creates the rotation from given orthonormal directions.
     pub(super) fn from_orthonormal(directions: Vec<Vec<f64>>) -> Self {
         Self { directions }
     }
 
-    /// Returns the variables of a ξ.
+    /// Returns the rotated variables of ξ.
     pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
         self.directions.iter().map(|direction| dot(direction, xi)).collect()
     }
 
-    /// These and what is new in another direction, if anything is.
+    /// Returns the rotation with the orthogonal part of another direction added, or `None` if nothing is left of it.
     pub(super) fn with(&self, direction: &[f64]) -> Option<Self> {
         let whole = dot(direction, direction);
         let mut rest = direction.to_vec();
-        // Twice is enough.
+        // Two passes are sufficient.
         for own in self.directions.iter().chain(&self.directions) {
             let fraction = dot(own, &rest);
             rest.iter_mut().zip(own).for_each(|(rest, own)| *rest -= fraction * own);
@@ -105,9 +109,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Returns the response of the mean height of each ring to each normal variables, with the number of the ring: 0 is the cell itself, n those up to
-/// 2ⁿ⁻¹ times the finer pitch away; up to a factor that is the same for all. None of a surface that does not state its response
-/// and whose ξ is too long.
+/// Returns the response of the mean height of each ring to each variable ξ, with the number of the ring.
+///
+/// Ring 0 is the cell itself; ring n reaches up to 2ⁿ⁻¹ times the finer pitch. The responses have a common arbitrary
+/// factor. The result is empty if the surface does not provide its response and there are too many variables ξ.
 pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
     let rings = rings(problem);
     let used: Vec<usize> = (0..rings.len()).filter(|ring| !rings[*ring].is_empty()).collect();
@@ -116,7 +121,7 @@ pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
     used.into_iter().zip(responses).filter(|(_, response)| response.iter().all(|x| x.is_finite())).collect()
 }
 
-/// Returns the response of the mean height of a ring, where the surface states it.
+/// Returns the response of the mean height of a ring, if the surface provides it.
 fn stated_response(problem: &Problem<'_>, ring: &[usize]) -> Option<Vec<f64>> {
     let (ny, nx) = problem.surface().grid().shape();
     let mut weights = Array2::zeros((ny, nx));
@@ -124,7 +129,7 @@ fn stated_response(problem: &Problem<'_>, ring: &[usize]) -> Option<Vec<f64>> {
     problem.surface().xi_response(&weights)
 }
 
-/// Differences of the mean heights of the used rings for each normal variables.
+/// Computes the differences of the mean heights of the used rings for each variable ξ.
 fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -> Vec<Vec<f64>> {
     let surface = problem.surface();
     let xi_len = surface.xi_len();
@@ -149,7 +154,7 @@ fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -
     used.iter().map(|ring| columns.iter().map(|column| column[*ring]).collect()).collect()
 }
 
-/// Returns the cell alone, and the cells of rings around it whose radii double; some may have none.
+/// Returns the cell alone and the cells of rings around it whose radii double; some rings may be empty.
 fn rings(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     let grid = problem.surface().grid();
     let (row, column) = problem.cell();
@@ -164,7 +169,7 @@ fn rings(problem: &Problem<'_>) -> Vec<Vec<usize>> {
         let along_x = apart(i % grid.nx(), column, grid.nx()) * grid.dx_m();
         let along_y = apart(i / grid.nx(), row, grid.ny()) * grid.dy_m();
         let over = along_x.hypot(along_y) / pitch_m;
-        // Radii up to 1, up to 2, up to 4 …; just beyond by rounding counts as in.
+        // Radii up to 1, up to 2, up to 4 …; values just beyond by rounding count as inside.
         let ring = if over < 0.5 { 0 } else { 1 + (over.log2() - 1e-9).ceil().max(0.0) as usize };
         if rings.len() <= ring {
             rings.resize(ring + 1, Vec::new());
@@ -192,7 +197,7 @@ mod tests {
         assert_eq!(rings[0], [11]);
         // Half a metre away along y.
         assert_eq!(rings[1], [2, 20]);
-        // The next go a metre along x and along y.
+        // One metre away along x and along y.
         assert!([10, 12, 29].iter().all(|cell| rings[2].contains(cell)));
         let mut all: Vec<usize> = rings.concat();
         all.sort_unstable();
@@ -228,7 +233,7 @@ mod tests {
                 .map(|xi| asperity_surface::RandomSurface::generate(&surface, xi).heights_m()[cell])
                 .collect()
         };
-        // What depends on the cell and on those beside it.
+        // Values that depend on the cell and its neighbours.
         let around = [[2, 5], [4, 5], [3, 4], [3, 6]].map(heights);
         let mean = |i: usize| around.iter().map(|heights| heights[i]).sum::<f64>() / 4.0;
         let values: Vec<f64> =

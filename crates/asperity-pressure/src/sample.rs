@@ -1,4 +1,4 @@
-//! Contact solutions on a design of samples of ξ.
+//! Contact solutions on a design of samples ξ.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,39 +8,39 @@ use crate::{FailureReason, Observation, PressureError, Problem};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
-/// A sample without an answer.
+/// Sample without a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// Index of the sample in its design.
     pub index: usize,
-    /// Why.
+    /// Reason of the failure.
     pub reason: FailureReason,
 }
 
-/// Which samples of ξ are solved.
+/// Settings of a sampled run.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling<'a> {
-    /// How the samples of ξ are placed.
+    /// Placement of the samples ξ.
     pub method: SamplingMethod,
-    /// Independent randomisations among which they are divided.
+    /// Number of independent randomisations among which the samples are divided.
     pub replicates: usize,
-    /// Seed and name of the run: runs of another name are independent.
+    /// Seed. Runs with another stage are independent.
     pub seed: u64,
-    /// See `seed`.
+    /// Name of the run.
     pub stage: &'a str,
-    /// Number of samples of ξ; rounded up to as many for every replicate.
+    /// Number of samples, rounded up to a multiple of the replicates.
     pub samples: usize,
-    /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
+    /// Stride along either side of the cells whose pressures are kept in addition to the problem's cell.
     pub site_stride: Option<usize>,
-    /// Bytes of whole pressure fields that are kept at most, of the leading samples; beside them every cell's sum over all
-    /// samples. `None` keeps neither.
+    /// Memory limit in bytes for whole pressure fields of the leading samples; every cell's sum over all samples is
+    /// kept as well. `None` keeps neither.
     pub field_bytes: Option<usize>,
-    /// Smallest fraction (0 to 1) of the contact problems that have to be solved.
+    /// Smallest fraction (0 to 1) of the contact problems that must be solved.
     pub valid_fraction: f64,
 }
 
 impl<'a> Sampling<'a> {
-    /// So many independent samples of ξ.
+    /// Creates the settings for independent samples.
     pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_fraction: f64) -> Self {
         Self {
             method: SamplingMethod::MonteCarlo,
@@ -55,24 +55,24 @@ impl<'a> Sampling<'a> {
     }
 }
 
-/// The pressures of a design of samples of ξ, in index order, and the samples that failed.
+/// Pressures of a design of samples in index order, and the failed samples.
 #[derive(Debug, Clone)]
 pub struct Samples {
-    /// One for each replicate, equally large.
+    /// One design for each replicate, equally large.
     designs: Vec<Design>,
-    /// Indices of the samples that were solved.
+    /// Indices of the solved samples.
     indices: Vec<usize>,
     observations: Vec<Observation>,
-    /// Pressures of the sites in pascal, of each solved sample.
+    /// Pressures of the sites in pascal for each solved sample.
     sites: Vec<Vec<f32>>,
     fields: Option<FieldSamples>,
     failures: Vec<Failure>,
 }
 
-/// Solves the contact problems in parallel; the result does not depend on the number of threads.
+/// Solves the contact problems in parallel. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// The design cannot be made, fewer than the wanted fraction of the problems were solved, or the monitor cancelled.
+/// The design cannot be created, too few problems were solved, or the monitor cancelled.
 pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
     let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_fraction } = sampling;
     let each = samples.div_ceil(replicates.max(1));
@@ -147,38 +147,38 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
 }
 
 impl Samples {
-    /// Returns the number of samples with an answer.
+    /// Returns the number of solved samples.
     pub fn len(&self) -> usize {
         self.indices.len()
     }
 
-    /// Returns whether no sample has an answer: never, [`solve`] refuses that.
+    /// Returns false: [`solve`] refuses runs without a solved sample.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
 
-    /// Returns the number of contact problems posed, failed ones included.
+    /// Returns the number of contact problems including failed ones.
     pub fn posed(&self) -> usize {
         self.designs.iter().map(Design::samples).sum()
     }
 
-    /// What the solutions say, in index order.
+    /// Returns the results of the solutions in index order.
     pub fn observations(&self) -> &[Observation] {
         &self.observations
     }
 
-    /// Returns the samples without an answer, in index order.
+    /// Returns the failed samples in index order.
     pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
 
-    /// Returns the whole ξ of the solved sample number `position`.
+    /// Returns the normal variables ξ of the solved sample number `position`.
     pub fn xi(&self, position: usize) -> Vec<f64> {
         let (index, each) = (self.indices[position], self.designs[0].samples());
         self.designs[index / each].xi(index % each)
     }
 
-    /// Returns the leading `variables` ξ values of every solved sample.
+    /// Returns the leading `variables` entries of ξ of every solved sample.
     pub fn leading_xi(&self, variables: usize) -> Vec<Vec<f64>> {
         (0..self.len())
             .map(|position| {
@@ -199,17 +199,17 @@ impl Samples {
         self.indices[position] / self.designs[0].samples()
     }
 
-    /// Returns the pressures of the sites that were kept in pascal, of each solved sample.
+    /// Returns the kept pressures of the sites in pascal for each solved sample.
     pub fn sites(&self) -> &[Vec<f32>] {
         &self.sites
     }
 
-    /// Fields, if they were asked for.
+    /// Returns the fields if they were requested.
     pub(super) fn fields(&self) -> Option<&FieldSamples> {
         self.fields.as_ref()
     }
 
-    /// Returns the same without fields.
+    /// Returns the samples without fields.
     pub(super) fn without_fields(self) -> Self {
         Self { fields: None, ..self }
     }
@@ -219,7 +219,7 @@ impl Samples {
         self.observations.iter().filter(|o| o.pressure_pa > 0.0).count()
     }
 
-    /// K/K_t, the fraction of samples in contact.
+    /// Returns K/K_t, the fraction of samples in contact.
     pub fn contact_probability(&self) -> f64 {
         self.in_contact() as f64 / self.len() as f64
     }
@@ -243,7 +243,7 @@ mod tests {
     use asperity_contact::{Boundary, ContactError, Control, HalfSpace};
     use asperity_surface::RandomSurface;
 
-    /// Flat, and therefore refused by the contact solver, whenever ξ < `flat_below`.
+    /// Surface that is flat, and therefore refused by the contact solver, for ξ < `flat_below`.
     struct OftenFlat {
         grid: Grid,
         flat_below: f64,

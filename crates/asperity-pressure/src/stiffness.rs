@@ -1,16 +1,17 @@
-//! The stiffness of a contact as its plane feels it.
+//! Stiffness of a contact with respect to the approach of its plane.
 
 use crate::FailureReason;
 use asperity_base::monitor::Silent;
 use asperity_contact::{Boundary, HalfSpace, Solution, StiffnessSolver, Workspace};
 
-/// Tolerance of the stiffness of fine contacts, which errs by its square, and of coarse ones.
+/// Tolerance of the stiffness of fine contacts, which has an error of second order, and of coarse contacts.
 pub(super) const TOLERANCE: f64 = 1e-4;
 pub(super) const LOOSE_TOLERANCE: f64 = 1e-2;
 
-/// Returns the rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, the cells in contact held: 1/(1/k + c) with the stiffness k of the
-/// interface ([`StiffnessSolver`], loading) and the mean compliance c of a periodic half-space, which yields beside it (0 on the free
-/// boundary). 0 without contact, 1/c in complete contact.
+/// Returns the rise dp̄/dδ of the mean pressure as the plane approaches, in Pa/m, for a fixed contact area.
+///
+/// It is 1/(1/k + c) with the stiffness k of the interface ([`StiffnessSolver`], loading) and the mean compliance c of
+/// a periodic half-space (0 for the free boundary): 0 without contact, 1/c in complete contact.
 pub(super) fn approach_stiffness_pa_per_m(
     half_space: &HalfSpace,
     solution: &Solution,
@@ -27,13 +28,13 @@ pub(super) fn approach_stiffness_pa_per_m(
     Ok(Approach { pascal_per_m: 1.0 / (1.0 / found.pascal_per_m + mean_compliance_m_per_pa(half_space)), short })
 }
 
-/// A stiffness, and what it falls short of, if of anything.
+/// Stiffness, with the reason if it did not converge.
 pub(super) struct Approach {
     pub(super) pascal_per_m: f64,
     pub(super) short: Option<FailureReason>,
 }
 
-/// Returns the stiffness that no contact on a half-space exceeds: that of its mean mode.
+/// Returns the upper bound of the stiffness of contacts on a half-space, the stiffness of its mean mode.
 pub(super) fn largest_pa_per_m(half_space: &HalfSpace) -> f64 {
     1.0 / mean_compliance_m_per_pa(half_space)
 }
@@ -92,8 +93,9 @@ mod tests {
         }
     }
 
-    /// Returns the mean over maps of the stiffness against that of central differences of the mean pressure of the same maps, and the
-    /// fraction of maps on which both agree: the load is piecewise linear in the approach, and some maps have a kink between.
+    /// Compares the mean stiffness over maps with central differences of the mean pressure of the same maps, and bounds
+    /// the fraction of maps on which both agree. The load is piecewise linear in the approach, and some maps have a
+    /// kink in between.
     fn against_differences(surface: &dyn RandomSurface, half_space: &HalfSpace, hardness_pa: Option<f64>) {
         let (step_m, count) = (1e-4, 40);
         let solver = Solver { tolerance: 1e-11, ..Solver::default() };

@@ -7,7 +7,7 @@ use asperity_base::map::{Grid, HeightMap};
 use asperity_contact::{Boundary, HalfSpace};
 use asperity_surface::{KarhunenLoeve, ModesRoute, RandomSurface};
 
-/// A fixed shape at a normal height: one normal variables.
+/// Fixed shape at a normally distributed height: one variable ξ.
 pub(super) struct Shape {
     pub(super) heights_m: Array2<f64>,
     grid: Grid,

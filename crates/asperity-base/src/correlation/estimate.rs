@@ -122,7 +122,7 @@ impl Autocorrelation {
         Self::about(map, &Extent::new(map.values_m()), (reach_x, reach_y))
     }
 
-    /// As [`Autocorrelation::within`], the extent of the heights being known.
+    /// See [`Autocorrelation::within`], the extent of the heights being known.
     #[doc(hidden)]
     pub fn about(map: &HeightMap, extent: &Extent, reach: (usize, usize)) -> Result<Self, EstimateError> {
         let grid = map.grid();

@@ -198,7 +198,7 @@ impl Covariance {
     /// Creates a covariance with equal lengths along x and y.
     ///
     /// # Errors
-    /// As [`Covariance::new`].
+    /// See [`Covariance::new`].
     pub fn isotropic(model: CorrelationModel, std_m: f64, length_m: f64) -> Result<Self, CovarianceError> {
         Self::new(model, std_m, length_m, length_m)
     }

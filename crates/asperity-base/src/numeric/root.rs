@@ -12,7 +12,7 @@ pub fn root_between(f: impl Fn(f64) -> f64, a: [f64; 2], b: [f64; 2]) -> Option<
     root
 }
 
-/// As [`root_between`], for a function that may fail, to `tolerance` in the argument. Of a function that jumps through zero
+/// See [`root_between`], for a function that may fail, to `tolerance` in the argument. Of a function that jumps through zero
 /// the place of the jump is returned.
 ///
 /// Inverse quadratic interpolation where three points make it safe, bisection elsewhere.

@@ -140,7 +140,7 @@ impl ProcessMoments {
     /// ln σ (κ − 1) S_2/4 with the kurtosis κ. The degrees of freedom are those of the scatter of σ² and ℓ, which err alike.
     ///
     /// # Panics
-    /// As [`ProcessMoments::new`].
+    /// See [`ProcessMoments::new`].
     #[must_use]
     pub fn with_correlation(
         self,

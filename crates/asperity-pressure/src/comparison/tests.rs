@@ -22,8 +22,10 @@ fn small_comparison() -> MethodComparison {
     }
 }
 
-/// Returns a faint wave that rides on a normal mean height is in full contact or in none, and a periodic half-space answers
-/// its mean overlap by p = (ξσ − d)/K₀: the distribution of the pressure is known.
+/// Checks a case of known distribution.
+///
+/// A faint wave on a normal mean height is in full contact or in none, and a periodic half-space responds to its mean
+/// overlap with p = (ξσ − d)/K₀.
 fn shifted_wave(plane_m: f64, check: impl Fn(&Problem<'_>, &dyn Fn(f64) -> f64)) {
     let (std_m, compliance) = (2e-6, 4e-15);
     let grid = Grid::with_size(8, 8, 1e-4, 1e-4).unwrap();
@@ -51,7 +53,7 @@ fn every_sampler_finds_the_known_distribution_of_a_shifted_wave() {
             let error = estimate.contact_probability - (1.0 - cdf(0.0));
             assert!(error.abs() < 4.0 * estimate.contact_probability_se, "{} {error:.4}", method.name());
         }
-        // In one variable every one of the ten designs of twelve puts the point mass in its place to within one stratum.
+        // In one variable, each of the ten designs of twelve samples places the point mass to within one stratum.
         for method in [Method::LatinHypercube, Method::Sobol] {
             let error = results.estimate(method).unwrap().0.contact_probability - (1.0 - cdf(0.0));
             assert!(error.abs() <= 1.0 / 12.0, "{} {error:.4}", method.name());
@@ -65,9 +67,9 @@ fn the_papers_expansion_finds_a_linear_pressure_and_counts_its_atom_twice() {
         let comparison = MethodComparison { variables: 1, degree: 1, surrogate_samples: 20_000, ..small_comparison() };
         let results = comparison.run(problem, &Silent).unwrap();
         let (estimate, _) = results.estimate(Method::PolynomialChaos).unwrap();
-        // In contact p is exactly linear in ξ, up to the faint wave ...
+        // In contact p is exactly linear in ξ, up to the faint wave.
         assert!(estimate.leave_one_out_error.unwrap() < 1e-8);
-        // ... but samples of ξ out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
+        // Samples out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
         let p = estimate.contact_probability;
         let wanted = 1.0 - p + p * cdf(0.0);
         let bound = 4.0 * p * (0.25_f64 / 20_000.0).sqrt() + 1e-3;
@@ -115,7 +117,7 @@ fn every_statistic_of_every_method_keeps_to_the_hardness() {
         }
     }
     assert_eq!(methods, Method::ALL.len() + 1);
-    // Scalars of the contact keep to their own limits.
+    // Scalars of the contact respect their own limits.
     for (quantity, largest) in [(Quantity::ContactFraction, 1.0), (Quantity::MeanPressure, hardness)] {
         let scalar = scalar(&results, quantity).unwrap();
         let values =
@@ -133,7 +135,7 @@ fn cells_of_a_free_patch_differ_and_the_height_of_the_cell_matters_most() {
     let fields = results.fields.as_ref().unwrap();
     let p_value = fields.homogeneity.as_ref().unwrap().p_value;
     assert!(p_value < 0.05, "{p_value}");
-    // The same samples, counted for the cell by themselves.
+    // The same samples, evaluated for the cell alone.
     let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
     assert_eq!(fields.contact_probability[[8, 8]], plain.contact_probability);
     assert!((fields.mean_pa[[8, 8]] - plain.mean_pa).abs() < 1e-6 * plain.mean_pa);
@@ -144,7 +146,7 @@ fn cells_of_a_free_patch_differ_and_the_height_of_the_cell_matters_most() {
     let (local, global) = (explained(VariableSet::Local), explained(VariableSet::Global));
     assert_eq!(local.names[0], "height of the cell");
     assert!(local.indices.total[1..].iter().all(|other| other.value < local.indices.total[0].value));
-    // Three leading modes say less of one cell than its own surroundings.
+    // Three leading modes explain less of one cell than its own surroundings.
     assert!(local.cross_validated_error.unwrap() < global.cross_validated_error.unwrap());
 }
 
@@ -204,7 +206,7 @@ fn a_study_is_the_same_on_one_thread_and_on_two() {
 
 #[test]
 fn more_xi_variables_than_sobol_points_have_are_a_recorded_reason() {
-    /// A ξ whose tail is idle.
+    /// Surface with unused trailing variables ξ.
     struct LongXi<'a>(&'a dyn RandomSurface);
     impl RandomSurface for LongXi<'_> {
         fn xi_len(&self) -> usize {
@@ -290,14 +292,14 @@ fn the_stiffness_is_one_more_scalar_and_changes_nothing_else() {
     let with = MethodComparison { stiffness: true, ..comparison }.run(&problem, &Silent).unwrap();
     let stiffness = scalar(&with, Quantity::Stiffness).unwrap();
     assert!(scalar(&without, Quantity::Stiffness).is_none());
-    // Independent samples of the same contacts, without any model.
+    // Independent samples of the same contacts, without a model.
     let sampling = Sampling::monte_carlo(77, "stiffness", 2000, 0.95);
     let samples = solve(&problem.with_stiffness(), sampling, &Silent).unwrap();
     let values: Vec<f64> = samples.observations().iter().map(|o| o.stiffness_pa_per_m.unwrap()).collect();
     let plain = DiscreteDistribution::empirical(&values).unwrap();
     let se = stiffness.mean_se.hypot(plain.std() / (values.len() as f64).sqrt());
     assert!((stiffness.mean - plain.mean()).abs() < 4.0 * se, "{} {} ± {se}", stiffness.mean, plain.mean());
-    // CoarseModel grids and the ξ say something of it.
+    // Coarse grids and the variables ξ reduce the variance.
     assert!(stiffness.mean_se < 0.9 * plain.std() / 200.0_f64.sqrt(), "{} {}", stiffness.mean_se, plain.std());
     let rest: Vec<ScalarResult> =
         with.scalars.iter().filter(|scalar| scalar.quantity != Quantity::Stiffness).cloned().collect();

@@ -27,15 +27,16 @@ fn estimate_of(
 
 #[test]
 fn a_polynomial_pressure_is_recovered_exactly() {
-    // Always positive: nothing is truncated and eq. (8) is exact.
+    // The pressure is always positive: nothing is truncated and eq. (8) is exact.
     let pressure = |xi: &[f64]| 3.0 + (xi[0] - 0.5 * xi[1]).powi(2) + 0.1 * (xi[2] * xi[0]).powi(2);
     let basis = Basis::hermite(3, 4).unwrap();
     let (estimate, truth) = estimate_of(Response::Pressure, pressure, 120, basis).unwrap();
     assert!(estimate.leave_one_out_error.unwrap() < 1e-20);
     assert!(distance::wasserstein_1(&estimate.distribution, &truth) < 1e-10);
-    // All that is left is the choice of 3,000 fresh samples of ξ.
+    // The only error is the choice of 3,000 fresh samples.
     let evaluations = truth.std() / 3000.0_f64.sqrt();
-    // Whose spread is taken from 120 samples, of a relative standard error of 1/√240 = 6 % at normal spread.
+    // Its standard deviation is estimated from 120 samples with a relative standard error of 1/√240 = 6 % for a normal
+    // distribution.
     assert!((estimate.mean_se_pa / evaluations - 1.0).abs() < 0.3, "{} {evaluations}", estimate.mean_se_pa);
     assert_eq!(estimate.contact_probability_interval.unwrap().high, 1.0);
     assert!(estimate.contact_probability_interval.unwrap().low > 0.96);
@@ -51,17 +52,17 @@ fn a_lognormal_pressure_is_recovered_exactly_by_its_logarithm() {
 
 #[test]
 fn the_standard_error_of_the_mean_is_that_of_least_squares() {
-    // p = 50 + ξ₀ + ε of which ε is out of the model: the mean is the constant of the line, known to σ_ε/√n.
+    // p = 50 + ξ₀ + ε, where ε is not in the model: the mean is the constant of the line, known to σ_ε/√n.
     let (samples, fresh) = (400, xi_samples("fresh", 20_000, 1));
     let fine = xi_samples("noisy", samples, 2);
     let pressures: Vec<f64> = fine.iter().map(|xi| 50.0 + xi[0] + xi[1]).collect();
     let basis = Basis::hermite(1, 1).unwrap();
     let estimate = estimate(Response::Pressure, &fine, independent(&pressures, fresh.len()), basis, &fresh, 3).unwrap();
     let wanted = (1.0 / samples as f64 + 1.0 / 20_000.0).sqrt();
-    // The spread of 400 samples has a relative standard error of 1/√800 = 3.5 %.
+    // The standard deviation of 400 samples has a relative standard error of 1/√800 = 3.5 %.
     assert!((estimate.mean_se_pa / wanted - 1.0).abs() < 0.15, "{} {wanted}", estimate.mean_se_pa);
     assert!(estimate.mean_bias_pa.unwrap().abs() < 4.0 * wanted);
-    // The distribution of 50 + ξ₀ + ε is N(50, 2), that of the expansion N(50, 1).
+    // The distribution of 50 + ξ₀ + ε is N(50, 2), the distribution of the expansion N(50, 1).
     let band = estimate.band.unwrap();
     for (i, value) in band.values.iter().enumerate() {
         let [low, high] = band.simultaneous(i);
@@ -81,8 +82,8 @@ fn an_exponent_beyond_the_largest_number_is_a_reason_not_a_pressure() {
 
 #[test]
 fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the_hardness() {
-    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh samples of ξ it exceeds
-    // the hardness with probability Φ(−1.5).
+    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh
+    // samples it exceeds the hardness with probability Φ(−1.5).
     let hardness = 21.5_f64.exp();
     let fine: Vec<Vec<f64>> = (0..80).map(|i| vec![-1.4 + 2.8 * f64::from(i) / 79.0]).collect();
     let pressures: Vec<f64> = fine.iter().map(|xi| (20.0 + xi[0]).exp()).collect();
@@ -91,7 +92,7 @@ fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the
     let basis = Basis::hermite(1, 1).unwrap();
     let found = estimate(Response::Logarithm, &fine, training, basis, &fresh, 1).unwrap();
     assert_eq!(found.distribution.quantile(1.0), hardness);
-    // The fresh samples of ξ are stratified: each share is met to one stratum.
+    // The fresh samples are stratified, so each fraction is exact up to one stratum.
     let beyond = standard_normal_cdf(-1.5);
     assert!(
         (1.0 - found.distribution.cdf_left(hardness) - beyond).abs() < 2.0 / 20_000.0,
@@ -120,7 +121,7 @@ fn as_many_coefficients_as_samples_are_refused() {
     let outcome = estimate_of(Response::Pressure, |_| 1.0, 10, Basis::hermite(2, 3).unwrap());
     let wanted = MethodError::Regression(RegressionError::TooFewSamples { samples: 10, coefficients: 10 });
     assert_eq!(outcome.unwrap_err(), wanted);
-    // Nobody in contact.
+    // No sample is in contact.
     let outcome = estimate_of(Response::Pressure, |_| 0.0, 10, Basis::hermite(2, 1).unwrap());
     let wanted = MethodError::Regression(RegressionError::TooFewSamples { samples: 0, coefficients: 3 });
     assert_eq!(outcome.unwrap_err(), wanted);
@@ -135,13 +136,13 @@ fn a_pressure_that_does_not_vary_has_the_mean_without_error() {
 
 #[test]
 fn an_expansion_that_parts_of_the_samples_do_not_determine_has_no_intervals() {
-    // Without a tenth of 11 samples there are ten or nine for ten coefficients.
+    // Without a tenth of 11 samples, ten or nine remain for ten coefficients.
     let pressure = |xi: &[f64]| 20.0 + xi[0] + (3.0 * xi[1]).sin();
     let (estimate, _) = estimate_of(Response::Pressure, pressure, 11, Basis::hermite(2, 3).unwrap()).unwrap();
     assert!(estimate.band.is_none() && estimate.mean_interval_pa().is_none());
     let few = |reason: &MethodError| matches!(reason, MethodError::Regression(RegressionError::TooFewSamples { .. }));
     assert!(estimate.interval_failure.as_ref().is_some_and(few), "{:?}", estimate.interval_failure);
-    // Those in contact are counted without a model.
+    // Samples in contact are counted without a model.
     assert_eq!(estimate.contact_probability_interval.unwrap().high, 1.0);
 }
 

@@ -86,11 +86,11 @@ fn a_pressure_that_follows_one_global_variable_has_no_error_and_noise_has_all() 
             found.leave_one_out_error[[1, column]]
         );
     }
-    // A cell never changes, and more coefficients than samples.
+    // One cell is constant; then there are more coefficients than samples.
     fields.kept.iter_mut().for_each(|field| field[0] = 1.0);
     assert!(global(&samples, &fields, 1, 2).unwrap().leave_one_out_error[[0, 0]].is_nan());
     fields.kept.truncate(3);
-    // Two functions are four samples' worth.
+    // Two functions require four samples.
     let wanted = RegressionError::TooFewSamples { samples: 3, coefficients: 2 };
     assert_eq!(global(&samples, &fields, 1, 2), Err(MethodError::Regression(wanted)));
 }

@@ -4,27 +4,28 @@ use super::*;
 use asperity_base::distribution::{standard_normal_cdf, standard_normal_quantile};
 use asperity_base::random::{standard_normal, stream};
 
-/// q = q₁ + 0.3 η₂ − 0.2 with a coarse model q₁ = u + 0.5 η₁ of it: normal, and u is one of two known normal variables.
+/// Mean of q = q₁ + 0.3 η₂ − 0.2 with a coarse model q₁ = u + 0.5 η₁. All variables are normal, and u is one of two
+/// known ones.
 const MEAN: f64 = -0.2;
 
 fn std() -> f64 {
     (1.0_f64 + 0.25 + 0.09).sqrt()
 }
 
-fn world(repeat: u64, fine: usize, coarse: usize) -> LevelSamples {
+fn level_samples(repeat: u64, fine: usize, coarse: usize) -> LevelSamples {
     let draw = |stage| standard_normal(&mut stream(repeat, stage, 0), coarse);
     let (u, idle, first, second) = (draw("u"), draw("idle"), draw("first"), draw("second"));
     let coarser: Vec<f64> = u.iter().zip(&first).map(|(u, eta)| u + 0.5 * eta).collect();
     let quantity = coarser.iter().zip(&second).take(fine).map(|(q, eta)| q + 0.3 * eta + MEAN).collect();
     let normal = u.iter().zip(&idle).map(|(a, b)| vec![*a, *b]).collect();
-    LevelSamples { normal, models: vec![coarser, quantity], beside: vec![vec![Vec::new(); coarse]] }
+    LevelSamples { xi: normal, values: vec![coarser, quantity], covariates: vec![vec![Vec::new(); coarse]] }
 }
 
 fn settings(seed: u64, least: f64) -> Settings {
     Settings { seed, degree: 2, fitted: true, least, largest: f64::INFINITY }
 }
 
-/// Returns the fraction of truths inside their intervals, told with its name.
+/// Returns the fraction of intervals that contain the truth, and prints it with a name.
 fn covered(name: &str, inside: &[bool]) -> f64 {
     let fraction = inside.iter().filter(|inside| **inside).count() as f64 / inside.len() as f64;
     println!("{name}: {:.1} % of {}", 100.0 * fraction, inside.len());
@@ -33,16 +34,16 @@ fn covered(name: &str, inside: &[bool]) -> f64 {
 
 #[test]
 fn without_models_the_distribution_is_the_empirical_one() {
-    let mut nested = world(1, 200, 200);
-    (nested.models, nested.normal) = (vec![nested.models[1].clone()], vec![Vec::new(); 200]);
-    let found = estimate(&nested, &settings(1, 0.0)).unwrap();
-    let values: Vec<f64> = nested.models[0].iter().map(|q| q.max(0.0)).collect();
+    let mut levels = level_samples(1, 200, 200);
+    (levels.values, levels.xi) = (vec![levels.values[1].clone()], vec![Vec::new(); 200]);
+    let found = estimate(&levels, &settings(1, 0.0)).unwrap();
+    let values: Vec<f64> = levels.values[0].iter().map(|q| q.max(0.0)).collect();
     let empirical = DiscreteDistribution::empirical(&values).unwrap();
     for t in empirical.values() {
         assert!((found.distribution.cdf(*t) - empirical.cdf(*t)).abs() < 1e-12);
     }
     assert!((found.mean - empirical.mean()).abs() < 1e-12);
-    // Wider by Student's factor, as if of about a hundred degrees of freedom.
+    // Wider by Student's factor with about a hundred degrees of freedom.
     let widening = found.mean_se / (empirical.std() / 199.0_f64.sqrt());
     assert!((1.0..1.03).contains(&widening), "{widening}");
     let p = empirical.cdf(0.0);
@@ -52,10 +53,10 @@ fn without_models_the_distribution_is_the_empirical_one() {
 #[test]
 fn models_at_their_word_give_the_telescoping_sum() {
     let (fine, coarse) = (150, 600);
-    let nested = world(3, fine, coarse);
-    let found = estimate(&nested, &Settings { fitted: false, ..settings(1, f64::NEG_INFINITY) }).unwrap();
+    let levels = level_samples(3, fine, coarse);
+    let found = estimate(&levels, &Settings { fitted: false, ..settings(1, f64::NEG_INFINITY) }).unwrap();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let [first, second] = [&nested.models[0], &nested.models[1]];
+    let [first, second] = [&levels.values[0], &levels.values[1]];
     assert!((found.mean - (mean(second) - mean(&first[..fine]) + mean(first))).abs() < 1e-12);
     let fraction = |values: &[f64], t: f64| values.iter().filter(|q| **q <= t).count() as f64 / values.len() as f64;
     for (t, cdf) in found.band.values.iter().zip(&found.band.cdf) {
@@ -75,14 +76,14 @@ fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
     let rows: Vec<Row> = (0..repeats)
         .into_par_iter()
         .map(|repeat| {
-            let nested = world(repeat, fine, coarse);
-            let found = estimate(&nested, &settings(repeat, 0.0)).unwrap();
+            let levels = level_samples(repeat, fine, coarse);
+            let found = estimate(&levels, &settings(repeat, 0.0)).unwrap();
             let holds = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;
             let atom = holds(found.band.pointwise(0), truth(0.0));
             let all =
                 (0..found.band.values.len()).all(|i| holds(found.band.simultaneous(i), truth(found.band.values[i])));
             let inside = (found.mean - mean).abs() <= 1.96 * found.mean_se;
-            let free = estimate(&nested, &settings(repeat, f64::NEG_INFINITY)).unwrap();
+            let free = estimate(&levels, &settings(repeat, f64::NEG_INFINITY)).unwrap();
             let quantile = |probability: f64| {
                 let wanted = MEAN + std() * standard_normal_quantile(probability);
                 free.band.quantile(&free.distribution, probability).interval.contains(wanted)
@@ -101,7 +102,7 @@ fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
     let rms = |k: usize| (rows.iter().map(|row| row.1[k].powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
     assert!((rms(0) / rms(1) - 1.0).abs() < 0.1, "{} {}", rms(0), rms(1));
     assert!((rms(2) / rms(3) - 1.0).abs() < 0.1, "{} {}", rms(2), rms(3));
-    // In a linear world the variance of the mean without clipping would be .09/fine + .25/coarse; clipping takes from all alike.
+    // Without clipping, the variance of the mean would be .09/fine + .25/coarse; clipping reduces all terms.
     let monte_carlo = truth(0.0) * (1.0 - truth(0.0)) / fine as f64;
     assert!(rms(0).powi(2) < 0.6 * monte_carlo, "{} {}", rms(0).powi(2), monte_carlo);
     let bias = rows.iter().map(|row| row.1[0]).sum::<f64>() / rows.len() as f64;
@@ -114,10 +115,10 @@ fn models_that_say_nothing_cost_little_and_bias_nothing() {
     let errors: Vec<[f64; 2]> = (0..repeats)
         .into_par_iter()
         .map(|repeat| {
-            let mut nested = world(repeat, 200, 600);
-            nested.models[0] = standard_normal(&mut stream(repeat, "nonsense", 0), 600);
-            nested.normal.iter_mut().for_each(|row| row.truncate(0));
-            let found = estimate(&nested, &settings(repeat, 0.0)).unwrap();
+            let mut levels = level_samples(repeat, 200, 600);
+            levels.values[0] = standard_normal(&mut stream(repeat, "nonsense", 0), 600);
+            levels.xi.iter_mut().for_each(|row| row.truncate(0));
+            let found = estimate(&levels, &settings(repeat, 0.0)).unwrap();
             [found.band.cdf[0] - standard_normal_cdf(-MEAN / std()), found.band.standard_errors[0]]
         })
         .collect();
@@ -131,23 +132,23 @@ fn models_that_say_nothing_cost_little_and_bias_nothing() {
 #[test]
 fn equal_values_and_duplicate_samples_are_stood() {
     let equal = LevelSamples {
-        normal: vec![vec![0.0]; 40],
-        models: vec![vec![1.0; 40], vec![2.0; 20]],
-        beside: vec![vec![Vec::new(); 40]],
+        xi: vec![vec![0.0]; 40],
+        values: vec![vec![1.0; 40], vec![2.0; 20]],
+        covariates: vec![vec![Vec::new(); 40]],
     };
     let found = estimate(&equal, &settings(1, 0.0)).unwrap();
     assert_eq!(found.distribution.values(), [2.0]);
     assert!((found.mean - 2.0).abs() < 1e-12 && found.mean_se < 1e-7);
-    let mut doubled = world(5, 60, 120);
+    let mut doubled = level_samples(5, 60, 120);
     for i in 0..30 {
-        doubled.models[0][2 * i + 1] = doubled.models[0][2 * i];
-        doubled.models[1][2 * i + 1] = doubled.models[1][2 * i];
-        doubled.normal[2 * i + 1] = doubled.normal[2 * i].clone();
+        doubled.values[0][2 * i + 1] = doubled.values[0][2 * i];
+        doubled.values[1][2 * i + 1] = doubled.values[1][2 * i];
+        doubled.xi[2 * i + 1] = doubled.xi[2 * i].clone();
     }
     assert!(estimate(&doubled, &settings(1, 0.0)).unwrap().mean_se > 0.0);
-    let never = LevelSamples { normal: vec![Vec::new(); 40], models: vec![vec![-1.0; 40]], beside: Vec::new() };
+    let never = LevelSamples { xi: vec![Vec::new(); 40], values: vec![vec![-1.0; 40]], covariates: Vec::new() };
     let found = estimate(&never, &settings(1, 0.0)).unwrap();
     assert_eq!((found.distribution.cdf(0.0), found.mean, found.band.standard_errors[0]), (1.0, 0.0, 0.0));
-    let few = LevelSamples { normal: vec![Vec::new(); 4], models: vec![vec![1.0; 4]], beside: Vec::new() };
+    let few = LevelSamples { xi: vec![Vec::new(); 4], values: vec![vec![1.0; 4]], covariates: Vec::new() };
     assert_eq!(estimate(&few, &settings(1, 0.0)).unwrap_err(), MethodError::TooFewSamples { samples: 4, wanted: 10 });
 }

@@ -82,7 +82,7 @@ impl ObservedLengths {
     /// not help either, the fit to all frequencies stands, with its test.
     ///
     /// # Errors
-    /// As [`fit_length`].
+    /// See [`fit_length`].
     pub fn fit(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
         let nyquist_per_m = 0.5 / step_m;
         let values: usize = records.iter().map(|record| record.len()).sum();

@@ -30,7 +30,7 @@ pub struct RankedLength {
 /// <https://doi.org/10.2307/1912557>); otherwise the records do not tell the two apart.
 ///
 /// # Errors
-/// As [`fit_length`], or no model.
+/// See [`fit_length`], or no model.
 pub fn rank_lengths(
     channels: &[WindowedRecords<'_>],
     models: &[RecordModel],

@@ -93,7 +93,7 @@ impl AreaSpectrum {
         Self::with_extent(map, &Extent::new(map.values_m()))
     }
 
-    /// As [`AreaSpectrum::new`], the extent of the heights being known.
+    /// See [`AreaSpectrum::new`], the extent of the heights being known.
     #[doc(hidden)]
     pub fn with_extent(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
         let grid = map.grid();
