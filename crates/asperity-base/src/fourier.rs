@@ -50,12 +50,12 @@ impl fmt::Debug for RealFft2 {
 pub struct Workspace {
     /// Transformed rows, before the columns.
     rows: Vec<Complex64>,
-    lane: Lane,
+    scratch: ThreadScratch,
 }
 
 /// Scratch memory of one thread.
 #[derive(Debug, Clone)]
-struct Lane {
+struct ThreadScratch {
     real_row: Vec<f64>,
     /// [`BLOCK`] half-transformed rows.
     block: Vec<Complex64>,
@@ -101,17 +101,17 @@ impl RealFft2 {
 
     /// Returns the scratch memory for one caller.
     pub fn workspace(&self) -> Workspace {
-        Workspace { rows: self.spectrum(), lane: self.lane() }
+        Workspace { rows: self.spectrum(), scratch: self.thread_scratch() }
     }
 
-    fn lane(&self) -> Lane {
+    fn thread_scratch(&self) -> ThreadScratch {
         let scratch = [
             self.row_forward.get_scratch_len(),
             self.row_inverse.get_scratch_len(),
             self.column_forward.get_inplace_scratch_len(),
             self.column_inverse.get_inplace_scratch_len(),
         ];
-        Lane {
+        ThreadScratch {
             real_row: vec![0.0; self.nx],
             block: vec![Complex64::default(); BLOCK.min(self.ny) * self.stored_kx()],
             scratch: vec![Complex64::default(); scratch.into_iter().max().unwrap_or(0)],
@@ -123,14 +123,14 @@ impl RealFft2 {
         &self,
         slice: &mut [T],
         length: usize,
-        lane: &mut Lane,
-        work: impl Fn(&mut Lane, usize, &mut [T]) + Sync,
+        thread: &mut ThreadScratch,
+        work: impl Fn(&mut ThreadScratch, usize, &mut [T]) + Sync,
     ) {
         if self.nx * self.ny < SHARED_FROM {
-            slice.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(lane, index, chunk));
+            slice.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(thread, index, chunk));
         } else {
             let chunks = slice.par_chunks_mut(length).enumerate();
-            chunks.for_each_init(|| self.lane(), |lane, (index, chunk)| work(lane, index, chunk));
+            chunks.for_each_init(|| self.thread_scratch(), |thread, (index, chunk)| work(thread, index, chunk));
         }
     }
 
@@ -157,18 +157,18 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        let Workspace { rows: transformed, lane } = work;
-        self.for_chunks(&mut transformed[..rows * stored], stored, lane, |lane, row, out| {
-            lane.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
-            lane.real_row[columns..].fill(0.0);
-            let scratch = &mut lane.scratch[..self.row_forward.get_scratch_len()];
-            let done = self.row_forward.process_with_scratch(&mut lane.real_row, out, scratch);
+        let Workspace { rows: transformed, scratch } = work;
+        self.for_chunks(&mut transformed[..rows * stored], stored, scratch, |thread, row, out| {
+            thread.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
+            thread.real_row[columns..].fill(0.0);
+            let scratch = &mut thread.scratch[..self.row_forward.get_scratch_len()];
+            let done = self.row_forward.process_with_scratch(&mut thread.real_row, out, scratch);
             debug_assert!(done.is_ok());
         });
         let transformed = &transformed[..rows * stored];
-        self.for_chunks(spectrum, BLOCK * self.ny, lane, |lane, block, out| {
+        self.for_chunks(spectrum, BLOCK * self.ny, scratch, |thread, block, out| {
             gather(transformed.chunks(TILE * stored), stored, block * BLOCK, out, self.ny);
-            self.column_forward.process_with_scratch(out, &mut lane.scratch);
+            self.column_forward.process_with_scratch(out, &mut thread.scratch);
         });
     }
 
@@ -195,13 +195,13 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.lane, |lane, _, columns| {
-            self.column_inverse.process_with_scratch(columns, &mut lane.scratch);
+        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.scratch, |thread, _, columns| {
+            self.column_inverse.process_with_scratch(columns, &mut thread.scratch);
         });
         let spectrum = &*spectrum;
         let scale = 1.0 / (self.nx * self.ny) as f64;
-        self.for_chunks(map, BLOCK * columns, &mut work.lane, |lane, block, out| {
-            let Lane { real_row, block: inputs, scratch } = lane;
+        self.for_chunks(map, BLOCK * columns, &mut work.scratch, |thread, block, out| {
+            let ThreadScratch { real_row, block: inputs, scratch } = thread;
             let inputs = &mut inputs[..out.len() / columns * stored];
             gather(spectrum.chunks(TILE * self.ny), self.ny, block * BLOCK, inputs, stored);
             for (input, out) in inputs.chunks_exact_mut(stored).zip(out.chunks_exact_mut(columns)) {

@@ -20,7 +20,7 @@ pub use autocorrelation::{CorrelationTime, correlation_time};
 pub use histogram::Histogram;
 pub use layout::Layout;
 #[doc(hidden)]
-pub use layout::sum_of_lanes;
+pub use layout::sum_of_tracks;
 pub use moments::{Extent, Moments};
 pub use process::{Estimate, ProcessMoments, fraction_above};
 #[doc(hidden)]

@@ -106,11 +106,11 @@ impl FrictionStatistics {
             contact_cells: cells().sum::<f64>() / pooled.len() as f64,
             sparse_fraction: sparse as f64 / pooled.len() as f64,
             effective_windows,
-            tail: Tail::of(&series, layout.lanes, step_m, &marginals.fits),
+            tail: Tail::of(&series, layout.tracks, step_m, &marginals.fits),
             marginals,
             parameters,
             beta,
-            correlation: correlate(&series, layout.lanes, step_m),
+            correlation: correlate(&series, layout.tracks, step_m),
             records: series.iter().map(|record| record.to_vec()).collect(),
             layout,
         })

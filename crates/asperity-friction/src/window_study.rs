@@ -149,7 +149,7 @@ impl Scatter {
         settings: LengthSettings,
         resolution_m: f64,
     ) -> Option<Self> {
-        let tracks = channels.first()?.lanes;
+        let tracks = channels.first()?.tracks;
         let strips = channels.iter().map(|channel| channel.records.len() / tracks).min()?;
         let groups = strips.min(MOST_GROUPS);
         let least_m = 0.1 * resolution_m;
@@ -208,7 +208,7 @@ fn under<'a>(window: &Window, records: &'a [Record], tracks: usize) -> WindowedR
         window_m: window.length_m(),
         step_m: window.step_m(),
         cell_m: window.cell_m(),
-        lanes: tracks,
+        tracks,
         records: records.iter().map(|record| record.friction.as_slice()).collect(),
     }
 }

@@ -62,13 +62,13 @@ mod tests {
     #[test]
     fn profiles_are_rows_and_columns() {
         let map = HeightMap::from_function(Grid::new(11, 19, 1.0, 2.0).unwrap(), |x, y| x + 100.0 * y).unwrap();
-        for (axis, lanes, points) in [(Axis::X, 19, 11), (Axis::Y, 11, 19)] {
-            assert_eq!(dimensions(&map, axis).0, lanes);
+        for (axis, profiles, points) in [(Axis::X, 19, 11), (Axis::Y, 11, 19)] {
+            assert_eq!(dimensions(&map, axis).0, profiles);
             let mut out = vec![0.0; 3 * points];
             copy(&map, axis, 4..7, &mut out);
             for (i, z) in out.iter().enumerate() {
-                let (lane, point) = (4 + i / points, i % points);
-                let place = if axis == Axis::X { [lane, point] } else { [point, lane] };
+                let (profile, point) = (4 + i / points, i % points);
+                let place = if axis == Axis::X { [profile, point] } else { [point, profile] };
                 assert_eq!(*z, map.heights_m()[place]);
             }
         }

@@ -90,12 +90,12 @@ pub struct ConvolutionWork<T> {
     pairs: Vec<Complex<T>>,
     /// Columns of half the spectrum, transformed back.
     columns: Vec<Complex<T>>,
-    lane: Lane<T>,
+    scratch: ThreadScratch<T>,
 }
 
 /// Scratch memory of one thread.
 #[derive(Debug, Clone)]
-struct Lane<T> {
+struct ThreadScratch<T> {
     rows: [Vec<T>; 2],
     slab: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
@@ -157,14 +157,14 @@ impl<T: Real> Convolution<T> {
         ConvolutionWork {
             pairs: vec![Complex::default(); self.rows.div_ceil(2) * (self.nx + PAD)],
             columns: vec![Complex::default(); self.stored_kx() * (self.ny + PAD)],
-            lane: self.lane(),
+            scratch: self.thread_scratch(),
         }
     }
 
-    fn lane(&self) -> Lane<T> {
+    fn thread_scratch(&self) -> ThreadScratch<T> {
         let plans = self.along_rows.iter().chain(&self.along_columns);
         let scratch = plans.map(|plan| plan.get_inplace_scratch_len()).max().unwrap_or(0);
-        Lane {
+        ThreadScratch {
             rows: [vec![T::default(); self.columns], vec![T::default(); self.columns]],
             slab: vec![Complex::default(); ROWS_OF_SLAB / 2 * (self.nx + PAD)],
             scratch: vec![Complex::default(); scratch],
@@ -174,15 +174,15 @@ impl<T: Real> Convolution<T> {
     /// Does `work` on the items, shared among threads where the map is large.
     fn distribute<I: Send>(
         &self,
-        lane: &mut Lane<T>,
+        thread: &mut ThreadScratch<T>,
         items: impl Iterator<Item = I>,
-        work: impl Fn(&mut Lane<T>, I) + Sync,
+        work: impl Fn(&mut ThreadScratch<T>, I) + Sync,
     ) {
         if self.nx * self.ny < SHARED_FROM || rayon::current_num_threads() == 1 {
-            items.for_each(|item| work(lane, item));
+            items.for_each(|item| work(thread, item));
         } else {
             let items: Vec<I> = items.collect();
-            items.into_par_iter().for_each_init(|| self.lane(), |lane, item| work(lane, item));
+            items.into_par_iter().for_each_init(|| self.thread_scratch(), |thread, item| work(thread, item));
         }
     }
 
@@ -205,11 +205,11 @@ impl<T: Real> Convolution<T> {
     ) -> f64 {
         assert_eq!(symbol.len(), self.stored_kx() * self.ny, "the symbol has the wrong length");
         assert_eq!(slabs.len(), self.slabs(), "there must be one input for each slab of rows");
-        let ConvolutionWork { pairs, columns, lane } = work;
+        let ConvolutionWork { pairs, columns, scratch } = work;
         let (nx, ny) = (self.nx, self.ny);
         let items = slabs.iter_mut().zip(pairs.chunks_mut(ROWS_OF_SLAB / 2 * (nx + PAD))).enumerate();
-        self.distribute(lane, items, |lane, (slab, (input, pairs))| {
-            let [even, odd] = &mut lane.rows;
+        self.distribute(scratch, items, |thread, (slab, (input, pairs))| {
+            let [even, odd] = &mut thread.rows;
             for (pair, out) in pairs.chunks_exact_mut(nx + PAD).enumerate() {
                 let row = slab * ROWS_OF_SLAB + 2 * pair;
                 even.fill(T::zero());
@@ -220,7 +220,7 @@ impl<T: Real> Convolution<T> {
                 out[self.columns..].fill(Complex::default());
                 wide::<Join, _>((out, even.as_slice(), odd.as_slice()));
                 if present {
-                    self.along_rows[0].process_with_scratch(out, &mut lane.scratch);
+                    self.along_rows[0].process_with_scratch(out, &mut thread.scratch);
                 }
             }
         });
@@ -229,18 +229,18 @@ impl<T: Real> Convolution<T> {
         let blocks = columns.chunks_mut(BLOCK * (ny + PAD)).zip(symbol.chunks(BLOCK * ny));
         let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
         let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
-        self.distribute(lane, items, |lane, (block, columns, symbol, energy)| {
+        self.distribute(scratch, items, |thread, (block, columns, symbol, energy)| {
             wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
             for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
-                self.along_columns[0].process_with_scratch(column, &mut lane.scratch);
+                self.along_columns[0].process_with_scratch(column, &mut thread.scratch);
                 let first = if kx == 0 { constant } else { symbol[0] };
                 let sum = (first * column[0].norm_sqr()).to_f64();
                 column[0] = column[0] * first;
                 let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
                 // A stored column stands for its opposite as well.
                 *energy += if kx == 0 || 2 * kx == nx { sum } else { 2.0 * sum };
-                self.along_columns[1].process_with_scratch(column, &mut lane.scratch);
+                self.along_columns[1].process_with_scratch(column, &mut thread.scratch);
             }
         });
         energies.into_iter().sum()
@@ -258,11 +258,11 @@ impl<T: Real> Convolution<T> {
         work: &mut ConvolutionWork<T>,
     ) {
         assert_eq!(slabs.len(), self.slabs(), "there must be one output for each slab of rows");
-        let ConvolutionWork { columns, lane, .. } = work;
+        let ConvolutionWork { columns, scratch, .. } = work;
         let columns = &*columns;
         let nx = self.nx;
-        self.distribute(lane, slabs.iter_mut().enumerate(), |lane, (slab, output)| {
-            let Lane { rows: [even, odd], slab: pairs, scratch } = lane;
+        self.distribute(scratch, slabs.iter_mut().enumerate(), |thread, (slab, output)| {
+            let ThreadScratch { rows: [even, odd], slab: pairs, scratch } = thread;
             let first = slab * ROWS_OF_SLAB;
             let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
             wide::<GatherRows, _>((self, columns, first, count, pairs));

@@ -1,4 +1,4 @@
-//! Powers and autocorrelations of real maps and lanes: a transform, its squared modulus, and the way back.
+//! Powers and autocorrelations of real maps and profiles: a transform, its squared modulus, and the way back.
 //!
 //! Columns are transformed in blocks that fit the second cache and reduced at once, so that a whole complex spectrum never
 //! goes to memory.
@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use super::transpose::{BLOCK, TILE, gather, make_real};
 use super::{Complex64, good_length};
 
-/// Lanes whose powers are added before the sums of such blocks are.
-const LANES: usize = 64;
+/// Profiles whose powers are added before the sums of such blocks are.
+const PROFILES_PER_BLOCK: usize = 64;
 
 /// Returns the half transforms along x of a map of `rows` × `columns` values continued with zeros to the length `nx`: slabs of [`TILE`]
 /// rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
@@ -127,27 +127,34 @@ pub fn autocorrelation_sums(
     sums
 }
 
-/// Returns Σ |X|² over `lanes` of `length` values continued with zeros to `padded`, for the wavenumbers 0 … padded/2. `fill` writes
-/// the lanes of a range, one after the other.
+/// Returns Σ |X|² over `profiles` of `length` values continued with zeros to `padded`, for the wavenumbers 0 … padded/2. `fill` writes
+/// the profiles of a range, one after the other.
 #[doc(hidden)]
 pub fn summed_power(
-    lanes: usize,
+    profiles: usize,
     length: usize,
     padded: usize,
     fill: impl Fn(std::ops::Range<usize>, &mut [f64]) + Sync,
 ) -> Vec<f64> {
     let plan = real_forward(padded);
-    let blocks: Vec<Vec<f64>> = (0..lanes.div_ceil(LANES))
+    let blocks: Vec<Vec<f64>> = (0..profiles.div_ceil(PROFILES_PER_BLOCK))
         .into_par_iter()
         .map_init(
-            || (vec![0.0; LANES * length], plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec()),
+            || {
+                (
+                    vec![0.0; PROFILES_PER_BLOCK * length],
+                    plan.make_input_vec(),
+                    plan.make_output_vec(),
+                    plan.make_scratch_vec(),
+                )
+            },
             |(values, input, output, scratch), block| {
-                let range = block * LANES..((block + 1) * LANES).min(lanes);
+                let range = block * PROFILES_PER_BLOCK..((block + 1) * PROFILES_PER_BLOCK).min(profiles);
                 let values = &mut values[..range.len() * length];
                 fill(range, values);
                 let mut sums = vec![0.0; padded / 2 + 1];
-                for lane in values.chunks_exact(length) {
-                    input[..length].copy_from_slice(lane);
+                for profile in values.chunks_exact(length) {
+                    input[..length].copy_from_slice(profile);
                     input[length..].fill(0.0);
                     let done = plan.process_with_scratch(input, output, scratch);
                     debug_assert!(done.is_ok());
@@ -165,7 +172,7 @@ pub fn summed_power(
 }
 
 /// Returns the real sequence, of even `length`, whose transform is the real and even `power`, of length/2 + 1 values: sums of
-/// products at the lags 0 … length/2 of lanes whose [`summed_power`] it is.
+/// products at the lags 0 … length/2 of profiles whose [`summed_power`] it is.
 #[doc(hidden)]
 pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
     let plan = real_inverse(length);
@@ -236,15 +243,17 @@ mod tests {
 
     #[test]
     fn summed_powers_are_those_of_every_lane_and_lead_to_its_products() {
-        let (lanes, length) = (2 * LANES + 3, 10);
-        let z = map(lanes, length);
-        let found = summed_power(lanes, length, 20, |range, out| {
+        let (profiles, length) = (2 * PROFILES_PER_BLOCK + 3, 10);
+        let z = map(profiles, length);
+        let found = summed_power(profiles, length, 20, |range, out| {
             out.copy_from_slice(&z[range.start * length..range.end * length]);
         });
         let sums = lag_sums_of_power(&found, 20);
         for lag in 0..length {
-            let direct: f64 =
-                z.chunks(length).flat_map(|lane| (0..length - lag).map(move |i| lane[i] * lane[i + lag])).sum();
+            let direct: f64 = z
+                .chunks(length)
+                .flat_map(|profile| (0..length - lag).map(move |i| profile[i] * profile[i + lag]))
+                .sum();
             assert!((sums[lag] - direct).abs() < 1e-10, "lag {lag}");
         }
     }

@@ -77,10 +77,10 @@ pub struct ProcessMoments {
 
 impl ProcessMoments {
     /// Returns the moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are independent of each
-    /// other, lanes of one count as far as they differ; `true` and `false` stand for periodic and free strips of one lane.
+    /// other, tracks of one count as far as they differ; `true` and `false` stand for periodic and free strips of one track.
     ///
     /// # Panics
-    /// If the lanes of a strip differ in number or length.
+    /// If the tracks of a strip differ in number or length.
     pub fn new(records: &[&[f64]], layout: impl Into<Layout>) -> Self {
         let layout = layout.into();
         let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();

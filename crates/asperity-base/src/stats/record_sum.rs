@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{Layout, Spread, flat_top, lag_sums, sum_of_lanes};
+use super::{Layout, Spread, flat_top, lag_sums, sum_of_tracks};
 
 /// The reach of a correlogram is where it falls to this.
 const FADED: f64 = 0.2;
@@ -33,13 +33,13 @@ pub struct RecordSum {
 }
 
 impl RecordSum {
-    /// Returns the pairs of the values present (finite) of `records`, across the lanes of a strip too. `mean` is that of the values.
+    /// Returns the pairs of the values present (finite) of `records`, across the tracks of a strip too. `mean` is that of the values.
     ///
     /// # Panics
-    /// If a record is empty, or the lanes of a strip differ in length.
+    /// If a record is empty, or the tracks of a strip differ in length.
     #[doc(hidden)]
     pub fn new(records: &[&[f64]], mean: f64, layout: Layout) -> Self {
-        let lengths: Vec<usize> = layout.by_strip(records).map(|lanes| lanes[0].len()).collect();
+        let lengths: Vec<usize> = layout.by_strip(records).map(|tracks| tracks[0].len()).collect();
         let (products, counts) = pooled(records, mean, layout);
         let present = records.iter().flat_map(|record| record.iter()).filter(|v| v.is_finite()).count() as f64;
         let mut found = Self { lengths, layout, fractions: vec![], length: 0.0 };
@@ -69,7 +69,7 @@ impl RecordSum {
     pub fn spread(&self, influence: &[Vec<f64>], fitted: f64) -> Option<Spread> {
         let influence = self.across(influence);
         let views: Vec<&[f64]> = influence.iter().map(Vec::as_slice).collect();
-        let (products, _) = pooled(&views, 0.0, Layout { lanes: 1, ..self.layout });
+        let (products, _) = pooled(&views, 0.0, Layout { tracks: 1, ..self.layout });
         let reach = crossing(&products, &self.fractions, FADED);
         let least = (REACHES * reach).max(LEAST_LENGTHS * self.length).max(3.0);
         let spare = 0.75 / (self.fractions[0] * BLOCKS_TO_SPARE);
@@ -98,11 +98,11 @@ impl RecordSum {
         sound.then_some(Spread { variance, blocks: freedom, skewness: third })
     }
 
-    /// Returns the influences added up across the lanes of every strip.
+    /// Returns the influences added up across the tracks of every strip.
     fn across<'a>(&self, influence: &'a [Vec<f64>]) -> Cow<'a, [Vec<f64>]> {
-        match self.layout.lanes {
+        match self.layout.tracks {
             1 => Cow::Borrowed(influence),
-            _ => self.layout.by_strip(influence).map(|lanes| sum_of_lanes(lanes, |value| value)).collect(),
+            _ => self.layout.by_strip(influence).map(|tracks| sum_of_tracks(tracks, |value| value)).collect(),
         }
     }
 
@@ -139,9 +139,9 @@ fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>)
         let n = strip[0].len();
         let (of_strip, pairs) = match strip {
             [record] => lag_sums(record, mean, n),
-            // A product of sums over lanes is the sum of the products of all pairs of lanes.
-            lanes => {
-                let of = |value: &dyn Fn(f64) -> f64| lag_sums(&sum_of_lanes(lanes, value), 0.0, n).0;
+            // A product of sums over tracks is the sum of the products of all pairs of tracks.
+            tracks => {
+                let of = |value: &dyn Fn(f64) -> f64| lag_sums(&sum_of_tracks(tracks, value), 0.0, n).0;
                 (of(&|value| value - mean), of(&|_| 1.0).into_iter().map(f64::round).collect())
             }
         };

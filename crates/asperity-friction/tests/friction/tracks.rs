@@ -66,7 +66,7 @@ fn same_estimate(a: Option<Estimate>, b: Option<Estimate>, what: &str) {
 }
 
 fn layout(periodic: bool) -> Layout {
-    Layout { periodic, lanes: TRACKS }
+    Layout { periodic, tracks: TRACKS }
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
 }
 
 fn length(records: &[Vec<f64>], tracks: usize, ends: RecordEnds) -> LengthFit {
-    let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: tracks, records: views(records) };
+    let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks, records: views(records) };
     fit_length(&[channel], RecordModel::Exponential, LengthSettings { ends, ..LengthSettings::default() }).unwrap()
 }
 
@@ -131,11 +131,10 @@ fn the_length_of_copies_side_by_side_has_the_interval_of_one_of_them() {
         let (a, b) = (length(&single, 1, ends), length(&copies, TRACKS, ends));
         close(a.length_m, b.length_m, "length");
         same(a.interval, b.interval, "length");
-        assert_eq!((a.pieces, a.lanes_alike), (b.pieces, 1.0));
-        close(b.lanes_alike, TRACKS as f64, "lanes alike");
+        assert_eq!((a.pieces, a.track_redundancy), (b.pieces, 1.0));
+        close(b.track_redundancy, TRACKS as f64, "track redundancy");
         let ranked = |records: &[Vec<f64>], tracks: usize| {
-            let channel =
-                WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: tracks, records: views(records) };
+            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks, records: views(records) };
             rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings { ends, ..LengthSettings::default() }).unwrap()
         };
         for (a, b) in ranked(&single, 1).iter().zip(ranked(&copies, TRACKS)) {
@@ -155,8 +154,7 @@ fn independent_tracks_count_as_strips() {
             (0..8 * tracks as u64).map(|index| record("normal:3,1", 400, 5000 + 100 * run + index, false)).collect();
         let first: Vec<Vec<f64>> = all.iter().step_by(tracks).cloned().collect();
         let (one, four) = (views(&first), views(&all));
-        let of =
-            |records: &[&[f64]], tracks: usize| ProcessMoments::new(records, Layout { periodic: false, lanes: tracks });
+        let of = |records: &[&[f64]], tracks: usize| ProcessMoments::new(records, Layout { periodic: false, tracks });
         let (a, b) = (of(&one, 1), of(&four, tracks));
         mean.push(b.mean.unwrap().standard_error / a.mean.unwrap().standard_error);
         std.push(b.std.unwrap().standard_error / a.std.unwrap().standard_error);
@@ -200,7 +198,7 @@ fn the_tail_and_the_distributions_of_copies_equal_those_of_one_of_them() {
     let (single, copies) = copied(20, 1000, 300);
     let statistics = |records: Vec<Vec<f64>>, tracks: usize| {
         let records: Vec<Record> = records.into_iter().map(of_values).collect();
-        FrictionStatistics::new(&records, 1e-3, Layout { periodic: false, lanes: tracks }, 1).unwrap()
+        FrictionStatistics::new(&records, 1e-3, Layout { periodic: false, tracks }, 1).unwrap()
     };
     let (a, b) = (statistics(single, 1), statistics(copies, TRACKS));
     for (a, b) in a.marginals.fits.iter().zip(&b.marginals.fits) {
@@ -247,7 +245,7 @@ fn p_values_of_a_correct_distribution_are_uniform_on_periodic_strips_and_on_copi
     // The 99.9 % quantile of Kolmogorov's distribution, plus the step of p-values of 99 draws.
     let allowed = 1.95 / (runs as f64).sqrt() + 0.01;
     let periodic = distances(&p(1, 8, 120, true, 1, true.into()));
-    let copies = distances(&p(2, 6, 200, true, TRACKS, Layout { periodic: true, lanes: TRACKS }));
+    let copies = distances(&p(2, 6, 200, true, TRACKS, Layout { periodic: true, tracks: TRACKS }));
     println!("{periodic:?} {copies:?} of {allowed}");
     assert!(periodic.iter().chain(&copies).all(|distance| *distance < allowed), "{periodic:?} {copies:?}");
     // Copies that count as strips are rejected far too often.

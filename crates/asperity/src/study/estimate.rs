@@ -160,8 +160,8 @@ fn record_bytes(section: &FrictionSection) -> f64 {
         .filter(|cells| *cells >= 4.0 || section.window.0 >= section.strip[0].0)
         .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
         .sum();
-    let lanes = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
-    lanes * positions * 12.0 * DOUBLE_BYTES
+    let tracks = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
+    tracks * positions * 12.0 * DOUBLE_BYTES
 }
 
 #[cfg(test)]

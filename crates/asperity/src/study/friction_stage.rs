@@ -63,7 +63,7 @@ impl SolvedLevel {
         seed: u64,
     ) -> Result<Self, StudyError> {
         let failed = |error| StudyError::Friction { level: control.name(), error };
-        let (lanes, layout) = (level.tracks, Layout { periodic, lanes: level.tracks });
+        let (tracks, layout) = (level.tracks, Layout { periodic, tracks: level.tracks });
         let statistics = FrictionStatistics::new(&level.records, window.step_m(), layout, seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
         let process = FrictionStatistics::new(&at_mean_load, window.step_m(), layout, seed).map_err(failed)?;
@@ -76,7 +76,7 @@ impl SolvedLevel {
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with_models(&windows, lanes, &MODELS, settings).ok();
+        let study = || WindowStudy::with_models(&windows, tracks, &MODELS, settings).ok();
         let window_study = if varies { study() } else { None };
         let analysis = ProcessAnalysis::new(&at_mean_load, window, layout, strip_m);
         let heavy_tail = statistics.heavy_tail();

@@ -74,7 +74,7 @@ fn lengths(runs: usize) -> Result<String> {
                     window_m: 25e-6,
                     step_m: 25e-6 / 16.0,
                     cell_m: CELL_M,
-                    lanes: 1,
+                    tracks: 1,
                     records: records.iter().map(Vec::as_slice).collect(),
                 };
                 Ok(fit_length(
@@ -154,7 +154,7 @@ fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
             window_m: *window as f64 * CELL_M,
             step_m: *step as f64 * CELL_M,
             cell_m: CELL_M,
-            lanes: 1,
+            tracks: 1,
             records: records.iter().map(Vec::as_slice).collect(),
         })
         .collect();

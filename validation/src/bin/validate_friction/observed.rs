@@ -126,7 +126,7 @@ fn lengths(runs: usize) -> Result<String> {
         let found = all(runs, |run| {
             let values = record(run);
             let channel =
-                WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values.as_slice()] };
+                WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, tracks: 1, records: vec![values.as_slice()] };
             let naive = fit_length(&[channel], RecordModel::Exponential, Default::default())?;
             Ok((ObservedLengths::fit(&[&values], step_m, history)?, naive.length_m))
         })?;

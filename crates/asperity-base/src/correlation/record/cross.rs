@@ -26,13 +26,13 @@ pub struct CrossCorrelation {
     pub pieces: usize,
 }
 
-/// Returns the correlation of the pairs of records, so many lanes to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
+/// Returns the correlation of the pairs of records, so many tracks to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
 ///
 /// # Errors
 /// A step that is not positive, fewer than four pairs, or a quantity that does not vary.
 pub fn cross_correlation(
     records: &[(&[f64], &[f64])],
-    lanes: usize,
+    tracks: usize,
     step_m: f64,
     largest_lag: usize,
 ) -> Result<CrossCorrelation, EstimateError> {
@@ -67,7 +67,7 @@ pub fn cross_correlation(
         if count > 0.0 { sum / count / scale } else { f64::NAN }
     };
     let correlation: Vec<f64> = lags.iter().map(at).collect();
-    let pieces = pieces(records, lanes);
+    let pieces = pieces(records, tracks);
     let total = pieces.iter().fold(Sums::default(), |sum, piece| sum.plus(piece, 1.0));
     let coefficient = total.correlation();
     let count = pieces.len();
@@ -116,14 +116,14 @@ impl Sums {
 
 /// About twenty pieces, whole strips where there are as many, of at least some correlation times each. Both quantities are
 /// counted from their means in units of their standard deviations.
-fn pieces(records: &[(&[f64], &[f64])], lanes: usize) -> Vec<Sums> {
+fn pieces(records: &[(&[f64], &[f64])], tracks: usize) -> Vec<Sums> {
     let first = Moments::from_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
     let second = Moments::from_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
     let time = |values: &[f64]| correlation_time(values).map_or(1.0, |time| time.steps);
     let longest = records.iter().map(|pair| time(pair.0).max(time(pair.1))).fold(1.0, f64::max);
-    let wanted = PIECES.div_ceil(records.len().div_ceil(lanes).max(1));
+    let wanted = PIECES.div_ceil(records.len().div_ceil(tracks).max(1));
     let mut pieces = Vec::new();
-    for strip in records.chunks(lanes) {
+    for strip in records.chunks(tracks) {
         let parts = wanted.min((strip[0].0.len() as f64 / (SHORTEST_PIECE * longest)) as usize).max(1);
         for part in 0..parts {
             let mut sums = Sums::default();

@@ -44,23 +44,23 @@ pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<Reco
 }
 
 /// Returns 95 % interval of the ℓ that [`fit_record`] finds in `records`, by the jackknife with Student's quantile: over the strips of
-/// so many lanes each, or over pieces of them at least ten lengths long where they are fewer than twenty. `None` with fewer than
+/// so many tracks each, or over pieces of them at least ten lengths long where they are fewer than twenty. `None` with fewer than
 /// four parts.
 pub fn fitted_length_interval(
     records: &[&[f64]],
-    lanes: usize,
+    tracks: usize,
     step_m: f64,
     largest_lag: usize,
     fit: &RecordFit,
 ) -> Option<Interval> {
-    let strips = records.len().div_ceil(lanes);
+    let strips = records.len().div_ceil(tracks);
     let pieces = |record: &[f64]| {
         let lengths = record.len() as f64 * step_m / (LENGTHS_PER_PART * fit.length_m);
         (lengths as usize).clamp(1, MOST_PARTS.div_ceil(strips))
     };
     // The part of the value at a place of a record.
     let (mut first, mut parts_of) = (0, Vec::new());
-    for strip in records.chunks(lanes) {
+    for strip in records.chunks(tracks) {
         let count = pieces(strip[0]);
         parts_of.extend(strip.iter().map(|_| (first, count)));
         first += count;

@@ -79,9 +79,9 @@ pub struct LengthFit {
     pub log_likelihood: f64,
     /// Variance of the score over that of independent Gaussian records: 1 where the model and normality hold.
     pub dispersion: f64,
-    /// How many of the lanes of a strip say the same: variance of the score of strips over that of lanes taken as
-    /// independent; 1 with one lane.
-    pub lanes_alike: f64,
+    /// How many of the tracks of a strip say the same: variance of the score of strips over that of tracks taken as
+    /// independent; 1 with one track.
+    pub track_redundancy: f64,
     /// Pieces of strips whose scatter makes the interval.
     pub pieces: usize,
 }
@@ -93,8 +93,8 @@ pub struct LengthFit {
 ///
 /// The interval is where 2 ln(L_max/L) < c t², t Student's quantile and c the variance of the score over its information.
 /// c comes from pieces of the strips (whole ones, or about twenty pieces where they are fewer) and, with the weight of ten
-/// of them, from theory for Gaussian records. The scores of the lanes of a piece are added up before they scatter, and theory is
-/// multiplied by [`LengthFit::lanes_alike`], which without pieces is the number of lanes.
+/// of them, from theory for Gaussian records. The scores of the tracks of a piece are added up before they scatter, and theory is
+/// multiplied by [`LengthFit::track_redundancy`], which without pieces is the number of tracks.
 ///
 /// # Errors
 /// No record, a step that is not positive, values that do not vary, or fewer than three wavenumbers below 1/(2W).
@@ -117,13 +117,13 @@ pub fn fit_length(
     let narrowest = narrowest(channels);
     let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
     let theory = likelihood.spread();
-    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.lanes));
-    let (dispersion, lanes_alike, freedom, count) = match scattered {
-        Some((found, lanes_alike, count)) => {
+    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
+    let (dispersion, track_redundancy, freedom, count) = match scattered {
+        Some((found, track_redundancy, count)) => {
             let own = count as f64 - 1.0;
-            ((PRIOR * theory * lanes_alike + own * found) / (PRIOR + own), lanes_alike, PRIOR + own, count)
+            ((PRIOR * theory * track_redundancy + own * found) / (PRIOR + own), track_redundancy, PRIOR + own, count)
         }
-        None => (theory * narrowest.lanes as f64, narrowest.lanes as f64, PRIOR, 1),
+        None => (theory * narrowest.tracks as f64, narrowest.tracks as f64, PRIOR, 1),
     };
     let t = student_quantile(0.5 + 0.5 * settings.level, freedom);
     let bound = least + 0.5 * dispersion * t * t;
@@ -134,7 +134,7 @@ pub fn fit_length(
     let tangent = likelihood.tangent(length_m, noise_fraction);
     // Skewed records scatter more than theory, as their scores do.
     let lack_of_fit =
-        tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
+        tangent.lack_of_fit(dispersion.max(theory * track_redundancy)).and_then(|(statistic, degrees_of_freedom)| {
             let marginal = ChiSquared::new(degrees_of_freedom).ok()?;
             Some(LackOfFit { statistic, degrees_of_freedom, p_value: marginal.sf(statistic.max(0.0)) })
         });
@@ -154,7 +154,7 @@ pub fn fit_length(
         lack_of_fit,
         log_likelihood: -least,
         dispersion,
-        lanes_alike,
+        track_redundancy,
         pieces: count,
     })
 }
@@ -271,10 +271,10 @@ impl Pieces {
         settings: LengthSettings,
         shape: &WindowedModel,
     ) -> Option<Self> {
-        let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.lanes));
+        let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.tracks));
         let shortest = SHORTEST_PIECE * reach_m / channel.step_m;
         let (mut pieces, mut places, mut count) = (Vec::<&[f64]>::new(), Vec::new(), 0);
-        for strip in channel.records.chunks(channel.lanes) {
+        for strip in channel.records.chunks(channel.tracks) {
             let parts = wanted.min((strip[0].len() as f64 / shortest) as usize).max(1).min(strip[0].len());
             for record in strip {
                 let length = record.len() / parts.max(1);
@@ -299,19 +299,19 @@ impl Pieces {
         self.by_place(&self.likelihood.negative_log_by_owner(&spectra, self.places.len()))
     }
 
-    /// Returns the variance of the pieces' scores over their information, how many lanes say the same, and the number of pieces.
-    fn dispersion(&self, length_m: f64, noise: f64, lanes: usize) -> Option<(f64, f64, usize)> {
+    /// Returns the variance of the pieces' scores over their information, how many tracks say the same, and the number of pieces.
+    fn dispersion(&self, length_m: f64, noise: f64, tracks: usize) -> Option<(f64, f64, usize)> {
         let (scores, information) = self.likelihood.tangent(length_m, noise).scores(self.places.len());
         let of = |scores: &[f64]| {
             let spread = Moments::new(scores).sample_std();
             scores.len() as f64 * spread * spread / information
         };
         let found = of(&self.by_place(&scores));
-        let alike = if lanes == 1 { 1.0 } else { (found / of(&scores)).clamp(1.0, lanes as f64) };
+        let alike = if tracks == 1 { 1.0 } else { (found / of(&scores)).clamp(1.0, tracks as f64) };
         (found.is_finite() && alike.is_finite()).then_some((found, alike, self.count))
     }
 
-    /// Returns the sums over the lanes of every piece.
+    /// Returns the sums over the tracks of every piece.
     fn by_place(&self, of_records: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.count];
         self.places.iter().zip(of_records).for_each(|(place, value)| sums[*place] += value);
@@ -339,7 +339,7 @@ mod tests {
 
     fn fit(records: &[Vec<f64>], window_m: f64, step_m: f64) -> LengthFit {
         let records = records.iter().map(Vec::as_slice).collect();
-        let channel = WindowedRecords { window_m, step_m, cell_m: 1.0, lanes: 1, records };
+        let channel = WindowedRecords { window_m, step_m, cell_m: 1.0, tracks: 1, records };
         fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap()
     }
 
@@ -384,7 +384,7 @@ mod tests {
                 window_m: *window as f64,
                 step_m: (*window / 8) as f64,
                 cell_m: 1.0,
-                lanes: 1,
+                tracks: 1,
                 records: vec![record],
             })
             .collect();
@@ -400,7 +400,7 @@ mod tests {
     fn records_that_say_nothing_are_refused() {
         let settings = LengthSettings::default();
         let of = |values: &[f64], step_m: f64| {
-            let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values] };
+            let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, tracks: 1, records: vec![values] };
             fit_length(&[channel], RecordModel::Exponential, settings)
         };
         assert_eq!(fit_length(&[], RecordModel::Exponential, settings), Err(EstimateError::Nothing));

@@ -32,8 +32,8 @@ pub struct WindowedRecords<'a> {
     pub step_m: f64,
     /// Distance in metre of the values that a window is the mean of; 0 where it is the mean over a line.
     pub cell_m: f64,
-    /// Records per strip. Strips are independent of each other; lanes of a strip, one after another here, need not be.
-    pub lanes: usize,
+    /// Records per strip. Strips are independent of each other; tracks of a strip, one after another here, need not be.
+    pub tracks: usize,
     /// The records.
     pub records: Vec<&'a [f64]>,
 }
@@ -419,7 +419,7 @@ mod tests {
         holed[17] = f64::NAN;
         for (record, ends) in [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
         {
-            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, cell_m: 0.0, lanes: 1, records: vec![record] };
+            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, cell_m: 0.0, tracks: 1, records: vec![record] };
             let likelihood = Likelihood::new(&[channel], &[0], (ends, RecordBand::default()), &model).unwrap();
             for length in [0.0, 0.2, 4.0] {
                 let found = likelihood.spectra(length);

@@ -120,7 +120,7 @@ impl ObservedLengths {
                 Observation::Means => (step_m, 0.0),
                 Observation::MovingAverage { values } => (values as f64 * step_m, step_m),
             };
-            WindowedRecords { window_m, step_m, cell_m, lanes: 1, records: records.to_vec() }
+            WindowedRecords { window_m, step_m, cell_m, tracks: 1, records: records.to_vec() }
         };
         let averages: &[usize] =
             if history.decimation == 1 && highest_per_m > 0.499 / step_m { &AVERAGES } else { &[] };
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn the_test_of_fit_keeps_its_level_and_sees_what_does_not_fit() {
         let p = |record: &[f64]| {
-            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![record] };
+            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks: 1, records: vec![record] };
             let fit = fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap();
             fit.lack_of_fit.unwrap().p_value
         };

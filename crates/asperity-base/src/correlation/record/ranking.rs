@@ -16,7 +16,7 @@ pub struct RankedLength {
     /// The fit.
     pub fit: LengthFit,
     /// Akaike's criterion −2 ln L + 2k less that of the best model; k counts length, variance and a fitted ν, and ln L is that
-    /// of as many independent lanes as those of a strip are worth.
+    /// of as many independent tracks as those of a strip are worth.
     pub aic_difference: f64,
     /// Whether the best model is better beyond chance; false of the best itself.
     pub worse: bool,
@@ -25,7 +25,7 @@ pub struct RankedLength {
 /// Fits models as [`fit_length`] does and ranks them by Akaike's criterion, the best first.
 ///
 /// ln L is a sum over the wavenumbers of all records, of which every one holds two independent values, so correlated lags
-/// are not counted as if they were independent; that over lanes of a strip is divided by [`LengthFit::lanes_alike`]. A model is worse than the best if the difference of ln L of pieces of the
+/// are not counted as if they were independent; that over tracks of a strip is divided by [`LengthFit::track_redundancy`]. A model is worse than the best if the difference of ln L of pieces of the
 /// records is positive by a one-sided Student test at 5 % (Vuong, *Econometrica* **57** (1989) 307,
 /// <https://doi.org/10.2307/1912557>); otherwise the records do not tell the two apart.
 ///
@@ -50,7 +50,7 @@ pub(super) fn ranked(
     mut fits: Vec<(LengthFit, f64)>,
     settings: LengthSettings,
 ) -> Vec<RankedLength> {
-    let criterion = |(fit, cost): &(LengthFit, f64)| cost - 2.0 * fit.log_likelihood / fit.lanes_alike;
+    let criterion = |(fit, cost): &(LengthFit, f64)| cost - 2.0 * fit.log_likelihood / fit.track_redundancy;
     fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
     let Some(best) = fits.first().copied() else { return Vec::new() };
     let reach_m = best.0.length_m + best.0.window_m;
@@ -63,7 +63,7 @@ pub(super) fn ranked(
     let of_best = parts(&best.0);
     let rank = |own: &(LengthFit, f64)| RankedLength {
         fit: own.0,
-        aic_difference: own.1 - best.1 + 2.0 * (best.0.log_likelihood - own.0.log_likelihood) / best.0.lanes_alike,
+        aic_difference: own.1 - best.1 + 2.0 * (best.0.log_likelihood - own.0.log_likelihood) / best.0.track_redundancy,
         worse: match (&of_best, parts(&own.0)) {
             (Some(reference), Some(other)) if own.0.model != best.0.model => beyond_chance(reference, &other),
             _ => false,
@@ -99,7 +99,7 @@ mod tests {
     }
 
     fn ranked(record: &[f64]) -> Vec<RankedLength> {
-        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![record] };
+        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks: 1, records: vec![record] };
         rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings::default()).unwrap()
     }
 

@@ -18,7 +18,7 @@ const REACH: usize = 8;
 ///
 /// A bin's density is the mean of m periodogram ordinates, of density χ²₂/2 each, pooled over records, and the band is
 /// [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m less what the taper's correlation of neighbours costs, and over what the
-/// lanes of a strip share, Σ|S_ab|²/ΣS_aa² of their cross-spectra S_ab in the bin. It holds the mean of
+/// tracks of a strip share, Σ|S_ab|²/ΣS_aa² of their cross-spectra S_ab in the bin. It holds the mean of
 /// the density over the bin where records are Gaussian and long against the correlation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordSpectrum {
@@ -38,14 +38,14 @@ pub struct RecordSpectrum {
     pub width_per_m: Vec<f64>,
 }
 
-/// Returns the spectrum of records with equal steps, so many lanes to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
+/// Returns the spectrum of records with equal steps, so many tracks to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
 /// counted from their common mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
 ///
 /// # Errors
 /// A step that is not positive, no record of eight values, or values that do not vary.
 pub fn record_spectrum(
     records: &[&[f64]],
-    lanes: usize,
+    tracks: usize,
     step_m: f64,
     ends: RecordEnds,
 ) -> Result<RecordSpectrum, EstimateError> {
@@ -63,9 +63,9 @@ pub fn record_spectrum(
     let edges = edges(longest / 2);
     let unit_per_m = 1.0 / (longest as f64 * step_m);
     let mut bins = vec![Bin::default(); edges.len() - 1];
-    let mut shared = vec![CrossSums::new(lanes); bins.len()];
+    let mut shared = vec![CrossSums::new(tracks); bins.len()];
     for (place, record) in records.iter().enumerate().filter(|(_, record)| record.len() >= 8) {
-        let lane = place % lanes;
+        let track = place % tracks;
         let n = record.len();
         let weights = taper(n, ends, Likelihood::TAPER);
         let (values, weights) = tapered(record, &weights, moments.mean);
@@ -87,7 +87,7 @@ pub fn record_spectrum(
                 bins[bin].count += fraction;
                 bins[bin].power += fraction * 2.0 * value.norm_sqr() / squares / n as f64;
                 in_bin[bin] += fraction;
-                shared[bin].add(lane, k, *value, step_m / squares);
+                shared[bin].add(track, k, *value, step_m / squares);
             }
         }
         let kappa = neighbours(&weights, squares);
@@ -128,46 +128,46 @@ struct Bin {
     records: f64,
 }
 
-/// Cross-spectra of the lanes of strips in one bin.
+/// Cross-spectra of the tracks of strips in one bin.
 #[derive(Debug, Clone)]
 struct CrossSums {
-    lanes: usize,
-    /// Ordinates of the lanes seen so far of the strip at hand, by wavenumber.
+    tracks: usize,
+    /// Ordinates of the tracks seen so far of the strip at hand, by wavenumber.
     strip: Vec<(usize, Vec<Complex64>)>,
     /// Σ X_a X_b* over ordinates and strips.
     sums: Vec<Complex64>,
 }
 
 impl CrossSums {
-    fn new(lanes: usize) -> Self {
-        Self { lanes, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); lanes * lanes] }
+    fn new(tracks: usize) -> Self {
+        Self { tracks, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); tracks * tracks] }
     }
 
-    /// Takes an ordinate of a lane; its power is scaled by `weight`.
-    fn add(&mut self, lane: usize, k: usize, value: Complex64, weight: f64) {
-        if self.lanes == 1 {
+    /// Takes an ordinate of a track; its power is scaled by `weight`.
+    fn add(&mut self, track: usize, k: usize, value: Complex64, weight: f64) {
+        if self.tracks == 1 {
             return;
         }
         let value = value * weight.sqrt();
         let place = self.strip.iter().position(|(other, _)| *other == k).unwrap_or_else(|| {
-            self.strip.push((k, vec![Complex64::new(0.0, 0.0); self.lanes]));
+            self.strip.push((k, vec![Complex64::new(0.0, 0.0); self.tracks]));
             self.strip.len() - 1
         });
-        self.strip[place].1[lane] = value;
-        if lane + 1 == self.lanes {
+        self.strip[place].1[track] = value;
+        if track + 1 == self.tracks {
             let (_, values) = self.strip.swap_remove(place);
             for (a, x) in values.iter().enumerate() {
                 for (b, y) in values.iter().enumerate() {
-                    self.sums[a * self.lanes + b] += x * y.conj();
+                    self.sums[a * self.tracks + b] += x * y.conj();
                 }
             }
         }
     }
 
-    /// How many lanes say the same: 1 where they are independent.
+    /// How many tracks say the same: 1 where they are independent.
     fn alike(&self) -> f64 {
         let all: f64 = self.sums.iter().map(Complex64::norm_sqr).sum();
-        let own: f64 = self.sums.iter().step_by(self.lanes + 1).map(Complex64::norm_sqr).sum();
+        let own: f64 = self.sums.iter().step_by(self.tracks + 1).map(Complex64::norm_sqr).sum();
         if own > 0.0 { all / own } else { 1.0 }
     }
 }

@@ -64,12 +64,12 @@ pub struct Stationarity {
 }
 
 impl Stationarity {
-    /// Tests records of equal step, so many lanes to a strip, whose blocks side by side count as one; values beyond the shortest
+    /// Tests records of equal step, so many tracks to a strip, whose blocks side by side count as one; values beyond the shortest
     /// record are left out, NaN is a missing value.
     ///
     /// # Errors
     /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation times.
-    pub fn new(records: &[&[f64]], lanes: usize, step_m: f64) -> Result<Self, EstimateError> {
+    pub fn new(records: &[&[f64]], tracks: usize, step_m: f64) -> Result<Self, EstimateError> {
         if !(step_m > 0.0 && step_m.is_finite()) {
             return Err(EstimateError::BadStep { step_m });
         }
@@ -91,18 +91,18 @@ impl Stationarity {
         // Three degrees of freedom that were taken out of every record take about 3τ/n of the correlation time with them.
         let time = found / (1.0 - 3.0 * found / n as f64).max(0.1);
         let within = blocks_within(n, time);
-        let many = records.len().div_ceil(lanes) >= MANY;
+        let many = records.len().div_ceil(tracks) >= MANY;
         let wander =
-            within.filter(|_| !many).and_then(|blocks| Wander::new(&means(&records, lanes, blocks, |value| value)));
+            within.filter(|_| !many).and_then(|blocks| Wander::new(&means(&records, tracks, blocks, |value| value)));
         let blocks = match within {
             _ if many => 4 * (n / 8).clamp(1, 4),
             Some(blocks) => blocks,
             None => return Err(EstimateError::TooFew { present: n, wanted: (4.0 * SHORTEST_BLOCK * time) as usize }),
         };
-        let values = means(&records, lanes, blocks, |value| value);
+        let values = means(&records, tracks, blocks, |value| value);
         let variance = moments.std * moments.std;
         // Mean squares of blocks lean to the right; their logarithms hardly do.
-        let mut squares = means(&records, lanes, blocks, |value| (value - moments.mean).powi(2) / variance);
+        let mut squares = means(&records, tracks, blocks, |value| (value - moments.mean).powi(2) / variance);
         squares.iter_mut().flatten().for_each(|square| *square = square.max(f64::MIN_POSITIVE).ln());
         let middle = 0.5 * (blocks as f64 - 1.0);
         let block_m = n as f64 * step_m / blocks as f64;
@@ -151,7 +151,7 @@ fn blocks_within(n: usize, time: f64) -> Option<usize> {
 }
 
 /// Returns the means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
-fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+fn means(records: &[&[f64]], tracks: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
     let mean = |values: &[f64]| Moments::from_values(values.iter().map(|value| of(*value))).mean;
     let of_records: Vec<Vec<f64>> = records
         .iter()
@@ -162,7 +162,7 @@ fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f6
         })
         .collect();
     of_records
-        .chunks(lanes)
+        .chunks(tracks)
         .map(|strip| {
             let block = |b: usize| strip.iter().map(|means| means[b]).sum::<f64>() / strip.len() as f64;
             (0..blocks).map(block).collect()

@@ -112,7 +112,7 @@ impl Fit {
     }
 
     /// Returns the fitted parameters of a distribution that was fitted to these records (with equal steps, of one process; NaN is a missing
-    /// value; `true` and `false` stand for periodic and free strips of one lane), with 95 % intervals that know the correlation
+    /// value; `true` and `false` stand for periodic and free strips of one track), with 95 % intervals that know the correlation
     /// along and across strips.
     ///
     /// The covariance of the parameters is H⁻¹JH⁻¹: H the second derivatives of the mean logarithm of the density, J the
@@ -217,10 +217,10 @@ impl Fit {
     }
 }
 
-/// Returns all values strip by strip, the lanes of a strip position by position, so that neighbours of a block are neighbours in space.
+/// Returns all values strip by strip, the tracks of a strip position by position, so that neighbours of a block are neighbours in space.
 fn side_by_side(records: &[&[f64]], layout: Layout) -> Vec<f64> {
-    let strip = |lanes: &[&[f64]]| -> Vec<f64> {
-        (0..lanes[0].len()).flat_map(|place| lanes.iter().map(move |lane| lane[place])).collect()
+    let strip = |tracks: &[&[f64]]| -> Vec<f64> {
+        (0..tracks[0].len()).flat_map(|place| tracks.iter().map(move |track| track[place])).collect()
     };
     layout.by_strip(records).flat_map(strip).collect()
 }

@@ -27,7 +27,7 @@ const LONGEST_FRACTION: usize = 8;
 ///
 /// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again. Periodic strips
 /// are drawn periodic, with the covariance of the autoregression, fitted along them, summed over all turns; below some six
-/// correlation lengths that goes round twice. Lanes of a strip are drawn with the
+/// correlation lengths that goes round twice. Tracks of a strip are drawn with the
 /// correlation that those of the sample have at the same position, by their distance round the strip.
 ///
 /// # References
@@ -44,14 +44,14 @@ pub struct ProcessNull {
 
 impl ProcessNull {
     /// Returns the draws `draws` samples like `records`: with equal steps, of one process, strips independent of each other; NaN is a missing
-    /// value, and `true` and `false` stand for periodic and free strips of one lane. Draw i uses the stream (seed, "goodness",
+    /// value, and `true` and `false` stand for periodic and free strips of one track. Draw i uses the stream (seed, "goodness",
     /// i).
     ///
     /// # Errors
     /// Fewer than 10 values, or all equal.
     ///
     /// # Panics
-    /// If the lanes of a strip differ in number or length.
+    /// If the tracks of a strip differ in number or length.
     pub fn new(
         records: &[&[f64]],
         layout: impl Into<Layout>,
@@ -82,7 +82,7 @@ impl ProcessNull {
         let scores: Vec<Vec<f64>> = records.iter().map(|record| record.iter().map(score).collect()).collect();
         let longest = scores.iter().map(Vec::len).max().unwrap_or(0);
         let process = Autoregression::fit(&scores, MOST_ORDER.min(longest / LONGEST_FRACTION));
-        let mixture = lane_mixture(&scores, layout);
+        let mixture = track_mixture(&scores, layout);
         let mut circles: Vec<Circle> = Vec::new();
         for n in scores.iter().map(Vec::len).filter(|n| layout.periodic && *n > 0) {
             if !circles.iter().any(|circle| circle.fft.nx() == n) {
@@ -94,7 +94,7 @@ impl ProcessNull {
             let mut counts = vec![0.0; CELLS];
             let xi_samples: Vec<Vec<f64>> =
                 scores.iter().map(|record| random::standard_normal(&mut stream, record.len())).collect();
-            let xi_samples = layout.by_strip(&xi_samples).flat_map(|lanes| mixed(lanes, &mixture));
+            let xi_samples = layout.by_strip(&xi_samples).flat_map(|tracks| mixed(tracks, &mixture));
             for (record, xi) in scores.iter().zip(xi_samples) {
                 let path = match circles.iter().find(|circle| circle.fft.nx() == record.len()) {
                     Some(circle) => circle.path(xi),
@@ -280,19 +280,19 @@ impl Autoregression {
     }
 }
 
-/// What of the ξ of a lane goes into that of another, by their distance round the strip: the root of the circulant matrix
+/// What of the ξ of a track goes into that of another, by their distance round the strip: the root of the circulant matrix
 /// of the correlations at the same position, negative eigenvalues left out.
-fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
-    let lanes = layout.lanes;
-    if lanes == 1 {
+fn track_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
+    let tracks = layout.tracks;
+    if tracks == 1 {
         return vec![1.0];
     }
-    let mut correlation = vec![0.0; lanes];
+    let mut correlation = vec![0.0; tracks];
     for (distance, correlation) in correlation.iter_mut().enumerate() {
         let (mut product, mut power) = (0.0, 0.0);
         for strip in layout.by_strip(scores) {
-            for lane in 0..lanes {
-                for (a, b) in strip[lane].iter().zip(&strip[(lane + distance) % lanes]) {
+            for track in 0..tracks {
+                for (a, b) in strip[track].iter().zip(&strip[(track + distance) % tracks]) {
                     if !(a.is_nan() || b.is_nan()) {
                         product += a * b;
                         power += 0.5 * (a * a + b * b);
@@ -302,27 +302,27 @@ fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
         }
         *correlation = if power > 0.0 { product / power } else { 0.0 };
     }
-    let fft = RealFft2::new(lanes, 1);
+    let fft = RealFft2::new(tracks, 1);
     let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
     fft.forward(&correlation, &mut spectrum, &mut work);
     spectrum.iter_mut().for_each(|value| *value = value.re.max(0.0).sqrt().into());
-    let mut mixture = vec![0.0; lanes];
+    let mut mixture = vec![0.0; tracks];
     fft.inverse(&mut spectrum, &mut mixture, &mut work);
     let norm = mixture.iter().map(|fraction| fraction * fraction).sum::<f64>().sqrt();
     mixture.iter_mut().for_each(|fraction| *fraction /= norm);
     mixture
 }
 
-/// Returns the samples of ξ of the lanes of a strip, mixed.
+/// Returns the samples of ξ of the tracks of a strip, mixed.
 fn mixed(xi_samples: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
     if let [xi] = xi_samples {
         return vec![xi.clone()];
     }
-    let lanes = xi_samples.len();
-    let of = |lane: usize, place: usize| -> f64 {
-        xi_samples.iter().enumerate().map(|(other, xi)| mixture[(other + lanes - lane) % lanes] * xi[place]).sum()
+    let tracks = xi_samples.len();
+    let of = |track: usize, place: usize| -> f64 {
+        xi_samples.iter().enumerate().map(|(other, xi)| mixture[(other + tracks - track) % tracks] * xi[place]).sum()
     };
-    (0..lanes).map(|lane| (0..xi_samples[lane].len()).map(|place| of(lane, place)).collect()).collect()
+    (0..tracks).map(|track| (0..xi_samples[track].len()).map(|place| of(track, place)).collect()).collect()
 }
 
 /// A stationary normal process round a strip.
@@ -419,23 +419,23 @@ mod tests {
     }
 
     #[test]
-    fn lanes_are_drawn_as_they_correlate() {
+    fn tracks_are_drawn_as_they_correlate() {
         let of = |i: u64| random::standard_normal(&mut random::stream(7, "lanes", i), 4000);
-        let layout = Layout { periodic: true, lanes: 4 };
-        let copies = lane_mixture(&vec![of(0); 4], layout);
+        let layout = Layout { periodic: true, tracks: 4 };
+        let copies = track_mixture(&vec![of(0); 4], layout);
         assert!(copies.iter().all(|fraction| (fraction - 0.5).abs() < 1e-12), "{copies:?}");
-        // Each lane shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
+        // Each track shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
         let xi_samples: Vec<Vec<f64>> = (0..4).map(of).collect();
-        let lanes: Vec<Vec<f64>> =
+        let tracks: Vec<Vec<f64>> =
             (0..4).map(|l| xi_samples[l].iter().zip(&xi_samples[(l + 1) % 4]).map(|(a, b)| a + b).collect()).collect();
-        let mixture = lane_mixture(&lanes, layout);
+        let mixture = track_mixture(&tracks, layout);
         let drawn = mixed(&xi_samples, &mixture);
         let product = |a: usize, b: usize| drawn[a].iter().zip(&drawn[b]).map(|(x, y)| x * y).sum::<f64>() / 4000.0;
         // 4,000 products know a correlation to 1/√4,000 = .016, here twice.
         for (a, b, wanted) in [(0, 0, 1.0), (0, 1, 0.5), (1, 2, 0.5), (0, 2, 0.0), (0, 3, 0.5)] {
             assert!((product(a, b) - wanted).abs() < 4.0 * 0.023, "{a} {b}: {}", product(a, b));
         }
-        assert_eq!(lane_mixture(&[of(0)], false.into()), [1.0]);
+        assert_eq!(track_mixture(&[of(0)], false.into()), [1.0]);
     }
 
     #[test]
