@@ -1,4 +1,5 @@
-//! One-dimensional distributions: densities, quantiles, moments, fits, goodness of fit, and translation from the normal distribution.
+//! One-dimensional distributions: densities, quantiles, moments, fits, goodness of fit, and translation from the normal
+//! distribution.
 
 mod chi_square;
 mod empirical;

@@ -237,8 +237,8 @@ fn scaled(value: f64, factor: f64) -> f64 {
     if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-15 { value / inverse } else { value * factor }
 }
 
-/// Returns a text that reads back to the same bits, in the unit that shows the value best: without exponent, from 1 on, in few
-/// digits. Only units of plain ASCII are chosen, so that the text can be typed anywhere.
+/// Returns a text that reads back to the same bits, in the unit that shows the value best: without exponent, from 1 on,
+/// in few digits. Only units of plain ASCII are chosen, so that the text can be typed anywhere.
 fn show(value: f64, dimension: &Dimension) -> String {
     let candidates = dimension.units.iter().filter(|(unit, _)| unit.is_ascii()).flat_map(|(unit, factor)| {
         // Both round, differently; reading back decides which one is exact.

@@ -12,8 +12,8 @@ pub type Stream = ChaCha12Rng;
 
 /// Returns the generator of sample `index` of the named `stage` under `seed`.
 ///
-/// The seed and the stage name (FNV-1a, 64 bits) fill the ChaCha key, the index selects the 64-bit stream, so streams of
-/// different indices never overlap.
+/// The seed and the stage name (FNV-1a, 64 bits) fill the ChaCha key, the index selects the 64-bit stream, so streams
+/// of different indices never overlap.
 pub fn stream(seed: u64, stage: &str, index: u64) -> Stream {
     let stage_hash =
         stage.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3));

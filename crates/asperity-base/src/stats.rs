@@ -69,8 +69,8 @@ impl Interval {
     }
 }
 
-/// Returns the quantile of *sorted* values at `probability`: linear interpolation between order statistics, the i-th of n at
-/// probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN when there are no values.
+/// Returns the quantile of *sorted* values at `probability`: linear interpolation between order statistics, the i-th of
+/// n at probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN when there are no values.
 ///
 /// # Panics
 /// If the probability lies outside [0, 1].
@@ -86,7 +86,8 @@ pub(crate) fn between_order_statistics(sorted: &[f64], position: f64) -> f64 {
     sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
 }
 
-/// Returns the value in the middle of the sorted values, the upper one of two; `None` without values, which are reordered.
+/// Returns the value in the middle of the sorted values, the upper one of two; `None` without values, which are
+/// reordered.
 #[doc(hidden)]
 pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
@@ -99,14 +100,16 @@ pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     sorted(&present, 0.0, Order::Ascending)
 }
 
-/// Returns the quantile of Student's distribution; NaN unless 0 < `probability` < 1 and the degrees of freedom are positive.
+/// Returns the quantile of Student's distribution; NaN unless 0 < `probability` < 1 and the degrees of freedom are
+/// positive.
 pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     let inside = probability > 0.0 && probability < 1.0;
     let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
     marginal.ok().filter(|_| inside).map_or(f64::NAN, |marginal| marginal.inverse_cdf(probability))
 }
 
-/// Returns the probability of at least |t| under Student's distribution, of both signs; NaN if t is, and unless the degrees of freedom are positive.
+/// Returns the probability of at least |t| under Student's distribution, of both signs; NaN if t is, and unless the
+/// degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
     let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
     marginal.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t.abs()))

@@ -1,15 +1,15 @@
 //! The widest vector registers of the machine, found at run time.
 //!
-//! Builds are portable, so loops are compiled for the oldest processors. Those that matter are compiled for newer ones as well
-//! and chosen here. Sums are written with a fixed number of lanes, and products are not fused with sums, so that a loop gives
-//! the same bits on every machine.
+//! Builds are portable, so loops are compiled for the oldest processors. Those that matter are compiled for newer ones
+//! as well and chosen here. Sums are written with a fixed number of lanes, and products are not fused with sums, so
+//! that a loop gives the same bits on every machine.
 
 use std::marker::PhantomData;
 
 /// A loop that is worth wide registers.
 ///
-/// `run` has to be `#[inline(always)]`: only what is inlined into its caller is compiled for them. That is why this is no
-/// closure, which would be compiled apart.
+/// `run` has to be `#[inline(always)]`: only what is inlined into its caller is compiled for them. That is why this is
+/// no closure, which would be compiled apart.
 #[doc(hidden)]
 pub trait Kernel<A> {
     /// What it computes.

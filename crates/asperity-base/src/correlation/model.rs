@@ -8,22 +8,22 @@ use thiserror::Error;
 
 use super::bessel::matern;
 
-/// Why a covariance could not be made.
+/// A rejected covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CovarianceError {
-    /// A parameter lies outside its range.
+    /// A parameter outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]
     Parameter {
         /// Name of the parameter.
         parameter: &'static str,
-        /// Value found.
+        /// Rejected value.
         value: f64,
-        /// Values allowed.
+        /// Range of the parameter.
         wanted: &'static str,
     },
 }
 
-/// The shape ρ(r) of a stationary correlation at the scaled distance r = √((x/ℓx)² + (y/ℓy)²).
+/// Shape ρ(r) of a stationary correlation at the scaled distance r = √((x/ℓx)² + (y/ℓy)²).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CorrelationModel {
@@ -78,7 +78,8 @@ impl CorrelationModel {
         }
     }
 
-    /// Returns the order ν and squared corner κ² of a Matérn spectrum ∝ (κ² + k²)^{−(ν + d/2)}; `None` for the squared exponential.
+    /// Returns the order ν and squared corner κ² of a Matérn spectrum ∝ (κ² + k²)^{−(ν + d/2)}; `None` for the squared
+    /// exponential.
     fn order_and_corner(&self) -> Option<(f64, f64)> {
         match *self {
             Self::SquaredExponential => None,
@@ -109,7 +110,8 @@ impl CorrelationModel {
 
     fn validate(&self) -> Result<(), CovarianceError> {
         match *self {
-            // Above ν = 100 a Matérn field is a squared exponential to every digit that a map could show.
+            // Largest order ν: above it a Matérn correlation cannot be distinguished from a squared exponential in
+            // practice.
             Self::Matern { nu } if !(nu > 0.0 && nu <= 100.0) => {
                 Err(CovarianceError::Parameter { parameter: "nu", value: nu, wanted: "in (0, 100]" })
             }
@@ -123,7 +125,7 @@ impl CorrelationModel {
 
 /// A stationary covariance of heights.
 ///
-/// Generators ask for no more than this, so a covariance may be a model, a product of profiles, or a table.
+/// The interface that generators need; implemented by models, products of profile correlations and tables.
 pub trait StationaryCovariance: Sync {
     /// Returns the standard deviation σ in metre.
     fn std_m(&self) -> f64;
@@ -131,8 +133,8 @@ pub trait StationaryCovariance: Sync {
     /// Returns the correlation ρ at the lag (dx, dy) in metre; 1 at zero, and ρ(−dx, −dy) = ρ(dx, dy).
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64;
 
-    /// Returns whether ρ(−dx, dy) = ρ(dx, dy), as without a lay or with one along an axis. Then lags of one quadrant say all, and
-    /// modes are even or odd in x and in y. A covariance that does not say so is taken to be oblique.
+    /// Returns whether ρ(−dx, dy) = ρ(dx, dy), as for a texture along an axis. The lags of one quadrant then suffice,
+    /// and modes are even or odd in x and in y. The default is `false`.
     fn mirror_symmetric(&self) -> bool {
         false
     }
@@ -162,7 +164,7 @@ pub struct Covariance {
     length_y_m: f64,
 }
 
-/// What a file may say, before it is checked.
+/// Fields of a file before validation.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Unchecked {
@@ -244,7 +246,8 @@ impl Covariance {
         self.std_m * self.std_m * self.length_x_m * self.model.spectrum_1d(q_rad_per_m * self.length_x_m)
     }
 
-    /// Returns the power spectral density of profiles along y in m³, at q in rad/m; see [`Covariance::profile_psd_x_m3`].
+    /// Returns the power spectral density of profiles along y in m³, at q in rad/m; see
+    /// [`Covariance::profile_psd_x_m3`].
     pub fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
         self.std_m * self.std_m * self.length_y_m * self.model.spectrum_1d(q_rad_per_m * self.length_y_m)
     }
@@ -266,8 +269,8 @@ impl StationaryCovariance for Covariance {
 
 /// The product C(x, y) = σ² ρ(|x|/ℓx) ρ(|y|/ℓy) of two profile correlations.
 ///
-/// For the squared exponential this is the elliptic covariance itself. Any other model is changed: the exponential
-/// becomes e^{−|x|/ℓx−|y|/ℓy}, which is not isotropic even for ℓx = ℓy.
+/// For the squared exponential it equals the elliptic covariance. Any other model changes: the exponential becomes
+/// e^{−|x|/ℓx−|y|/ℓy}, which is anisotropic even for ℓx = ℓy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeparableCovariance(pub Covariance);
 
@@ -285,11 +288,11 @@ impl StationaryCovariance for SeparableCovariance {
     }
 }
 
-/// A covariance with its axes turned: a lay at an angle.
+/// Covariance with rotated axes, for a texture at an angle.
 ///
-/// ρ(x, y) = ρ₀(x cos α + y sin α, y cos α − x sin α), so that the first axis of the inner covariance points along
-/// (cos α, sin α) of the map, y running down the rows. Turning keeps a covariance positive definite, but a separable one is
-/// no longer a product of profiles along the map's axes.
+/// ρ(x, y) = ρ₀(x cos α + y sin α, y cos α − x sin α): the first axis of the inner covariance points along (cos α, sin
+/// α) of the map, with y down the rows. A rotation keeps a covariance positive definite, but a separable covariance is
+/// in general no longer a product along the axes of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotated<C> {
     covariance: C,
@@ -299,7 +302,7 @@ pub struct Rotated<C> {
 }
 
 impl<C: StationaryCovariance> Rotated<C> {
-    /// Creates the covariance turned by the angle α in radian, from x towards y.
+    /// Creates the covariance rotated by the angle α in radian, from x towards y.
     ///
     /// # Errors
     /// An angle that is not finite.
@@ -317,7 +320,7 @@ impl<C: StationaryCovariance> Rotated<C> {
         self.angle_rad
     }
 
-    /// Returns the covariance in its own axes.
+    /// Returns the inner covariance.
     pub fn inner(&self) -> &C {
         &self.covariance
     }
@@ -333,7 +336,7 @@ impl<C: StationaryCovariance> StationaryCovariance for Rotated<C> {
     }
 
     fn mirror_symmetric(&self) -> bool {
-        // A quarter turn exchanges the axes; its cosine of 6e-17 is rounding.
+        // A quarter turn exchanges the axes; the computed cosine of 6e-17 is a rounding error.
         self.covariance.mirror_symmetric() && (self.sin * self.cos).abs() < 1e-15
     }
 }
@@ -390,7 +393,8 @@ mod tests {
         assert!((slope + 2.0 * (1.0 + hurst)).abs() < 1e-6, "spectral slope {slope}");
     }
 
-    /// Returns ∫₀^∞ f(u) du by the trapezoidal rule after u = e^{s − e^{−s}}, for smooth f with an algebraic or faster tail.
+    /// Returns ∫₀^∞ f(u) du by the trapezoidal rule after u = e^{s − e^{−s}}, for smooth f with an algebraic or faster
+    /// tail.
     fn half_line(f: impl Fn(f64) -> f64) -> f64 {
         let step = 1.0 / 64.0;
         (-320..3200)

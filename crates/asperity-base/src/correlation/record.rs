@@ -36,7 +36,7 @@ pub struct RecordCorrelation {
     pub correlation: Vec<f64>,
     /// Pairs at each lag.
     pub pairs: Vec<f64>,
-    /// Mean that was removed, in the unit of the record.
+    /// Subtracted mean, in the unit of the record.
     pub mean: f64,
     /// Variance C(0), in the squared unit of the record.
     pub variance: f64,
@@ -44,8 +44,9 @@ pub struct RecordCorrelation {
 
 impl RecordCorrelation {
     /// Estimates the correlation of `records` up to `largest_lag` steps. NaN is a missing value. The common mean of all
-    /// values present is removed, and products are pooled, so realisations of one process should come together. A sum of products
-    /// is divided by the number of pairs present at its lag: unbiased for a known mean, noisy at long lags.
+    /// values present is subtracted and products are summed over the records, so several realisations of a process
+    /// should be passed together. A sum of products is divided by the number of pairs present at its lag: unbiased for
+    /// a known mean, noisy at long lags.
     ///
     /// # Errors
     /// Fewer than three values present, values that do not vary, or a step that is not positive.
@@ -81,21 +82,22 @@ impl RecordCorrelation {
         Ok(Self { step_m, correlation, pairs, mean, variance })
     }
 
-    /// Returns the distance in metre at which the correlation first falls to 1/e, linear between lags; `None` if it does not.
+    /// Returns the distance in metre at which the correlation first falls to 1/e, interpolated linearly; `None` if it
+    /// does not.
     pub fn correlation_length_m(&self) -> Option<f64> {
         first_crossing(&self.correlation, (-1.0_f64).exp()).map(|lags| lags * self.step_m)
     }
 
-    /// Returns the root mean square difference from a model over the lags up to where the correlation first falls to zero, weighted by
-    /// pairs.
+    /// Returns the root mean square difference from a model over the lags up to where the correlation first falls to
+    /// zero, weighted by pairs.
     pub fn misfit(&self, model: &WindowedModel, length_m: f64) -> f64 {
         let square =
             |(lag_m, rho, weight): (f64, f64, f64)| (weight * (model.correlation(lag_m, length_m) - rho)).powi(2);
         self.fitted_lags().into_iter().map(square).sum::<f64>().sqrt()
     }
 
-    /// Returns the lags 1, 2, … that enter a fit: up to where the correlation first falls to zero, at least three, with the root of
-    /// their fraction of the pairs.
+    /// Returns the lags 1, 2, … used in a fit, up to the first zero of the correlation but at least three, with the
+    /// square root of their fraction of the pairs.
     fn fitted_lags(&self) -> Vec<(f64, f64, f64)> {
         let end = self.correlation.iter().position(|rho| rho.is_nan() || *rho <= 0.0).unwrap_or(self.correlation.len());
         let lags = 1..(end + 1).max(4).min(self.correlation.len());
@@ -147,7 +149,7 @@ mod tests {
         }
     }
 
-    /// Returns the exact correlation of a model at lags of one metre, as if estimated.
+    /// Returns the exact correlation of a model at lags of one metre in place of an estimate.
     fn exact(model: &WindowedModel, length_m: f64, lags: usize) -> RecordCorrelation {
         let correlation = (0..lags).map(|lag| model.correlation(10.0 * lag as f64, length_m)).collect();
         RecordCorrelation { step_m: 10.0, correlation, pairs: vec![100.0; lags], mean: 0.0, variance: 1.0 }
@@ -163,7 +165,7 @@ mod tests {
 
     #[test]
     fn an_exponential_fitted_to_the_triangle_of_a_window_finds_a_length_of_the_window() {
-        // W = 600 µm alone returns 322–368 µm, depending on how far the fit reaches.
+        // For W = 600 µm alone the fit gives 322–368 µm, depending on the range of lags.
         let triangle = exact(&WindowedModel::new(RecordModel::Exponential, 600.0), 0.0, 100);
         let fit = fit_record(&triangle, RecordModel::Exponential).unwrap();
         assert!(fit.length_m > 322.0 && fit.length_m < 368.0, "{}", fit.length_m);

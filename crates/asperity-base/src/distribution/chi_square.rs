@@ -5,8 +5,9 @@ use statrs::function::gamma::{gamma_lr, gamma_ur};
 use super::special::standard_normal_quantile;
 use crate::numeric::root_between;
 
-/// Returns the quantile of the chi-square distribution at a probability between 0 and 1, for any positive, also fractional, degrees of
-/// freedom ν: the x with P(ν/2, x/2) = `probability`, P the regularised incomplete gamma function.
+/// Returns the quantile of the chi-square distribution at a probability between 0 and 1, for any positive, also
+/// fractional, degrees of freedom ν: the x with P(ν/2, x/2) = `probability`, P the regularised incomplete gamma
+/// function.
 ///
 /// NaN when an argument is outside its range.
 #[doc(hidden)]

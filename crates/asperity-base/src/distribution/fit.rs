@@ -150,8 +150,8 @@ impl Fit {
         self.aic_correlated(self.n as f64)
     }
 
-    /// Returns Akaike's criterion 2k − 2 (n_eff/n) ln L of a correlated sample that is worth n_eff independent values; see
-    /// [`rank_by_aic`].
+    /// Returns Akaike's criterion 2k − 2 (n_eff/n) ln L of a correlated sample that is worth n_eff independent values;
+    /// see [`rank_by_aic`].
     pub fn aic_correlated(&self, effective_size: f64) -> f64 {
         2.0 * self.family.parameters() as f64 - 2.0 * effective_size / self.n as f64 * self.log_likelihood
     }
@@ -164,17 +164,18 @@ impl Fit {
 
 /// Returns the distribution of a family that makes the values most likely; NaN values are skipped.
 ///
-/// The likelihood with a free end is unbounded: as the end approaches the sample's extreme, the density there can be made
-/// arbitrarily large. Free ends are therefore *local* maxima outside the sample. Where there is none, the lognormal,
-/// Weibull and Gamma families report an error, and the Beta family puts the end at the sample's extreme, leaves that value out and
-/// fits the rest, which converges faster than a regular fit (Smith 1985).
+/// The likelihood with a free end is unbounded: as the end approaches the sample's extreme, the density there can be
+/// made arbitrarily large. Free ends are therefore *local* maxima outside the sample. Where there is none, the
+/// lognormal, Weibull and Gamma families report an error, and the Beta family puts the end at the sample's extreme,
+/// leaves that value out and fits the rest, which converges faster than a regular fit (Smith 1985).
 ///
 /// # References
-/// Johnson, Kotz & Balakrishnan, *Continuous Univariate Distributions*, Wiley 1994–95, ch. 14, 17, 21, 25; Smith, *Biometrika*
-/// **72** (1985) 67, <https://doi.org/10.1093/biomet/72.1.67>.
+/// Johnson, Kotz & Balakrishnan, *Continuous Univariate Distributions*, Wiley 1994–95, ch. 14, 17, 21, 25; Smith,
+/// *Biometrika* **72** (1985) 67, <https://doi.org/10.1093/biomet/72.1.67>.
 ///
 /// # Errors
-/// [`DistributionError::Sample`]: fewer than 10 values, all equal, outside the support, or no maximum of the likelihood.
+/// [`DistributionError::Sample`]: fewer than 10 values, all equal, outside the support, or no maximum of the
+/// likelihood.
 pub fn fit(family: Family, values: &[f64]) -> Result<Fit, DistributionError> {
     let sorted = sorted_present(values.iter().copied());
     let error = |reason| DistributionError::Sample { distribution: family.name(), n: sorted.len(), reason };

@@ -9,9 +9,9 @@ use crate::stats::{Moments, sorted_present};
 
 /// The distance between a sample and a distribution, and how unusual it is.
 ///
-/// The p-values of [`kolmogorov_smirnov`] and [`anderson_darling`] are those of a distribution stated beforehand. After a fit to the
-/// same sample they are too large: small values still condemn a distribution, large ones do not prove it. Those of [`ProcessNull`] know
-/// the fit and the correlation.
+/// The p-values of [`kolmogorov_smirnov`] and [`anderson_darling`] are those of a distribution stated beforehand. After
+/// a fit to the same sample they are too large: small values still condemn a distribution, large ones do not prove it.
+/// Those of [`ProcessNull`] know the fit and the correlation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goodness {
     /// The statistic of the sample.
@@ -96,8 +96,8 @@ pub struct Normality {
 /// D'Agostino and Pearson's K² test of independent values; NaN values are skipped.
 ///
 /// # References
-/// D'Agostino, *Biometrika* **57** (1970) 679, <https://doi.org/10.1093/biomet/57.3.679>; Anscombe & Glynn, *Biometrika*
-/// **70** (1983) 227, <https://doi.org/10.1093/biomet/70.1.227>.
+/// D'Agostino, *Biometrika* **57** (1970) 679, <https://doi.org/10.1093/biomet/57.3.679>; Anscombe & Glynn,
+/// *Biometrika* **70** (1983) 227, <https://doi.org/10.1093/biomet/70.1.227>.
 ///
 /// # Errors
 /// Fewer than 20 values, where the transformations are poor, or all equal.

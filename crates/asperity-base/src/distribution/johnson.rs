@@ -1,8 +1,9 @@
 //! Johnson's system of distributions: skewness and kurtosis free of each other.
 //!
 //! A standard normal g is the function γ + δ f((x − ξ)/λ) of x, so densities, distribution functions, quantiles and
-//! translations are closed forms. Every pair with kurtosis > 1 + skewness² is the shape of exactly one such distribution: on a line
-//! the lognormal one, above it the unbounded one, below it the bounded one, at (0, 3) the normal one.
+//! translations are closed forms. Every pair with kurtosis > 1 + skewness² is the shape of exactly one such
+//! distribution: on a line the lognormal one, above it the unbounded one, below it the bounded one, at (0, 3) the
+//! normal one.
 //!
 //! # References
 //! Johnson, *Biometrika* **36** (1949) 149, <https://doi.org/10.1093/biomet/36.1-2.149>.

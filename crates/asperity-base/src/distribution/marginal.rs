@@ -10,8 +10,8 @@ use super::{DistributionError, Johnson, JohnsonSystem, empirical};
 
 /// A continuous distribution on the real line.
 ///
-/// The constructors check the parameters; [`Marginal::check`] does so for a value that came another way. A distribution with
-/// parameters outside their ranges answers NaN.
+/// The constructors check the parameters; [`Marginal::check`] does so for a value that came another way. A distribution
+/// with parameters outside their ranges answers NaN.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Marginal {
@@ -62,8 +62,8 @@ pub enum Marginal {
     },
     /// Johnson's distribution: a simple function of (x − ξ)/λ is normal.
     Johnson(Johnson),
-    /// A measured distribution: linear interpolation between sorted values at probabilities (i + ½)/n, with the half steps
-    /// beyond the first and the last value as point masses there.
+    /// A measured distribution: linear interpolation between sorted values at probabilities (i + ½)/n, with the half
+    /// steps beyond the first and the last value as point masses there.
     Empirical {
         /// Sorted values.
         sorted: Vec<f64>,
@@ -137,8 +137,8 @@ impl Marginal {
         Self::Empirical { sorted: values }.checked()
     }
 
-    /// Returns the name of the distribution: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl`
-    /// and `johnson_sn`.
+    /// Returns the name of the distribution: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `empirical`, or
+    /// `johnson_su`, `johnson_sb`, `johnson_sl` and `johnson_sn`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Normal { .. } => "normal",
@@ -167,7 +167,8 @@ impl Marginal {
         }
     }
 
-    /// Returns the distribution of the same kind with these [`Marginal::parameters`], unchecked; an empirical distribution is left as it is.
+    /// Returns the distribution of the same kind with these [`Marginal::parameters`], unchecked; an empirical
+    /// distribution is left as it is.
     ///
     /// # Panics
     /// If there are fewer values than parameters.
@@ -185,8 +186,8 @@ impl Marginal {
         }
     }
 
-    /// Returns the distribution of a + bX with b > 0, where X has this distribution and a, b are such that the mean and standard deviation become
-    /// those stated.
+    /// Returns the distribution of a + bX with b > 0, where X has this distribution and a, b are such that the mean and
+    /// standard deviation become those stated.
     ///
     /// # Errors
     /// A standard deviation that is not positive and finite, of this distribution or of the wanted one.
@@ -334,7 +335,8 @@ impl Marginal {
         }
     }
 
-    /// Returns the density; zero outside the support, +∞ at an end where it diverges. An empirical distribution has none: NaN.
+    /// Returns the density; zero outside the support, +∞ at an end where it diverges. An empirical distribution has
+    /// none: NaN.
     pub fn pdf(&self, x: f64) -> f64 {
         self.ln_pdf(x).exp()
     }
@@ -464,7 +466,8 @@ pub(super) mod tests {
                 assert!((marginal.translate(g) - direct).abs() < 1e-12 * (1.0 + direct.abs()), "{marginal:?} at {g}");
             }
         }
-        // F⁻¹(Φ(g)) of the exponential distribution is −ln Φ(−g): at g = 12, where Φ(g) rounds to one, 75.4106730015 (mpmath).
+        // F⁻¹(Φ(g)) of the exponential distribution is −ln Φ(−g): at g = 12, where Φ(g) rounds to one, 75.4106730015
+        // (mpmath).
         let exponential = Marginal::weibull(1.0, 1.0, 0.0).unwrap();
         assert!((exponential.translate(12.0) - 75.410_673_001_568_8).abs() < 1e-11);
     }

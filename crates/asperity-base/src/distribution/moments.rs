@@ -88,7 +88,8 @@ fn beta(a: f64, b: f64, low: f64, high: f64) -> Exact {
     }
 }
 
-/// Returns the interpolated distribution is uniform, with mass 1/n, between neighbours, and has a point mass of 1/(2n) at either end.
+/// Returns the interpolated distribution is uniform, with mass 1/n, between neighbours, and has a point mass of 1/(2n)
+/// at either end.
 fn empirical(sorted: &[f64]) -> Exact {
     let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else {
         return Exact { mean: f64::NAN, std: f64::NAN, skewness: f64::NAN, excess_kurtosis: f64::NAN };

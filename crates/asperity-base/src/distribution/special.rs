@@ -94,7 +94,8 @@ pub(crate) fn beta_survival(a: f64, b: f64, x: f64) -> f64 {
     if x < (a + 1.0) / (a + b + 2.0) { 1.0 - beta_cdf(a, b, x) } else { beta_cdf(b, a, 1.0 - x) }
 }
 
-/// Returns the regularised incomplete gamma function P(a, x): the distribution function of the Gamma distribution of scale 1.
+/// Returns the regularised incomplete gamma function P(a, x): the distribution function of the Gamma distribution of
+/// scale 1.
 pub(crate) fn gamma_cdf(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         0.0
@@ -114,8 +115,8 @@ pub(crate) fn gamma_survival(a: f64, x: f64) -> f64 {
 
 /// Returns the x with P(a, x) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
 ///
-/// Newton's method on the logarithm of that tail against ln x. The density of ln x is log-concave, hence so are both tails,
-/// so that from its own side of the root the method goes there without overshooting.
+/// Newton's method on the logarithm of that tail against ln x. The density of ln x is log-concave, hence so are both
+/// tails, so that from its own side of the root the method goes there without overshooting.
 pub(crate) fn gamma_quantile(a: f64, lower: f64, upper: f64) -> f64 {
     if !(lower >= 0.0 && upper >= 0.0) {
         return f64::NAN;
@@ -157,7 +158,8 @@ pub(crate) fn ln_beta(a: f64, b: f64) -> f64 {
     gamma::ln_gamma(a) + gamma::ln_gamma(b) - gamma::ln_gamma(a + b)
 }
 
-/// Returns the x in [0, 1] with I_x(a, b) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
+/// Returns the x in [0, 1] with I_x(a, b) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is
+/// used.
 pub(crate) fn beta_quantile(a: f64, b: f64, lower: f64, upper: f64) -> f64 {
     if !(lower >= 0.0 && upper >= 0.0) {
         f64::NAN

@@ -1,11 +1,12 @@
 //! Correlation of translated normal variables, and back.
 //!
 //! With x = F⁻¹(Φ(g)) = Σ c_n h_n(g), h_n the orthonormal Hermite polynomials, two standard normal variables of
-//! correlation ρ_G are translated into variables of correlation ρ_X = Σ_{n≥1} s_n ρ_Gⁿ with the shares s_n = c_n²/σ² ≥ 0.
+//! correlation ρ_G are translated into variables of correlation ρ_X = Σ_{n≥1} s_n ρ_Gⁿ with the shares s_n = c_n²/σ² ≥
+//! 0.
 //!
 //! # References
-//! Lancaster, *Biometrika* **44** (1957) 289, <https://doi.org/10.1093/biomet/44.1-2.289>; Grigoriu, *Applied Non-Gaussian
-//! Processes*, Prentice Hall 1995, ch. 3.
+//! Lancaster, *Biometrika* **44** (1957) 289, <https://doi.org/10.1093/biomet/44.1-2.289>; Grigoriu, *Applied
+//! Non-Gaussian Processes*, Prentice Hall 1995, ch. 3.
 
 use super::{DistributionError, Marginal, standard_normal_pdf};
 
@@ -31,7 +32,8 @@ impl Translation {
     /// Expands the translation to a distribution.
     ///
     /// The coefficients are integrals over g by the trapezoidal rule, which converges faster than any power for smooth
-    /// translations; the kinks of an empirical distribution leave an error of about the squared step, 2e-4 of its step heights.
+    /// translations; the kinks of an empirical distribution leave an error of about the squared step, 2e-4 of its step
+    /// heights.
     ///
     /// # Errors
     /// The distribution's parameters lie outside their ranges.
@@ -88,7 +90,8 @@ impl Translation {
     /// bracket.
     ///
     /// # Errors
-    /// [`DistributionError::Correlation`] when the target is not a correlation or lies below [`Translation::least_correlation`].
+    /// [`DistributionError::Correlation`] when the target is not a correlation or lies below
+    /// [`Translation::least_correlation`].
     pub fn normal_correlation(&self, target: f64) -> Result<f64, DistributionError> {
         let least = self.least_correlation();
         if !(least..=1.0).contains(&target) {

@@ -1,8 +1,8 @@
 //! Convolutions of real maps with even real kernels, in one pass over memory each way.
 //!
 //! Two rows make the real and the imaginary part of one complex row, which is transformed whole; their transforms come
-//! apart again while columns are gathered. Columns are transformed, multiplied and transformed back while they are in the
-//! second cache, so the spectrum of the map never goes to memory.
+//! apart again while columns are gathered. Columns are transformed, multiplied and transformed back while they are in
+//! the second cache, so the spectrum of the map never goes to memory.
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,8 +18,8 @@ const BLOCK: usize = 16;
 /// Rows that are finished at a time.
 #[doc(hidden)]
 pub const ROWS_OF_SLAB: usize = 16;
-/// Unused places after every row and column: lengths that are powers of two would have all rows compete for the same places
-/// of the cache.
+/// Unused places after every row and column: lengths that are powers of two would have all rows compete for the same
+/// places of the cache.
 const PAD: usize = 8;
 /// Partial sums kept side by side.
 const LANES: usize = 8;
@@ -63,8 +63,8 @@ impl Real for f64 {
     }
 }
 
-/// A planned convolution of maps of `rows` × `columns` values, continued with zeros to `ny` × `nx`, on a torus of that size.
-/// Cheap to clone and to share between threads.
+/// A planned convolution of maps of `rows` × `columns` values, continued with zeros to `ny` × `nx`, on a torus of that
+/// size. Cheap to clone and to share between threads.
 #[derive(Clone)]
 #[doc(hidden)]
 pub struct Convolution<T> {
@@ -186,14 +186,15 @@ impl<T: Real> Convolution<T> {
         }
     }
 
-    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], but its constant by `constant`, and
-    /// returns Σ z·(S z), S being the convolution. [`Convolution::backward`] then gives S z itself.
+    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], but its constant by `constant`,
+    /// and returns Σ z·(S z), S being the convolution. [`Convolution::backward`] then gives S z itself.
     ///
-    /// There is one of `slabs` for each slab of rows, from which `fill` writes the rows in order into zeros, or says that a
-    /// row is zero by returning false.
+    /// There is one of `slabs` for each slab of rows, from which `fill` writes the rows in order into zeros, or says
+    /// that a row is zero by returning false.
     ///
     /// # Panics
-    /// If the symbol or the scratch memory is that of another convolution, or there is not one of `slabs` for each slab.
+    /// If the symbol or the scratch memory is that of another convolution, or there is not one of `slabs` for each
+    /// slab.
     #[doc(hidden)]
     pub fn forward<S: Send>(
         &self,
@@ -246,7 +247,8 @@ impl<T: Real> Convolution<T> {
         energies.into_iter().sum()
     }
 
-    /// Transforms what [`Convolution::forward`] left back and hands it over row by row: `take` gets those of a slab in order.
+    /// Transforms what [`Convolution::forward`] left back and hands it over row by row: `take` gets those of a slab in
+    /// order.
     ///
     /// # Panics
     /// If there is not one of `slabs` for each slab of rows.
@@ -309,7 +311,8 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [
     }
 }
 
-/// Takes `count` pairs of rows of half the spectrum, from the row `first` on, out of its columns, and makes the other half.
+/// Takes `count` pairs of rows of half the spectrum, from the row `first` on, out of its columns, and makes the other
+/// half.
 struct GatherRows;
 
 impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>])> for GatherRows {

@@ -7,9 +7,9 @@ pub(super) const BLOCK: usize = 16;
 /// Rows that are moved at a time.
 pub(super) const TILE: usize = 4;
 
-/// Writes columns of a matrix, from the column `first` on, as rows of length `length` into `to`, continued with zeros where
-/// the matrix has fewer rows. `from` yields the matrix in slabs of [`TILE`] rows of `width` values, the last one shorter;
-/// `to` takes as many columns as it has room for.
+/// Writes columns of a matrix, from the column `first` on, as rows of length `length` into `to`, continued with zeros
+/// where the matrix has fewer rows. `from` yields the matrix in slabs of [`TILE`] rows of `width` values, the last one
+/// shorter; `to` takes as many columns as it has room for.
 pub(super) fn gather<'a, T: Copy + Default + 'a>(
     from: impl Iterator<Item = &'a [T]>,
     width: usize,
@@ -18,8 +18,8 @@ pub(super) fn gather<'a, T: Copy + Default + 'a>(
     length: usize,
 ) {
     let mut rows = 0;
-    // Four rows at a time fill a whole cache line of every column, which matters where `length` is a power of two and all
-    // columns compete for the same places of the cache.
+    // Four rows at a time fill a whole cache line of every column, which matters where `length` is a power of two and
+    // all columns compete for the same places of the cache.
     for slab in from {
         for (column, out) in to.chunks_exact_mut(length).enumerate() {
             let out = &mut out[rows..];

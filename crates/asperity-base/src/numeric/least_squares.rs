@@ -22,8 +22,8 @@ impl Range {
     }
 }
 
-/// Minimises the sum of squares of `residuals(parameters)` by Levenberg–Marquardt with forward differences, from `start`,
-/// inside `ranges`. Returns the parameters and the sum.
+/// Minimises the sum of squares of `residuals(parameters)` by Levenberg–Marquardt with forward differences, from
+/// `start`, inside `ranges`. Returns the parameters and the sum.
 ///
 /// # References
 /// Marquardt, *J. Soc. Indust. Appl. Math.* **11** (1963) 431, <https://doi.org/10.1137/0111030>.

@@ -1,6 +1,7 @@
 //! Small dense linear systems.
 
-/// Solves a square system by Gauss's elimination with row pivots; the solutions replace the right-hand sides, one row each.
+/// Solves a square system by Gauss's elimination with row pivots; the solutions replace the right-hand sides, one row
+/// each.
 ///
 /// A singular direction gets the solution zero.
 #[inline]
@@ -50,8 +51,8 @@ pub fn solution(mut matrix: Vec<Vec<f64>>, right: &[f64]) -> Vec<f64> {
 
 /// Solves a symmetric positive definite system in place by Cholesky's factorisation, after scaling its diagonal to one.
 ///
-/// `matrix` holds the rows one after the other. Returns false when a pivot is so small that the system does not determine the
-/// unknowns.
+/// `matrix` holds the rows one after the other. Returns false when a pivot is so small that the system does not
+/// determine the unknowns.
 pub fn solve_positive_definite(matrix: &mut [f64], right: &mut [f64]) -> bool {
     /// Smallest pivot of a unit diagonal.
     const LEAST_PIVOT: f64 = 1e-11;
@@ -90,7 +91,8 @@ pub fn solve_positive_definite(matrix: &mut [f64], right: &mut [f64]) -> bool {
     true
 }
 
-/// Returns the inverse of a small symmetric matrix by Gauss and Jordan's elimination; `None` unless all pivots are positive.
+/// Returns the inverse of a small symmetric matrix by Gauss and Jordan's elimination; `None` unless all pivots are
+/// positive.
 pub fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     let n = matrix.len();
     for pivot in 0..n {

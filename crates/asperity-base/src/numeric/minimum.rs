@@ -36,8 +36,8 @@ pub fn golden_section(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 
     GoldenSection { bracket: [low, high], place, value }
 }
 
-/// Returns the place and value of a maximum of a function of `D` variables near a start, by the simplex of Nelder and Mead (*Computer J.* **7** (1965)
-/// 308), restarted until a restart gains nothing. −∞ marks forbidden points.
+/// Returns the place and value of a maximum of a function of `D` variables near a start, by the simplex of Nelder and
+/// Mead (*Computer J.* **7** (1965) 308), restarted until a restart gains nothing. −∞ marks forbidden points.
 pub fn simplex<const D: usize>(f: impl Fn([f64; D]) -> f64, start: [f64; D], size: f64) -> ([f64; D], f64) {
     let mut best = (start, f(start));
     for _ in 0..10 {

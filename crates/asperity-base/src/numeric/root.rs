@@ -5,15 +5,15 @@ use std::convert::Infallible;
 /// Iterations; bisection alone needs about 60.
 const LARGEST_COUNT: usize = 200;
 
-/// Returns the root of a continuous function between `a` and `b`, each given with the function's value there, to the last
-/// digits of the argument; `None` when the signs are equal or a value is not a number.
+/// Returns the root of a continuous function between `a` and `b`, each given with the function's value there, to the
+/// last digits of the argument; `None` when the signs are equal or a value is not a number.
 pub fn root_between(f: impl Fn(f64) -> f64, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
     let Ok(root) = try_root_between(|x| Ok::<_, Infallible>(f(x)), a, b, 0.0);
     root
 }
 
-/// See [`root_between`], for a function that may fail, to `tolerance` in the argument. Of a function that jumps through zero
-/// the place of the jump is returned.
+/// See [`root_between`], for a function that may fail, to `tolerance` in the argument. Of a function that jumps through
+/// zero the place of the jump is returned.
 ///
 /// Inverse quadratic interpolation where three points make it safe, bisection elsewhere.
 ///
@@ -74,11 +74,11 @@ pub fn try_root_between<E>(
     Ok(Some(best.0))
 }
 
-/// Returns the root of a function that gives its value and slope, between `low`, where it is negative, and `high`, where it is
-/// positive; their order is free.
+/// Returns the root of a function that gives its value and slope, between `low`, where it is negative, and `high`,
+/// where it is positive; their order is free.
 ///
-/// Newton's method from `start`; a step that leaves the bracket or does not halve the value is replaced by a bisection. A
-/// function that jumps through zero has the place of the jump as its answer.
+/// Newton's method from `start`; a step that leaves the bracket or does not halve the value is replaced by a bisection.
+/// A function that jumps through zero has the place of the jump as its answer.
 ///
 /// # Errors
 /// The first error of the function.

@@ -26,8 +26,8 @@ impl CorrelationTime {
     }
 }
 
-/// Returns the integrated autocorrelation time of an equally spaced record; NaN are missing values, and lags count pairs of which
-/// both are present.
+/// Returns the integrated autocorrelation time of an equally spaced record; NaN are missing values, and lags count
+/// pairs of which both are present.
 ///
 /// The window is the least W ≥ 5 τ(W) (Madras & Sokal, *J. Stat. Phys.* **50** (1988) 109,
 /// <https://doi.org/10.1007/BF01022990>). Negative sums are cut at τ = 1, so that the effective size never exceeds n.
@@ -57,8 +57,8 @@ pub fn correlation_time(record: &[f64]) -> Result<CorrelationTime, StatsError> {
     Ok(CorrelationTime { n: moments.n, steps: steps.max(1.0), window, resolved })
 }
 
-/// Returns the sums of products of deviations from `mean`, and numbers of pairs, at the lags 0 … `lags` − 1 of a record whose missing
-/// values are not finite, by transforms of the record continued with zeros.
+/// Returns the sums of products of deviations from `mean`, and numbers of pairs, at the lags 0 … `lags` − 1 of a record
+/// whose missing values are not finite, by transforms of the record continued with zeros.
 ///
 /// # Panics
 /// If the record is empty or has fewer values than lags.

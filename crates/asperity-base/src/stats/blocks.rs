@@ -1,7 +1,7 @@
 //! Sums over long samples: fixed blocks, shared among threads, added up in order.
 //!
-//! The blocks depend on the sample alone, so the bits of a sum do not depend on the number of threads; adding block by block
-//! also loses fewer digits than adding value by value.
+//! The blocks depend on the sample alone, so the bits of a sum do not depend on the number of threads; adding block by
+//! block also loses fewer digits than adding value by value.
 
 use rayon::prelude::*;
 

@@ -15,8 +15,9 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Creates the histogram of the present values in bins of the width of Freedman and Diaconis, 2·IQR·n^{−1/3}, of which there
-    /// are at most 512. Where half of all values are equal (IQR = 0) Scott's width 3.49·std·n^{−1/3} is taken.
+    /// Creates the histogram of the present values in bins of the width of Freedman and Diaconis, 2·IQR·n^{−1/3}, of
+    /// which there are at most 512. Where half of all values are equal (IQR = 0) Scott's width 3.49·std·n^{−1/3} is
+    /// taken.
     ///
     /// # References
     /// Freedman & Diaconis, *Z. Wahrscheinlichkeitstheorie* **57** (1981) 453, <https://doi.org/10.1007/BF01025868>.

@@ -2,8 +2,8 @@
 
 /// How the records of a process lie: whether they go round, and how many *tracks* lie side by side on one strip.
 ///
-/// Strips are independent of each other, tracks of a strip need not be: errors add up over strips. Records come strip by
-/// strip, the tracks of one after another, of equal length and position by position side by side.
+/// Strips are independent of each other, tracks of a strip need not be: errors add up over strips. Records come strip
+/// by strip, the tracks of one after another, of equal length and position by position side by side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     /// Whether a record goes on with its first value after its last.

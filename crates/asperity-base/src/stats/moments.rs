@@ -2,8 +2,8 @@
 
 use super::blocks::{self, LANES};
 
-/// Moments of the present (not NaN) values of a sample. Without values all but `n` are NaN; of equal values the standard
-/// deviation is 0 and skewness and kurtosis are NaN.
+/// Moments of the present (not NaN) values of a sample. Without values all but `n` are NaN; of equal values the
+/// standard deviation is 0 and skewness and kurtosis are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
     /// Values present.
@@ -116,7 +116,8 @@ impl Moments {
         Self::new(&values.collect::<Vec<f64>>())
     }
 
-    /// Returns the standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a single one.
+    /// Returns the standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a
+    /// single one.
     pub fn sample_std(&self) -> f64 {
         if self.n < 2 { f64::NAN } else { self.std * (self.n as f64 / (self.n as f64 - 1.0)).sqrt() }
     }

@@ -32,8 +32,8 @@ impl Estimate {
         Self::new(value, spread, Interval { low: value - half, high: value + half })
     }
 
-    /// Of a positive statistic from its relative spread, on the scale of its logarithm, its bias taken out by the factor
-    /// `lift`.
+    /// Of a positive statistic from its relative spread, on the scale of its logarithm, its bias taken out by the
+    /// factor `lift`.
     #[doc(hidden)]
     pub fn logarithmic(value: f64, lift: f64, relative: Spread) -> Option<Self> {
         let centre = lift * value;
@@ -45,14 +45,15 @@ impl Estimate {
 
 /// Moments of all values present, each with what the records tell of that of their process.
 ///
-/// To first order the error of a moment is the sum of what each value adds to it, its influence. The variance of that sum is
-/// estimated from the products of influences over pairs of values on the same strip, under a flat-top window of their lag;
-/// intervals are Student's, on as many degrees of freedom as the records hold blocks, on a scale on which the spread hardly
-/// depends on the moment. One long record is as good as many short ones of the same total length.
+/// To first order the error of a moment is the sum of what each value adds to it, its influence. The variance of that
+/// sum is estimated from the products of influences over pairs of values on the same strip, under a flat-top window of
+/// their lag; intervals are Student's, on as many degrees of freedom as the records hold blocks, on a scale on which
+/// the spread hardly depends on the moment. One long record is as good as many short ones of the same total length.
 ///
-/// From 200 correlation lengths in 1 to 20 records, intervals of mean, standard deviation and its quotient were counted to hold
-/// in 93.4 to 95.9 % of 1,000 runs, of skewness in 91.6 to 95.8 %, and of kurtosis, where there is one, in 93.5 to 96.7 %. A window
-/// as long as the correlation leaves so few separate values that every third run has no interval of the kurtosis.
+/// From 200 correlation lengths in 1 to 20 records, intervals of mean, standard deviation and its quotient were counted
+/// to hold in 93.4 to 95.9 % of 1,000 runs, of skewness in 91.6 to 95.8 %, and of kurtosis, where there is one, in 93.5
+/// to 96.7 %. A window as long as the correlation leaves so few separate values that every third run has no interval of
+/// the kurtosis.
 ///
 /// An interval is `None` where the records hold too few correlation lengths or do not vary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,15 +70,16 @@ pub struct ProcessMoments {
     pub skewness: Option<Estimate>,
     /// Excess kurtosis.
     pub excess_kurtosis: Option<Estimate>,
-    /// Number of independent values whose mean would be as uncertain, at most the number of values. Where the mean has no
-    /// interval, as behind a filter that takes slow waves out, that of the standard deviation; where the records do not
-    /// tell either, one for each strip.
+    /// Number of independent values whose mean would be as uncertain, at most the number of values. Where the mean has
+    /// no interval, as behind a filter that takes slow waves out, that of the standard deviation; where the records do
+    /// not tell either, one for each strip.
     pub effective_size: f64,
 }
 
 impl ProcessMoments {
-    /// Returns the moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are independent of each
-    /// other, tracks of one count as far as they differ; `true` and `false` stand for periodic and free strips of one track.
+    /// Returns the moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are
+    /// independent of each other, tracks of one count as far as they differ; `true` and `false` stand for periodic and
+    /// free strips of one track.
     ///
     /// # Panics
     /// If the tracks of a strip differ in number or length.
@@ -132,12 +134,14 @@ impl ProcessMoments {
         found
     }
 
-    /// Returns the same with intervals of mean and standard deviation that a model of the correlation makes where the records give none,
-    /// or where they are wider: short records know their correlation badly, a model of one length knows it better.
+    /// Returns the same with intervals of mean and standard deviation that a model of the correlation makes where the
+    /// records give none, or where they are wider: short records know their correlation badly, a model of one length
+    /// knows it better.
     ///
-    /// `correlation` is that of the model at a lag in steps, and `length_error` the standard error of the logarithm of its length.
-    /// With S_k = Σ ρ^k over all pairs of values over their squared number, the variance of the mean is σ² S_1/(1 − S_1), and that of
-    /// ln σ (κ − 1) S_2/4 with the kurtosis κ. The degrees of freedom are those of the scatter of σ² and ℓ, which err alike.
+    /// `correlation` is that of the model at a lag in steps, and `length_error` the standard error of the logarithm of
+    /// its length. With S_k = Σ ρ^k over all pairs of values over their squared number, the variance of the mean is σ²
+    /// S_1/(1 − S_1), and that of ln σ (κ − 1) S_2/4 with the kurtosis κ. The degrees of freedom are those of the
+    /// scatter of σ² and ℓ, which err alike.
     ///
     /// # Panics
     /// See [`ProcessMoments::new`].
@@ -201,14 +205,15 @@ fn excess_kurtosis(kurtosis: f64, spread: Spread) -> Option<Estimate> {
 }
 
 impl Spread {
-    /// Returns the variances of third and fourth powers rest on few large values: half of the blocks carry them, as counted.
+    /// Returns the variances of third and fourth powers rest on few large values: half of the blocks carry them, as
+    /// counted.
     fn for_high_order(self) -> Self {
         Self { blocks: 0.5 * self.blocks, ..self }
     }
 }
 
-/// Returns the fraction of the values present that exceed a level, with a 95 % interval on the scale of its logit; see [`ProcessMoments`]
-/// for the records.
+/// Returns the fraction of the values present that exceed a level, with a 95 % interval on the scale of its logit; see
+/// [`ProcessMoments`] for the records.
 pub fn fraction_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
     let layout = layout.into();
     let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
@@ -280,7 +285,8 @@ mod tests {
 
     #[test]
     fn a_record_without_slow_waves_has_the_size_of_its_standard_deviation() {
-        // Differences of a record have no long-run variance, so the mean has no interval; the standard deviation has one.
+        // Differences of a record have no long-run variance, so the mean has no interval; the standard deviation has
+        // one.
         let record: Vec<f64> = records(0.0, 1, 2000, 5)[0].windows(2).map(|pair| pair[1] - pair[0]).collect();
         let found = ProcessMoments::new(&[&record], false);
         assert!(found.std.is_some());

@@ -6,7 +6,8 @@ use super::{Layout, Spread, flat_top, lag_sums, sum_of_tracks};
 
 /// The reach of a correlogram is where it falls to this.
 const FADED: f64 = 0.2;
-/// The window ends at so many reaches, and is flat up to half of that: an exponential correlogram then lies within to 98 %.
+/// The window ends at so many reaches, and is flat up to half of that: an exponential correlogram then lies within to
+/// 98 %.
 const REACHES: f64 = 4.65;
 /// A window at least spans so many correlation lengths of the values.
 const LEAST_LENGTHS: f64 = 3.75;
@@ -33,7 +34,8 @@ pub struct RecordSum {
 }
 
 impl RecordSum {
-    /// Returns the pairs of the values present (finite) of `records`, across the tracks of a strip too. `mean` is that of the values.
+    /// Returns the pairs of the values present (finite) of `records`, across the tracks of a strip too. `mean` is that
+    /// of the values.
     ///
     /// # Panics
     /// If a record is empty, or the tracks of a strip differ in length.
@@ -54,12 +56,14 @@ impl RecordSum {
         &self.fractions
     }
 
-    /// Returns the spread of a statistic whose error is the sum of its influences (NaN where a value is missing), record after record
-    /// as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for those of the process.
+    /// Returns the spread of a statistic whose error is the sum of its influences (NaN where a value is missing),
+    /// record after record as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for
+    /// those of the process.
     ///
-    /// The variance is the sum of the products of influences over all pairs within strips, under a window of their lag that
-    /// is flat and then falls to zero. It is corrected for what the fitted means took out, and for the tail of an exponential
-    /// correlogram beyond the window. Where no record is longer than the window it is the scatter between strips.
+    /// The variance is the sum of the products of influences over all pairs within strips, under a window of their lag
+    /// that is flat and then falls to zero. It is corrected for what the fitted means took out, and for the tail of an
+    /// exponential correlogram beyond the window. Where no record is longer than the window it is the scatter between
+    /// strips.
     ///
     /// `None` when fewer than five blocks are left, or the influences do not vary.
     ///
@@ -128,8 +132,8 @@ impl RecordSum {
     }
 }
 
-/// Returns the sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these pairs, at each lag; on
-/// a periodic strip the lag is that of the shorter way round.
+/// Returns the sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these
+/// pairs, at each lag; on a periodic strip the lag is that of the shorter way round.
 fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>) {
     let periodic = layout.periodic;
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);

@@ -24,8 +24,9 @@ pub enum Order {
 
 /// Returns the present (not NaN) values less `origin`, sorted.
 ///
-/// Large samples are dealt into buckets whose ends are quantiles of a part of the sample, and the buckets are sorted apart.
-/// However the values are distributed, the result is that of sorting them all; unforeseen clusters cost time alone.
+/// Large samples are dealt into buckets whose ends are quantiles of a part of the sample, and the buckets are sorted
+/// apart. However the values are distributed, the result is that of sorting them all; unforeseen clusters cost time
+/// alone.
 #[doc(hidden)]
 pub fn sorted(values: &[f64], origin: f64, order: Order) -> Vec<f64> {
     if values.len() >= LARGE
@@ -38,7 +39,8 @@ pub fn sorted(values: &[f64], origin: f64, order: Order) -> Vec<f64> {
     keys.into_iter().map(|key| value(key, order) - origin).collect()
 }
 
-/// Returns an integer that is ordered as [`f64::total_cmp`] orders, or the other way round. Integers are twice as fast to sort.
+/// Returns an integer that is ordered as [`f64::total_cmp`] orders, or the other way round. Integers are twice as fast
+/// to sort.
 fn key(value: f64, order: Order) -> i64 {
     flipped(flip(value.to_bits() as i64), order)
 }

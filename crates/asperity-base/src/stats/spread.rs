@@ -26,8 +26,8 @@ impl Spread {
 
     /// Returns the values of (estimate − truth)/√variance that leave `tail` on the lower and on the upper side.
     ///
-    /// Student's quantiles on as many degrees of freedom as there are blocks, bent by Hall's cubic for the skewness of the
-    /// studentised sum.
+    /// Student's quantiles on as many degrees of freedom as there are blocks, bent by Hall's cubic for the skewness of
+    /// the studentised sum.
     ///
     /// # References
     /// Hall, *J. R. Stat. Soc. B* **54** (1992) 221, <https://doi.org/10.1111/j.2517-6161.1992.tb01876.x>.

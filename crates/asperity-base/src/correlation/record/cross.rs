@@ -3,30 +3,31 @@
 use crate::correlation::estimate::EstimateError;
 use crate::stats::{Interval, Moments, correlation_time, student_quantile};
 
-/// Pieces of the jackknife.
+/// Number of jackknife blocks.
 const PIECES: usize = 20;
-/// Shortest piece in integrated correlation times.
+/// Least length of a block in integrated correlation times.
 const SHORTEST_PIECE: f64 = 5.0;
 
-/// Correlation of two quantities along the same records.
+/// Cross-correlation of two quantities along the same records.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossCorrelation {
     /// Distance between values in metre.
     pub step_m: f64,
-    /// Lags in steps, from −largest to largest: the second quantity is read this far ahead of the first.
+    /// Lags in steps, from −largest to largest, by which the second quantity is ahead of the first.
     pub lags: Vec<isize>,
-    /// Correlation at the lags, over the pairs present, NaN where there is none.
+    /// Correlation at the lags over the pairs present; NaN without a pair.
     pub correlation: Vec<f64>,
     /// Correlation at lag 0.
     pub coefficient: f64,
-    /// Its 95 % interval by the jackknife over pieces of the records, on Fisher's scale artanh ρ, with Student's quantile; the
-    /// interval is [−1, 1] where there is a single piece.
+    /// 95 % interval of it by a block jackknife of the records on Fisher's scale artanh ρ, with Student's quantile;
+    /// [−1, 1] for a single block.
     pub interval: Interval,
-    /// Pieces.
+    /// Number of blocks.
     pub pieces: usize,
 }
 
-/// Returns the correlation of the pairs of records, so many tracks to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
+/// Returns the cross-correlation of pairs of records up to `largest_lag` steps about their common means, with `tracks`
+/// records per strip; NaN is a missing value.
 ///
 /// # Errors
 /// A step that is not positive, fewer than four pairs, or a quantity that does not vary.
@@ -84,7 +85,7 @@ pub fn cross_correlation(
     Ok(CrossCorrelation { step_m, lags, correlation, coefficient, interval, pieces: count })
 }
 
-/// Sums of two quantities and their products.
+/// Sums of two quantities and of their products.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     n: f64,
@@ -114,8 +115,8 @@ impl Sums {
     }
 }
 
-/// About twenty pieces, whole strips where there are as many, of at least some correlation times each. Both quantities are
-/// counted from their means in units of their standard deviations.
+/// Returns about twenty blocks, whole strips if there are as many, each of a least number of correlation times. Both
+/// quantities are centred and divided by their standard deviations.
 fn pieces(records: &[(&[f64], &[f64])], tracks: usize) -> Vec<Sums> {
     let first = Moments::from_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
     let second = Moments::from_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
@@ -149,7 +150,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Two processes of correlation φ^lag whose values correlate by ρ, the second `shift` steps late.
+    /// Two processes with correlation φ^lag and cross-correlation ρ, the second delayed by `shift` steps.
     fn pair(rho: f64, shift: usize, n: usize, index: u64) -> (Vec<f64>, Vec<f64>) {
         let mut stream = random::stream(49, "cross", index);
         let mut draw = || {
@@ -185,7 +186,7 @@ mod tests {
                 let found = cross_correlation(&views, 1, 1.0, 0).unwrap();
                 hits += usize::from(found.interval.contains(rho));
             }
-            // 95 ± 2.2 of 100: four errors.
+            // Coverage 95 ± 2.2 of 100: four standard errors.
             assert!(hits >= 87, "ρ = {rho}: {hits} of 100");
         }
     }

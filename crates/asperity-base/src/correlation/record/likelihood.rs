@@ -1,4 +1,4 @@
-//! The likelihood of a correlation model of records, wavenumber by wavenumber.
+//! Whittle's likelihood of a correlation model of records.
 
 use std::f64::consts::PI;
 
@@ -8,31 +8,31 @@ use super::tangent::Tangent;
 use crate::fourier::RealFft2;
 use crate::stats::{Moments, lag_sums};
 
-/// Shortest record that has a spectrum.
+/// Least number of values of a record with a spectrum.
 const SHORTEST: usize = 8;
-/// Least and largest fraction of noise that is tried.
+/// Range of the noise fraction.
 const NOISE: (f64, f64) = (1e-6, 0.98);
 
-/// What lies beyond the ends of a record.
+/// Boundary condition of records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RecordEnds {
-    /// Nothing: the record is a piece of a longer one.
+    /// Free ends: the record is part of a longer one.
     #[default]
     Free,
-    /// The record again: it is one period, number of values times step.
+    /// Periodic record; the period is the number of values times the step.
     Periodic,
 }
 
-/// Records of one process with equal steps, each value the mean over a window. NaN is a missing value.
+/// Records of one process with equal steps, each value a mean over a window. NaN is a missing value.
 #[derive(Debug, Clone)]
 pub struct WindowedRecords<'a> {
     /// Window W in metre; 0 for values at points.
     pub window_m: f64,
     /// Distance between values in metre.
     pub step_m: f64,
-    /// Distance in metre of the values that a window is the mean of; 0 where it is the mean over a line.
+    /// Distance in metre of the values averaged by a window; 0 for a mean over a line.
     pub cell_m: f64,
-    /// Records per strip. Strips are independent of each other; tracks of a strip, one after another here, need not be.
+    /// Records per strip, listed one after another. Strips are independent; the tracks of a strip may be dependent.
     pub tracks: usize,
     /// The records.
     pub records: Vec<&'a [f64]>,
@@ -44,7 +44,8 @@ impl WindowedRecords<'_> {
         self.records.iter().map(|record| record.len()).max().unwrap_or(0) as f64 * self.step_m
     }
 
-    /// Every how many-th value says all: four in a window are enough below 1/(2W), and a period must stay one.
+    /// Returns the stride of values that suffice: four per window are enough below 1/(2W), and a period must be
+    /// divisible.
     fn stride(&self, ends: RecordEnds) -> usize {
         let wanted = ((self.window_m / self.step_m / 4.0) as usize).max(1);
         let fits = |stride: usize| {
@@ -54,7 +55,8 @@ impl WindowedRecords<'_> {
     }
 }
 
-/// Returns the taper of a record: of a free one a cosine over `share` of the values at either end, of a periodic one none.
+/// Returns the taper of a record: a cosine over the fraction `share` at either end of a free record, none for a
+/// periodic one.
 pub(super) fn taper(n: usize, ends: RecordEnds, fraction: f64) -> Vec<f64> {
     let ramp = fraction * n as f64;
     let at = |i: usize| {
@@ -64,7 +66,7 @@ pub(super) fn taper(n: usize, ends: RecordEnds, fraction: f64) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// Returns the record less `mean` times its taper, missing values as zeros; and the weights that are left.
+/// Returns the tapered deviations of the record from `mean`, zero at missing values, and the effective weights.
 pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Vec<f64>) {
     let pairs = || record.iter().zip(taper);
     let weights = pairs().map(|(value, weight)| if value.is_finite() { *weight } else { 0.0 });
@@ -72,22 +74,22 @@ pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Ve
     (values.collect(), weights.collect())
 }
 
-/// Records of one length and step under one window.
+/// Records of equal length and step under one window.
 pub(super) struct Group {
     n: usize,
     step_m: f64,
     window: WindowedModel,
     ends: RecordEnds,
     plan: RealFft2,
-    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; none for periodic records, where it is 1.
+    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; `None` for periodic records, where it is 1.
     lag_weights: Vec<f64>,
-    /// How much each of the wavenumbers 1, 2, … counts.
+    /// Weight of each of the wavenumbers 1, 2, ….
     pub(super) fractions: Vec<f64>,
-    /// Fraction of the power that filters leave of each; 1 where it does not count.
+    /// Power transfer of the filters at each wavenumber; 1 where the weight is zero.
     passed: Vec<f64>,
-    /// Variance of a periodogram ordinate of the taper over that of independent ones.
+    /// Variance of a periodogram ordinate with the taper relative to independent ordinates.
     spread: f64,
-    /// Periodograms at the wavenumbers 1, 2, …, and the owners of the records.
+    /// Periodograms at the wavenumbers 1, 2, …, with the group index of each record.
     pub(super) powers: Vec<(usize, Vec<f64>)>,
 }
 
@@ -98,11 +100,11 @@ impl Group {
         spectrum[1..=self.fractions.len()].iter().map(|value| self.step_m * value.norm_sqr() / squares).collect()
     }
 
-    /// Returns the periodogram that is expected for the length ℓ, where the process has the given variance at a point.
+    /// Returns the expected periodogram for the length ℓ and a point process of the given variance.
     fn expected(&self, length_m: f64, variance: impl Fn(&WindowedModel, f64) -> f64) -> Vec<f64> {
         let n = self.n;
         let covariance = |lag: usize| variance(&self.window, lag as f64 * self.step_m);
-        // Beyond this nothing is left of any model.
+        // Beyond this every model is negligible.
         let end = ((40.0 * length_m + self.window.window_m()) / self.step_m).ceil();
         let mut folded = vec![0.0; n];
         match self.ends {
@@ -117,7 +119,7 @@ impl Group {
                 }
             }
             RecordEnds::Periodic => {
-                // All periods add up.
+                // Sum over all periods.
                 let lags = (end as usize).max(1);
                 for lag in 0..lags {
                     let value = covariance(lag);
@@ -142,18 +144,19 @@ impl Group {
     }
 }
 
-/// −ln of Whittle's likelihood of one model for records under one or more windows, as a function of its length ℓ alone: the
-/// variance that suits ℓ best is put in.
+/// Profile −ln of Whittle's likelihood of one model for records under one or more windows, as a function of its length
+/// ℓ, with the variance at its optimum.
 ///
-/// Every periodogram ordinate I is compared with its expectation E for the record's own length, step, taper and window, in
-/// which sampling, leakage and missing values are contained (Sykulski, Olhede, Guillaumin, Lilly & Early, *Biometrika* **106**
-/// (2019) 251, <https://doi.org/10.1093/biomet/asy071>): −ln L = Σ [ln E + I/E]. The wavenumber 0, and with it the unknown
-/// mean, is left out.
+/// Every periodogram ordinate I is compared with its expectation E for the record's length, step, taper and window,
+/// which accounts for sampling, leakage and missing values (Sykulski, Olhede, Guillaumin, Lilly & Early, *Biometrika*
+/// **106** (2019) 251, <https://doi.org/10.1093/biomet/asy071>): −ln L = Σ [ln E + I/E]. The wavenumber 0, and so the
+/// unknown mean, is excluded.
 ///
-/// A window keeps nothing at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are left out. Where
-/// several windows show a wavenumber, each of them counts with its fraction of one: windows on the same strip say the same.
+/// A window has zero transfer at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are excluded. A
+/// wavenumber that several windows contain is weighted with the reciprocal of their number: windows on the same strip
+/// are redundant.
 ///
-/// White noise of the values themselves, of the fraction η of their variance, adds a floor: E = (1 − η) E_process + η Δ.
+/// White noise with the fraction η of the variance of the values adds a floor: E = (1 − η) E_process + η Δ.
 pub(super) struct Likelihood {
     pub(super) groups: Vec<Group>,
     narrowest: WindowedModel,
@@ -163,13 +166,13 @@ pub(super) struct Likelihood {
 pub(super) struct Spectra(pub(super) Vec<Vec<f64>>);
 
 impl Likelihood {
-    /// Highest frequency that is used, in units of 1/W: there the window leaves 4/π² of the power.
+    /// Highest frequency used, in units of 1/W; the window transmits 4/π² of the power there.
     pub(super) const BAND: f64 = 0.5;
-    /// Fraction of a free record that its taper lowers at either end.
+    /// Fraction of a free record tapered at either end.
     pub(super) const TAPER: f64 = 0.1;
 
-    /// Of records under one or more windows; `owners` numbers the records of every channel. `None` where fewer than three
-    /// wavenumbers are left.
+    /// Creates the likelihood of records under one or more windows; `owners` are the group indices of the records of
+    /// every channel. `None` with fewer than three wavenumbers.
     pub(super) fn new(
         channels: &[WindowedRecords<'_>],
         owners: &[usize],
@@ -188,7 +191,7 @@ impl Likelihood {
             let window = model.with_window(channel.window_m);
             let stride = if band.highest_per_m.is_some() { 1 } else { channel.stride(ends) };
             let step_m = channel.step_m * stride as f64;
-            // The common mean: that of every record alone would take power out of its lowest wavenumbers.
+            // Subtract the common mean: the mean of each record would remove power from its lowest wavenumbers.
             let mean = Moments::from_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
             let mut of_length: Vec<(usize, usize)> = Vec::new();
             for (record, owner) in channel.records.iter().zip(owners) {
@@ -252,7 +255,7 @@ impl Likelihood {
     /// Returns the expected periodograms for the length ℓ ≥ 0 in metre.
     pub(super) fn spectra(&self, length_m: f64) -> Spectra {
         let narrowest_m = self.narrowest.window_m();
-        // Uncorrelated values leave a variance ∝ 1/W.
+        // Uncorrelated values have a variance ∝ 1/W.
         let alone = length_m <= 1e-9 * narrowest_m || length_m == 0.0;
         let unit = if alone { 1.0 } else { self.narrowest.covariance(0.0, length_m) };
         let variance = |window: &WindowedModel, lag_m: f64| {
@@ -266,7 +269,7 @@ impl Likelihood {
         Spectra(self.groups.iter().map(|group| group.expected(length_m, variance)).collect())
     }
 
-    /// Returns the weighted sum of I/E over the wavenumbers of all records, and that of one.
+    /// Returns the weighted sums of I/E and of 1 over the wavenumbers of all records.
     fn ratio_sums(&self, spectra: &Spectra) -> (f64, f64) {
         let (mut ratios, mut count) = (0.0, 0.0);
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
@@ -280,13 +283,13 @@ impl Likelihood {
         (ratios, count)
     }
 
-    /// Returns the variance under the narrowest window that suits the length best.
+    /// Returns the most likely variance under the narrowest window at a length.
     pub(super) fn variance(&self, spectra: &Spectra) -> f64 {
         let (ratios, count) = self.ratio_sums(spectra);
         ratios / count
     }
 
-    /// Returns −ln L at a length, the variance being the best one.
+    /// Returns −ln L at a length, for the most likely variance.
     pub(super) fn negative_log(&self, spectra: &Spectra) -> f64 {
         let (ratios, count) = self.ratio_sums(spectra);
         let mut logs = 0.0;
@@ -297,7 +300,7 @@ impl Likelihood {
         count * ((ratios / count).ln() + 1.0) + logs
     }
 
-    /// Returns −ln L of every owner's part at the variance that suits all best.
+    /// Returns −ln L of every group at the common most likely variance.
     pub(super) fn negative_log_by_owner(&self, spectra: &Spectra, owners: usize) -> Vec<f64> {
         let variance = self.variance(spectra);
         let mut parts = vec![0.0; owners];
@@ -312,7 +315,7 @@ impl Likelihood {
         parts
     }
 
-    /// Returns the spectra with a fraction of white noise in the variance of the values.
+    /// Returns the expected spectra with a fraction of white noise in the variance of the values.
     pub(super) fn with_noise(&self, spectra: &Spectra, noise: f64) -> Spectra {
         let mixed = |(group, expected): (&Group, &Vec<f64>)| {
             let floor = noise * group.step_m;
@@ -321,7 +324,7 @@ impl Likelihood {
         Spectra(self.groups.iter().zip(&spectra.0).map(mixed).collect())
     }
 
-    /// Returns the fraction of noise that is most likely at a length, and −ln L there.
+    /// Returns the most likely noise fraction at a length, and −ln L there.
     pub(super) fn best_noise(&self, spectra: &Spectra) -> (f64, f64) {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let at = |logit: f64| {
@@ -352,15 +355,15 @@ impl Likelihood {
         if none <= found.1 + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.0).exp()), found.1) }
     }
 
-    /// Returns the fraction of noise, 0 where none is looked for, and −ln L at a length; rounding may leave nothing of an expectation, which
-    /// makes it infinite.
+    /// Returns the noise fraction (0 if it is not fitted) and −ln L at a length, which is infinite if rounding makes an
+    /// expectation non-positive.
     pub(super) fn profile(&self, length_m: f64, noise: bool) -> (f64, f64) {
         let spectra = self.spectra(length_m);
         let (fraction, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
         (fraction, if value.is_nan() { f64::INFINITY } else { value })
     }
 
-    /// Returns the model at a length and a fraction of noise, with the directions in which its parameters move it.
+    /// Returns the model at a length and a noise fraction, with its derivatives by the parameters.
     pub(super) fn tangent(&self, length_m: f64, noise: f64) -> Tangent<'_> {
         let step: f64 = 1e-3;
         let at = |length_m: f64| self.with_noise(&self.spectra(length_m), noise);
@@ -384,7 +387,7 @@ impl Likelihood {
         Tangent { likelihood: self, expected, variance, directions }
     }
 
-    /// Returns the variance of an ordinate's mean over that of independent ones.
+    /// Returns the variance of the mean of ordinates relative to independent ones.
     pub(super) fn spread(&self) -> f64 {
         let weight = |group: &Group| group.powers.len() as f64 * group.fractions.iter().sum::<f64>();
         let all: f64 = self.groups.iter().map(weight).sum();

@@ -1,4 +1,4 @@
-//! Which correlation model suits records best.
+//! Ranking of correlation models of records.
 
 use super::RecordModel;
 use super::length::{LengthFit, LengthSettings, Pieces, fit_length, narrowest};
@@ -7,30 +7,30 @@ use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
 use crate::stats::{Moments, student_quantile};
 
-/// Level at which models are told apart.
+/// Level of the test between models.
 const LEVEL: f64 = 0.95;
 
-/// A model among others.
+/// Model in a ranking.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RankedLength {
     /// The fit.
     pub fit: LengthFit,
-    /// Akaike's criterion −2 ln L + 2k less that of the best model; k counts length, variance and a fitted ν, and ln L is that
-    /// of as many independent tracks as those of a strip are worth.
+    /// Akaike's criterion −2 ln L + 2k relative to the best model; k counts length, variance and a fitted ν, and ln L
+    /// is corrected for the redundancy of the tracks of a strip.
     pub aic_difference: f64,
-    /// Whether the best model is better beyond chance; false of the best itself.
+    /// Whether the best model is significantly better; `false` for the best model.
     pub worse: bool,
 }
 
-/// Fits models as [`fit_length`] does and ranks them by Akaike's criterion, the best first.
+/// Fits models as [`fit_length`] does and ranks them by Akaike's criterion, best first.
 ///
-/// ln L is a sum over the wavenumbers of all records, of which every one holds two independent values, so correlated lags
-/// are not counted as if they were independent; that over tracks of a strip is divided by [`LengthFit::track_redundancy`]. A model is worse than the best if the difference of ln L of pieces of the
-/// records is positive by a one-sided Student test at 5 % (Vuong, *Econometrica* **57** (1989) 307,
-/// <https://doi.org/10.2307/1912557>); otherwise the records do not tell the two apart.
+/// ln L is a sum over the wavenumbers of all records, with two independent values each, so correlated lags are not
+/// treated as independent; for tracks of a strip it is divided by [`LengthFit::track_redundancy`]. A model is rejected
+/// against the best if the mean difference of ln L over blocks of the records is positive in a one-sided Student test
+/// at 5 % (Vuong, *Econometrica* **57** (1989) 307, <https://doi.org/10.2307/1912557>).
 ///
 /// # Errors
-/// See [`fit_length`], or no model.
+/// See [`fit_length`], or an empty list of models.
 pub fn rank_lengths(
     channels: &[WindowedRecords<'_>],
     models: &[RecordModel],
@@ -44,7 +44,7 @@ pub fn rank_lengths(
     Ok(ranked(channels, fits?.into_iter().map(|fit| (fit, 0.0)).collect(), settings))
 }
 
-/// Fits of the same wavenumbers with the cost of their further parameters, by −2 ln L + cost.
+/// Ranks fits to the same wavenumbers by −2 ln L plus the cost of further parameters.
 pub(super) fn ranked(
     channels: &[WindowedRecords<'_>],
     mut fits: Vec<(LengthFit, f64)>,
@@ -72,7 +72,7 @@ pub(super) fn ranked(
     fits.iter().map(rank).collect()
 }
 
-/// Returns whether −ln L of the other model is greater piece by piece, beyond chance.
+/// Returns whether −ln L of the other model is significantly greater over the blocks.
 fn beyond_chance(best: &[f64], other: &[f64]) -> bool {
     let differences: Vec<f64> = other.iter().zip(best).map(|(other, best)| other - best).collect();
     let moments = Moments::new(&differences);
@@ -84,8 +84,8 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Every fourth value of a twice filtered process, of Matérn correlation ν = 3/2 and ℓ = √3/rate, or a once filtered
-    /// one, ν = 1/2.
+    /// Every fourth value of a twice filtered process with Matérn correlation ν = 3/2 and ℓ = √3/rate, or of a once
+    /// filtered process, ν = 1/2.
     fn filtered(rate: f64, twice: bool, values: usize, index: u64) -> Vec<f64> {
         let phi = (-0.25 * rate).exp();
         let noise = random::standard_normal(&mut random::stream(43, "ranking", index), 4 * values);
@@ -111,7 +111,8 @@ mod tests {
         assert!(rough.iter().skip(1).all(|other| other.worse && other.aic_difference > 10.0), "{rough:?}");
         let smooth = ranked(&filtered(1.0 / 10.0, true, 3000, 2));
         assert_eq!(smooth[0].fit.model, RecordModel::Matern { nu: 1.5 }, "{smooth:?}");
-        // The filter at four cells a value misses the continuous spectrum by some per cent at the highest wavenumbers.
+        // With four cells per value the filter deviates from the continuous spectrum by some per cent at the highest
+        // wavenumbers.
         let ratio = smooth[0].fit.length_m / (10.0 * 3.0_f64.sqrt());
         assert!((ratio - 1.0).abs() < 0.2, "{smooth:?}");
     }

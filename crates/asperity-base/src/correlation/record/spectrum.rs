@@ -1,4 +1,4 @@
-//! The power spectrum of records with its bands.
+//! Power spectrum of records with confidence bands.
 
 use std::f64::consts::TAU;
 
@@ -10,16 +10,17 @@ use crate::distribution::chi_square_quantile;
 use crate::fourier::{Complex64, RealFft2};
 use crate::stats::Moments;
 
-/// Distance of ordinates up to which a taper correlates them.
+/// Largest distance of ordinates that the taper correlates.
 const REACH: usize = 8;
 
-/// One-sided power spectral density of records, whose integral over the frequencies 1/metre is the variance, in bins of a
-/// sixth of an octave or of one ordinate where that is wider, with 95 % bands.
+/// One-sided power spectral density of records with 95 % bands, in bins of a sixth of an octave or of one ordinate
+/// where that is wider. Its integral over the frequencies in 1/metre is the variance.
 ///
-/// A bin's density is the mean of m periodogram ordinates, of density χ²₂/2 each, pooled over records, and the band is
-/// [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m less what the taper's correlation of neighbours costs, and over what the
-/// tracks of a strip share, Σ|S_ab|²/ΣS_aa² of their cross-spectra S_ab in the bin. It holds the mean of
-/// the density over the bin where records are Gaussian and long against the correlation.
+/// The density of a bin is the mean of m periodogram ordinates, each distributed as density times χ²₂/2, over all
+/// records. The band is [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m, reduced for the correlation of neighbouring
+/// ordinates by the taper and divided by the redundancy Σ|S_ab|²/ΣS_aa² of the tracks of a strip with cross-spectra
+/// S_ab in the bin. It is a band of the mean density over the bin if records are Gaussian and long compared with the
+/// correlation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordSpectrum {
     /// Distance between values in metre.
@@ -28,18 +29,19 @@ pub struct RecordSpectrum {
     pub frequency_per_m: Vec<f64>,
     /// Density in the squared unit of the record times metre.
     pub density: Vec<f64>,
-    /// Lower end of the band.
+    /// Lower limit of the band.
     pub low: Vec<f64>,
-    /// Upper end of the band.
+    /// Upper limit of the band.
     pub high: Vec<f64>,
     /// Degrees of freedom ν.
     pub degrees_of_freedom: Vec<f64>,
-    /// Width of the bin in 1/metre: densities times widths add up to the variance.
+    /// Width of the bin in 1/metre; the sum of densities times widths is the variance.
     pub width_per_m: Vec<f64>,
 }
 
-/// Returns the spectrum of records with equal steps, so many tracks to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
-/// counted from their common mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
+/// Returns the spectrum of records with equal steps and `tracks` records per strip. Free records are centred on their
+/// common mean and tapered by a cosine over a tenth at either end. Missing values (NaN) are then set to zero, and
+/// scatter power into all frequencies.
 ///
 /// # Errors
 /// A step that is not positive, no record of eight values, or values that do not vary.
@@ -79,7 +81,7 @@ pub fn record_spectrum(
         let mut in_bin = vec![0.0; bins.len()];
         for (k, value) in spectrum.iter().enumerate().skip(1) {
             let frequency_per_m = k as f64 / (n as f64 * step_m);
-            // The last of an even number of values stands for itself alone.
+            // The Nyquist ordinate of an even number of values has a single sign.
             let fraction = if 2 * k == n { 0.5 } else { 1.0 };
             if let Some(bin) = bin_of(&edges, frequency_per_m / unit_per_m) {
                 bins[bin].sum += fraction * 2.0 * step_m * value.norm_sqr() / squares;
@@ -121,18 +123,18 @@ struct Bin {
     sum: f64,
     frequency: f64,
     count: f64,
-    /// Variance that the bin holds.
+    /// Variance in the bin.
     power: f64,
-    /// Σ over pairs of ordinates of their correlation.
+    /// Sum of the correlations over pairs of ordinates.
     spread: f64,
     records: f64,
 }
 
-/// Cross-spectra of the tracks of strips in one bin.
+/// Cross-spectra of the tracks of strips in a bin.
 #[derive(Debug, Clone)]
 struct CrossSums {
     tracks: usize,
-    /// Ordinates of the tracks seen so far of the strip at hand, by wavenumber.
+    /// Ordinates of the preceding tracks of the current strip, by wavenumber.
     strip: Vec<(usize, Vec<Complex64>)>,
     /// Σ X_a X_b* over ordinates and strips.
     sums: Vec<Complex64>,
@@ -143,7 +145,7 @@ impl CrossSums {
         Self { tracks, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); tracks * tracks] }
     }
 
-    /// Takes an ordinate of a track; its power is scaled by `weight`.
+    /// Adds an ordinate of a track, with its power scaled by `weight`.
     fn add(&mut self, track: usize, k: usize, value: Complex64, weight: f64) {
         if self.tracks == 1 {
             return;
@@ -164,7 +166,7 @@ impl CrossSums {
         }
     }
 
-    /// How many tracks say the same: 1 where they are independent.
+    /// Returns the redundancy of the tracks: 1 if they are independent.
     fn alike(&self) -> f64 {
         let all: f64 = self.sums.iter().map(Complex64::norm_sqr).sum();
         let own: f64 = self.sums.iter().step_by(self.tracks + 1).map(Complex64::norm_sqr).sum();
@@ -192,8 +194,8 @@ fn spread(count: f64, kappa: &[f64]) -> f64 {
 }
 
 impl RecordSpectrum {
-    /// One-sided density at the bins of a model of the given length and variance under its window, sampling included:
-    /// 2Δ Σ C(lΔ) cos(2πf lΔ).
+    /// Returns the one-sided density in the bins for a model of the given length and variance under its window,
+    /// including sampling: 2Δ Σ C(lΔ) cos(2πf lΔ).
     pub fn model_density(&self, model: &WindowedModel, length_m: f64, variance: f64) -> Vec<f64> {
         let lags = ((40.0 * length_m + model.window_m()) / self.step_m).ceil() as usize;
         let correlation: Vec<f64> =
@@ -240,7 +242,7 @@ mod tests {
 
     #[test]
     fn bands_hold_the_spectrum_of_the_model() {
-        // φ = e^{−Δ/ℓ}: the sampled exponential. 20 strips, 95 % bands: of all bins of 20 seeds 93–97 %.
+        // Sampled exponential, φ = e^{−Δ/ℓ}. 20 strips, 95 % bands: 93–97 % of all bins of 20 seeds.
         let (phi, step) = (0.9_f64, 2.0);
         let length = -step / phi.ln();
         let (mut inside, mut all) = (0_usize, 0);
@@ -254,14 +256,14 @@ mod tests {
                 let phase = TAU * found.frequency_per_m[bin] * step;
                 let exact = 2.0 * step * (1.0 - phi * phi) / (1.0 - 2.0 * phi * phase.cos() + phi * phi);
                 assert!((s / exact - 1.0).abs() < 1e-9);
-                // The first two ordinates lose to the mean and the taper's bend.
+                // The first two ordinates are reduced by the subtracted mean and the taper.
                 if bin >= 2 {
                     all += 1;
                     inside += usize::from(found.low[bin] <= *s && *s <= found.high[bin]);
                 }
             }
         }
-        // Bins of one seed are independent, so 95 % are known to √(.95·.05/all): about .9 %; three of them.
+        // Bins of one seed are independent, so 95 % has the standard error √(.95·.05/all), about .9 %; three of them.
         let fraction = inside as f64 / f64::from(all);
         assert!((fraction - 0.95).abs() < 0.03, "{fraction} of {all}");
     }

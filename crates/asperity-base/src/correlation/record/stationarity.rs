@@ -1,4 +1,4 @@
-//! Whether records drift: tests that know the correlation.
+//! Tests of records for drift that account for their correlation.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -6,69 +6,72 @@ use crate::correlation::estimate::EstimateError;
 use crate::random;
 use crate::stats::{Moments, correlation_time};
 
-/// Records from which each is one independent observation; fewer are cut into blocks.
+/// Number of records from which each is one independent observation; fewer are divided into blocks.
 const MANY: usize = 10;
-/// Block in integrated correlation times; means of neighbouring blocks then correlate by about 1/40.
+/// Length of a block in integrated correlation times; means of neighbouring blocks then have a correlation of about
+/// 1/40.
 const BLOCK: f64 = 10.0;
-/// Shortest block where a record would otherwise hold fewer than four.
+/// Least length of a block if a record would otherwise have fewer than four.
 const SHORTEST_BLOCK: f64 = 5.0;
-/// Maximum number of blocks of a record.
+/// Largest number of blocks of a record.
 const MOST_BLOCKS: usize = 32;
-/// Draws of the null distribution of the wander.
+/// Number of samples of the null distribution of the wander statistic.
 const DRAWS: usize = 4000;
 
-/// A two-sided Student test of a drift that all records share.
+/// Two-sided Student test of a drift common to all records.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftTest {
-    /// What was found; see [`Stationarity`].
+    /// Estimate; see [`Stationarity`].
     pub estimate: f64,
-    /// Its standard error.
+    /// Standard error.
     pub standard_error: f64,
     /// Degrees of freedom.
     pub degrees_of_freedom: f64,
-    /// Probability of at least as much in stationary records.
+    /// p-value.
     pub p_value: f64,
 }
 
-/// Whether block means wander: the mean square of their cumulative sums within the records over their variance, after
-/// Kwiatkowski, Phillips, Schmidt & Shin, *J. Econometrics* **54** (1992) 159,
-/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks take the place of their correction for correlation, and the null distribution
-/// is that of as many independent normal blocks, drawn.
+/// Test for a wandering mean: the mean square of the cumulative sums of block means within the records over their
+/// variance, after Kwiatkowski, Phillips, Schmidt & Shin, *J. Econometrics* **54** (1992) 159,
+/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks replace their correction for correlation, and the null
+/// distribution is simulated with the same number of independent normal blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
     /// η = Σ S²/(records · blocks² · variance).
     pub statistic: f64,
-    /// Probability of at least as much in stationary records.
+    /// p-value.
     pub p_value: f64,
 }
 
-/// Tests of records against drifts along them, whose common origin is their first position: on free strips the ends carry
-/// more load, and measured records run in.
+/// Tests of records for drifts along them from a common initial position, such as edge effects on free strips or the
+/// running-in of measured records.
 ///
-/// From ten records on, every record gives one value of each drift, and no correlation has to be known. Fewer are cut into
-/// blocks of ten integrated correlation times (at least five), whose means are next to independent.
+/// With ten or more records, each record is one observation of each drift, and the correlation is not needed. Fewer
+/// records are divided into blocks of ten integrated correlation times (at least five), whose means are nearly
+/// independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stationarity {
     /// Slope per metre.
     pub trend: DriftTest,
-    /// Mean of the second half less that of the first.
+    /// Difference of the means of the second and the first half.
     pub mean_change: DriftTest,
-    /// Mean of the outer quarters less that of the inner half.
+    /// Difference of the means of the outer quarters and the inner half.
     pub ends: DriftTest,
-    /// Logarithm of the variance of the second half over that of the first.
+    /// Logarithm of the variance ratio of the second to the first half.
     pub variance_change: DriftTest,
-    /// Wander of the mean of each record; absent from ten records on.
+    /// Test of the mean of each record; absent with ten or more records.
     pub wander: Option<Wander>,
-    /// Blocks in a record; 1 where whole records are compared.
+    /// Number of blocks per record; 1 if whole records are compared.
     pub blocks: usize,
 }
 
 impl Stationarity {
-    /// Tests records of equal step, so many tracks to a strip, whose blocks side by side count as one; values beyond the shortest
-    /// record are left out, NaN is a missing value.
+    /// Tests records of equal step with `tracks` records per strip; the blocks of parallel tracks are averaged. Values
+    /// beyond the shortest record are ignored, and NaN is a missing value.
     ///
     /// # Errors
-    /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation times.
+    /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation
+    /// times.
     pub fn new(records: &[&[f64]], tracks: usize, step_m: f64) -> Result<Self, EstimateError> {
         if !(step_m > 0.0 && step_m.is_finite()) {
             return Err(EstimateError::BadStep { step_m });
@@ -88,7 +91,7 @@ impl Stationarity {
             .map(|time| time.steps)
             .collect();
         let found = times.iter().sum::<f64>() / times.len().max(1) as f64;
-        // Three degrees of freedom that were taken out of every record take about 3τ/n of the correlation time with them.
+        // Removing three degrees of freedom from every record reduces the correlation time by about 3τ/n.
         let time = found / (1.0 - 3.0 * found / n as f64).max(0.1);
         let within = blocks_within(n, time);
         let many = records.len().div_ceil(tracks) >= MANY;
@@ -101,7 +104,7 @@ impl Stationarity {
         };
         let values = means(&records, tracks, blocks, |value| value);
         let variance = moments.std * moments.std;
-        // Mean squares of blocks lean to the right; their logarithms hardly do.
+        // Mean squares of blocks are skewed; their logarithms hardly are.
         let mut squares = means(&records, tracks, blocks, |value| (value - moments.mean).powi(2) / variance);
         squares.iter_mut().flatten().for_each(|square| *square = square.max(f64::MIN_POSITIVE).ln());
         let middle = 0.5 * (blocks as f64 - 1.0);
@@ -127,13 +130,14 @@ impl Stationarity {
     }
 }
 
-/// Returns the record without the parabola that fits it best: a drift must not pass for correlation.
+/// Returns the residuals of the record about its best-fitting parabola, so that a drift is not mistaken for
+/// correlation.
 fn without_drift(record: &[f64]) -> Vec<f64> {
     let n = record.len() as f64;
     let at = |i: usize| (2.0 * i as f64 + 1.0) / n - 1.0;
     let mean = Moments::new(record).mean;
     let mut left: Vec<f64> = record.iter().map(|value| value - mean).collect();
-    // Legendre's polynomials are next to orthogonal on the points.
+    // Legendre polynomials are nearly orthogonal on the points.
     for polynomial in [|x: f64| x, |x: f64| 1.5 * x * x - 0.5] {
         let present = || left.iter().enumerate().filter(|(_, value)| value.is_finite());
         let square: f64 = present().map(|(i, _)| polynomial(at(i)).powi(2)).sum();
@@ -143,14 +147,15 @@ fn without_drift(record: &[f64]) -> Vec<f64> {
     left
 }
 
-/// Returns the blocks of a record, a multiple of four; none where there are fewer than four.
+/// Returns the blocks of a record, a multiple of four; empty with fewer than four.
 fn blocks_within(n: usize, time: f64) -> Option<usize> {
     let of = |times: f64| (n as f64 / (times * time)) as usize / 4 * 4;
     let blocks = if of(BLOCK) >= 4 { of(BLOCK) } else { of(SHORTEST_BLOCK).min(4) };
     (blocks >= 4).then_some(blocks.min(MOST_BLOCKS))
 }
 
-/// Returns the means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
+/// Returns the means of a function of the values over equal blocks of every strip; an empty block takes the mean of the
+/// record.
 fn means(records: &[&[f64]], tracks: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
     let mean = |values: &[f64]| Moments::from_values(values.iter().map(|value| of(*value))).mean;
     let of_records: Vec<Vec<f64>> = records
@@ -172,8 +177,8 @@ fn means(records: &[&[f64]], tracks: usize, blocks: usize, of: impl Fn(f64) -> f
 }
 
 impl DriftTest {
-    /// Creates the coefficient of a contrast of sum zero in block means: from one value per record, or from the residuals of all blocks
-    /// about the mean of their record and the contrast.
+    /// Estimates the coefficient of a contrast of sum zero in block means: from one value per record, or from the
+    /// residuals of all blocks about the mean of their record and the contrast.
     fn new(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
         let records = values.len() as f64;
         let norm: f64 = contrast.iter().map(|c| c * c).sum();
@@ -217,7 +222,7 @@ impl Wander {
         Some(Self { statistic, p_value: (above + 1) as f64 / (DRAWS + 1) as f64 })
     }
 
-    /// Returns whether the wander is significant at 5 %.
+    /// Returns whether the wandering is significant at 5 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.05
     }
@@ -242,7 +247,7 @@ fn wander(values: &[Vec<f64>]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns a stationary record of correlation φ^lag plus a drift of position along the record from 0 to 1.
+    /// Returns a stationary record with correlation φ^lag plus `drift` of the position along the record, from 0 to 1.
     fn record(phi: f64, n: usize, index: u64, drift: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
         let noise = random::standard_normal(&mut random::stream(47, "stationarity", index), n);
         let mut last = noise[0];
@@ -277,7 +282,7 @@ mod tests {
 
     #[test]
     fn stationary_records_are_called_so() {
-        // 5 % of 150 runs ± 1.8 %: three errors and the blocks' correlation of some per cent.
+        // 5 % of 150 runs ± 1.8 %: three standard errors and some per cent for the correlation of the blocks.
         for (records, n) in [(1, 4000), (3, 1500), (20, 200)] {
             for (test, fraction) in fractions(records, n, |_| (0.0, 1.0)).into_iter().enumerate() {
                 assert!(
@@ -290,7 +295,8 @@ mod tests {
 
     #[test]
     fn planted_drifts_are_seen() {
-        // A rise by one standard deviation along 200 correlation lengths: the mean of a half is known to √(2·2/200)/… ≈ .14.
+        // A rise by one standard deviation along 200 correlation lengths: the mean of a half has the standard error
+        // √(2·2/200)/… ≈ .14.
         let trend = fractions(1, 4000, |x| (1.5 * x, 1.0));
         assert!(trend[0] > 0.9 && trend[1] > 0.8, "{trend:?}");
         let ends = fractions(20, 200, |x| (if !(0.25..0.75).contains(&x) { 0.5 } else { 0.0 }, 1.0));
@@ -301,7 +307,7 @@ mod tests {
 
     #[test]
     fn too_short_a_record_is_told() {
-        // Four blocks of five correlation times, each at least one step long, make twenty values.
+        // Four blocks of five correlation times, each at least one step, require twenty values.
         let short = record(0.9, 16, 1, |_| (0.0, 1.0));
         assert!(matches!(Stationarity::new(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));
         assert!(matches!(Stationarity::new(&[&[1.0; 20]], 1, 1.0), Err(EstimateError::Constant { .. })));

@@ -1,14 +1,14 @@
-//! A fitted model of records and what moves it: scores, information, and whether it fits.
+//! Linearisation of a fitted model of records: scores, information and goodness of fit.
 
 use super::likelihood::{Likelihood, Spectra};
 use crate::numeric::solution;
 
-/// Minimum number of ordinates in a band of the test of fit, and most bands of equal number.
+/// Least number of ordinates in a band of the goodness-of-fit test, and largest number of bands.
 const LEAST_IN_BAND: f64 = 12.0;
 const MOST_BANDS: f64 = 16.0;
 
-/// A fitted model, and ∂ ln E/∂θ for its parameters ln ℓ (if ℓ > 0) and noise (if there is any), beside that of the variance,
-/// which is 1.
+/// Fitted model with ∂ ln E/∂θ for its parameters ln ℓ (if ℓ > 0) and noise (if fitted); the derivative by the log
+/// variance is 1.
 pub(super) struct Tangent<'a> {
     pub(super) likelihood: &'a Likelihood,
     pub(super) expected: Spectra,
@@ -17,7 +17,7 @@ pub(super) struct Tangent<'a> {
 }
 
 impl Tangent<'_> {
-    /// Returns the variance of the values without filters, noise included.
+    /// Returns the variance of the values without filters, including noise.
     pub(super) fn variance(&self) -> f64 {
         self.variance
     }
@@ -27,7 +27,7 @@ impl Tangent<'_> {
         std::iter::once(1.0).chain(self.directions.iter().map(|direction| direction[group][place])).collect()
     }
 
-    /// Returns Σ of the products of rows over all ordinates: the information of variance, length and noise.
+    /// Returns the sum of the outer products of rows over all ordinates: the information of variance, length and noise.
     fn information(&self) -> Vec<Vec<f64>> {
         let size = 1 + self.directions.len();
         let mut sums = vec![vec![0.0; size]; size];
@@ -43,10 +43,10 @@ impl Tangent<'_> {
         sums
     }
 
-    /// Scores ∂ ln L/∂ ln ℓ of every owner's part, free of variance and noise, and their expected information.
+    /// Scores ∂ ln L/∂ ln ℓ of every group, orthogonal to variance and noise, and their expected information.
     pub(super) fn scores(&self, owners: usize) -> (Vec<f64>, f64) {
         let all = self.information();
-        // The direction of ln ℓ less what the others can do.
+        // The component of ln ℓ orthogonal to the other parameters.
         let others: Vec<usize> = (0..all.len()).filter(|index| *index != 1).collect();
         let matrix = others.iter().map(|i| others.iter().map(|j| all[*i][*j]).collect()).collect();
         let fractions = solution(matrix, &others.iter().map(|i| all[*i][1]).collect::<Vec<f64>>());
@@ -65,7 +65,7 @@ impl Tangent<'_> {
         (scores, information)
     }
 
-    /// Returns the variance of the fraction of noise where records are Gaussian and ordinates independent; none without noise.
+    /// Returns the variance of the noise fraction for Gaussian records and independent ordinates; `None` without noise.
     pub(super) fn noise_variance(&self, noise: f64) -> Option<f64> {
         let all = self.information();
         let last = all.len() - 1;
@@ -73,11 +73,13 @@ impl Tangent<'_> {
         (noise > 0.0).then(|| solution(all, &unit)[last]).filter(|variance| *variance > 0.0)
     }
 
-    /// How far periodogram over model departs from 1 in bands: a sum of squares, and its degrees of freedom.
+    /// Returns the weighted sum of squared deviations of periodogram over model from 1 in bands, and its degrees of
+    /// freedom.
     ///
-    /// Bands are half an octave wide, or a sixteenth of the ordinates where that is less, but never narrower than twelve of them. Under the model the sums of
-    /// (I/E − 1) scatter as sums of independent values of variance `dispersion`, less what the fitted parameters take: their covariance
-    /// is c (N − A M⁻¹ Aᵀ) with the information M and its parts A in the bands, so the statistic is χ² with one band less.
+    /// Bands are half an octave wide, or a sixteenth of the ordinates where that is less, with at least twelve
+    /// ordinates. Under the model the sums of (I/E − 1) have the covariance c (N − A M⁻¹ Aᵀ) with the variance c =
+    /// `dispersion` of an ordinate, the information M and its parts A in the bands. The statistic is χ² with one degree
+    /// of freedom less than bands.
     pub(super) fn lack_of_fit(&self, dispersion: f64) -> Option<(f64, f64)> {
         let groups = &self.likelihood.groups;
         let mut order: Vec<(f64, usize, usize)> = groups
@@ -94,7 +96,7 @@ impl Tangent<'_> {
         };
         let all: f64 = order.iter().map(count).sum();
         let size = 1 + self.directions.len();
-        // Sum, number, and part of the information of every band.
+        // Sum, number of ordinates, and part of the information of every band.
         let mut bands: Vec<(f64, f64, Vec<f64>)> = Vec::new();
         let mut start = 0.0;
         for ordinate in &order {

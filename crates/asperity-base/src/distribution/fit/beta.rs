@@ -15,7 +15,8 @@ struct Shapes {
     mean_log_density: f64,
 }
 
-/// Returns the Beta distribution on [low, high] with the mean and variance of the values (divisor n), which may touch the bounds.
+/// Returns the Beta distribution on [low, high] with the mean and variance of the values (divisor n), which may touch
+/// the bounds.
 ///
 /// Simple and robust, but not efficient. With `low` and `high` at the sample's extremes, which is how records are often
 /// "scaled to (0, 1)", the shapes depend on the sample size: use [`Family::BetaFreeBounds`] instead.
@@ -106,8 +107,8 @@ fn bounds(sorted: &[f64], low: Option<f64>, high: Option<f64>, gaps: [f64; 2]) -
     [low.unwrap_or(first - range * gaps[0]), high.unwrap_or(last + range * gaps[1])]
 }
 
-/// Climbs the profile likelihood of the kept values over the gaps (in ranges) of the bounds that are not given. Shapes of
-/// free ends stay at least one, where the likelihood is bounded.
+/// Climbs the profile likelihood of the kept values over the gaps (in ranges) of the bounds that are not given. Shapes
+/// of free ends stay at least one, where the likelihood is bounded.
 fn climb(sorted: &[f64], kept: &[f64], low: Option<f64>, high: Option<f64>) -> Option<([f64; 2], Shapes)> {
     let range = sorted[sorted.len() - 1] - sorted[0];
     let at = |log_gaps: [f64; 2]| {

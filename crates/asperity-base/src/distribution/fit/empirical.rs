@@ -9,8 +9,8 @@ const LEAST: usize = 5;
 /// Values by which the distribution is held.
 const HELD: usize = 1001;
 
-/// Returns a density that is constant in bins of equal fractions of the sample, which end at its quantiles. Each of the ends, the extremes
-/// among them, is a fitted parameter, so that Akaike's criterion ranks it with the others.
+/// Returns a density that is constant in bins of equal fractions of the sample, which end at its quantiles. Each of the
+/// ends, the extremes among them, is a fitted parameter, so that Akaike's criterion ranks it with the others.
 pub(super) fn fit(bins: usize, sorted: &[f64]) -> Result<Fit, DistributionError> {
     let n = sorted.len();
     let error = |reason| DistributionError::Sample { distribution: "empirical", n, reason };
@@ -76,7 +76,8 @@ mod tests {
         let ranking = rank_by_aic(&families, &two, None);
         assert!(matches!(ranking.fits[0].family, Family::Empirical { .. }), "{ranking:?}");
         assert_eq!(ranking.fits.iter().filter(|fit| fit.family.name() == "empirical").count(), 1);
-        // Of a normal sample the steps cost Σ over bins of the density's change: a hundredth of ln f for some tens of bins.
+        // Of a normal sample the steps cost Σ over bins of the density's change: a hundredth of ln f for some tens of
+        // bins.
         let one = random::standard_normal(&mut random::stream(8, "fit/empirical", 0), 2000);
         assert_eq!(rank_by_aic(&families, &one, None).fits[0].family, Family::Normal);
         // Worth ten values, four bins and their five ends cost more than they gain.

@@ -5,8 +5,8 @@ use crate::distribution::{DistributionError, Marginal};
 
 /// Returns the most likely Gamma distribution of this shift.
 ///
-/// The shape k is the root of ln k − ψ(k) = ln mean t − mean ln t, by Newton's method on 1/k from Minka's start, which is
-/// within 1.5 % of it; the scale is mean t/k.
+/// The shape k is the root of ln k − ψ(k) = ln mean t − mean ln t, by Newton's method on 1/k from Minka's start, which
+/// is within 1.5 % of it; the scale is mean t/k.
 ///
 /// # References
 /// Choi & Wette, *Technometrics* **11** (1969) 683, <https://doi.org/10.1080/00401706.1969.10490731>.

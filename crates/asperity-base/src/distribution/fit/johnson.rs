@@ -1,7 +1,7 @@
 //! The Johnson distribution of largest likelihood, unbounded or bounded.
 //!
-//! Where ξ and λ are given, f((x − ξ)/λ) is a normal sample, so that γ and δ are its moments. What is left is a search over
-//! ξ and λ, or over the two ends.
+//! Where ξ and λ are given, f((x − ξ)/λ) is a normal sample, so that γ and δ are its moments. What is left is a search
+//! over ξ and λ, or over the two ends.
 
 use super::maximise::FARTHEST;
 use super::{End, Family, Fit};
@@ -9,13 +9,13 @@ use crate::distribution::{DistributionError, JohnsonSystem, Marginal};
 use crate::numeric::simplex;
 use crate::stats::Moments;
 
-/// Scales of S_U that are searched, in standard deviations of the sample; at the largest the distribution is lognormal or normal to
-/// the sample.
+/// Scales of S_U that are searched, in standard deviations of the sample; at the largest the distribution is lognormal
+/// or normal to the sample.
 const SCALES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 /// How far ξ of S_U may lie from the mean, in units of max(λ, standard deviation).
 const FARTHEST_CENTRE: f64 = 30.0;
-/// The nearest that an end of S_B may come to the sample, in units of its range. Nearer ones belong to the maximum at the
-/// extreme value, where the likelihood has no bound.
+/// The nearest that an end of S_B may come to the sample, in units of its range. Nearer ones belong to the maximum at
+/// the extreme value, where the likelihood has no bound.
 const NEAREST: f64 = 1e-4;
 
 /// Returns the more likely of the two systems, which have the lognormal and normal distributions as limits in common.
@@ -52,7 +52,8 @@ fn fitted(sorted: &[f64], (marginal, mean_log): (Marginal, f64), low_end: End, h
     Fit { family: Family::Johnson, marginal, n, log_likelihood: n as f64 * mean_log, low_end, high_end }
 }
 
-/// Returns the most likely S_U distribution: from the best of a few centres and scales, and from the distribution with the sample's moments.
+/// Returns the most likely S_U distribution: from the best of a few centres and scales, and from the distribution with
+/// the sample's moments.
 fn unbounded(sorted: &[f64]) -> Option<Fit> {
     let moments = Moments::new(sorted);
     let at = |[centre, log_scale]: [f64; 2]| {
@@ -147,8 +148,8 @@ mod tests {
 
     #[test]
     fn the_fit_is_a_local_maximum_at_the_true_quantiles() {
-        // The standard errors of quantiles p of n values are at most √(p(1 − p)/n)/density; those of a parametric fit are
-        // smaller.
+        // The standard errors of quantiles p of n values are at most √(p(1 − p)/n)/density; those of a parametric fit
+        // are smaller.
         let n = 4000;
         for (index, text) in
             ["johnson_su:-1.1,1.5,3,2", "johnson_su:0,0.9", "johnson_sb:0.5,0.8,-1,3", "johnson_sb:-1,1.6,0,5"]

@@ -10,7 +10,8 @@ pub(super) const FARTHEST: f64 = 1e3;
 /// Points of the logarithmic search grid.
 const GRID: usize = 55;
 
-/// Fits a distribution with a free lower end: the largest interior local maximum of the profile likelihood over the shift.
+/// Fits a distribution with a free lower end: the largest interior local maximum of the profile likelihood over the
+/// shift.
 pub(super) fn shift(
     family: Family,
     sorted: &[f64],

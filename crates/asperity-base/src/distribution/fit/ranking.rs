@@ -9,7 +9,8 @@ use crate::distribution::goodness::{Goodness, ProcessNull, anderson_darling, kol
 pub struct Ranking {
     /// Fits in the order of Akaike's criterion.
     pub fits: Vec<Fit>,
-    /// How well each of them fits. The criterion finds the best distribution of those tried; this says whether it is any good.
+    /// How well each of them fits. The criterion finds the best distribution of those tried; this says whether it is
+    /// any good.
     pub goodness: Vec<FitGoodness>,
     /// Number of independent values that the criterion and the p-values count.
     pub effective_size: f64,
@@ -22,24 +23,26 @@ pub struct Ranking {
 pub struct FitGoodness {
     /// Largest difference of the distribution functions.
     pub kolmogorov_smirnov: Goodness,
-    /// The distance that weighs the tails; none where a value lies at the end of the distribution's support, which makes it infinite.
+    /// The distance that weighs the tails; none where a value lies at the end of the distribution's support, which
+    /// makes it infinite.
     pub anderson_darling: Option<Goodness>,
 }
 
-/// Fits the families and orders them by [`Fit::aic_correlated`]; `effective_size` of `None` takes the values as independent. Of
-/// empirical distributions the best is kept.
+/// Fits the families and orders them by [`Fit::aic_correlated`]; `effective_size` of `None` takes the values as
+/// independent. Of empirical distributions the best is kept.
 ///
 /// # Correlated values
 /// Heights of a map and windows of a record are correlated. Taken as independent they make every difference between two
-/// distributions look as if it rested on n values, so that the criterion overstates: distributions with more parameters win although the
-/// sample does not bear them. The convention here: the log-likelihood counts n_eff/n, where n_eff is the number of
-/// independent values whose mean is as uncertain as that of the sample: n/Σρ over all lags for a record
-/// ([`crate::stats::correlation_time`]), the area over ∬ρ for a map. Thinning a sample removes the correlation only where
-/// the kept values are several correlation lengths apart; sorting first and keeping every k-th value does not remove it.
+/// distributions look as if it rested on n values, so that the criterion overstates: distributions with more parameters
+/// win although the sample does not bear them. The convention here: the log-likelihood counts n_eff/n, where n_eff is
+/// the number of independent values whose mean is as uncertain as that of the sample: n/Σρ over all lags for a record
+/// ([`crate::stats::correlation_time`]), the area over ∬ρ for a map. Thinning a sample removes the correlation only
+/// where the kept values are several correlation lengths apart; sorting first and keeping every k-th value does not
+/// remove it.
 ///
 /// # References
-/// Akaike, *IEEE Trans. Autom. Control* **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>; Thiébaux & Zwiers,
-/// *J. Climate Appl. Meteor.* **23** (1984) 800, for the effective size.
+/// Akaike, *IEEE Trans. Autom. Control* **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>; Thiébaux &
+/// Zwiers, *J. Climate Appl. Meteor.* **23** (1984) 800, for the effective size.
 pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f64>) -> Ranking {
     let (mut fits, mut failed) = (vec![], vec![]);
     for family in families {
@@ -61,8 +64,8 @@ pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f
 }
 
 impl Ranking {
-    /// Returns the place of the distribution to go on with: the first whose ends the sample sees. A fitted end far outside the sample makes a distribution of
-    /// four parameters that is hardly different from a simpler one.
+    /// Returns the place of the distribution to go on with: the first whose ends the sample sees. A fitted end far
+    /// outside the sample makes a distribution of four parameters that is hardly different from a simpler one.
     pub fn place(&self) -> Option<usize> {
         let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
         self.fits.iter().position(seen).or(if self.fits.is_empty() { None } else { Some(0) })
@@ -131,16 +134,16 @@ mod tests {
             sample("normal:-3,1", 2000, 5).into_iter().chain(sample("normal:3,1", 2000, 6)).collect();
         let ranking = rank_by_aic(&[Family::Normal], &values, None);
         let goodness = ranking.goodness[0];
-        // Two normal distributions at ±3 against one of variance 10: the largest difference is 0.1582, at x = ∓1.874 (scipy.stats
-        // on a grid); a fraction of 4,000 values has a standard error of at most 0.008.
+        // Two normal distributions at ±3 against one of variance 10: the largest difference is 0.1582, at x = ∓1.874
+        // (scipy.stats on a grid); a fraction of 4,000 values has a standard error of at most 0.008.
         assert!((goodness.kolmogorov_smirnov.statistic - 0.1582).abs() < 0.03, "{goodness:?}");
         assert!(goodness.anderson_darling.unwrap().p_value < 1e-4);
     }
 
     #[test]
     fn correlated_values_taken_as_independent_prefer_distributions_they_do_not_bear() {
-        // AR(1) with φ = e^{−1/10}: n_eff = n (1 − φ)/(1 + φ). Of independent normal values the lognormal distribution with a shift
-        // gains more than its parameter costs in about 8 % of the samples: P(χ²₁ > 2)/2.
+        // AR(1) with φ = e^{−1/10}: n_eff = n (1 − φ)/(1 + φ). Of independent normal values the lognormal distribution
+        // with a shift gains more than its parameter costs in about 8 % of the samples: P(χ²₁ > 2)/2.
         let (n, trials) = (400, 100_u64);
         let phi = (-0.1_f64).exp();
         let effective = n as f64 * (1.0 - phi) / (1.0 + phi);

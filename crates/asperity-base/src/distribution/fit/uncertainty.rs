@@ -11,7 +11,8 @@ use crate::stats::{Estimate, Layout, Moments, RecordSum};
 const STEP: f64 = 1e-4;
 /// The same of a second difference.
 const WIDE_STEP: f64 = 1e-3;
-/// Shape up to which the density at an end of the support is so steep that the end is known better than by any influence.
+/// Shape up to which the density at an end of the support is so steep that the end is known better than by any
+/// influence.
 const IRREGULAR: f64 = 2.0;
 
 /// Groups of the jackknife.
@@ -38,8 +39,8 @@ pub struct ParameterEstimate {
     pub name: &'static str,
     /// Value.
     pub value: f64,
-    /// With interval; `None` for an end of the support that is no smooth parameter of the likelihood, and where the records hold
-    /// too few correlation lengths.
+    /// With interval; `None` for an end of the support that is no smooth parameter of the likelihood, and where the
+    /// records hold too few correlation lengths.
     pub estimate: Option<Estimate>,
 }
 
@@ -67,9 +68,9 @@ impl Fit {
             .collect()
     }
 
-    /// Returns the fitted parameters on which the likelihood depends smoothly. An end of the support at the sample's extreme or out of
-    /// sight is none, nor one where the shape is at most 2: there the density falls so steeply that the end is known to
-    /// n^{−1/shape}, better than to n^{−1/2} (Smith, *Biometrika* **72** (1985) 67,
+    /// Returns the fitted parameters on which the likelihood depends smoothly. An end of the support at the sample's
+    /// extreme or out of sight is none, nor one where the shape is at most 2: there the density falls so steeply that
+    /// the end is known to n^{−1/shape}, better than to n^{−1/2} (Smith, *Biometrika* **72** (1985) 67,
     /// <https://doi.org/10.1093/biomet/72.1.67>).
     #[doc(hidden)]
     pub fn regular_parameters(&self) -> Vec<Parameter> {
@@ -111,21 +112,21 @@ impl Fit {
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
-    /// Returns the fitted parameters of a distribution that was fitted to these records (with equal steps, of one process; NaN is a missing
-    /// value; `true` and `false` stand for periodic and free strips of one track), with 95 % intervals that know the correlation
-    /// along and across strips.
+    /// Returns the fitted parameters of a distribution that was fitted to these records (with equal steps, of one
+    /// process; NaN is a missing value; `true` and `false` stand for periodic and free strips of one track), with 95 %
+    /// intervals that know the correlation along and across strips.
     ///
-    /// The covariance of the parameters is H⁻¹JH⁻¹: H the second derivatives of the mean logarithm of the density, J the
-    /// long-run variance of the scores, so that the distribution need not be the true one. Positive parameters have intervals on the
-    /// scale of their logarithm, about the value less its bias where two parameters were fitted (by the jackknife over twenty
-    /// blocks); all are Student's, as those of [`crate::stats::ProcessMoments`]. An end of the support
-    /// counts as known where it lies at the sample's extreme or out of sight, or the shape there is at most 2: the density then
-    /// falls so steeply that the end is known to n^{−1/shape} (Smith 1985), and the intervals of the shapes are too narrow by
-    /// what the end itself was not known.
+    /// The covariance of the parameters is H⁻¹JH⁻¹: H the second derivatives of the mean logarithm of the density, J
+    /// the long-run variance of the scores, so that the distribution need not be the true one. Positive parameters have
+    /// intervals on the scale of their logarithm, about the value less its bias where two parameters were fitted (by
+    /// the jackknife over twenty blocks); all are Student's, as those of [`crate::stats::ProcessMoments`]. An end of
+    /// the support counts as known where it lies at the sample's extreme or out of sight, or the shape there is at most
+    /// 2: the density then falls so steeply that the end is known to n^{−1/shape} (Smith 1985), and the intervals of
+    /// the shapes are too narrow by what the end itself was not known.
     ///
     /// # References
-    /// White, *Econometrica* **50** (1982) 1, <https://doi.org/10.2307/1912526>; Varin, Reid & Firth, *Stat. Sinica* **21**
-    /// (2011) 5, for the likelihood of values taken as independent.
+    /// White, *Econometrica* **50** (1982) 1, <https://doi.org/10.2307/1912526>; Varin, Reid & Firth, *Stat. Sinica*
+    /// **21** (2011) 5, for the likelihood of values taken as independent.
     pub fn estimates(&self, records: &[&[f64]], layout: impl Into<Layout>) -> Vec<ParameterEstimate> {
         let layout = layout.into();
         let regular = self.regular_parameters();
@@ -148,8 +149,9 @@ impl Fit {
         self.fitted().into_iter().map(of).collect()
     }
 
-    /// Returns the bias of the logarithm of every parameter of the distribution, by leaving out one of twenty blocks of neighbours at a time. Zero
-    /// where more than two parameters were fitted, which takes too long, and where a part of the values has no fit.
+    /// Returns the bias of the logarithm of every parameter of the distribution, by leaving out one of twenty blocks of
+    /// neighbours at a time. Zero where more than two parameters were fitted, which takes too long, and where a part of
+    /// the values has no fit.
     ///
     /// # References
     /// Quenouille, *Biometrika* **43** (1956) 353, <https://doi.org/10.1093/biomet/43.3-4.353>.
@@ -173,8 +175,8 @@ impl Fit {
         (0..own.len()).map(of).collect()
     }
 
-    /// Returns −H⁻¹ s(x)/n of every value for every parameter, in the parameters' scales, as they would add up if the fit had not made
-    /// the scores add up to nothing; `None` where H has no inverse.
+    /// Returns −H⁻¹ s(x)/n of every value for every parameter, in the parameters' scales, as they would add up if the
+    /// fit had not made the scores add up to nothing; `None` where H has no inverse.
     fn influences(&self, records: &[&[f64]], parameters: &[Parameter]) -> Option<Vec<Vec<Vec<f64>>>> {
         // At the sample's extremes, where an end was put, the density says nothing.
         let inside = |x: &&f64| self.marginal.ln_pdf(**x).is_finite();
@@ -217,7 +219,8 @@ impl Fit {
     }
 }
 
-/// Returns all values strip by strip, the tracks of a strip position by position, so that neighbours of a block are neighbours in space.
+/// Returns all values strip by strip, the tracks of a strip position by position, so that neighbours of a block are
+/// neighbours in space.
 fn side_by_side(records: &[&[f64]], layout: Layout) -> Vec<f64> {
     let strip = |tracks: &[&[f64]]| -> Vec<f64> {
         (0..tracks[0].len()).flat_map(|place| tracks.iter().map(move |track| track[place])).collect()

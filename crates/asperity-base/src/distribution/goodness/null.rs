@@ -18,22 +18,24 @@ const CELLS: usize = 500;
 const MOST_ORDER: usize = 64;
 const LONGEST_FRACTION: usize = 8;
 
-/// Simulated records of a translation process with the correlation of a sample, for p-values of distances to fitted distributions.
+/// Simulated records of a translation process with the correlation of a sample, for p-values of distances to fitted
+/// distributions.
 ///
-/// The normal scores of the values' ranks are fitted by an autoregression, its order by Akaike's criterion; a fitted distribution
-/// translates them. Records of the lengths and with the gaps of the sample are drawn, and the distance of each from the distribution
-/// that would be *fitted to it*, to first order in the errors of the parameters: F_n − F − ∂F/∂θ I⁻¹ s̄ with the scores s and
-/// Fisher's information I. Scores and distances depend on g alone, so that one set of draws serves every distribution.
+/// The normal scores of the values' ranks are fitted by an autoregression, its order by Akaike's criterion; a fitted
+/// distribution translates them. Records of the lengths and with the gaps of the sample are drawn, and the distance of
+/// each from the distribution that would be *fitted to it*, to first order in the errors of the parameters: F_n − F −
+/// ∂F/∂θ I⁻¹ s̄ with the scores s and Fisher's information I. Scores and distances depend on g alone, so that one set
+/// of draws serves every distribution.
 ///
-/// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again. Periodic strips
-/// are drawn periodic, with the covariance of the autoregression, fitted along them, summed over all turns; below some six
-/// correlation lengths that goes round twice. Tracks of a strip are drawn with the
-/// correlation that those of the sample have at the same position, by their distance round the strip.
+/// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again.
+/// Periodic strips are drawn periodic, with the covariance of the autoregression, fitted along them, summed over all
+/// turns; below some six correlation lengths that goes round twice. Tracks of a strip are drawn with the correlation
+/// that those of the sample have at the same position, by their distance round the strip.
 ///
 /// # References
-/// Stute, González Manteiga & Presedo Quindimil, *Metrika* **40** (1993) 243, <https://doi.org/10.1007/BF02613687> (parametric
-/// bootstrap of distances); Durbin, *Ann. Stat.* **1** (1973) 279, <https://doi.org/10.1214/aos/1176342365> (estimated
-/// parameters to first order).
+/// Stute, González Manteiga & Presedo Quindimil, *Metrika* **40** (1993) 243, <https://doi.org/10.1007/BF02613687>
+/// (parametric bootstrap of distances); Durbin, *Ann. Stat.* **1** (1973) 279, <https://doi.org/10.1214/aos/1176342365>
+/// (estimated parameters to first order).
 #[derive(Debug, Clone)]
 pub struct ProcessNull {
     /// Fraction of the values in each cell, for every draw.
@@ -43,9 +45,9 @@ pub struct ProcessNull {
 }
 
 impl ProcessNull {
-    /// Returns the draws `draws` samples like `records`: with equal steps, of one process, strips independent of each other; NaN is a missing
-    /// value, and `true` and `false` stand for periodic and free strips of one track. Draw i uses the stream (seed, "goodness",
-    /// i).
+    /// Returns the draws `draws` samples like `records`: with equal steps, of one process, strips independent of each
+    /// other; NaN is a missing value, and `true` and `false` stand for periodic and free strips of one track. Draw i
+    /// uses the stream (seed, "goodness", i).
     ///
     /// # Errors
     /// Fewer than 10 values, or all equal.
@@ -115,7 +117,8 @@ impl ProcessNull {
         self.order
     }
 
-    /// Returns the distances of the values from a distribution fitted to them, with p-values (1 + draws farther away)/(1 + draws).
+    /// Returns the distances of the values from a distribution fitted to them, with p-values (1 + draws farther
+    /// away)/(1 + draws).
     ///
     /// # Errors
     /// No value is present.
@@ -187,8 +190,8 @@ impl Projection {
     }
 }
 
-/// Returns the Kolmogorov and Smirnov's and Anderson and Darling's distance of shares in cells from the normal distribution, of which a
-/// projection takes what a fit would.
+/// Returns the Kolmogorov and Smirnov's and Anderson and Darling's distance of shares in cells from the normal
+/// distribution, of which a projection takes what a fit would.
 fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
     let moves: Vec<f64> = projection.map_or_else(Vec::new, |projection| {
         projection
@@ -214,7 +217,8 @@ fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
 
 /// A stationary normal autoregression of unit variance.
 struct Autoregression {
-    /// Coefficients of every order up to the one chosen, on the last value first, and standard deviation of what is new.
+    /// Coefficients of every order up to the one chosen, on the last value first, and standard deviation of what is
+    /// new.
     orders: Vec<(Vec<f64>, f64)>,
 }
 
@@ -222,8 +226,8 @@ impl Autoregression {
     /// Burg's method over all records at once; the order has the least value of Akaike's criterion.
     ///
     /// # References
-    /// Burg, *Maximum Entropy Spectral Analysis*, PhD thesis, Stanford 1975; Akaike, *IEEE Trans. Autom. Control* **19** (1974)
-    /// 716, <https://doi.org/10.1109/TAC.1974.1100705>.
+    /// Burg, *Maximum Entropy Spectral Analysis*, PhD thesis, Stanford 1975; Akaike, *IEEE Trans. Autom. Control*
+    /// **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>.
     fn fit(records: &[Vec<f64>], most: usize) -> Self {
         let (mut forward, mut backward) = (records.to_vec(), records.to_vec());
         let mut orders: Vec<(Vec<f64>, f64)> = vec![(vec![], 1.0)];
@@ -280,8 +284,8 @@ impl Autoregression {
     }
 }
 
-/// What of the ξ of a track goes into that of another, by their distance round the strip: the root of the circulant matrix
-/// of the correlations at the same position, negative eigenvalues left out.
+/// What of the ξ of a track goes into that of another, by their distance round the strip: the root of the circulant
+/// matrix of the correlations at the same position, negative eigenvalues left out.
 fn track_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     let tracks = layout.tracks;
     if tracks == 1 {
@@ -333,8 +337,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// Creates the autoregression on a strip of `n` values, its covariance summed over all turns and scaled to unit variance: its
-    /// density 1/|1 − Σ c_k e^{−iωk}|² at the wavenumbers of the strip.
+    /// Creates the autoregression on a strip of `n` values, its covariance summed over all turns and scaled to unit
+    /// variance: its density 1/|1 − Σ c_k e^{−iωk}|² at the wavenumbers of the strip.
     fn new(process: &Autoregression, n: usize) -> Self {
         let fft = RealFft2::new(n, 1);
         let coefficients = &process.orders[process.order()].0;
@@ -464,7 +468,8 @@ mod tests {
             worst = worst.max((linear[0] / refitted[0]).ln().abs());
         }
         println!("{ratio:?} {worst}");
-        // The second order is about the squared error of a parameter, 1/n_eff ≈ 1/300 of F, against distances of 1/√300.
+        // The second order is about the squared error of a parameter, 1/n_eff ≈ 1/300 of F, against distances of
+        // 1/√300.
         assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.06), "{ratio:?}");
         assert!(worst < 0.5);
     }

@@ -1,13 +1,14 @@
 //! The shape of S_B, by quadrature.
 //!
-//! u = 1/(1 + e^{−t}) with t = τ + σg, σ = 1/δ and τ = −γ/δ. The moments are integrals over g by the trapezoidal rule; the
-//! nearest poles lie at Im g = πδ, so a step of 0.4 δ leaves e^{−2π²/0.4} = 4e-22 of them.
+//! u = 1/(1 + e^{−t}) with t = τ + σg, σ = 1/δ and τ = −γ/δ. The moments are integrals over g by the trapezoidal rule;
+//! the nearest poles lie at Im g = πδ, so a step of 0.4 δ leaves e^{−2π²/0.4} = 4e-22 of them.
 
 use super::super::moments::Exact;
 use super::super::special::standard_normal_pdf;
 use crate::numeric::root_between;
 
-/// The least δ that is searched: closer to two point masses, quadrature becomes slow and the distribution is of no use as a height distribution.
+/// The least δ that is searched: closer to two point masses, quadrature becomes slow and the distribution is of no use
+/// as a height distribution.
 const LEAST_DELTA: f64 = 2e-3;
 /// Beyond this |γ| one end holds less than 1e-300 of the probability.
 const LARGEST_GAMMA: f64 = 37.0;
@@ -54,11 +55,12 @@ fn low_moments(depth: f64, sigma: f64) -> Exact {
     }
 }
 
-/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is below that of the lognormal distribution with e^{1/δ²} − 1 =
-/// `lognormal_d`; `None` when it is too close to two point masses.
+/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is below that of the lognormal
+/// distribution with e^{1/δ²} − 1 = `lognormal_d`; `None` when it is too close to two point masses.
 ///
-/// At each δ the skewness decreases with the depth from that of the lognormal distribution to zero, and along the distributions of one
-/// skewness the kurtosis increases with δ up to that of the lognormal distribution: two nested searches.
+/// At each δ the skewness decreases with the depth from that of the lognormal distribution to zero, and along the
+/// distributions of one skewness the kurtosis increases with δ up to that of the lognormal distribution: two nested
+/// searches.
 pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64, f64)> {
     let largest = if skewness == 0.0 { largest_symmetric_delta(excess) } else { 1.0 / lognormal_d.ln_1p().sqrt() };
     let surplus = |log_delta: f64| {
@@ -87,7 +89,8 @@ fn largest_symmetric_delta(excess: f64) -> f64 {
     2.0 * (2.0 / -excess).sqrt().max(1.0)
 }
 
-/// Returns the depth at which the distribution of this σ has this skewness; the largest one where even the lognormal limit has less.
+/// Returns the depth at which the distribution of this σ has this skewness; the largest one where even the lognormal
+/// limit has less.
 fn depth(skewness: f64, sigma: f64) -> f64 {
     if skewness == 0.0 {
         return 0.0;

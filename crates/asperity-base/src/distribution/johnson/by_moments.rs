@@ -9,18 +9,20 @@ const NORMAL: f64 = 1e-9;
 const LOGNORMAL: f64 = 1e-12;
 
 impl Marginal {
-    /// Creates the Johnson distribution of this mean, standard deviation, skewness and excess kurtosis (0 for the normal distribution).
+    /// Creates the Johnson distribution of this mean, standard deviation, skewness and excess kurtosis (0 for the
+    /// normal distribution).
     ///
-    /// Every shape with kurtosis > 1 + skewness² is reached but those within about 0.2 % of two point masses. The lognormal distribution
-    /// gets γ = 0 and the normal one γ = 0, δ = 1.
+    /// Every shape with kurtosis > 1 + skewness² is reached but those within about 0.2 % of two point masses. The
+    /// lognormal distribution gets γ = 0 and the normal one γ = 0, δ = 1.
     ///
     /// # References
-    /// Hill, Hill & Holder, *Appl. Statist.* **25** (1976) 180, algorithm AS 99, <https://doi.org/10.2307/2346692>, for the
-    /// choice of the system; S_U is solved as in Tuenter, *J. Stat. Comput. Simul.* **70** (2001) 325.
+    /// Hill, Hill & Holder, *Appl. Statist.* **25** (1976) 180, algorithm AS 99, <https://doi.org/10.2307/2346692>, for
+    /// the choice of the system; S_U is solved as in Tuenter, *J. Stat. Comput. Simul.* **70** (2001) 325.
     ///
     /// # Errors
-    /// [`DistributionError::Infeasible`] for shapes that no distribution has, [`DistributionError::Moments`] for those too close to two point masses,
-    /// [`DistributionError::Parameter`] for a standard deviation that is not positive or a moment that is not finite.
+    /// [`DistributionError::Infeasible`] for shapes that no distribution has, [`DistributionError::Moments`] for those
+    /// too close to two point masses, [`DistributionError::Parameter`] for a standard deviation that is not positive or
+    /// a moment that is not finite.
     pub fn johnson_with_moments(
         mean: f64,
         std: f64,

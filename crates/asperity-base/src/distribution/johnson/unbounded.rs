@@ -1,6 +1,7 @@
 //! The shape of S_U.
 //!
-//! With d = e^{1/δ²} − 1, ω = 1 + d and m = (ω² − 1)/(1 + ω cosh(2γ/δ)), which lies between 0 (lognormal) and d (symmetric),
+//! With d = e^{1/δ²} − 1, ω = 1 + d and m = (ω² − 1)/(1 + ω cosh(2γ/δ)), which lies between 0 (lognormal) and d
+//! (symmetric),
 //!
 //! skewness² = (d − m)(3 + d + m/2)²,  kurtosis − 3 = d(ω³ + 3ω² + 6ω + 6) − (ω² + 2ω + 3)(2m + m²/2).
 //!
@@ -34,10 +35,12 @@ pub(in crate::distribution) fn unit_moments(gamma: f64, delta: f64) -> Exact {
     }
 }
 
-/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is above that of the lognormal distribution; `None` if it is not.
+/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is above that of the lognormal
+/// distribution; `None` if it is not.
 ///
-/// Along the distributions of one skewness the kurtosis increases with ω, from the lognormal distribution to infinity. At each ω the
-/// difference n = d − m follows from the skewness, so that nothing cancels near the symmetric distributions, where m ≈ d.
+/// Along the distributions of one skewness the kurtosis increases with ω, from the lognormal distribution to infinity.
+/// At each ω the difference n = d − m follows from the skewness, so that nothing cancels near the symmetric
+/// distributions, where m ≈ d.
 pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64, f64)> {
     let square = skewness * skewness;
     // The symmetric distribution of this kurtosis has the largest ω: (ω⁴ + 2ω² + 3)/2 = kurtosis.
