@@ -1,12 +1,12 @@
-//! Two-dimensional transforms of real maps, the only caller of an FFT.
+//! Two-dimensional Fourier transforms of real maps; all FFT calls are in this module.
 //!
 //! # Conventions
 //! The forward transform is X[ky, kx] = Σ x[row, column] e^{−2πi(kx·column/nx + ky·row/ny)}, unnormalised; the inverse
 //! divides by nx·ny. Only kx = 0 … nx/2 is stored, and the spectrum stays *transposed*: one contiguous slice of shape
 //! `[nx/2 + 1, ny]`, so that the second pass runs along contiguous memory and products need no second transpose.
 //!
-//! Rows and columns of large maps are shared among the threads of the current pool. Every one of them is transformed on
-//! its own, so the bits of a result depend on neither the number of threads nor who did what.
+//! Rows and columns of large maps are distributed over the threads of the current pool. Each is transformed on its own,
+//! so results do not depend on the number of threads.
 
 mod convolution;
 mod products;
@@ -25,10 +25,10 @@ pub use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
 pub use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
 use transpose::{BLOCK, TILE, gather};
 
-/// Points of a map from which its rows are worth sharing among threads: sharing costs some microseconds.
+/// Points of a map above which its rows are distributed over threads, which costs some microseconds.
 const SHARED_FROM: usize = 1 << 15;
 
-/// A planned transform of real `ny` × `nx` maps. Cheap to clone and to share between threads.
+/// Plan of transforms of real `ny` × `nx` maps. Cheap to clone and to share between threads.
 #[derive(Clone)]
 pub struct RealFft2 {
     nx: usize,
@@ -45,7 +45,7 @@ impl fmt::Debug for RealFft2 {
     }
 }
 
-/// Scratch memory of one caller for one [`RealFft2`].
+/// Workspace of one caller for a [`RealFft2`].
 #[derive(Debug, Clone)]
 pub struct Workspace {
     /// Transformed rows, before the columns.
@@ -53,7 +53,7 @@ pub struct Workspace {
     scratch: ThreadScratch,
 }
 
-/// Scratch memory of one thread.
+/// Workspace of one thread.
 #[derive(Debug, Clone)]
 struct ThreadScratch {
     real_row: Vec<f64>,
@@ -63,23 +63,23 @@ struct ThreadScratch {
 }
 
 impl RealFft2 {
-    /// Plans transforms of maps with `nx` columns and `ny` rows.
+    /// Creates the plan for maps with `nx` columns and `ny` rows.
     pub fn new(nx: usize, ny: usize) -> Self {
         let [column_forward, column_inverse] = complex_f64(ny);
         Self { nx, ny, row_forward: real_forward(nx), row_inverse: real_inverse(nx), column_forward, column_inverse }
     }
 
-    /// Returns the columns of the map.
+    /// Returns the number of columns of the map.
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Returns the rows of the map.
+    /// Returns the number of rows of the map.
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Returns the stored wavenumbers along x: nx/2 + 1.
+    /// Returns the number of stored wavenumbers along x, nx/2 + 1.
     pub fn stored_kx(&self) -> usize {
         self.nx / 2 + 1
     }
@@ -94,12 +94,12 @@ impl RealFft2 {
         vec![Complex64::default(); self.spectrum_len()]
     }
 
-    /// How often the stored column `kx` stands for a pair (kx, −kx): 1 or 2.
+    /// Returns the multiplicity of the stored column `kx`, which represents (kx, −kx): 1 or 2.
     pub fn multiplicity(&self, kx: usize) -> f64 {
         if kx == 0 || 2 * kx == self.nx { 1.0 } else { 2.0 }
     }
 
-    /// Returns the scratch memory for one caller.
+    /// Returns a workspace for one caller.
     pub fn workspace(&self) -> Workspace {
         Workspace { rows: self.spectrum(), scratch: self.thread_scratch() }
     }
@@ -118,7 +118,7 @@ impl RealFft2 {
         }
     }
 
-    /// Does `work` on every chunk of `length` values of `slice`, shared among threads where the map is large.
+    /// Applies `work` to every chunk of `length` values of `slice`, over threads if the map is large.
     fn for_chunks<T: Send>(
         &self,
         slice: &mut [T],
@@ -142,7 +142,7 @@ impl RealFft2 {
         self.forward_padded(map, self.ny, self.nx, spectrum, work);
     }
 
-    /// Transforms a map of `rows` × `columns` values that is continued with zeros to `ny` × `nx`.
+    /// Transforms a map of `rows` × `columns` values, zero-padded to `ny` × `nx`.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length, or the map is larger than the plan.
@@ -172,7 +172,7 @@ impl RealFft2 {
         });
     }
 
-    /// Transforms `spectrum` back into `map`, dividing by nx·ny. The spectrum is used as scratch memory.
+    /// Transforms `spectrum` back into `map`, dividing by nx·ny. The spectrum is overwritten.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length.
@@ -180,7 +180,7 @@ impl RealFft2 {
         self.inverse_cropped(spectrum, map, self.ny, self.nx, work);
     }
 
-    /// See [`RealFft2::inverse`], keeping the first `rows` × `columns` values alone.
+    /// Transforms as [`RealFft2::inverse`], with only the first `rows` × `columns` values returned.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length, or the map is larger than the plan.
@@ -222,7 +222,7 @@ pub fn signed_index(k: usize, n: usize) -> f64 {
     if 2 * k > n { k as f64 - n as f64 } else { k as f64 }
 }
 
-/// Returns the least even length ≥ `n` whose prime factors are 2, 3, 5 and 7, on which transforms are fast.
+/// Returns the least even length ≥ `n` with no prime factor above 7, for which transforms are fast.
 pub fn good_length(n: usize) -> usize {
     let smooth = |mut m: usize| {
         for p in [2, 3, 5, 7] {
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Returns the defining sum, term by term.
+    /// Returns the sum of the definition, term by term.
     fn dense(map: &[f64], nx: usize, ny: usize, kx: usize, ky: usize) -> Complex64 {
         let mut sum = Complex64::default();
         for row in 0..ny {

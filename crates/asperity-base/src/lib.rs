@@ -1,7 +1,7 @@
-//! Maps, spectra, random numbers, distributions and correlation: what the links of asperity share.
+//! Foundations of the other asperity crates: maps, spectra, random numbers, statistics, distributions and correlation.
 //!
-//! Maps are indexed `[row y, column x]`, row 0 at the top; missing heights are NaN and masked in every statistic.
-//! Quantities are in SI units. Random numbers depend on the seed, the name of a stream and an index alone.
+//! Maps are indexed `[row y, column x]` with row 0 at the top; missing heights are NaN and excluded from every
+//! statistic. Quantities are in SI units. Random numbers depend only on the seed, the name of a stream and an index.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 

@@ -6,14 +6,14 @@ use asperity_formats::Scan;
 use ndarray::Array2;
 use thiserror::Error;
 
-/// Distances between points that a map may have, in metre: from below a nucleus to beyond any part. Their squares and
-/// the sums over a map stay within a double.
+/// Range of pitches in metre, from below an atomic nucleus to beyond any part, so that squares and sums over a map do
+/// not overflow.
 pub const PITCH_RANGE_M: RangeInclusive<f64> = 1e-15..=1e3;
 
-/// Why a map could not be built.
+/// Error in the construction of a map.
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum MapError {
-    /// A grid needs at least two points along each direction.
+    /// Fewer than two points along a direction of a grid.
     #[error("the map has {nx} × {ny} points; at least 2 × 2 are needed")]
     TooSmall {
         /// Points along x.
@@ -21,7 +21,7 @@ pub enum MapError {
         /// Points along y.
         ny: usize,
     },
-    /// The distance between points lies outside of [`PITCH_RANGE_M`].
+    /// A pitch outside of [`PITCH_RANGE_M`].
     #[error(
         "the pixel size is {dx_m:?} × {dy_m:?} m; both must lie between {:e} m and {:e} m",
         PITCH_RANGE_M.start(),
@@ -33,16 +33,16 @@ pub enum MapError {
         /// Pitch along y in metre.
         dy_m: f64,
     },
-    /// The file does not say how far apart its points are.
+    /// A file without the distance between its points.
     #[error("the file carries no pixel size; state one (--pixel-size, in a study `pixel_size`)")]
     NoPitch,
-    /// No height is present.
+    /// No height present.
     #[error("all {points} heights are missing")]
     Empty {
         /// Number of points.
         points: usize,
     },
-    /// An operation that needs every height met missing ones.
+    /// Missing heights in an operation that requires a complete map.
     #[error("{missing} of {points} heights are missing; this needs a complete map")]
     Incomplete {
         /// Missing points.
@@ -50,7 +50,7 @@ pub enum MapError {
         /// Number of points.
         points: usize,
     },
-    /// Shapes of a grid and an array differ.
+    /// Different shapes of a grid and an array.
     #[error("the array has {rows} × {columns} values, the grid {ny} × {nx}")]
     Shape {
         /// Rows of the array.
@@ -64,7 +64,7 @@ pub enum MapError {
     },
 }
 
-/// A regular grid of `nx` × `ny` points; each point stands for one cell of `dx_m` × `dy_m`.
+/// Regular grid of `nx` × `ny` points; each point represents a cell of `dx_m` × `dy_m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     nx: usize,
@@ -86,7 +86,7 @@ impl Grid {
         Ok(Self { nx, ny, dx_m, dy_m })
     }
 
-    /// Creates a grid that covers `width_m` × `height_m` with `nx` × `ny` cells: the width of n points is n·dx.
+    /// Creates a grid of `nx` × `ny` cells with a total size of `width_m` × `height_m`: the width of n cells is n·dx.
     ///
     /// # Errors
     /// See [`Grid::new`].
@@ -94,12 +94,12 @@ impl Grid {
         Self::new(nx, ny, width_m / nx as f64, height_m / ny as f64)
     }
 
-    /// Returns the points along x (columns).
+    /// Returns the number of points along x (columns).
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Returns the points along y (rows).
+    /// Returns the number of points along y (rows).
     pub fn ny(&self) -> usize {
         self.ny
     }
@@ -145,7 +145,7 @@ impl Grid {
     }
 }
 
-/// Distances between points along x and y in metre, if a map may have them.
+/// Returns the pitches along x and y in metre, if they are valid.
 ///
 /// # Errors
 /// [`MapError::BadPitch`] outside of [`PITCH_RANGE_M`].
@@ -168,7 +168,7 @@ impl HeightMap {
     /// Creates a map from heights in metre, shape `[ny, nx]`. Every non-finite height counts as missing.
     ///
     /// # Errors
-    /// The array does not fit the grid, or no height is present.
+    /// Different shapes of the array and the grid, or no height present.
     pub fn new(grid: Grid, mut heights_m: Array2<f64>) -> Result<Self, MapError> {
         let (rows, columns) = heights_m.dim();
         if (rows, columns) != grid.shape() {
@@ -184,10 +184,10 @@ impl HeightMap {
         Ok(Self { grid, heights_m })
     }
 
-    /// Creates a map whose height is a function of the cell centre (x, y) in metre.
+    /// Creates a map from a function of the cell centre (x, y) in metre.
     ///
     /// # Errors
-    /// No height is finite.
+    /// No finite height.
     pub fn from_function(grid: Grid, height_m: impl Fn(f64, f64) -> f64) -> Result<Self, MapError> {
         let heights_m = Array2::from_shape_fn(grid.shape(), |(row, column)| {
             height_m((column as f64 + 0.5) * grid.dx_m, (row as f64 + 0.5) * grid.dy_m)
@@ -214,7 +214,7 @@ impl HeightMap {
 
     /// Returns all heights in row order, in metre, NaN where missing.
     pub fn values_m(&self) -> &[f64] {
-        // `new` keeps rows contiguous, so that there always is a slice.
+        // The constructors keep rows contiguous, so a slice always exists.
         self.heights_m.as_slice().unwrap_or_default()
     }
 
@@ -228,10 +228,10 @@ impl HeightMap {
         self.heights_m.iter().filter(|z| z.is_nan()).count()
     }
 
-    /// Returns the heights of a map without missing points.
+    /// Returns the heights of a complete map.
     ///
     /// # Errors
-    /// [`MapError::Incomplete`] when heights are missing.
+    /// [`MapError::Incomplete`] if heights are missing.
     pub fn complete_heights_m(&self) -> Result<&Array2<f64>, MapError> {
         match self.missing_points() {
             0 => Ok(&self.heights_m),

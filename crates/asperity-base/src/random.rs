@@ -1,13 +1,13 @@
-//! The only maker of random generators.
+//! Construction of random generators; no other module creates one.
 //!
-//! A stream is a function of (seed, stage, sample index): sample 17 of a stage is the same whether it is drawn first,
-//! last, alone, or on another thread.
+//! A stream is a function of (seed, stage, sample index): sample 17 of a stage does not depend on the order of the
+//! samples or the thread.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A counter-based generator.
+/// Counter-based random generator.
 pub type Stream = ChaCha12Rng;
 
 /// Returns the generator of sample `index` of the named `stage` under `seed`.
@@ -28,7 +28,8 @@ pub fn stream(seed: u64, stage: &str, index: u64) -> Stream {
 /// The golden-ratio increment of SplitMix64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// SplitMix64 at counter `counter` of the sequence `key`: a fixed hash of two words, not a generator.
+/// Returns SplitMix64 at the counter `counter` of the sequence `key`: a fixed hash of two words rather than a
+/// generator.
 ///
 /// # References
 /// Steele, Lea & Flood, *OOPSLA* (2014) 453, <https://doi.org/10.1145/2660193.2660195>.

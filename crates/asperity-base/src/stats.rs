@@ -1,4 +1,4 @@
-//! Sample statistics: moments, intervals, histograms, and how much a correlated record is worth.
+//! Sample statistics: moments, intervals, histograms, and the effective size of correlated records.
 
 mod autocorrelation;
 #[doc(hidden)]
@@ -30,47 +30,47 @@ pub use sorting::{Order, sorted};
 #[doc(hidden)]
 pub use spread::{Spread, flat_top};
 
-/// Why a statistic is undefined.
+/// Error of an undefined statistic.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum StatsError {
-    /// Too few values are present.
+    /// Too few values.
     #[error("{n} values are present; {statistic} needs at least {wanted}")]
     TooFew {
-        /// What was to be computed.
+        /// Name of the statistic.
         statistic: &'static str,
         /// Values present.
         n: usize,
         /// Values needed.
         wanted: usize,
     },
-    /// All values are equal.
+    /// Equal values.
     #[error("all {n} values are equal, so {statistic} is undefined")]
     Constant {
-        /// What was to be computed.
+        /// Name of the statistic.
         statistic: &'static str,
         /// Values present.
         n: usize,
     },
 }
 
-/// A confidence interval.
+/// Confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
-    /// Lower end.
+    /// Lower limit.
     pub low: f64,
-    /// Upper end.
+    /// Upper limit.
     pub high: f64,
 }
 
 impl Interval {
-    /// Returns whether the value lies in the closed interval.
+    /// Returns whether the value is in the closed interval.
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }
 }
 
-/// Returns the quantile of *sorted* values at `probability`: linear interpolation between order statistics, the i-th of
-/// n at probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN when there are no values.
+/// Returns the quantile of *sorted* values at `probability` by linear interpolation between order statistics, the i-th
+/// of n at probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN without values.
 ///
 /// # Panics
 /// If the probability lies outside [0, 1].
@@ -86,15 +86,14 @@ pub(crate) fn between_order_statistics(sorted: &[f64], position: f64) -> f64 {
     sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
 }
 
-/// Returns the value in the middle of the sorted values, the upper one of two; `None` without values, which are
-/// reordered.
+/// Returns the median, the upper one of two; `None` without values. The values are reordered.
 #[doc(hidden)]
 pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Returns the present (not NaN) values, sorted.
+/// Returns the sorted values without NaN.
 pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let present: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
     sorted(&present, 0.0, Order::Ascending)
@@ -108,8 +107,7 @@ pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     marginal.ok().filter(|_| inside).map_or(f64::NAN, |marginal| marginal.inverse_cdf(probability))
 }
 
-/// Returns the probability of at least |t| under Student's distribution, of both signs; NaN if t is, and unless the
-/// degrees of freedom are positive.
+/// Returns the two-sided p-value of Student's t; NaN for NaN, and unless the degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
     let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
     marginal.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t.abs()))
@@ -117,7 +115,7 @@ pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
 
 /// Returns Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.
 ///
-/// Unlike the normal approximation it stays inside [0, 1] and has positive width at 0 and at `trials` successes.
+/// In contrast to the normal approximation it is within [0, 1] and has positive width for 0 and for `trials` successes.
 ///
 /// # References
 /// Wilson, *J. Am. Stat. Assoc.* **22** (1927) 209, <https://doi.org/10.1080/01621459.1927.10502953>.
@@ -159,7 +157,7 @@ mod tests {
 
     #[test]
     fn wilson_ends_solve_the_score_equation() {
-        // At an end p of the interval, |share − p| = z √(p(1 − p)/n).
+        // At a limit p of the interval, |fraction − p| = z √(p(1 − p)/n).
         for (successes, trials) in [(3, 10), (1, 50), (499, 500)] {
             let (n, fraction) = (trials as f64, successes as f64 / trials as f64);
             let interval = wilson_interval(successes, trials);

@@ -1,4 +1,4 @@
-//! Quantiles of the chi-square distribution, for the bands of sums of squares.
+//! Quantiles of the chi-square distribution.
 
 use statrs::function::gamma::{gamma_lr, gamma_ur};
 
@@ -16,7 +16,7 @@ pub fn chi_square_quantile(degrees_of_freedom: f64, probability: f64) -> f64 {
     if !(nu > 0.0 && nu.is_finite() && probability > 0.0 && probability < 1.0) {
         return f64::NAN;
     }
-    // The difference is taken in the smaller tail.
+    // Take the difference in the smaller tail.
     let difference = |x: f64| {
         if probability <= 0.5 {
             gamma_lr(0.5 * nu, 0.5 * x) - probability
@@ -24,7 +24,7 @@ pub fn chi_square_quantile(degrees_of_freedom: f64, probability: f64) -> f64 {
             1.0 - probability - gamma_ur(0.5 * nu, 0.5 * x)
         }
     };
-    // Wilson and Hilferty's cube root, which is close but for few degrees of freedom.
+    // Wilson–Hilferty approximation, inaccurate only for few degrees of freedom.
     let third = 2.0 / (9.0 * nu);
     let guess = nu * (1.0 - third + standard_normal_quantile(probability) * third.sqrt()).max(0.1).powi(3);
     let (mut low, mut high) = (0.9 * guess, 1.1 * guess);

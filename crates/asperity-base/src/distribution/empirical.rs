@@ -1,8 +1,8 @@
-//! The measured distribution: linear interpolation between sorted values.
+//! Empirical distribution: linear interpolation between sorted values.
 
 use crate::stats::between_order_statistics;
 
-/// Returns the distribution function; the half steps beyond the first and the last value are point masses there.
+/// Returns the distribution function, with point masses for the half steps beyond the first and the last value.
 pub(super) fn cdf(sorted: &[f64], x: f64) -> f64 {
     if x.is_nan() {
         return f64::NAN;

@@ -1,77 +1,77 @@
-//! Why a distribution could not be made.
+//! Errors of distributions.
 
 use thiserror::Error;
 
-/// Why a distribution could not be made.
+/// Error of a distribution or of its fit.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DistributionError {
-    /// A parameter lies outside its range.
+    /// A parameter outside its range.
     #[error("{distribution}: {parameter} is {value}, but must be {wanted}")]
     Parameter {
         /// Name of the distribution.
         distribution: &'static str,
         /// Name of the parameter.
         parameter: &'static str,
-        /// Value found.
+        /// Rejected value.
         value: f64,
-        /// Values allowed.
+        /// Range of the parameter.
         wanted: &'static str,
     },
-    /// The sample is too small or degenerate.
+    /// A sample that is too small or degenerate.
     #[error("{distribution}: cannot be fitted to {n} values: {reason}")]
     Sample {
         /// Name of the distribution.
         distribution: &'static str,
         /// Sample size.
         n: usize,
-        /// What is wrong.
+        /// Description of the problem.
         reason: &'static str,
     },
-    /// No distribution at all has these moments.
+    /// Moments that no distribution has.
     #[error(
         "no marginal has a skewness of {skewness} and a kurtosis of {kurtosis}: the kurtosis (3 for the normal marginal) must exceed \
          1 + skewness² = {least}"
     )]
     Infeasible {
-        /// Skewness that was wanted.
+        /// Requested skewness.
         skewness: f64,
-        /// Kurtosis that was wanted; 3 for the normal distribution.
+        /// Requested kurtosis; 3 for the normal distribution.
         kurtosis: f64,
-        /// 1 + skewness², the kurtosis of two point masses, which a density exceeds.
+        /// 1 + skewness², the kurtosis of two point masses and lower bound of any density's.
         least: f64,
     },
-    /// The parameters of a distribution with these moments were not found.
+    /// No parameters found for these moments.
     #[error("{distribution}: no parameters found for a skewness of {skewness} and a kurtosis of {kurtosis}: {reason}")]
     Moments {
         /// Name of the distribution.
         distribution: &'static str,
-        /// Skewness that was wanted.
+        /// Requested skewness.
         skewness: f64,
-        /// Kurtosis that was wanted; 3 for the normal distribution.
+        /// Requested kurtosis; 3 for the normal distribution.
         kurtosis: f64,
-        /// What is in the way.
+        /// Description of the problem.
         reason: &'static str,
     },
-    /// No correlation of normal variables gives the wanted one.
+    /// A correlation that no correlation of normal variables translates to.
     #[error(
         "{distribution}: a correlation of {target} cannot be reached; translated normal variables reach {least} to 1"
     )]
     Correlation {
         /// Name of the distribution.
         distribution: &'static str,
-        /// Correlation that was wanted.
+        /// Requested correlation.
         target: f64,
-        /// Least correlation that can be reached.
+        /// Least attainable correlation.
         least: f64,
     },
-    /// The text names no distribution.
+    /// A text that is not a distribution.
     #[error(
         "`{text}` is not a marginal; write normal[:MEAN,STD], lognormal:MU,SIGMA[,SHIFT], weibull:SHAPE,SCALE[,SHIFT], \
          gamma:SHAPE,SCALE[,SHIFT], beta:A,B[,LOW,HIGH], johnson:SKEWNESS,KURTOSIS[,MEAN,STD] (a normal kurtosis is 3) or \
          johnson_su|johnson_sb|johnson_sl|johnson_sn:GAMMA,DELTA[,XI,LAMBDA]"
     )]
     Syntax {
-        /// What was found.
+        /// The text.
         text: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Maximum-likelihood fits, compared by Akaike's criterion.
+//! Maximum-likelihood fits of distributions, compared by Akaike's criterion.
 
 mod beta;
 mod empirical;
@@ -16,7 +16,7 @@ use crate::stats::{Moments, sorted_present};
 pub use ranking::{FitGoodness, Ranking, rank_by_aic};
 pub use uncertainty::ParameterEstimate;
 
-/// A family of distributions that can be fitted.
+/// Family of distributions for fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Family {
     /// Normal distribution: mean and standard deviation (divisor n).
@@ -42,9 +42,9 @@ pub enum Family {
     },
     /// Beta distribution with fitted bounds.
     BetaFreeBounds,
-    /// Johnson distribution, unbounded or bounded, whichever is more likely.
+    /// Johnson distribution, unbounded or bounded, whichever has the larger likelihood.
     Johnson,
-    /// The sample's own distribution: a density constant in bins of equal shares.
+    /// Piecewise constant density of the sample in bins of equal probability.
     Empirical {
         /// Number of bins.
         bins: usize,
@@ -52,14 +52,14 @@ pub enum Family {
 }
 
 impl Family {
-    /// The families that need no knowledge beyond the sample and put up with values of any sign.
+    /// Families for any sample, of values of any sign and without known bounds.
     pub const ANYWHERE: [Self; 4] = [Self::Normal, Self::ShiftedLognormal, Self::ShiftedWeibull, Self::BetaFreeBounds];
 
-    /// The families for heights: those of [`Family::ANYWHERE`] and Johnson's, whose skewness and kurtosis are free.
+    /// Families for heights: [`Family::ANYWHERE`] and Johnson's with free skewness and kurtosis.
     pub const HEIGHTS: [Self; 5] =
         [Self::Normal, Self::ShiftedLognormal, Self::ShiftedWeibull, Self::BetaFreeBounds, Self::Johnson];
 
-    /// Every family that can be tried on positive values without known bounds.
+    /// All families for positive values without known bounds.
     pub const POSITIVE: [Self; 8] = [
         Self::Normal,
         Self::Lognormal,
@@ -71,7 +71,7 @@ impl Family {
         Self::BetaFreeBounds,
     ];
 
-    /// The sample's own distribution, coarse to fine; a ranking keeps the best of them.
+    /// Piecewise constant densities from coarse to fine; a ranking keeps the best of them.
     pub const EMPIRICAL: [Self; 4] = [
         Self::Empirical { bins: 4 },
         Self::Empirical { bins: 8 },
@@ -92,7 +92,7 @@ impl Family {
         }
     }
 
-    /// Returns the name that tells distributions with a fitted shift from those without.
+    /// Returns a name that distinguishes distributions with and without a fitted shift.
     pub fn key(self) -> &'static str {
         match self {
             Self::ShiftedLognormal => "shifted_lognormal",
@@ -113,30 +113,30 @@ impl Family {
     }
 }
 
-/// Where the end of a fitted distribution's support comes from.
+/// Origin of the end of a fitted distribution's support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// Infinite, or given beforehand.
+    /// Infinite, or prescribed.
     Given,
-    /// A local maximum of the likelihood outside the sample.
+    /// Local maximum of the likelihood outside the sample.
     Fitted,
-    /// The extreme of the sample: the likelihood has no maximum outside it, because the density does not vanish there.
+    /// Extreme value of the sample: the likelihood has no maximum outside it, because the density is positive there.
     SampleExtreme,
-    /// So far away that the sample does not see it; the distribution is close to one without that end.
+    /// So far away that the sample does not determine it; the distribution is close to one without that end.
     OutOfSight,
 }
 
-/// A fitted distribution.
+/// Fit of a distribution to a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// The family.
     pub family: Family,
-    /// The distribution of largest likelihood.
+    /// Distribution of maximum likelihood.
     pub marginal: Marginal,
-    /// Values fitted.
+    /// Number of values.
     pub n: usize,
-    /// Logarithm of the likelihood, in units of the values^{−n}. A value at a [`End::SampleExtreme`], where the density
-    /// is 0 or infinite, counts as the mean of the others.
+    /// Log likelihood, in units of the values^{−n}. A value at an [`End::SampleExtreme`], where the density is 0 or
+    /// infinite, contributes the mean of the others.
     pub log_likelihood: f64,
     /// Lower end of the support.
     pub low_end: End,
@@ -145,13 +145,13 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Returns Akaike's criterion 2k − 2 ln L for independent values; less is better.
+    /// Returns Akaike's criterion 2k − 2 ln L for independent values; smaller is better.
     pub fn aic(&self) -> f64 {
         self.aic_correlated(self.n as f64)
     }
 
-    /// Returns Akaike's criterion 2k − 2 (n_eff/n) ln L of a correlated sample that is worth n_eff independent values;
-    /// see [`rank_by_aic`].
+    /// Returns Akaike's criterion 2k − 2 (n_eff/n) ln L of a correlated sample with effective size n_eff; see
+    /// [`rank_by_aic`].
     pub fn aic_correlated(&self, effective_size: f64) -> f64 {
         2.0 * self.family.parameters() as f64 - 2.0 * effective_size / self.n as f64 * self.log_likelihood
     }
@@ -162,19 +162,19 @@ impl Fit {
     }
 }
 
-/// Returns the distribution of a family that makes the values most likely; NaN values are skipped.
+/// Fits a distribution of a family by maximum likelihood; NaN values are skipped.
 ///
-/// The likelihood with a free end is unbounded: as the end approaches the sample's extreme, the density there can be
-/// made arbitrarily large. Free ends are therefore *local* maxima outside the sample. Where there is none, the
-/// lognormal, Weibull and Gamma families report an error, and the Beta family puts the end at the sample's extreme,
-/// leaves that value out and fits the rest, which converges faster than a regular fit (Smith 1985).
+/// The likelihood with a free end is unbounded: as the end approaches the extreme of the sample, the density there
+/// becomes arbitrarily large. Free ends are therefore *local* maxima outside the sample. Without one, the lognormal,
+/// Weibull and Gamma families return an error, and the Beta family sets the end to the extreme of the sample, excludes
+/// that value and fits the rest, which converges faster than a regular fit (Smith 1985).
 ///
 /// # References
 /// Johnson, Kotz & Balakrishnan, *Continuous Univariate Distributions*, Wiley 1994–95, ch. 14, 17, 21, 25; Smith,
 /// *Biometrika* **72** (1985) 67, <https://doi.org/10.1093/biomet/72.1.67>.
 ///
 /// # Errors
-/// [`DistributionError::Sample`]: fewer than 10 values, all equal, outside the support, or no maximum of the
+/// [`DistributionError::Sample`]: fewer than 10 values, all equal, values outside the support, or no maximum of the
 /// likelihood.
 pub fn fit(family: Family, values: &[f64]) -> Result<Fit, DistributionError> {
     let sorted = sorted_present(values.iter().copied());
@@ -224,7 +224,7 @@ mod tests {
             .collect()
     }
 
-    /// Every fitted parameter is a stationary point: no neighbour is more likely.
+    /// Every fitted parameter is a stationary point: no neighbour has a larger likelihood.
     pub(super) fn assert_most_likely(fit: &Fit, values: &[f64], neighbours: &[Marginal]) {
         for marginal in neighbours {
             let log_likelihood: f64 = values.iter().map(|x| marginal.ln_pdf(*x)).sum();

@@ -7,29 +7,29 @@ pub use null::ProcessNull;
 use super::{DistributionError, Marginal};
 use crate::stats::{Moments, sorted_present};
 
-/// The distance between a sample and a distribution, and how unusual it is.
+/// Distance between a sample and a distribution, with its p-value.
 ///
-/// The p-values of [`kolmogorov_smirnov`] and [`anderson_darling`] are those of a distribution stated beforehand. After
-/// a fit to the same sample they are too large: small values still condemn a distribution, large ones do not prove it.
-/// Those of [`ProcessNull`] know the fit and the correlation.
+/// The p-values of [`kolmogorov_smirnov`] and [`anderson_darling`] assume a distribution specified in advance. After a
+/// fit to the same sample they are too large: small values still reject the distribution, large ones do not support it.
+/// The p-values of [`ProcessNull`] account for the fit and the correlation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goodness {
-    /// The statistic of the sample.
+    /// Test statistic of the sample.
     pub statistic: f64,
-    /// Number of independent values the p-value counts.
+    /// Effective sample size of the p-value.
     pub effective_size: f64,
-    /// Probability of a larger statistic if the distribution is true.
+    /// p-value.
     pub p_value: f64,
 }
 
-/// Returns the Kolmogorov–Smirnov: D = sup |F_n − F|. NaN values are skipped.
+/// Returns the Kolmogorov–Smirnov distance D = sup |F_n − F|. NaN values are skipped.
 ///
-/// `effective_size` is the number of independent values a correlated sample is worth
-/// ([`crate::stats::correlation_time`]); `None` takes all as independent. The p-value is Kolmogorov's limit at
-/// λ = (√n + 0.12 + 0.11/√n) D (Stephens, *J. R. Stat. Soc. B* **32** (1970) 115), good from n ≈ 5.
+/// `effective_size` is the effective size of a correlated sample ([`crate::stats::correlation_time`]); `None` treats
+/// the values as independent. The p-value is Kolmogorov's limit at λ = (√n + 0.12 + 0.11/√n) D (Stephens, *J. R. Stat.
+/// Soc. B* **32** (1970) 115), accurate from n ≈ 5.
 ///
 /// # Errors
-/// No value is present.
+/// An empty sample.
 pub fn kolmogorov_smirnov(
     values: &[f64],
     marginal: &Marginal,
@@ -49,14 +49,15 @@ pub fn kolmogorov_smirnov(
     Ok(Goodness { statistic, effective_size, p_value })
 }
 
-/// Anderson–Darling: A² = −n − Σ (2i − 1)/n [ln F(x_i) + ln(1 − F(x_{n+1−i}))], which weighs the tails. NaN values are
-/// skipped.
+/// Returns the Anderson–Darling distance A² = −n − Σ (2i − 1)/n [ln F(x_i) + ln(1 − F(x_{n+1−i}))], which weights the
+/// tails. NaN values are skipped.
 ///
-/// Of a correlated sample A² grows as n/n_eff, which the p-value takes out. The p-value is the limit for many values
-/// (Marsaglia & Marsaglia, *J. Stat. Softw.* **9** (2004) 2, <https://doi.org/10.18637/jss.v009.i02>), to about 1e-5.
+/// For a correlated sample A² is proportional to n/n_eff, which the p-value corrects. The p-value is the limit of large
+/// samples (Marsaglia & Marsaglia, *J. Stat. Softw.* **9** (2004) 2, <https://doi.org/10.18637/jss.v009.i02>), to about
+/// 1e-5.
 ///
 /// # Errors
-/// No value is present, or a value lies outside the distribution's support, where A² is infinite.
+/// An empty sample, or a value outside the support, where A² is infinite.
 pub fn anderson_darling(
     values: &[f64],
     marginal: &Marginal,
@@ -80,27 +81,27 @@ pub fn anderson_darling(
     Ok(Goodness { statistic, effective_size, p_value })
 }
 
-/// A test of normality by skewness and kurtosis.
+/// Test of normality by skewness and kurtosis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Normality {
-    /// Skewness, transformed to a standard normal variable of normal samples.
+    /// Skewness, transformed to a standard normal variable under normality.
     pub skewness_score: f64,
-    /// Kurtosis, transformed to a standard normal variable of normal samples.
+    /// Kurtosis, transformed to a standard normal variable under normality.
     pub kurtosis_score: f64,
-    /// K², the sum of their squares: χ² of two degrees of freedom for normal samples.
+    /// K², the sum of their squares: χ² with two degrees of freedom under normality.
     pub statistic: f64,
-    /// Probability e^{−K²/2} of a larger K² if the distribution is normal.
+    /// p-value e^{−K²/2}.
     pub p_value: f64,
 }
 
-/// D'Agostino and Pearson's K² test of independent values; NaN values are skipped.
+/// Tests independent values for normality by D'Agostino and Pearson's K²; NaN values are skipped.
 ///
 /// # References
 /// D'Agostino, *Biometrika* **57** (1970) 679, <https://doi.org/10.1093/biomet/57.3.679>; Anscombe & Glynn,
 /// *Biometrika* **70** (1983) 227, <https://doi.org/10.1093/biomet/70.1.227>.
 ///
 /// # Errors
-/// Fewer than 20 values, where the transformations are poor, or all equal.
+/// Fewer than 20 values, for which the transformations are inaccurate, or all equal.
 pub fn normality(values: &[f64]) -> Result<Normality, DistributionError> {
     let moments = Moments::new(values);
     let sample = |reason| DistributionError::Sample { distribution: "normal", n: moments.n, reason };
@@ -151,7 +152,8 @@ fn present(values: &[f64], marginal: &Marginal, wanted: usize) -> Result<Vec<f64
     Ok(sorted)
 }
 
-/// Returns Kolmogorov's Q(λ) = 2 Σ (−1)^{k−1} e^{−2k²λ²}; for small λ by its theta transform, which converges there.
+/// Returns Kolmogorov's Q(λ) = 2 Σ (−1)^{k−1} e^{−2k²λ²}; for small λ by the theta transformation, which converges
+/// faster.
 fn kolmogorov_survival(lambda: f64) -> f64 {
     if lambda <= 0.0 {
         1.0
@@ -164,7 +166,7 @@ fn kolmogorov_survival(lambda: f64) -> f64 {
     }
 }
 
-/// Returns P(A² < z) in the limit of many values.
+/// Returns P(A² < z) in the limit of large samples.
 fn anderson_darling_limit(z: f64) -> f64 {
     if z <= 0.0 {
         0.0
@@ -229,7 +231,7 @@ mod tests {
             let paid = anderson_darling(&doubled, marginal, Some(n as f64)).unwrap();
             assert!((paid.p_value - p[1]).abs() < 0.01, "{} {}", paid.p_value, p[1]);
         }
-        // 10 % of 2,000, standard error 13.4; the K² approximation itself is off by up to 1 % at n = 60.
+        // 10 % of 2,000, standard error 13.4; the K² approximation has an error of up to 1 % at n = 60.
         for (count, allowance) in below.into_iter().zip([0.0, 0.0, 20.0]) {
             assert!((count as f64 - 200.0).abs() < 4.0 * 13.4 + allowance, "{below:?}");
         }

@@ -1,9 +1,8 @@
-//! Johnson's system of distributions: skewness and kurtosis free of each other.
+//! Johnson's system of distributions, with independent skewness and kurtosis.
 //!
-//! A standard normal g is the function γ + δ f((x − ξ)/λ) of x, so densities, distribution functions, quantiles and
-//! translations are closed forms. Every pair with kurtosis > 1 + skewness² is the shape of exactly one such
-//! distribution: on a line the lognormal one, above it the unbounded one, below it the bounded one, at (0, 3) the
-//! normal one.
+//! The variable g = γ + δ f((x − ξ)/λ) is standard normal, so densities, distribution functions, quantiles and
+//! translations have closed forms. Exactly one such distribution has any given skewness and kurtosis > 1 + skewness²:
+//! the lognormal one on a line, the unbounded one above it, the bounded one below it, and the normal one at (0, 3).
 //!
 //! # References
 //! Johnson, *Biometrika* **36** (1949) 149, <https://doi.org/10.1093/biomet/36.1-2.149>.
@@ -19,16 +18,16 @@ use serde::{Deserialize, Serialize};
 use super::marginal::ln_normal;
 use super::moments::{Exact, lognormal};
 
-/// The function f of a Johnson distribution, and with it where the distribution lives.
+/// Function f of a Johnson distribution, which determines the support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JohnsonSystem {
-    /// S_U: f(u) = arsinh u, on the whole line.
+    /// S_U: f(u) = arsinh u, on the real line.
     Unbounded,
     /// S_B: f(u) = ln(u/(1 − u)), on (ξ, ξ + λ).
     Bounded,
-    /// S_L: f(u) = ln u, beyond ξ on the side of λ, which may be negative. Then −g, not g, is γ + δ f, so that x grows
-    /// with g. Only e^{−γ/δ}λ counts, not γ and λ apart.
+    /// S_L: f(u) = ln u, on the side of ξ given by the sign of λ. For λ < 0, γ + δ f is −g rather than g, so that x
+    /// increases with g. The distribution depends on γ and λ only through e^{−γ/δ}λ.
     Lognormal,
     /// S_N: f(u) = u.
     Normal,
@@ -49,18 +48,18 @@ impl JohnsonSystem {
     }
 }
 
-/// A distribution whose γ + δ f((x − ξ)/λ) is standard normal, f as [`JohnsonSystem`] says.
+/// Distribution of x with γ + δ f((x − ξ)/λ) standard normal, for the f of [`JohnsonSystem`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Johnson {
     /// The function f.
     pub system: JohnsonSystem,
-    /// γ: shape; its sign is that of −skewness for S_U and of the skewness for S_B.
+    /// γ: shape, with the sign of −skewness for S_U and of the skewness for S_B.
     pub gamma: f64,
-    /// δ > 0: shape; the smaller, the farther from normal.
+    /// δ > 0: shape; small values are far from normal.
     pub delta: f64,
     /// ξ: location, in the unit of x.
     pub xi: f64,
-    /// λ: scale, in the unit of x; positive but for S_L.
+    /// λ: scale, in the unit of x; positive except for S_L.
     pub lambda: f64,
 }
 
@@ -85,7 +84,7 @@ impl Johnson {
         let (xi, lambda) = (self.xi, self.lambda);
         match self.system {
             JohnsonSystem::Unbounded => xi + lambda * t.sinh(),
-            // Each end is reached exactly.
+            // The ends are exact.
             JohnsonSystem::Bounded if t <= 0.0 => xi + lambda * (1.0 / (1.0 + (-t).exp())),
             JohnsonSystem::Bounded => (xi + lambda) - lambda * (1.0 / (1.0 + t.exp())),
             JohnsonSystem::Lognormal => xi + lambda * t.exp(),
@@ -126,7 +125,7 @@ impl Johnson {
         }
     }
 
-    /// Returns −1 where x falls with γ + δ f.
+    /// Returns −1 if x decreases with γ + δ f.
     fn direction(&self) -> f64 {
         if self.system == JohnsonSystem::Lognormal && self.lambda < 0.0 { -1.0 } else { 1.0 }
     }

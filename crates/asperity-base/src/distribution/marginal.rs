@@ -1,4 +1,4 @@
-//! The marginal distribution of heights, pressures and friction coefficients.
+//! Marginal distributions of heights, pressures and friction coefficients.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,10 +8,10 @@ use super::special::{
 };
 use super::{DistributionError, Johnson, JohnsonSystem, empirical};
 
-/// A continuous distribution on the real line.
+/// Distribution on the real line.
 ///
-/// The constructors check the parameters; [`Marginal::check`] does so for a value that came another way. A distribution
-/// with parameters outside their ranges answers NaN.
+/// The constructors check the parameters; [`Marginal::check`] checks a value created otherwise. Functions of a
+/// distribution with parameters out of range return NaN.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Marginal {
@@ -60,10 +60,10 @@ pub enum Marginal {
         /// Upper end of the support.
         high: f64,
     },
-    /// Johnson's distribution: a simple function of (x − ξ)/λ is normal.
+    /// Johnson's distribution: an elementary function of (x − ξ)/λ is normal.
     Johnson(Johnson),
-    /// A measured distribution: linear interpolation between sorted values at probabilities (i + ½)/n, with the half
-    /// steps beyond the first and the last value as point masses there.
+    /// Empirical distribution: linear interpolation between sorted values at probabilities (i + ½)/n, with point masses
+    /// for the half steps beyond the first and the last value.
     Empirical {
         /// Sorted values.
         sorted: Vec<f64>,
@@ -74,7 +74,7 @@ impl Marginal {
     /// The standard normal distribution.
     pub const STANDARD_NORMAL: Self = Self::Normal { mean: 0.0, std: 1.0 };
 
-    /// Creates the normal distribution of this mean and standard deviation.
+    /// Creates the normal distribution with this mean and standard deviation.
     ///
     /// # Errors
     /// `std` is not positive, or a parameter is not finite.
@@ -114,7 +114,7 @@ impl Marginal {
         Self::Beta { a, b, low, high }.checked()
     }
 
-    /// Johnson's distribution of these parameters.
+    /// Creates Johnson's distribution with these parameters.
     ///
     /// # Errors
     /// δ is not positive, λ is not positive (not zero for [`JohnsonSystem::Lognormal`]), or a parameter is not finite.
@@ -128,7 +128,7 @@ impl Marginal {
         Self::Johnson(Johnson { system, gamma, delta, xi, lambda }).checked()
     }
 
-    /// Creates the measured distribution of a sample, in any order.
+    /// Creates the empirical distribution of a sample in any order.
     ///
     /// # Errors
     /// Fewer than two values, a value that is not finite, or all values equal.
@@ -151,7 +151,7 @@ impl Marginal {
         }
     }
 
-    /// Returns the names and values of the parameters; none for an empirical distribution.
+    /// Returns the names and values of the parameters; empty for an empirical distribution.
     pub fn parameters(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::Normal { mean, std } => vec![("mean", mean), ("std", std)],
@@ -168,7 +168,7 @@ impl Marginal {
     }
 
     /// Returns the distribution of the same kind with these [`Marginal::parameters`], unchecked; an empirical
-    /// distribution is left as it is.
+    /// distribution is unchanged.
     ///
     /// # Panics
     /// If there are fewer values than parameters.
@@ -186,11 +186,11 @@ impl Marginal {
         }
     }
 
-    /// Returns the distribution of a + bX with b > 0, where X has this distribution and a, b are such that the mean and
-    /// standard deviation become those stated.
+    /// Returns the distribution of a + bX with b > 0 and the given mean and standard deviation, where X has this
+    /// distribution.
     ///
     /// # Errors
-    /// A standard deviation that is not positive and finite, of this distribution or of the wanted one.
+    /// A standard deviation that is not positive and finite, of this distribution or requested.
     pub fn standardised(&self, mean: f64, std: f64) -> Result<Self, DistributionError> {
         let (own_mean, own_std) = (self.mean(), self.std());
         for value in [own_std, std] {
@@ -220,10 +220,10 @@ impl Marginal {
         })
     }
 
-    /// Returns whether every parameter lies in its range.
+    /// Checks that every parameter is in its range.
     ///
     /// # Errors
-    /// [`DistributionError::Parameter`] or [`DistributionError::Sample`] with the first offender.
+    /// [`DistributionError::Parameter`] or [`DistributionError::Sample`] for the first violation.
     pub fn check(&self) -> Result<(), DistributionError> {
         let distribution = self.name();
         for (parameter, value) in self.parameters() {
@@ -305,7 +305,7 @@ impl Marginal {
         self.quantile_of_tails(probability, 1.0 - probability, || standard_normal_quantile(probability))
     }
 
-    /// Returns the translation F⁻¹(Φ(g)) of a standard normal value g, without loss in either tail.
+    /// Returns the translation F⁻¹(Φ(g)) of a standard normal value g, with full precision in both tails.
     ///
     /// # References
     /// Grigoriu, *Applied Non-Gaussian Processes*, Prentice Hall 1995, ch. 3.
@@ -327,7 +327,7 @@ impl Marginal {
             Self::Gamma { shape, scale, shift } => shift + scale * gamma_quantile(*shape, lower, upper),
             Self::Beta { a, b, low, high } => {
                 let unit = beta_quantile(*a, *b, lower, upper);
-                // Each end is reached exactly.
+                // The ends are exact.
                 if unit <= 0.5 { low + (high - low) * unit } else { high - (high - low) * (1.0 - unit) }
             }
             Self::Johnson(johnson) => johnson.value_of(normal()),
@@ -335,8 +335,8 @@ impl Marginal {
         }
     }
 
-    /// Returns the density; zero outside the support, +∞ at an end where it diverges. An empirical distribution has
-    /// none: NaN.
+    /// Returns the density; zero outside the support, +∞ at an end where it diverges, NaN for an empirical
+    /// distribution.
     pub fn pdf(&self, x: f64) -> f64 {
         self.ln_pdf(x).exp()
     }
@@ -444,7 +444,7 @@ pub(super) mod tests {
                     assert!(x == marginal.quantile(0.0) || x == marginal.quantile(1.0));
                     continue;
                 }
-                // x itself is rounded, which the density turns into a probability.
+                // x is rounded, which the density converts to a probability.
                 let rounding =
                     if marginal.name() == "empirical" { 0.0 } else { x.abs() * marginal.pdf(x) * f64::EPSILON / p };
                 assert!(

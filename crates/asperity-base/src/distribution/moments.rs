@@ -63,7 +63,7 @@ pub(super) fn lognormal(mu: f64, sigma: f64, shift: f64) -> Exact {
 }
 
 fn weibull(shape: f64, scale: f64, shift: f64) -> Exact {
-    // Relative raw moments E tᵏ/(E t)ᵏ − 1, so that the central moments of large shapes cancel as little as they can.
+    // Relative raw moments E tᵏ/(E t)ᵏ − 1, which minimise the cancellation in the central moments of large shapes.
     let log_mean = ln_gamma(1.0 + 1.0 / shape);
     let relative = |k: f64| (ln_gamma(1.0 + k / shape) - k * log_mean).exp_m1();
     let (second, third, fourth) = (relative(2.0), relative(3.0), relative(4.0));
@@ -88,15 +88,15 @@ fn beta(a: f64, b: f64, low: f64, high: f64) -> Exact {
     }
 }
 
-/// Returns the interpolated distribution is uniform, with mass 1/n, between neighbours, and has a point mass of 1/(2n)
-/// at either end.
+/// The interpolated distribution is uniform with mass 1/n between neighbours, with a point mass of 1/(2n) at either
+/// end.
 fn empirical(sorted: &[f64]) -> Exact {
     let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else {
         return Exact { mean: f64::NAN, std: f64::NAN, skewness: f64::NAN, excess_kurtosis: f64::NAN };
     };
     let n = sorted.len() as f64;
     let mean = sorted.iter().map(|x| x - first).sum::<f64>() / n + first;
-    // Of a uniform distribution on [u, v]: E xᵏ = (uᵏ + uᵏ⁻¹v + … + vᵏ)/(k + 1).
+    // For a uniform distribution on [u, v]: E xᵏ = (uᵏ + uᵏ⁻¹v + … + vᵏ)/(k + 1).
     let central = |power: usize| {
         let ends = 0.5 * ((first - mean).powi(power as i32) + (last - mean).powi(power as i32));
         let pieces: f64 = sorted
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn moments_are_the_integrals_of_the_translated_normal_distribution() {
-        // Independent of the formulas: trapezoidal rule over g of F⁻¹(Φ(g))ᵏ φ(g), which is spectrally accurate.
+        // Independent of the formulas: trapezoidal rule over g for F⁻¹(Φ(g))ᵏ φ(g), with spectral accuracy.
         for marginal in examples().into_iter().filter(|marginal| marginal.name() != "empirical") {
             let step = 1.0 / 64.0;
             let nodes: Vec<(f64, f64)> = (-768..=768)

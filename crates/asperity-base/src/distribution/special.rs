@@ -1,8 +1,8 @@
-//! Special functions of the distributions, each to about 1e-14 relative.
+//! Special functions for distributions, with relative errors of about 1e-14.
 
 use statrs::function::{beta, erf, gamma};
 
-/// Beyond it e^{−x²/2} is below the least double.
+/// Argument beyond which e^{−x²/2} underflows.
 const FARTHEST: f64 = 40.0;
 
 /// Returns the standard normal distribution function Φ.
@@ -28,9 +28,10 @@ pub fn standard_normal_cdf(x: f64) -> f64 {
     }
 }
 
-/// e^{y²} erfc(y) for y ≥ ¼, by the trapezoidal rule on y/π ∫ e^{−t²}/(t² + y²) dt with the residue of its pole.
+/// Returns e^{y²} erfc(y) for y ≥ ¼, by the trapezoidal rule on y/π ∫ e^{−t²}/(t² + y²) dt with the residue of its
+/// pole.
 ///
-/// With the step ½ the error is about e^{−4π²} = 7e-18. statrs' erfc, by comparison, is right to 1e-11 in the tails.
+/// With a step of ½ the error is about e^{−4π²} = 7e-18. For comparison, statrs' erfc has errors of 1e-11 in the tails.
 ///
 /// # References
 /// Matta & Reichel, *Math. Comp.* **25** (1971) 339.
@@ -47,7 +48,7 @@ fn scaled_erfc(y: f64) -> f64 {
     if y < pole { trapezoid - 2.0 * square.exp() / (2.0 * pole * y).exp_m1() } else { trapezoid }
 }
 
-/// e^{−x²/2}; x² is split so that its rounding does not grow with x.
+/// e^{−x²/2}; x² is split so that its rounding error does not grow with x.
 fn exp_minus_half_square(x: f64) -> f64 {
     if x.abs() > FARTHEST {
         return 0.0;
@@ -69,7 +70,7 @@ pub fn standard_normal_quantile(probability: f64) -> f64 {
         1.0 => f64::INFINITY,
         p => {
             let x = -std::f64::consts::SQRT_2 * erf::erfc_inv(2.0 * p);
-            // One Halley step on the tail that holds less, so that nothing cancels.
+            // One Halley step on the smaller tail, which avoids cancellation.
             let residual = if x <= 0.0 { standard_normal_cdf(x) - p } else { (1.0 - p) - standard_normal_cdf(-x) };
             let newton = residual / standard_normal_pdf(x);
             if newton.is_finite() { x - newton / (1.0 + 0.5 * x * newton) } else { x }
@@ -113,10 +114,10 @@ pub(crate) fn gamma_survival(a: f64, x: f64) -> f64 {
     }
 }
 
-/// Returns the x with P(a, x) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is used.
+/// Returns the x with P(a, x) = `lower`, given both tails `lower` + `upper` = 1; the smaller is used.
 ///
-/// Newton's method on the logarithm of that tail against ln x. The density of ln x is log-concave, hence so are both
-/// tails, so that from its own side of the root the method goes there without overshooting.
+/// Newton's method on the logarithm of that tail as a function of ln x. The density of ln x is log-concave, hence both
+/// tails are, and the iteration converges monotonically from its own side of the root.
 pub(crate) fn gamma_quantile(a: f64, lower: f64, upper: f64) -> f64 {
     if !(lower >= 0.0 && upper >= 0.0) {
         return f64::NAN;
@@ -127,7 +128,7 @@ pub(crate) fn gamma_quantile(a: f64, lower: f64, upper: f64) -> f64 {
         return if below { 0.0 } else { f64::INFINITY };
     }
     let (log_probability, log_norm, centre) = (probability.ln(), gamma::ln_gamma(a), a.ln());
-    // P ≤ xᵃ/(a Γ(a)), so that the leading term lies left of the root.
+    // P ≤ xᵃ/(a Γ(a)), so the leading term is to the left of the root.
     let leading = (log_probability + a.ln() + log_norm) / a;
     let mut t = if below { leading } else { centre };
     let mut before = centre;
@@ -138,7 +139,7 @@ pub(crate) fn gamma_quantile(a: f64, lower: f64, upper: f64) -> f64 {
         }
         let tail = if below { gamma_cdf(a, x) } else { gamma_survival(a, x) };
         if tail.is_nan() || tail <= 0.0 {
-            // So far out that its probability underflows.
+            // So far out that the probability underflows.
             t = 0.5 * (t + before);
             continue;
         }
@@ -158,8 +159,7 @@ pub(crate) fn ln_beta(a: f64, b: f64) -> f64 {
     gamma::ln_gamma(a) + gamma::ln_gamma(b) - gamma::ln_gamma(a + b)
 }
 
-/// Returns the x in [0, 1] with I_x(a, b) = `lower`, given both tails `lower` + `upper` = 1, of which the smaller is
-/// used.
+/// Returns the x in [0, 1] with I_x(a, b) = `lower`, given both tails `lower` + `upper` = 1; the smaller is used.
 pub(crate) fn beta_quantile(a: f64, b: f64, lower: f64, upper: f64) -> f64 {
     if !(lower >= 0.0 && upper >= 0.0) {
         f64::NAN
@@ -179,7 +179,7 @@ fn beta_lower_quantile(a: f64, b: f64, probability: f64) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let (log_probability, log_norm) = (probability.ln(), ln_beta(a, b));
-    // The lower tail I ≈ x^a/(a B), where it is left of the mean.
+    // The lower tail I ≈ x^a/(a B), if it is to the left of the mean.
     let lower_tail = (log_probability + a.ln() + log_norm) / a;
     let centre = (a / b).ln();
     let mut t = lower_tail.min(centre);
@@ -187,11 +187,12 @@ fn beta_lower_quantile(a: f64, b: f64, probability: f64) -> (f64, f64) {
         let (x, y) = logistic_pair(t);
         let cdf = beta_cdf(a, b, x);
         if x == 0.0 {
-            // Underflow of x itself: the leading term is exact to double precision.
+            // If x underflows, the leading term is exact in double precision.
             return (lower_tail.exp(), 1.0);
         }
         if cdf.is_nan() || cdf <= 0.0 {
-            // For large shapes the leading term lies so far left of the distribution that its probability underflows.
+            // For large shapes the leading term is so far to the left of the distribution that its probability
+            // underflows.
             t = 0.5 * (t + centre);
             continue;
         }
@@ -302,7 +303,7 @@ mod tests {
             (0.05, 0.05, 0.5, 0.5),
             (0.3, 40.0, 0.2, 0.9999902764136027),
         ] {
-            // ln Γ of large shapes loses their size times the machine precision.
+            // ln Γ of large shapes has an absolute error of their size times the machine precision.
             let tolerance = 1e-13 + 1e-14 * f64::max(a, b);
             let found = beta_cdf(a, b, x);
             assert!((found / wanted - 1.0).abs() < tolerance, "I_{x}({a}, {b}) = {found}, not {wanted}");
@@ -341,7 +342,7 @@ mod tests {
             (300.0, 2.0, 0.999999, 0.9999952915830613),
         ] {
             let x = beta_quantile(a, b, p, 1.0 - p);
-            // The condition of the lower tail is 1/a: x ∝ p^{1/a}.
+            // The relative condition number of the lower tail is 1/a: x ∝ p^{1/a}.
             assert!(
                 (x / wanted - 1.0).abs() < 1e-13 * f64::max(1.0, 1.0 / a),
                 "Beta({a}, {b}) at {p}: {x}, not {wanted}"
@@ -357,7 +358,7 @@ mod tests {
                 let p = f64::from(k) / 200.0;
                 let x = beta_quantile(a, b, p, 1.0 - p);
                 let back = beta_cdf(a, b, x);
-                // ln Γ of large shapes loses their size times the machine precision.
+                // ln Γ of large shapes has an absolute error of their size times the machine precision.
                 assert!((back - p).abs() < 1e-14 * f64::max(a, b) + 1e-12, "Beta({a}, {b}) at {p}: {x} gives {back}");
             }
         }
@@ -411,7 +412,7 @@ mod tests {
             (3000.0, 0.7, 0.3, 3028.4791481186576),
         ] {
             let x = gamma_quantile(a, lower, upper);
-            // The condition of the lower tail is 1/a: x ∝ p^{1/a}.
+            // The relative condition number of the lower tail is 1/a: x ∝ p^{1/a}.
             assert!(
                 (x / wanted - 1.0).abs() < 1e-12 * f64::max(1.0, 1.0 / a),
                 "Gamma({a}) at {lower}: {x}, not {wanted}"

@@ -1,4 +1,4 @@
-//! Distributions as people write them: `normal`, `beta:2.1,5`, `weibull:1.5,2,0.1`.
+//! Text form of distributions: `normal`, `beta:2.1,5`, `weibull:1.5,2,0.1`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,11 +8,11 @@ use super::{DistributionError, Johnson, JohnsonSystem, Marginal};
 impl FromStr for Marginal {
     type Err = DistributionError;
 
-    /// Reads `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`,
-    /// `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`, `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` with the kurtosis as
-    /// Sku, 3 for the normal distribution, or the Johnson distributions by their parameters,
-    /// `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`, `johnson_sn`. Left out, the mean
-    /// is 0 and the standard deviation 1, the shift 0, the Beta distribution lives on [0, 1], and ξ is 0, λ is 1.
+    /// Parses `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`,
+    /// `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`, `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` (kurtosis as Sku, 3
+    /// for the normal distribution) or the Johnson distributions by their parameters,
+    /// `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`, `johnson_sn`. Defaults: mean 0,
+    /// standard deviation 1, shift 0, Beta distribution on [0, 1], ξ = 0, λ = 1.
     fn from_str(text: &str) -> Result<Self, DistributionError> {
         let syntax = || DistributionError::Syntax { text: text.trim().into() };
         let (name, numbers) = match text.trim().split_once(':') {
@@ -49,7 +49,7 @@ impl FromStr for Marginal {
 }
 
 impl fmt::Display for Marginal {
-    /// Returns the shortest text that reads back as the same distribution; an empirical distribution, which has none,
+    /// Formats the shortest text that parses to the same distribution; an empirical distribution has no such text and
     /// shows its size.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {

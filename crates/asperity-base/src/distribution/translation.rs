@@ -1,8 +1,7 @@
-//! Correlation of translated normal variables, and back.
+//! Correlation of translated normal variables, and its inverse.
 //!
-//! With x = F⁻¹(Φ(g)) = Σ c_n h_n(g), h_n the orthonormal Hermite polynomials, two standard normal variables of
-//! correlation ρ_G are translated into variables of correlation ρ_X = Σ_{n≥1} s_n ρ_Gⁿ with the shares s_n = c_n²/σ² ≥
-//! 0.
+//! With x = F⁻¹(Φ(g)) = Σ c_n h_n(g) and the orthonormal Hermite polynomials h_n, translation maps the correlation ρ_G
+//! of two standard normal variables to ρ_X = Σ_{n≥1} s_n ρ_Gⁿ with the fractions s_n = c_n²/σ² ≥ 0 of the variance.
 //!
 //! # References
 //! Lancaster, *Biometrika* **44** (1957) 289, <https://doi.org/10.1093/biomet/44.1-2.289>; Grigoriu, *Applied
@@ -12,31 +11,31 @@ use super::{DistributionError, Marginal, standard_normal_pdf};
 
 /// Highest order of the Hermite series.
 const ORDER: usize = 120;
-/// The trapezoidal rule runs over |g| ≤ 20 in steps of 1/64, past the tails of x² φ for every lognormal σ up to 6.
+/// Half width and step of the trapezoidal rule over g; beyond ±20 the tails of x² φ are negligible for every lognormal
+/// σ up to 6.
 const REACH: i32 = 20 * STEPS_PER_UNIT;
 const STEPS_PER_UNIT: i32 = 64;
-/// A tail of the series below it is rounding.
+/// Tail of the series below which it is rounding error.
 const NEGLIGIBLE: f64 = 1e-15;
 
-/// The correlation of variables of one distribution made by translation from standard normal variables.
+/// Correlation of variables of one distribution that are translated standard normal variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Translation {
     marginal: &'static str,
-    /// s_1, s_2, …, s_ORDER and last what the series leaves of the variance, so that they sum to one.
+    /// s_1, s_2, …, s_ORDER and last the remainder of the variance, so that the sum is one.
     fractions: Vec<f64>,
-    /// The shares without a tail of rounding, which is added to the last of them.
+    /// The fractions without a negligible tail, which is added to the last of them.
     summed: Vec<f64>,
 }
 
 impl Translation {
-    /// Expands the translation to a distribution.
+    /// Computes the expansion for a distribution.
     ///
     /// The coefficients are integrals over g by the trapezoidal rule, which converges faster than any power for smooth
-    /// translations; the kinks of an empirical distribution leave an error of about the squared step, 2e-4 of its step
-    /// heights.
+    /// translations; the kinks of an empirical distribution leave an error of order h², 2e-4 of its steps.
     ///
     /// # Errors
-    /// The distribution's parameters lie outside their ranges.
+    /// Parameters of the distribution out of range.
     pub fn new(marginal: &Marginal) -> Result<Self, DistributionError> {
         marginal.check()?;
         let (mean, std) = (marginal.mean(), marginal.std());
@@ -55,7 +54,7 @@ impl Translation {
             }
         }
         let mut fractions: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();
-        // The error of the rule may leave more than the variance: no correlation exceeds one.
+        // Quadrature errors may make the sum exceed the variance; correlations are at most one.
         let excess = fractions.iter().sum::<f64>().max(1.0);
         fractions.iter_mut().for_each(|fraction| *fraction /= excess);
         let rest = 1.0 - fractions.iter().sum::<f64>();
@@ -79,18 +78,18 @@ impl Translation {
         self.summed.iter().rev().fold(0.0, |sum, fraction| (sum + fraction) * normal_correlation)
     }
 
-    /// Returns the least correlation that two variables of this distribution can have by translation, ρ_X at ρ_G = −1.
+    /// Returns the least correlation of two variables of this distribution under translation, ρ_X at ρ_G = −1.
     pub fn least_correlation(&self) -> f64 {
         self.correlation(-1.0)
     }
 
-    /// Returns the normal correlation ρ_G that gives the correlation ρ_X after translation.
+    /// Returns the normal correlation ρ_G that translates to ρ_X.
     ///
-    /// ρ_X increases with ρ_G because x increases with g, so there is one root, found by Newton's method kept inside a
-    /// bracket.
+    /// ρ_X increases with ρ_G because x increases with g, so the root is unique; it is found by Newton's method within
+    /// a bracket.
     ///
     /// # Errors
-    /// [`DistributionError::Correlation`] when the target is not a correlation or lies below
+    /// [`DistributionError::Correlation`] for a target that is not a correlation or is below
     /// [`Translation::least_correlation`].
     pub fn normal_correlation(&self, target: f64) -> Result<f64, DistributionError> {
         let least = self.least_correlation();
@@ -124,12 +123,12 @@ impl Translation {
         self.summed.iter().enumerate().rev().fold(0.0, |sum, (i, fraction)| sum * rho + fraction * (i as f64 + 1.0))
     }
 
-    /// [`Translation::correlation`] and [`Translation::slope`] at many normal correlations, to the same bits.
+    /// Computes [`Translation::correlation`] and [`Translation::slope`] at many normal correlations, bitwise equal.
     ///
     /// # Panics
     /// If the lengths differ.
     pub fn correlations(&self, normal: &[f64], correlations: &mut [f64], slopes: &mut [f64]) {
-        /// Sums that grow side by side: each waits for its own last term only.
+        /// Number of sums computed in parallel, since each term depends on the previous one.
         const LANES: usize = 8;
 
         assert!(normal.len() == correlations.len() && normal.len() == slopes.len(), "one of each at every lag");

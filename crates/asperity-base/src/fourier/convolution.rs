@@ -1,8 +1,8 @@
-//! Convolutions of real maps with even real kernels, in one pass over memory each way.
+//! Convolutions of real maps with even real kernels, with one pass over memory in each direction.
 //!
-//! Two rows make the real and the imaginary part of one complex row, which is transformed whole; their transforms come
-//! apart again while columns are gathered. Columns are transformed, multiplied and transformed back while they are in
-//! the second cache, so the spectrum of the map never goes to memory.
+//! Two real rows form one complex row; their transforms are separated when the columns are gathered. Columns are
+//! transformed, multiplied and transformed back within the level-2 cache, so the spectrum of the map is never written
+//! to memory.
 
 use std::fmt;
 use std::sync::Arc;
@@ -13,25 +13,24 @@ use rayon::prelude::*;
 use super::SHARED_FROM;
 use crate::wide::{Kernel, wide};
 
-/// Columns that are gathered at a time.
+/// Columns gathered per block.
 const BLOCK: usize = 16;
-/// Rows that are finished at a time.
+/// Rows finished per block.
 #[doc(hidden)]
 pub const ROWS_OF_SLAB: usize = 16;
-/// Unused places after every row and column: lengths that are powers of two would have all rows compete for the same
-/// places of the cache.
+/// Padding after every row and column: with lengths that are powers of two, all rows would map to the same cache sets.
 const PAD: usize = 8;
-/// Partial sums kept side by side.
+/// Number of parallel partial sums.
 const LANES: usize = 8;
 
 /// Single or double precision.
 #[doc(hidden)]
 pub trait Real: FftNum + Default {
-    /// Rounded to this precision.
+    /// Rounds to this precision.
     fn from_double(value: f64) -> Self;
-    /// In double precision.
+    /// Converts to double precision.
     fn to_f64(self) -> f64;
-    /// Returns the forward and the inverse transform of a length.
+    /// Returns the plans of the forward and inverse transform of a length.
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
@@ -63,8 +62,8 @@ impl Real for f64 {
     }
 }
 
-/// A planned convolution of maps of `rows` × `columns` values, continued with zeros to `ny` × `nx`, on a torus of that
-/// size. Cheap to clone and to share between threads.
+/// Plan of convolutions of maps of `rows` × `columns` values, zero-padded to a periodic `ny` × `nx` grid. Cheap to
+/// clone and to share between threads.
 #[derive(Clone)]
 #[doc(hidden)]
 pub struct Convolution<T> {
@@ -82,7 +81,7 @@ impl<T> fmt::Debug for Convolution<T> {
     }
 }
 
-/// Scratch memory of one caller for one [`Convolution`].
+/// Workspace of one caller for a [`Convolution`].
 #[derive(Debug, Clone)]
 #[doc(hidden)]
 pub struct ConvolutionWork<T> {
@@ -93,7 +92,7 @@ pub struct ConvolutionWork<T> {
     scratch: ThreadScratch<T>,
 }
 
-/// Scratch memory of one thread.
+/// Workspace of one thread.
 #[derive(Debug, Clone)]
 struct ThreadScratch<T> {
     rows: [Vec<T>; 2],
@@ -102,10 +101,10 @@ struct ThreadScratch<T> {
 }
 
 impl<T: Real> Convolution<T> {
-    /// Plans convolutions of maps of `shape` = (rows, columns) on a torus of `torus` = (ny, nx) points.
+    /// Creates the plan for maps of `shape` = (rows, columns) on a periodic grid of `torus` = (ny, nx) points.
     ///
     /// # Panics
-    /// If the map is larger than the torus.
+    /// If the map is larger than the periodic grid.
     #[doc(hidden)]
     pub fn new(shape: (usize, usize), torus: (usize, usize)) -> Self {
         let ((rows, columns), (ny, nx)) = (shape, torus);
@@ -114,31 +113,31 @@ impl<T: Real> Convolution<T> {
         Self { rows, columns, nx, ny, along_rows, along_columns }
     }
 
-    /// Returns the stored wavenumbers along x: nx/2 + 1.
+    /// Returns the number of stored wavenumbers along x, nx/2 + 1.
     #[doc(hidden)]
     pub fn stored_kx(&self) -> usize {
         self.nx / 2 + 1
     }
 
-    /// Returns the points of the torus along y.
+    /// Returns the number of grid points along y.
     #[doc(hidden)]
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Returns the points of the torus along x.
+    /// Returns the number of grid points along x.
     #[doc(hidden)]
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Returns the slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which a result is finished.
+    /// Returns the number of slabs of [`ROWS_OF_SLAB`] rows of a result; the last one may be shorter.
     #[doc(hidden)]
     pub fn slabs(&self) -> usize {
         self.rows.div_ceil(ROWS_OF_SLAB)
     }
 
-    /// Returns the factors `symbol(kx, ky)`, ky being signed, as [`Convolution::forward`] wants them.
+    /// Returns the factors `symbol(kx, ky)`, with signed ky, in the layout of [`Convolution::forward`].
     #[doc(hidden)]
     pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<T> {
         let scale = 1.0 / (self.nx * self.ny) as f64;
@@ -146,7 +145,7 @@ impl<T: Real> Convolution<T> {
         columns.map(|(kx, ky)| T::from_double(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
     }
 
-    /// One factor for [`Convolution::forward`].
+    /// Returns one factor for [`Convolution::forward`].
     #[doc(hidden)]
     pub fn factor(&self, value: f64) -> T {
         T::from_double(value / (self.nx * self.ny) as f64)
@@ -171,7 +170,7 @@ impl<T: Real> Convolution<T> {
         }
     }
 
-    /// Does `work` on the items, shared among threads where the map is large.
+    /// Applies `work` to the items, over threads if the map is large.
     fn distribute<I: Send>(
         &self,
         thread: &mut ThreadScratch<T>,
@@ -186,15 +185,14 @@ impl<T: Real> Convolution<T> {
         }
     }
 
-    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], but its constant by `constant`,
-    /// and returns Σ z·(S z), S being the convolution. [`Convolution::backward`] then gives S z itself.
+    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], and its constant term by
+    /// `constant`, and returns Σ z·(S z) with the convolution S. [`Convolution::backward`] then returns S z.
     ///
-    /// There is one of `slabs` for each slab of rows, from which `fill` writes the rows in order into zeros, or says
-    /// that a row is zero by returning false.
+    /// Each of `slabs` corresponds to a slab of rows; `fill` writes the rows in order into zeroed memory and returns
+    /// `false` for a zero row.
     ///
     /// # Panics
-    /// If the symbol or the scratch memory is that of another convolution, or there is not one of `slabs` for each
-    /// slab.
+    /// If the symbol or the workspace belongs to another convolution, or the number of `slabs` differs.
     #[doc(hidden)]
     pub fn forward<S: Send>(
         &self,
@@ -239,7 +237,7 @@ impl<T: Real> Convolution<T> {
                 let sum = (first * column[0].norm_sqr()).to_f64();
                 column[0] = column[0] * first;
                 let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
-                // A stored column stands for its opposite as well.
+                // A stored column also represents its opposite.
                 *energy += if kx == 0 || 2 * kx == nx { sum } else { 2.0 * sum };
                 self.along_columns[1].process_with_scratch(column, &mut thread.scratch);
             }
@@ -247,11 +245,10 @@ impl<T: Real> Convolution<T> {
         energies.into_iter().sum()
     }
 
-    /// Transforms what [`Convolution::forward`] left back and hands it over row by row: `take` gets those of a slab in
-    /// order.
+    /// Transforms the result of [`Convolution::forward`] back row by row; `take` receives the rows of a slab in order.
     ///
     /// # Panics
-    /// If there is not one of `slabs` for each slab of rows.
+    /// If the number of `slabs` differs.
     #[doc(hidden)]
     pub fn backward<S: Send>(
         &self,
@@ -281,7 +278,7 @@ impl<T: Real> Convolution<T> {
     }
 }
 
-/// Takes columns of half the spectrum, from `first` on, out of the transformed pairs of rows, continued with zeros.
+/// Extracts columns of half the spectrum, from `first` on, from the transformed pairs of rows, zero-padded.
 struct GatherColumns;
 
 impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])> for GatherColumns {
@@ -311,8 +308,8 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [
     }
 }
 
-/// Takes `count` pairs of rows of half the spectrum, from the row `first` on, out of its columns, and makes the other
-/// half.
+/// Extracts `count` pairs of rows of half the spectrum, from the row `first` on, from its columns, and completes the
+/// other half.
 struct GatherRows;
 
 impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>])> for GatherRows {
@@ -326,7 +323,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'
         for (k, column) in columns.chunks_exact(plan.ny + PAD).enumerate() {
             let column = &column[first..first + 2 * count];
             for ([even, odd], row) in column.as_chunks::<2>().0.iter().zip(to.chunks_exact_mut(nx + PAD)) {
-                // The conjugate of the even row's half of what is at −k makes up the other half.
+                // The other half is the conjugate of the value at −k with separated rows.
                 if k > 0 {
                     row[nx - k] = Complex::new(even.re + odd.im, odd.re - even.im);
                 }
@@ -336,7 +333,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'
     }
 }
 
-/// Makes two real rows one complex row.
+/// Combines two real rows into one complex row.
 struct Join;
 
 impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T], &'a [T])> for Join {
@@ -350,7 +347,7 @@ impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T], &'a [T])> for Join {
     }
 }
 
-/// Makes one complex row two real ones.
+/// Splits one complex row into two real ones.
 struct Part;
 
 impl<'a, T: Real> Kernel<(&'a [Complex<T>], &'a mut [T], &'a mut [T])> for Part {
@@ -396,7 +393,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Returns the convolution of a map with the kernel of `symbol` on the torus by its definition.
+    /// Returns the periodic convolution of a map with the kernel of `symbol` by definition.
     fn direct(plan: &Convolution<f64>, symbol: impl Fn(usize, f64) -> f64, map: &[f64]) -> Vec<f64> {
         let (nx, ny) = (plan.nx, plan.ny);
         let turn = |k: f64, n: usize| std::f64::consts::TAU * k / n as f64;
@@ -457,7 +454,7 @@ mod tests {
         ] {
             let plan = Convolution::<f64>::new(shape, torus);
             let mut map = random::standard_normal(&mut random::stream(1, "torus", shape.0 as u64), shape.0 * shape.1);
-            // Rows of zeros are skipped.
+            // Zero rows are skipped.
             map.iter_mut().skip(2 * shape.1).take(2 * shape.1).for_each(|z| *z = 0.0);
             let constant = |kx: usize, ky: f64| if kx == 0 && ky == 0.0 { 7.0 } else { symbol(kx, ky) };
             let wanted = direct(&plan, constant, &map);

@@ -1,7 +1,7 @@
-//! Powers and autocorrelations of real maps and profiles: a transform, its squared modulus, and the way back.
+//! Power spectra and autocorrelations of real maps and profiles by the squared modulus of their transforms.
 //!
-//! Columns are transformed in blocks that fit the second cache and reduced at once, so that a whole complex spectrum
-//! never goes to memory.
+//! Columns are transformed in blocks that fit the level-2 cache and reduced immediately, so that the full complex
+//! spectrum is never stored.
 
 use asperity_fft::{complex_f64, real_forward, real_inverse};
 use rayon::prelude::*;
@@ -9,13 +9,13 @@ use rayon::prelude::*;
 use super::transpose::{BLOCK, TILE, gather, make_real};
 use super::{Complex64, good_length};
 
-/// Profiles whose powers are added before the sums of such blocks are.
+/// Profiles whose powers are summed per block.
 const PROFILES_PER_BLOCK: usize = 64;
 
-/// Returns the half transforms along x of a map of `rows` × `columns` values continued with zeros to the length `nx`:
-/// slabs of [`TILE`] rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
+/// Returns the half transforms along x of a map of `rows` × `columns` values zero-padded to the length `nx`, as slabs
+/// of [`TILE`] rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
 ///
-/// Each slab has its own memory, which is cheaper to come by than one piece of it all.
+/// Each slab is allocated separately, which is faster than one large allocation.
 fn transformed_rows(
     rows: usize,
     columns: usize,
@@ -43,8 +43,8 @@ fn transformed_rows(
         .collect()
 }
 
-/// Returns |X|² of a map of `ny` × `nx` values, laid out as the spectrum of [`super::RealFft2`]; `fill` writes a row of
-/// the map.
+/// Returns |X|² of a map of `ny` × `nx` values, in the layout of the spectrum of [`super::RealFft2`]; `fill` writes a
+/// row of the map.
 #[doc(hidden)]
 pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let transformed = transformed_rows(ny, nx, nx, &fill);
@@ -66,8 +66,8 @@ pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> V
 /// Returns Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags
 /// k = 0 … `reach_y` and l = −`reach_x` … `reach_x`, as rows of 2·`reach_x` + 1 values. `fill` writes a row of the map.
 ///
-/// The map is continued with zeros by as much as the lags reach, which keeps the wrapped pairs of the circular
-/// correlation out of them: the sums are exact up to rounding.
+/// The map is zero-padded by the largest lags, which excludes wrapped pairs from the circular correlation: the sums are
+/// exact up to rounding.
 ///
 /// # Panics
 /// If a lag exceeds the map.
@@ -128,8 +128,8 @@ pub fn autocorrelation_sums(
     sums
 }
 
-/// Returns Σ |X|² over `profiles` of `length` values continued with zeros to `padded`, for the wavenumbers 0 …
-/// padded/2. `fill` writes the profiles of a range, one after the other.
+/// Returns Σ |X|² over `profiles` of `length` values zero-padded to `padded`, for the wavenumbers 0 … padded/2. `fill`
+/// writes the profiles of a range, one after the other.
 #[doc(hidden)]
 pub fn summed_power(
     profiles: usize,
@@ -172,8 +172,8 @@ pub fn summed_power(
     sums
 }
 
-/// Returns the real sequence, of even `length`, whose transform is the real and even `power`, of length/2 + 1 values:
-/// sums of products at the lags 0 … length/2 of profiles whose [`summed_power`] it is.
+/// Returns the real sequence of even `length` with the real and even transform `power` of length/2 + 1 values: for a
+/// [`summed_power`], the sums of products at the lags 0 … length/2 of the profiles.
 #[doc(hidden)]
 pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
     let plan = real_inverse(length);

@@ -1,15 +1,15 @@
-//! Moving rows of one matrix to columns of another.
+//! Blockwise transposition of matrices.
 
 use super::Complex64;
 
-/// Columns that are moved at a time: 16 complex numbers are four cache lines of every row.
+/// Columns per block: 16 complex numbers are four cache lines of every row.
 pub(super) const BLOCK: usize = 16;
-/// Rows that are moved at a time.
+/// Rows per block.
 pub(super) const TILE: usize = 4;
 
-/// Writes columns of a matrix, from the column `first` on, as rows of length `length` into `to`, continued with zeros
-/// where the matrix has fewer rows. `from` yields the matrix in slabs of [`TILE`] rows of `width` values, the last one
-/// shorter; `to` takes as many columns as it has room for.
+/// Writes columns of a matrix, from the column `first` on, as zero-padded rows of length `length` into `to`. `from`
+/// yields the matrix in slabs of [`TILE`] rows of `width` values, the last one shorter; the number of columns follows
+/// from the length of `to`.
 pub(super) fn gather<'a, T: Copy + Default + 'a>(
     from: impl Iterator<Item = &'a [T]>,
     width: usize,
@@ -18,8 +18,8 @@ pub(super) fn gather<'a, T: Copy + Default + 'a>(
     length: usize,
 ) {
     let mut rows = 0;
-    // Four rows at a time fill a whole cache line of every column, which matters where `length` is a power of two and
-    // all columns compete for the same places of the cache.
+    // Four rows at a time fill a cache line of every column, which matters if `length` is a power of two and all
+    // columns map to the same cache sets.
     for slab in from {
         for (column, out) in to.chunks_exact_mut(length).enumerate() {
             let out = &mut out[rows..];
@@ -34,7 +34,8 @@ pub(super) fn gather<'a, T: Copy + Default + 'a>(
     }
 }
 
-/// Returns a real row has real first and Nyquist coefficients; rounding leaves dust there that realfft refuses.
+/// Sets the imaginary parts of the first and Nyquist coefficients of a real row to zero; realfft rejects the rounding
+/// errors.
 pub(super) fn make_real(half: &mut [Complex64], length: usize) {
     half[0].im = 0.0;
     if length.is_multiple_of(2) {

@@ -1,8 +1,8 @@
-//! Histograms as densities.
+//! Histograms normalised as densities.
 
 use super::{StatsError, quantile_sorted, sorted_present};
 
-/// Maximum number of bins a rule may ask for: more than a figure can show.
+/// Largest number of bins.
 const MAX_BINS: usize = 512;
 
 /// Counts of values in bins of equal width.
@@ -15,15 +15,14 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Creates the histogram of the present values in bins of the width of Freedman and Diaconis, 2·IQR·n^{−1/3}, of
-    /// which there are at most 512. Where half of all values are equal (IQR = 0) Scott's width 3.49·std·n^{−1/3} is
-    /// taken.
+    /// Creates the histogram of the present values with the bin width of Freedman and Diaconis, 2·IQR·n^{−1/3}, and at
+    /// most 512 bins. If half of all values are equal (IQR = 0), the width is Scott's 3.49·std·n^{−1/3}.
     ///
     /// # References
     /// Freedman & Diaconis, *Z. Wahrscheinlichkeitstheorie* **57** (1981) 453, <https://doi.org/10.1007/BF01025868>.
     ///
     /// # Errors
-    /// No value is present, or all are equal.
+    /// No value present, or all equal.
     pub fn new(values: &[f64]) -> Result<Self, StatsError> {
         let sorted = sorted_present(values.iter().copied());
         let (first, last) = ends(&sorted)?;
@@ -45,7 +44,7 @@ impl Histogram {
         Ok(Self { edges, counts })
     }
 
-    /// Returns the density in each bin: fraction of the values over the bin's width; it integrates to one.
+    /// Returns the density of each bin: fraction of the values over the bin width; its integral is one.
     pub fn density(&self) -> Vec<f64> {
         let total = self.counts.iter().sum::<usize>() as f64;
         let widths = self.edges.windows(2).map(|pair| pair[1] - pair[0]);
@@ -77,7 +76,7 @@ mod tests {
         let histogram = Histogram::new(&values).unwrap();
         assert_eq!(histogram.counts.iter().sum::<usize>(), 5000);
         let width = histogram.edges[1] - histogram.edges[0];
-        // IQR of the standard normal distribution is 1.349; its quartiles' standard error is about 1.36/√n.
+        // The IQR of the standard normal distribution is 1.349; the standard error of its quartiles is about 1.36/√n.
         assert!((width - 2.0 * 1.349 / 5000_f64.cbrt()).abs() < 0.01, "width {width}");
         let integral: f64 = histogram.density().iter().map(|d| d * width).sum();
         assert!((integral - 1.0).abs() < 1e-12);
@@ -90,7 +89,7 @@ mod tests {
         assert_eq!(histogram.centres(), [0.5, 1.5, 2.5, 3.5]);
         assert!(Histogram::new(&[1.0, 1.0]).is_err());
         assert!(Histogram::new(&[f64::NAN]).is_err());
-        // Heavy ties: the quartile range is 0, an outlier far away must not ask for endless bins.
+        // Many ties: the interquartile range is 0, and a distant outlier must not cause too many bins.
         let mut ties = vec![0.0; 1000];
         ties.extend([1.0, 1e9]);
         assert!(Histogram::new(&ties).unwrap().counts.len() <= MAX_BINS);

@@ -1,18 +1,18 @@
-//! How records lie.
+//! Spatial arrangement of records.
 
-/// How the records of a process lie: whether they go round, and how many *tracks* lie side by side on one strip.
+/// Arrangement of the records of a process: periodic or free, and the number of parallel *tracks* of a strip.
 ///
-/// Strips are independent of each other, tracks of a strip need not be: errors add up over strips. Records come strip
-/// by strip, the tracks of one after another, of equal length and position by position side by side.
+/// Strips are independent; tracks of a strip may be correlated, so errors are summed over strips. Records are listed
+/// strip by strip and track by track; the tracks of a strip have equal length and aligned positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
-    /// Whether a record goes on with its first value after its last.
+    /// Whether records are periodic.
     pub periodic: bool,
     /// Records per strip, at least 1.
     pub tracks: usize,
 }
 
-/// One record per strip, periodic or not.
+/// Creates the layout of one record per strip, periodic or not.
 impl From<bool> for Layout {
     fn from(periodic: bool) -> Self {
         Self { periodic, tracks: 1 }
@@ -29,7 +29,7 @@ impl Layout {
     /// Returns the tracks of each strip.
     ///
     /// # Panics
-    /// If a strip lacks a track, or its tracks differ in length.
+    /// If a strip is incomplete, or its tracks differ in length.
     #[doc(hidden)]
     pub fn by_strip<T: AsRef<[f64]>>(self, records: &[T]) -> impl Iterator<Item = &[T]> {
         assert!(records.len().is_multiple_of(self.tracks), "{} records of {} tracks", records.len(), self.tracks);
@@ -38,7 +38,8 @@ impl Layout {
     }
 }
 
-/// Returns the sum over the tracks at every position of a function of the values present (finite); NaN where none is.
+/// Returns the sum over the tracks of a function of the values present (finite), at every position; NaN without a
+/// value.
 #[doc(hidden)]
 pub fn sum_of_tracks<T: AsRef<[f64]>>(tracks: &[T], of: impl Fn(f64) -> f64) -> Vec<f64> {
     let at = |place: usize| {

@@ -2,15 +2,15 @@
 
 use super::blocks::{self, LANES};
 
-/// Moments of the present (not NaN) values of a sample. Without values all but `n` are NaN; of equal values the
-/// standard deviation is 0 and skewness and kurtosis are NaN.
+/// Moments of the values of a sample without NaN. Without values all but `n` are NaN; for equal values the standard
+/// deviation is 0 and skewness and kurtosis are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
     /// Values present.
     pub n: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard deviation with divisor n: the root mean square about the mean, as Sq. See [`Moments::sample_std`].
+    /// Standard deviation with divisor n, the root mean square about the mean as for Sq. See [`Moments::sample_std`].
     pub std: f64,
     /// Skewness m₃/m₂^{3/2} with central moments of divisor n.
     pub skewness: f64,
@@ -18,7 +18,7 @@ pub struct Moments {
     pub excess_kurtosis: f64,
 }
 
-/// Number, mean and range of the present (not NaN) values of a sample. Without values all but `n` are NaN.
+/// Number, mean and range of the values of a sample without NaN. Without values all but `n` are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     /// Values present.
@@ -32,7 +32,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Creates the extent of a sample. The mean is that of the differences from the first value.
+    /// Creates the extent of a sample, with the mean of the differences from the first value.
     pub fn new(values: &[f64]) -> Self {
         let Some(origin) = values.iter().copied().find(|v| !v.is_nan()) else {
             return Self { n: 0, mean: f64::NAN, least: f64::NAN, largest: f64::NAN };
@@ -68,21 +68,21 @@ impl Extent {
 }
 
 impl Moments {
-    /// Creates the moments of a slice, NaN skipped.
+    /// Creates the moments of a slice; NaN is skipped.
     ///
     /// Two passes: the mean of the differences from the first value, then powers of the deviations, scaled by the
-    /// largest so that neither squares of nanometres nor large offsets lose digits.
+    /// largest to preserve accuracy for nanometres and for large offsets.
     pub fn new(values: &[f64]) -> Self {
         Self::with_extent(&Extent::new(values), values)
     }
 
-    /// Creates the moments of a slice whose extent is known.
+    /// Creates the moments of a slice with a known extent.
     #[doc(hidden)]
     pub fn with_extent(extent: &Extent, values: &[f64]) -> Self {
         Self::with_absolute(extent, values).0
     }
 
-    /// Returns the moments of a slice whose extent is known, and its mean absolute deviation from the mean.
+    /// Returns the moments of a slice with a known extent, and its mean absolute deviation.
     #[doc(hidden)]
     pub fn with_absolute(extent: &Extent, values: &[f64]) -> (Self, f64) {
         let Extent { n, mean, least, largest } = *extent;
@@ -96,7 +96,7 @@ impl Moments {
             let square = deviation * deviation;
             [deviation, square, square * deviation, square * square, deviation.abs()]
         });
-        // What rounding left in the mean is taken out of the higher moments.
+        // Correct the higher moments for the rounding error of the mean.
         let [rest, second, third, fourth, absolute] = sums.map(|sum| sum / n as f64);
         let m2 = second - rest * rest;
         let m3 = third - 3.0 * rest * second + 2.0 * rest.powi(3);
@@ -111,13 +111,13 @@ impl Moments {
         (moments, scale * absolute)
     }
 
-    /// Creates the moments of values that are passed one by one, NaN skipped.
+    /// Creates the moments of an iterator of values; NaN is skipped.
     pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
         Self::new(&values.collect::<Vec<f64>>())
     }
 
     /// Returns the standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a
-    /// single one.
+    /// single value.
     pub fn sample_std(&self) -> f64 {
         if self.n < 2 { f64::NAN } else { self.std * (self.n as f64 / (self.n as f64 - 1.0)).sqrt() }
     }
@@ -127,7 +127,7 @@ impl Moments {
         self.sample_std() / (self.n as f64).sqrt()
     }
 
-    /// Returns the standard deviation over |mean|.
+    /// Returns the coefficient of variation, standard deviation over |mean|.
     pub fn coefficient_of_variation(&self) -> f64 {
         self.std / self.mean.abs()
     }
@@ -150,7 +150,8 @@ mod tests {
 
     #[test]
     fn nanometres_on_a_large_offset_keep_their_digits() {
-        // Multiples of 2⁻³⁰ m on 1 m are exact in binary, so that the offset costs nothing but the mean's own rounding.
+        // Multiples of 2⁻³⁰ m on 1 m are exact in binary, so the offset causes no error except the rounding of the
+        // mean.
         let unit = 2.0_f64.powi(-30);
         let values: Vec<f64> = [1.0, 2.0, 3.0, 6.0].iter().map(|v| 1.0 + v * unit).collect();
         let (shifted, plain) = (Moments::new(&values), Moments::new(&[1.0, 2.0, 3.0, 6.0]));

@@ -1,26 +1,25 @@
-//! Variance of a sum over correlated records.
+//! Variance of sums over correlated records.
 
 use std::borrow::Cow;
 
 use super::{Layout, Spread, flat_top, lag_sums, sum_of_tracks};
 
-/// The reach of a correlogram is where it falls to this.
+/// Level that defines the reach of a correlogram.
 const FADED: f64 = 0.2;
-/// The window ends at so many reaches, and is flat up to half of that: an exponential correlogram then lies within to
-/// 98 %.
+/// Length of the window in reaches, flat up to half of that: it then contains 98 % of an exponential correlogram.
 const REACHES: f64 = 4.65;
-/// A window at least spans so many correlation lengths of the values.
+/// Least length of a window in correlation lengths of the values.
 const LEAST_LENGTHS: f64 = 3.75;
-/// Long records afford a wider window, down to so many blocks.
+/// Number of blocks down to which long records have a wider window.
 const BLOCKS_TO_SPARE: f64 = 40.0;
-/// Largest fraction of the variance that the fitted means may have taken out of the window.
+/// Largest fraction of the variance in the window removed by the fitted means.
 const LARGEST_FITTED: f64 = 0.5;
-/// Few blocks narrow the window, to so much of its width, and fewer carry no interval.
+/// Few blocks narrow the window, down to this fraction; with fewer there is no interval.
 const WANTED_BLOCKS: f64 = 10.0;
 const NARROWEST: f64 = 0.6;
 const LEAST_BLOCKS: f64 = 5.0;
 
-/// Ordered pairs of values on records of one stationary process, by their lag.
+/// Ordered pairs of values on records of one stationary process, by lag.
 #[derive(Debug, Clone)]
 #[doc(hidden)]
 pub struct RecordSum {
@@ -34,8 +33,8 @@ pub struct RecordSum {
 }
 
 impl RecordSum {
-    /// Returns the pairs of the values present (finite) of `records`, across the tracks of a strip too. `mean` is that
-    /// of the values.
+    /// Counts the pairs of present (finite) values of `records`, including pairs across the tracks of a strip. `mean`
+    /// is the mean of the values.
     ///
     /// # Panics
     /// If a record is empty, or the tracks of a strip differ in length.
@@ -56,16 +55,14 @@ impl RecordSum {
         &self.fractions
     }
 
-    /// Returns the spread of a statistic whose error is the sum of its influences (NaN where a value is missing),
-    /// record after record as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for
-    /// those of the process.
+    /// Returns the spread of a statistic from its influences (NaN for a missing value), record by record as in
+    /// [`RecordSum::new`]. They sum to zero because `fitted` means replace those of the process.
     ///
-    /// The variance is the sum of the products of influences over all pairs within strips, under a window of their lag
-    /// that is flat and then falls to zero. It is corrected for what the fitted means took out, and for the tail of an
-    /// exponential correlogram beyond the window. Where no record is longer than the window it is the scatter between
-    /// strips.
+    /// The variance is the sum of the products of influences over all pairs within strips under a flat-top lag window,
+    /// corrected for the fitted means and for the tail of an exponential correlogram beyond the window. If no record is
+    /// longer than the window, it is the variance between strips.
     ///
-    /// `None` when fewer than five blocks are left, or the influences do not vary.
+    /// `None` with fewer than five blocks, or if the influences do not vary.
     ///
     /// # References
     /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>.
@@ -88,7 +85,7 @@ impl RecordSum {
         let squares = squares(end);
         let lags = || products.iter().enumerate();
         let sum: f64 = lags().map(|(lag, product)| flat_top(lag as f64, end) * product).sum();
-        // An exponential correlogram of the same reach.
+        // Exponential correlogram with the same reach.
         let decay = reach / (1.0 / FADED).ln();
         let exponential = |lag: usize| (-(lag as f64) / decay).exp();
         let whole: f64 = self.fractions.iter().enumerate().map(|(lag, fraction)| fraction * exponential(lag)).sum();
@@ -102,7 +99,7 @@ impl RecordSum {
         sound.then_some(Spread { variance, blocks: freedom, skewness: third })
     }
 
-    /// Returns the influences added up across the tracks of every strip.
+    /// Returns the influences summed over the tracks of every strip.
     fn across<'a>(&self, influence: &'a [Vec<f64>]) -> Cow<'a, [Vec<f64>]> {
         match self.layout.tracks {
             1 => Cow::Borrowed(influence),
@@ -114,7 +111,7 @@ impl RecordSum {
         self.fractions.iter().enumerate().map(|(lag, fraction)| term(*fraction, flat_top(lag as f64, end))).sum()
     }
 
-    /// Returns Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and number of blocks of about `side` values with the sums S.
+    /// Returns Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and the number of blocks of about `side` values with sums S.
     fn block_moments(&self, influence: &[Vec<f64>], side: usize) -> (f64, f64, f64) {
         let mut powers = [0.0; 4];
         for (record, length) in influence.iter().zip(&self.lengths) {
@@ -132,8 +129,8 @@ impl RecordSum {
     }
 }
 
-/// Returns the sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these
-/// pairs, at each lag; on a periodic strip the lag is that of the shorter way round.
+/// Returns the sums of products of deviations from `mean` over ordered pairs on the same strip, and the numbers of
+/// these pairs, at each lag; on a periodic strip the lag is the shorter distance.
 fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>) {
     let periodic = layout.periodic;
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
@@ -143,7 +140,7 @@ fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>)
         let n = strip[0].len();
         let (of_strip, pairs) = match strip {
             [record] => lag_sums(record, mean, n),
-            // A product of sums over tracks is the sum of the products of all pairs of tracks.
+            // The product of sums over tracks equals the sum of the products over all pairs of tracks.
             tracks => {
                 let of = |value: &dyn Fn(f64) -> f64| lag_sums(&sum_of_tracks(tracks, value), 0.0, n).0;
                 (of(&|value| value - mean), of(&|_| 1.0).into_iter().map(f64::round).collect())
@@ -159,7 +156,7 @@ fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>)
     (products, counts)
 }
 
-/// Lag at which the mean product first falls to a fraction of that at lag zero; the longest where it does not.
+/// Returns the lag at which the mean product first falls to a fraction of its value at lag zero, or the longest lag.
 fn crossing(products: &[f64], pairs: &[f64], fraction: f64) -> f64 {
     let at = |lag: usize| products[lag] / pairs[lag] * pairs[0] / products[0];
     let mut above = (0, 1.0);
@@ -182,7 +179,7 @@ mod tests {
     use crate::random;
     use crate::stats::Moments;
 
-    /// Records of the correlation φ^lag.
+    /// Records with correlation φ^lag.
     fn autoregressive(phi: f64, records: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
         let record = |index: usize| {
             let stream = &mut random::stream(41, "record sum", 100 * run + index as u64);
@@ -244,9 +241,9 @@ mod tests {
             let found = Moments::new(&variances);
             let ratio = found.mean / Moments::new(&means).std.powi(2);
             println!("{records} × {n}: {ratio} {:?} {:?}", found.std / found.mean, Moments::new(&blocks).mean);
-            // A variance over 200 runs has a standard error of 10 %, the mean of 200 variances on 15 blocks one of 3 %.
+            // A variance over 200 runs has a standard error of 10 %, the mean of 200 variances on 15 blocks 3 %.
             assert!((ratio - 1.0).abs() < 4.0 * 0.105, "{records} records: {ratio}");
-            // Degrees of freedom are those of the estimate's own scatter, within what they are known to themselves.
+            // The degrees of freedom match the variance of the estimate, within their own standard error.
             let freedom = 2.0 * (found.mean / found.std).powi(2);
             let told = Moments::new(&blocks).mean;
             assert!(told / freedom < 1.8 && freedom / told < 1.8, "{records} records: {told} for {freedom}");

@@ -1,4 +1,4 @@
-//! Beta distribution between given or free bounds.
+//! Beta distribution with given or free bounds.
 
 use super::maximise::{FARTHEST, NEAREST};
 use super::{End, Family, Fit};
@@ -7,7 +7,7 @@ use crate::distribution::{DistributionError, Marginal};
 use crate::numeric::simplex;
 use crate::stats::Moments;
 
-/// Shapes of the largest likelihood, and the mean log-density on [0, 1] that they reach.
+/// Maximum-likelihood shapes, and the mean log-density on [0, 1].
 #[derive(Debug, Clone, Copy)]
 struct Shapes {
     a: f64,
@@ -15,10 +15,10 @@ struct Shapes {
     mean_log_density: f64,
 }
 
-/// Returns the Beta distribution on [low, high] with the mean and variance of the values (divisor n), which may touch
+/// Returns the Beta distribution on [low, high] with the mean and variance of the values (divisor n), which may equal
 /// the bounds.
 ///
-/// Simple and robust, but not efficient. With `low` and `high` at the sample's extremes, which is how records are often
+/// Simple and robust, but not efficient. If `low` and `high` are the extremes of the sample, as often when records are
 /// "scaled to (0, 1)", the shapes depend on the sample size: use [`Family::BetaFreeBounds`] instead.
 ///
 /// # Errors
@@ -40,7 +40,7 @@ pub(super) fn beta_by_moments(values: &[f64], low: f64, high: f64) -> Result<Mar
     Marginal::beta(mean * sum, (1.0 - mean) * sum, low, high)
 }
 
-/// Returns the most likely shapes between known bounds.
+/// Returns the maximum-likelihood shapes for known bounds.
 pub(super) fn fit_between(sorted: &[f64], low: f64, high: f64) -> Result<Fit, DistributionError> {
     Marginal::beta(1.0, 1.0, low, high)?;
     if sorted[0] <= low || sorted[sorted.len() - 1] >= high {
@@ -52,11 +52,11 @@ pub(super) fn fit_between(sorted: &[f64], low: f64, high: f64) -> Result<Fit, Di
     Ok(Fit::unbounded(Family::Beta { low, high }, marginal, sorted))
 }
 
-/// Returns the most likely shapes and bounds, in the sense of [`super::fit`].
+/// Returns the maximum-likelihood shapes and bounds, as defined for [`super::fit`].
 pub(super) fn fit_free(sorted: &[f64]) -> Result<Fit, DistributionError> {
     let mut kept = sorted;
     let (mut low, mut high) = (None, None);
-    // Each round may find that an end has no maximum outside the sample; it is then put there for good.
+    // Each round may find that an end has no maximum outside the sample; the end is then fixed at the extreme.
     loop {
         let (gaps, found) = climb(sorted, kept, low, high).ok_or_else(|| no_maximum(sorted))?;
         if low.is_none() && (found.a < 1.0 + AT_ONE || gaps[0] <= 1.01 * NEAREST) {
@@ -88,9 +88,9 @@ pub(super) fn fit_free(sorted: &[f64]) -> Result<Fit, DistributionError> {
     }
 }
 
-/// A shape that the search leaves so close to one has been stopped by the bound there.
+/// Tolerance of a shape at its lower bound of one.
 const AT_ONE: f64 = 1e-3;
-/// Beyond a hundred ranges the shapes are in the thousands and the distribution is normal to every sample.
+/// Largest gap in ranges: beyond a hundred the shapes are in the thousands and the distribution is practically normal.
 const FARTHEST_BETA: f64 = 0.1 * FARTHEST;
 
 fn no_maximum(sorted: &[f64]) -> DistributionError {
@@ -107,8 +107,8 @@ fn bounds(sorted: &[f64], low: Option<f64>, high: Option<f64>, gaps: [f64; 2]) -
     [low.unwrap_or(first - range * gaps[0]), high.unwrap_or(last + range * gaps[1])]
 }
 
-/// Climbs the profile likelihood of the kept values over the gaps (in ranges) of the bounds that are not given. Shapes
-/// of free ends stay at least one, where the likelihood is bounded.
+/// Maximises the profile likelihood of the retained values over the gaps (in ranges) of the free bounds. Shapes at free
+/// ends are at least one, where the likelihood is bounded.
 fn climb(sorted: &[f64], kept: &[f64], low: Option<f64>, high: Option<f64>) -> Option<([f64; 2], Shapes)> {
     let range = sorted[sorted.len() - 1] - sorted[0];
     let at = |log_gaps: [f64; 2]| {
@@ -126,7 +126,7 @@ fn climb(sorted: &[f64], kept: &[f64], low: Option<f64>, high: Option<f64>) -> O
     };
     let starts = [0.05, 0.5, 5.0];
     let pairs = starts.iter().flat_map(|l| starts.iter().map(move |h| [*l, *h]));
-    // One start where an end is given, whose gap then has no effect.
+    // A given end needs one start only, since its gap has no effect.
     let pairs = pairs.filter(|[l, h]| (low.is_none() || *l == 0.5) && (high.is_none() || *h == 0.5));
     let (log_gaps, height) = pairs
         .map(|pair| pair.map(f64::ln))
@@ -159,7 +159,7 @@ fn shapes(values: &[f64], low: f64, high: f64) -> Option<Shapes> {
         let common = digamma(a + b);
         let gradient = [below - digamma(a) + common, above - digamma(b) + common];
         let (curve, curve_a, curve_b) = (trigamma(a + b), trigamma(a), trigamma(b));
-        // −Hessian = diag(ψ′(a), ψ′(b)) − ψ′(a+b), inverted by hand.
+        // −Hessian = diag(ψ′(a), ψ′(b)) − ψ′(a+b), inverted in closed form.
         let determinant = curve_a * curve_b - curve * (curve_a + curve_b);
         let step_a = ((curve_b - curve) * gradient[0] + curve * gradient[1]) / determinant;
         let step_b = (curve * gradient[0] + (curve_a - curve) * gradient[1]) / determinant;

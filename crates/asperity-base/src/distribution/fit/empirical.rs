@@ -1,16 +1,16 @@
-//! The sample's own distribution.
+//! Piecewise constant density of a sample.
 
 use super::{End, Family, Fit};
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::quantile_sorted;
 
-/// Smallest number of values in a bin.
+/// Least number of values per bin.
 const LEAST: usize = 5;
-/// Values by which the distribution is held.
+/// Number of values that represent the distribution.
 const HELD: usize = 1001;
 
-/// Returns a density that is constant in bins of equal fractions of the sample, which end at its quantiles. Each of the
-/// ends, the extremes among them, is a fitted parameter, so that Akaike's criterion ranks it with the others.
+/// Returns a density that is constant in bins of equal probability, bounded by quantiles of the sample. Every bin edge,
+/// including the extremes, counts as a parameter in Akaike's criterion.
 pub(super) fn fit(bins: usize, sorted: &[f64]) -> Result<Fit, DistributionError> {
     let n = sorted.len();
     let error = |reason| DistributionError::Sample { distribution: "empirical", n, reason };
@@ -76,11 +76,11 @@ mod tests {
         let ranking = rank_by_aic(&families, &two, None);
         assert!(matches!(ranking.fits[0].family, Family::Empirical { .. }), "{ranking:?}");
         assert_eq!(ranking.fits.iter().filter(|fit| fit.family.name() == "empirical").count(), 1);
-        // Of a normal sample the steps cost Σ over bins of the density's change: a hundredth of ln f for some tens of
-        // bins.
+        // For a normal sample the steps cost the sum over bins of the change of the density: a hundredth in ln f for
+        // some tens of bins.
         let one = random::standard_normal(&mut random::stream(8, "fit/empirical", 0), 2000);
         assert_eq!(rank_by_aic(&families, &one, None).fits[0].family, Family::Normal);
-        // Worth ten values, four bins and their five ends cost more than they gain.
+        // With an effective size of ten, four bins with five edges cost more than they gain.
         assert!(!matches!(rank_by_aic(&families, &two, Some(4.0)).fits[0].family, Family::Empirical { .. }));
     }
 }

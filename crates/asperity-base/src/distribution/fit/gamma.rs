@@ -1,19 +1,19 @@
-//! Gamma distribution of given shift.
+//! Gamma distribution with a given shift.
 
 use crate::distribution::special::{digamma, trigamma};
 use crate::distribution::{DistributionError, Marginal};
 
-/// Returns the most likely Gamma distribution of this shift.
+/// Returns the maximum-likelihood Gamma distribution with this shift.
 ///
-/// The shape k is the root of ln k − ψ(k) = ln mean t − mean ln t, by Newton's method on 1/k from Minka's start, which
-/// is within 1.5 % of it; the scale is mean t/k.
+/// The shape k is the root of ln k − ψ(k) = ln mean t − mean ln t, by Newton's method on 1/k from Minka's
+/// approximation, which is within 1.5 %; the scale is mean t/k.
 ///
 /// # References
 /// Choi & Wette, *Technometrics* **11** (1969) 683, <https://doi.org/10.1080/00401706.1969.10490731>.
 pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionError> {
     let n = sorted.len() as f64;
     let mean = sorted.iter().map(|x| x - shift).sum::<f64>() / n;
-    // Relative to the mean, so that the difference of the two means keeps its digits.
+    // Relative to the mean, which preserves the accuracy of the difference.
     let deficit = -sorted.iter().map(|x| ((x - shift) / mean).ln()).sum::<f64>() / n;
     if !(deficit.is_finite() && deficit > 0.0) {
         let reason = "a value lies at the shift, or all are nearly equal";

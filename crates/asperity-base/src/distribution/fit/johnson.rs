@@ -1,7 +1,7 @@
-//! The Johnson distribution of largest likelihood, unbounded or bounded.
+//! Maximum-likelihood Johnson distribution, unbounded or bounded.
 //!
-//! Where ξ and λ are given, f((x − ξ)/λ) is a normal sample, so that γ and δ are its moments. What is left is a search
-//! over ξ and λ, or over the two ends.
+//! For given ξ and λ, f((x − ξ)/λ) is a normal sample with γ and δ from its moments. The search is over ξ and λ, or
+//! over the two ends.
 
 use super::maximise::FARTHEST;
 use super::{End, Family, Fit};
@@ -9,16 +9,16 @@ use crate::distribution::{DistributionError, JohnsonSystem, Marginal};
 use crate::numeric::simplex;
 use crate::stats::Moments;
 
-/// Scales of S_U that are searched, in standard deviations of the sample; at the largest the distribution is lognormal
-/// or normal to the sample.
+/// Range of the scale of S_U in standard deviations of the sample; at the upper limit the distribution is practically
+/// lognormal or normal.
 const SCALES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
-/// How far ξ of S_U may lie from the mean, in units of max(λ, standard deviation).
+/// Largest distance of ξ of S_U from the mean, in units of max(λ, standard deviation).
 const FARTHEST_CENTRE: f64 = 30.0;
-/// The nearest that an end of S_B may come to the sample, in units of its range. Nearer ones belong to the maximum at
-/// the extreme value, where the likelihood has no bound.
+/// Least distance of an end of S_B from the sample, in units of its range. Smaller ones approach the unbounded
+/// likelihood at the extreme value.
 const NEAREST: f64 = 1e-4;
 
-/// Returns the more likely of the two systems, which have the lognormal and normal distributions as limits in common.
+/// Returns the system with the larger likelihood; the lognormal and normal distributions are limits of both.
 pub(super) fn fit(sorted: &[f64]) -> Result<Fit, DistributionError> {
     let candidates = [unbounded(sorted), bounded(sorted)];
     candidates.into_iter().flatten().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood)).ok_or(
@@ -30,7 +30,7 @@ pub(super) fn fit(sorted: &[f64]) -> Result<Fit, DistributionError> {
     )
 }
 
-/// Returns the most likely γ and δ for given ξ and λ, with the mean log-likelihood.
+/// Returns the maximum-likelihood γ and δ for given ξ and λ, with the mean log-likelihood.
 fn profile(sorted: &[f64], system: JohnsonSystem, xi: f64, lambda: f64) -> Option<(Marginal, f64)> {
     let u = || sorted.iter().map(|x| (x - xi) / lambda);
     let (normal, stretch): (Moments, f64) = match system {
@@ -52,8 +52,8 @@ fn fitted(sorted: &[f64], (marginal, mean_log): (Marginal, f64), low_end: End, h
     Fit { family: Family::Johnson, marginal, n, log_likelihood: n as f64 * mean_log, low_end, high_end }
 }
 
-/// Returns the most likely S_U distribution: from the best of a few centres and scales, and from the distribution with
-/// the sample's moments.
+/// Returns the maximum-likelihood S_U distribution, searched from the best of a grid of centres and scales and from the
+/// distribution with the moments of the sample.
 fn unbounded(sorted: &[f64]) -> Option<Fit> {
     let moments = Moments::new(sorted);
     let at = |[centre, log_scale]: [f64; 2]| {
@@ -78,7 +78,7 @@ fn unbounded(sorted: &[f64]) -> Option<Fit> {
     Some(fitted(sorted, at(place)?, End::Given, End::Given))
 }
 
-/// Returns the most likely S_B distribution whose ends lie outside the sample.
+/// Returns the maximum-likelihood S_B distribution with ends outside the sample.
 fn bounded(sorted: &[f64]) -> Option<Fit> {
     let (first, last) = (sorted[0], sorted[sorted.len() - 1]);
     let range = last - first;
@@ -91,8 +91,8 @@ fn bounded(sorted: &[f64]) -> Option<Fit> {
         profile(sorted, JohnsonSystem::Bounded, low, high - low)
     };
     let height = |log_gaps: [f64; 2]| at(log_gaps).map_or(f64::NEG_INFINITY, |(_, mean_log)| mean_log);
-    // A local maximum of a coarse grid that is not at the nearest gaps, so that the search does not start on the slope
-    // towards an extreme value.
+    // Start from a local maximum of a coarse grid that is not at the smallest gaps, where the likelihood rises towards
+    // an extreme value.
     let grid: Vec<f64> = (0..8).map(|i| 1e-3_f64.ln() + f64::from(i) * (1e5_f64.ln() / 7.0)).collect();
     let heights: Vec<Vec<f64>> = grid.iter().map(|a| grid.iter().map(|b| height([*a, *b])).collect()).collect();
     let peak = |i: usize, j: usize| {
@@ -190,7 +190,8 @@ mod tests {
 
     #[test]
     fn a_plateau_of_heights_is_ranked_as_a_johnson_distribution() {
-        // Run-in surfaces lean left with heavy tails; a Weibull distribution of skewness −0.5 has a kurtosis of 3.3.
+        // Worn-in surfaces have negative skewness and heavy tails; a Weibull distribution of skewness −0.5 has a
+        // kurtosis of 3.3.
         let values = sample("johnson:-0.5,6", 4000, 112);
         let ranking = rank_by_aic(&Family::HEIGHTS, &values, None);
         assert_eq!(ranking.fits[0].family, Family::Johnson, "{ranking:?}");

@@ -1,9 +1,10 @@
-//! Lognormal distribution of given shift.
+//! Lognormal distribution with a given shift.
 
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::Moments;
 
-/// Returns the most likely lognormal distribution of this shift: mean and standard deviation of ln(x − shift).
+/// Returns the maximum-likelihood lognormal distribution with this shift, from mean and standard deviation of ln(x −
+/// shift).
 pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionError> {
     let moments = Moments::from_values(sorted.iter().map(|x| (x - shift).ln()));
     Marginal::lognormal(moments.mean, moments.std, shift)

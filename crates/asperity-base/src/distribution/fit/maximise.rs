@@ -4,13 +4,13 @@ use super::{End, Family, Fit};
 use crate::distribution::{DistributionError, Marginal};
 use crate::numeric::golden_section;
 
-/// Distances between the sample and a free end that are searched, in units of the sample's range.
+/// Range of the distance between the sample and a free end, in units of the range of the sample.
 pub(super) const NEAREST: f64 = 1e-6;
 pub(super) const FARTHEST: f64 = 1e3;
-/// Points of the logarithmic search grid.
+/// Number of points of the logarithmic search grid.
 const GRID: usize = 55;
 
-/// Fits a distribution with a free lower end: the largest interior local maximum of the profile likelihood over the
+/// Fits a distribution with a free lower end, at the largest interior local maximum of the profile likelihood over the
 /// shift.
 pub(super) fn shift(
     family: Family,

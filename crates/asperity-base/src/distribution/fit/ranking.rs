@@ -1,44 +1,43 @@
-//! Families compared on one sample.
+//! Comparison of families on one sample.
 
 use super::{End, Family, Fit, fit};
 use crate::distribution::DistributionError;
 use crate::distribution::goodness::{Goodness, ProcessNull, anderson_darling, kolmogorov_smirnov};
 
-/// Fits of several families, best first, and the families that could not be fitted.
+/// Fits of several families, best first, and the families without a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
     /// Fits in the order of Akaike's criterion.
     pub fits: Vec<Fit>,
-    /// How well each of them fits. The criterion finds the best distribution of those tried; this says whether it is
-    /// any good.
+    /// Goodness of fit of each fit. The criterion selects the best of the families; goodness of fit shows whether it is
+    /// adequate.
     pub goodness: Vec<FitGoodness>,
-    /// Number of independent values that the criterion and the p-values count.
+    /// Effective sample size in the criterion and the p-values.
     pub effective_size: f64,
-    /// Families without a fit, and why.
+    /// Families without a fit, with the error.
     pub failed: Vec<(Family, DistributionError)>,
 }
 
-/// Distances between a sample and a distribution fitted to it; their p-values are too large, as [`Goodness`] explains.
+/// Distances between a sample and a distribution fitted to it; the p-values are too large, see [`Goodness`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitGoodness {
     /// Largest difference of the distribution functions.
     pub kolmogorov_smirnov: Goodness,
-    /// The distance that weighs the tails; none where a value lies at the end of the distribution's support, which
-    /// makes it infinite.
+    /// Anderson–Darling distance, which weights the tails; absent if a value is at the end of the support, where it is
+    /// infinite.
     pub anderson_darling: Option<Goodness>,
 }
 
-/// Fits the families and orders them by [`Fit::aic_correlated`]; `effective_size` of `None` takes the values as
-/// independent. Of empirical distributions the best is kept.
+/// Fits the families and orders them by [`Fit::aic_correlated`]; an `effective_size` of `None` treats the values as
+/// independent. Of several piecewise constant densities only the best is kept.
 ///
 /// # Correlated values
-/// Heights of a map and windows of a record are correlated. Taken as independent they make every difference between two
-/// distributions look as if it rested on n values, so that the criterion overstates: distributions with more parameters
-/// win although the sample does not bear them. The convention here: the log-likelihood counts n_eff/n, where n_eff is
-/// the number of independent values whose mean is as uncertain as that of the sample: n/Σρ over all lags for a record
-/// ([`crate::stats::correlation_time`]), the area over ∬ρ for a map. Thinning a sample removes the correlation only
-/// where the kept values are several correlation lengths apart; sorting first and keeping every k-th value does not
-/// remove it.
+/// Heights of a map and windows of a record are correlated. If they are treated as independent, a difference between
+/// two distributions appears to rest on n values, and distributions with too many parameters are selected. Here the
+/// log-likelihood is multiplied by n_eff/n, where n_eff is the effective sample size for the mean: n/Σρ over all lags
+/// for a record ([`crate::stats::correlation_time`]), the area over ∬ρ for a map. Thinning a sample removes the
+/// correlation only if the retained values are several correlation lengths apart; sorting first and retaining every
+/// k-th value does not.
 ///
 /// # References
 /// Akaike, *IEEE Trans. Autom. Control* **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>; Thiébaux &
@@ -64,25 +63,25 @@ pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f
 }
 
 impl Ranking {
-    /// Returns the place of the distribution to go on with: the first whose ends the sample sees. A fitted end far
-    /// outside the sample makes a distribution of four parameters that is hardly different from a simpler one.
+    /// Returns the index of the recommended distribution: the first whose ends are determined by the sample. A fitted
+    /// end far outside the sample gives a distribution of four parameters that is hardly different from a simpler one.
     pub fn place(&self) -> Option<usize> {
         let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
         self.fits.iter().position(seen).or(if self.fits.is_empty() { None } else { Some(0) })
     }
 
-    /// Returns the distribution to go on with.
+    /// Returns the recommended distribution.
     pub fn chosen(&self) -> Option<&Fit> {
         self.fits.get(self.place()?)
     }
 
-    /// Returns the distance of a fit; none for the sample's own distribution, which is fitted to all of it.
+    /// Returns the distances of a fit; `None` for piecewise constant densities, which are fitted to the whole sample.
     pub fn distance(&self, place: usize) -> Option<FitGoodness> {
         let fit = self.fits.get(place)?;
         if matches!(fit.family, Family::Empirical { .. }) { None } else { self.goodness.get(place).copied() }
     }
 
-    /// Puts the p-values of a null in, if it has all of them.
+    /// Replaces the p-values by those of a simulated null distribution, if it has all of them.
     pub fn assess(&mut self, null: &ProcessNull, values: &[f64]) {
         let known: Option<Vec<FitGoodness>> = self.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
         if let Some(known) = known {
@@ -92,7 +91,7 @@ impl Ranking {
 }
 
 impl FitGoodness {
-    /// `None` for a sample without values, which has no fit.
+    /// `None` for an empty sample.
     fn new(fit: &Fit, values: &[f64], effective_size: f64) -> Option<Self> {
         Some(Self {
             kolmogorov_smirnov: kolmogorov_smirnov(values, &fit.marginal, Some(effective_size)).ok()?,
@@ -114,7 +113,7 @@ mod tests {
             ("normal:5,1", "normal", &two_parameters[..]),
             ("lognormal:0,0.8", "lognormal", &two_parameters),
             ("weibull:1.3,2", "weibull", &two_parameters),
-            // Four parameters can imitate the others, but not they it.
+            // Distributions of four parameters can approximate the others, but not vice versa.
             ("beta:1.5,1.3,2,5", "beta", &Family::POSITIVE),
         ] {
             let values = sample(marginal, 4000, 2);
@@ -142,8 +141,8 @@ mod tests {
 
     #[test]
     fn correlated_values_taken_as_independent_prefer_distributions_they_do_not_bear() {
-        // AR(1) with φ = e^{−1/10}: n_eff = n (1 − φ)/(1 + φ). Of independent normal values the lognormal distribution
-        // with a shift gains more than its parameter costs in about 8 % of the samples: P(χ²₁ > 2)/2.
+        // AR(1) with φ = e^{−1/10}: n_eff = n (1 − φ)/(1 + φ). For independent normal values the gain of the shifted
+        // lognormal distribution exceeds the cost of its parameter in about 8 % of the samples: P(χ²₁ > 2)/2.
         let (n, trials) = (400, 100_u64);
         let phi = (-0.1_f64).exp();
         let effective = n as f64 * (1.0 - phi) / (1.0 + phi);
@@ -163,7 +162,7 @@ mod tests {
                 *count += u64::from(rank_by_aic(&families, &values, size).fits[0].family == Family::Normal);
             }
         }
-        // Binomial standard error of a share near 0.9: 0.03.
+        // Binomial standard error of a fraction near 0.9: 0.03.
         assert!(right[1] >= 80 && right[0] <= right[1] - 15, "{right:?} of {trials}");
     }
 }

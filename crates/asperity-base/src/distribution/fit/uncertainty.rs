@@ -1,4 +1,4 @@
-//! How well correlated records know the parameters of a distribution fitted to them.
+//! Confidence intervals of the parameters of a distribution fitted to correlated records.
 
 use rayon::prelude::*;
 
@@ -7,45 +7,45 @@ use crate::distribution::Marginal;
 use crate::numeric::inverse;
 use crate::stats::{Estimate, Layout, Moments, RecordSum};
 
-/// Step of a difference quotient, in units of a positive parameter or of the distribution's standard deviation.
+/// Step of a first difference, in units of a positive parameter or of the standard deviation.
 const STEP: f64 = 1e-4;
-/// The same of a second difference.
+/// Step of a second difference.
 const WIDE_STEP: f64 = 1e-3;
-/// Shape up to which the density at an end of the support is so steep that the end is known better than by any
-/// influence.
+/// Shape up to which the density at an end of the support is so steep that the end converges faster than any regular
+/// estimate.
 const IRREGULAR: f64 = 2.0;
 
-/// Groups of the jackknife.
+/// Number of jackknife blocks.
 const GROUPS: usize = 20;
 
-/// A parameter that was fitted.
+/// Fitted parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(hidden)]
 pub struct Parameter {
     name: &'static str,
-    /// Place in [`Marginal::parameters`].
+    /// Index in [`Marginal::parameters`].
     place: usize,
     value: f64,
-    /// Size of a difference that counts.
+    /// Scale of the parameter.
     scale: f64,
-    /// Whether it cannot be negative.
+    /// Whether it is positive.
     positive: bool,
 }
 
-/// A fitted parameter and what the records tell of it.
+/// Fitted parameter with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterEstimate {
-    /// Name, as [`Marginal::parameters`] has it.
+    /// Name, as in [`Marginal::parameters`].
     pub name: &'static str,
     /// Value.
     pub value: f64,
-    /// With interval; `None` for an end of the support that is no smooth parameter of the likelihood, and where the
-    /// records hold too few correlation lengths.
+    /// Value with interval; `None` for an end of the support on which the likelihood does not depend smoothly, and for
+    /// records of too few correlation lengths.
     pub estimate: Option<Estimate>,
 }
 
 impl Fit {
-    /// Every parameter that was fitted, ends of the support among them.
+    /// Parameters fitted, including the ends of the support.
     fn fitted(&self) -> Vec<Parameter> {
         let std = self.marginal.std();
         let given = |name: &str| match self.family {
@@ -68,10 +68,10 @@ impl Fit {
             .collect()
     }
 
-    /// Returns the fitted parameters on which the likelihood depends smoothly. An end of the support at the sample's
-    /// extreme or out of sight is none, nor one where the shape is at most 2: there the density falls so steeply that
-    /// the end is known to n^{−1/shape}, better than to n^{−1/2} (Smith, *Biometrika* **72** (1985) 67,
-    /// <https://doi.org/10.1093/biomet/72.1.67>).
+    /// Returns the fitted parameters on which the likelihood depends smoothly. This excludes ends of the support that
+    /// are at the extreme of the sample or undetermined, and ends with a shape of at most 2: the density is so steep
+    /// there that the error of the end is of order n^{−1/shape}, less than n^{−1/2} (Smith, *Biometrika* **72** (1985)
+    /// 67, <https://doi.org/10.1093/biomet/72.1.67>).
     #[doc(hidden)]
     pub fn regular_parameters(&self) -> Vec<Parameter> {
         let shapes = match self.marginal {
@@ -88,7 +88,7 @@ impl Fit {
         self.fitted().into_iter().filter(regular).collect()
     }
 
-    /// Returns the distribution with parameters moved from where they are.
+    /// Returns the distribution with shifted parameters.
     #[doc(hidden)]
     pub fn moved(&self, moves: &[(Parameter, f64)]) -> Marginal {
         let mut values: Vec<f64> = self.marginal.parameters().into_iter().map(|(_, value)| value).collect();
@@ -98,35 +98,34 @@ impl Fit {
         self.marginal.with_parameters(&values)
     }
 
-    /// Returns ∂ ln f(x)/∂θ over the parameter's scale.
+    /// Returns ∂ ln f(x)/∂θ in units of the parameter's scale.
     #[doc(hidden)]
     pub fn score(&self, parameter: Parameter, x: f64) -> f64 {
         let at = |by: f64| self.moved(&[(parameter, by)]).ln_pdf(x);
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
-    /// Returns ∂F(x)/∂θ over the parameter's scale.
+    /// Returns ∂F(x)/∂θ in units of the parameter's scale.
     #[doc(hidden)]
     pub fn slope(&self, parameter: Parameter, x: f64) -> f64 {
         let at = |by: f64| self.moved(&[(parameter, by)]).cdf(x);
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
-    /// Returns the fitted parameters of a distribution that was fitted to these records (with equal steps, of one
-    /// process; NaN is a missing value; `true` and `false` stand for periodic and free strips of one track), with 95 %
-    /// intervals that know the correlation along and across strips.
+    /// Returns the fitted parameters of a distribution fitted to these records, with 95 % intervals that account for
+    /// the correlation along and across strips. The records have equal steps and belong to one process; NaN is a
+    /// missing value, and `true` and `false` stand for periodic and free strips of one track.
     ///
-    /// The covariance of the parameters is H⁻¹JH⁻¹: H the second derivatives of the mean logarithm of the density, J
-    /// the long-run variance of the scores, so that the distribution need not be the true one. Positive parameters have
-    /// intervals on the scale of their logarithm, about the value less its bias where two parameters were fitted (by
-    /// the jackknife over twenty blocks); all are Student's, as those of [`crate::stats::ProcessMoments`]. An end of
-    /// the support counts as known where it lies at the sample's extreme or out of sight, or the shape there is at most
-    /// 2: the density then falls so steeply that the end is known to n^{−1/shape} (Smith 1985), and the intervals of
-    /// the shapes are too narrow by what the end itself was not known.
+    /// The covariance of the parameters is H⁻¹JH⁻¹ with the second derivatives H of the mean log-density and the
+    /// long-run variance J of the scores, which does not assume that the distribution is the true one. Positive
+    /// parameters have intervals on a logarithmic scale, bias-corrected if two parameters were fitted (by the jackknife
+    /// over twenty blocks); all use Student's quantiles as [`crate::stats::ProcessMoments`]. An end of the support
+    /// counts as known if it is at the extreme of the sample or undetermined, or the shape there is at most 2: its
+    /// error is then of order n^{−1/shape} (Smith 1985), and the intervals of the shapes neglect it.
     ///
     /// # References
     /// White, *Econometrica* **50** (1982) 1, <https://doi.org/10.2307/1912526>; Varin, Reid & Firth, *Stat. Sinica*
-    /// **21** (2011) 5, for the likelihood of values taken as independent.
+    /// **21** (2011) 5, on the composite likelihood.
     pub fn estimates(&self, records: &[&[f64]], layout: impl Into<Layout>) -> Vec<ParameterEstimate> {
         let layout = layout.into();
         let regular = self.regular_parameters();
@@ -149,9 +148,8 @@ impl Fit {
         self.fitted().into_iter().map(of).collect()
     }
 
-    /// Returns the bias of the logarithm of every parameter of the distribution, by leaving out one of twenty blocks of
-    /// neighbours at a time. Zero where more than two parameters were fitted, which takes too long, and where a part of
-    /// the values has no fit.
+    /// Returns the jackknife bias of the logarithm of every parameter, omitting one of twenty blocks of neighbours at a
+    /// time. It is zero with more than two fitted parameters, which would take too long, and if a subset has no fit.
     ///
     /// # References
     /// Quenouille, *Biometrika* **43** (1956) 353, <https://doi.org/10.1093/biomet/43.3-4.353>.
@@ -175,10 +173,10 @@ impl Fit {
         (0..own.len()).map(of).collect()
     }
 
-    /// Returns −H⁻¹ s(x)/n of every value for every parameter, in the parameters' scales, as they would add up if the
-    /// fit had not made the scores add up to nothing; `None` where H has no inverse.
+    /// Returns −H⁻¹ s(x)/n of every value for every parameter, in units of the scales, not centred by the fit; `None`
+    /// if H is singular.
     fn influences(&self, records: &[&[f64]], parameters: &[Parameter]) -> Option<Vec<Vec<Vec<f64>>>> {
-        // At the sample's extremes, where an end was put, the density says nothing.
+        // At extremes of the sample that are ends of the support, the density carries no information.
         let inside = |x: &&f64| self.marginal.ln_pdf(**x).is_finite();
         let values: Vec<f64> = records.iter().flat_map(|r| r.iter()).filter(inside).copied().collect();
         let n = values.len() as f64;
@@ -219,8 +217,8 @@ impl Fit {
     }
 }
 
-/// Returns all values strip by strip, the tracks of a strip position by position, so that neighbours of a block are
-/// neighbours in space.
+/// Returns all values strip by strip and, within a strip, position by position over the tracks, so that the values of a
+/// block are neighbours in space.
 fn side_by_side(records: &[&[f64]], layout: Layout) -> Vec<f64> {
     let strip = |tracks: &[&[f64]]| -> Vec<f64> {
         (0..tracks[0].len()).flat_map(|place| tracks.iter().map(move |track| track[place])).collect()
@@ -235,7 +233,7 @@ mod tests {
     use crate::distribution::special::trigamma;
     use crate::random;
 
-    /// Returns a translated record of the correlation e^{−lag/5}.
+    /// Returns a translated record with correlation e^{−lag/5}.
     fn record(marginal: &str, n: usize, index: u64) -> Vec<f64> {
         let marginal: Marginal = marginal.parse().unwrap();
         let phi = (-0.2_f64).exp();
@@ -257,13 +255,14 @@ mod tests {
         let wanted = [((curve_b - curve) / determinant).sqrt(), ((curve_a - curve) / determinant).sqrt()];
         for (parameter, wanted) in found.iter().zip(wanted) {
             let ratio = parameter.estimate.unwrap().standard_error / wanted;
-            // A variance on forty blocks and more is known to √(2/40), its root to half of that.
+            // A variance from forty blocks or more has a relative standard error of √(2/40), its square root half of
+            // that.
             assert!((ratio - 1.0).abs() < 4.0 * 0.11, "{parameter:?} for {wanted}");
         }
         assert_eq!([found[0].name, found[1].name], ["a", "b"]);
         let normal = sample("normal:3,0.5", n, 91);
         let fitted = fit(Family::Normal, &normal).unwrap().estimates(&[&normal], false);
-        // The fitted mean is the mean: σ/√n.
+        // The fitted mean equals the sample mean: σ/√n.
         assert!((fitted[0].estimate.unwrap().standard_error / (0.5 / (n as f64).sqrt()) - 1.0).abs() < 0.44);
     }
 
@@ -306,7 +305,7 @@ mod tests {
         let Marginal::Weibull { shape, .. } = fitted.marginal else { panic!() };
         assert!(shape < IRREGULAR, "{fitted:?}");
         assert!(found[0].estimate.is_some() && found[1].estimate.is_some() && found[2].estimate.is_none());
-        // Without intervals the parameters are there all the same.
+        // Without intervals the parameters are still listed.
         let short = record("beta:2.1,5", 40, 3);
         let fitted = fit(Family::Beta { low: 0.0, high: 1.0 }, &short).unwrap();
         assert!(fitted.estimates(&[&short], false).iter().all(|found| found.estimate.is_none()));

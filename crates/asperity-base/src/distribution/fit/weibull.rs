@@ -1,19 +1,19 @@
-//! Weibull distribution of given shift.
+//! Weibull distribution with a given shift.
 
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::Moments;
 
-/// Returns the most likely Weibull distribution of this shift.
+/// Returns the maximum-likelihood Weibull distribution with this shift.
 ///
-/// The shape k is the root of Σ tᵏ ln t/Σ tᵏ − 1/k = mean ln t, whose left side increases with k; the scale is
-/// (mean tᵏ)^{1/k}. Newton's method on ln k, kept inside a bracket.
+/// The shape k is the root of Σ tᵏ ln t/Σ tᵏ − 1/k = mean ln t, whose left side increases with k, by Newton's method on
+/// ln k within a bracket. The scale is (mean tᵏ)^{1/k}.
 pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionError> {
     let n = sorted.len() as f64;
     let failed = |reason| DistributionError::Sample { distribution: "weibull", n: sorted.len(), reason };
     let logs: Vec<f64> = sorted.iter().map(|x| (x - shift).ln()).collect();
     let moments = Moments::new(&logs);
     let largest = logs.last().copied().unwrap_or(f64::NAN);
-    // Sums of t̃ᵏ (ln t̃)ʲ with t̃ = t/max t, so that nothing overflows.
+    // Sums of t̃ᵏ (ln t̃)ʲ with t̃ = t/max t, which avoids overflow.
     let sums = |shape: f64| {
         logs.iter().map(|log| log - largest).fold([0.0; 3], |[zero, one, two], log| {
             let power = (shape * log).exp();

@@ -1,4 +1,4 @@
-//! How far correlated records lie from a distribution that was fitted to them, when the distribution is right.
+//! Null distribution of the goodness of fit of distributions fitted to correlated records.
 
 use rayon::prelude::*;
 
@@ -10,27 +10,27 @@ use crate::numeric::inverse;
 use crate::random;
 use crate::stats::{Layout, sorted_present};
 
-/// The normal score g = Φ⁻¹(F(x)) is counted in cells of this width within ±[`REACH`].
+/// Cell width of the histogram of normal scores g = Φ⁻¹(F(x)), within ±[`REACH`].
 const CELL: f64 = 0.02;
 const REACH: f64 = 5.0;
 const CELLS: usize = 500;
-/// Highest order of the autoregression, and its fraction of the longest record.
+/// Highest order of the autoregression, absolute and as a fraction of the longest record.
 const MOST_ORDER: usize = 64;
 const LONGEST_FRACTION: usize = 8;
 
 /// Simulated records of a translation process with the correlation of a sample, for p-values of distances to fitted
 /// distributions.
 ///
-/// The normal scores of the values' ranks are fitted by an autoregression, its order by Akaike's criterion; a fitted
-/// distribution translates them. Records of the lengths and with the gaps of the sample are drawn, and the distance of
-/// each from the distribution that would be *fitted to it*, to first order in the errors of the parameters: F_n − F −
-/// ∂F/∂θ I⁻¹ s̄ with the scores s and Fisher's information I. Scores and distances depend on g alone, so that one set
-/// of draws serves every distribution.
+/// An autoregression, with the order from Akaike's criterion, is fitted to the normal scores of the ranks and simulated
+/// on records with the lengths and gaps of the sample. The distance of each simulated record to the distribution
+/// *fitted to it* is computed to first order in the errors of the parameters: F_n − F − ∂F/∂θ I⁻¹ s̄ with the scores s
+/// and Fisher's information I. Scores and distances depend on g only, so one set of simulations serves all
+/// distributions.
 ///
-/// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again.
-/// Periodic strips are drawn periodic, with the covariance of the autoregression, fitted along them, summed over all
-/// turns; below some six correlation lengths that goes round twice. Tracks of a strip are drawn with the correlation
-/// that those of the sample have at the same position, by their distance round the strip.
+/// Ends of the support on which the likelihood does not depend smoothly ([`Fit::estimates`]) are not refitted. Periodic
+/// strips are simulated as periodic, with the covariance of the autoregression summed over all periods; this matters
+/// below about six correlation lengths. Tracks of a strip are simulated with the correlation of those of the sample at
+/// the same position, by their distance around the strip.
 ///
 /// # References
 /// Stute, González Manteiga & Presedo Quindimil, *Metrika* **40** (1993) 243, <https://doi.org/10.1007/BF02613687>
@@ -38,16 +38,16 @@ const LONGEST_FRACTION: usize = 8;
 /// (estimated parameters to first order).
 #[derive(Debug, Clone)]
 pub struct ProcessNull {
-    /// Fraction of the values in each cell, for every draw.
+    /// Fraction of the values in each cell, for every simulation.
     draws: Vec<Vec<f64>>,
     present: usize,
     order: usize,
 }
 
 impl ProcessNull {
-    /// Returns the draws `draws` samples like `records`: with equal steps, of one process, strips independent of each
-    /// other; NaN is a missing value, and `true` and `false` stand for periodic and free strips of one track. Draw i
-    /// uses the stream (seed, "goodness", i).
+    /// Simulates `draws` samples like `records`, which have equal steps and belong to one process with independent
+    /// strips. NaN is a missing value, and `true` and `false` stand for periodic and free strips of one track.
+    /// Simulation i uses the stream (seed, "goodness", i).
     ///
     /// # Errors
     /// Fewer than 10 values, or all equal.
@@ -76,7 +76,7 @@ impl ProcessNull {
             if x.is_nan() {
                 return f64::NAN;
             }
-            // Equal values share their ranks.
+            // Tied values share their mean rank.
             let below = sorted.partition_point(|v| v < x) as f64;
             let through = sorted.partition_point(|v| v <= x) as f64;
             standard_normal_quantile(0.5 * (below + through) / n)
@@ -112,16 +112,16 @@ impl ProcessNull {
         Ok(Self { draws, present: sorted.len(), order: process.order() })
     }
 
-    /// Returns the order of the autoregression that was fitted to the normal scores.
+    /// Returns the order of the autoregression of the normal scores.
     pub fn order(&self) -> usize {
         self.order
     }
 
-    /// Returns the distances of the values from a distribution fitted to them, with p-values (1 + draws farther
-    /// away)/(1 + draws).
+    /// Returns the distances of the values from a distribution fitted to them, with p-values (1 + number of larger
+    /// simulated distances)/(1 + draws).
     ///
     /// # Errors
-    /// No value is present.
+    /// An empty sample.
     pub fn goodness(&self, fit: &Fit, values: &[f64]) -> Result<FitGoodness, DistributionError> {
         let projection = Projection::new(fit);
         let mut counts = vec![0.0; CELLS];
@@ -154,17 +154,17 @@ fn cell(g: f64) -> usize {
     (((g + REACH) / CELL) as usize).min(CELLS - 1)
 }
 
-/// Returns Φ⁻¹(F(x)) without loss in either tail.
+/// Returns Φ⁻¹(F(x)) with full precision in both tails.
 fn normal_score(fit: &Fit, x: f64) -> f64 {
     let lower = fit.marginal.cdf(x);
     if lower < 0.5 { standard_normal_quantile(lower) } else { -standard_normal_quantile(fit.marginal.survival(x)) }
 }
 
-/// What fitting the parameters takes out of a difference of distribution functions.
+/// Effect of the fitted parameters on a difference of distribution functions.
 struct Projection {
-    /// I⁻¹ s at the middle of every cell, for every parameter.
+    /// I⁻¹ s at the centre of every cell, for every parameter.
     scores: Vec<Vec<f64>>,
-    /// ∂F/∂θ at the upper end of every cell.
+    /// ∂F/∂θ at the upper edge of every cell.
     slopes: Vec<Vec<f64>>,
 }
 
@@ -190,8 +190,8 @@ impl Projection {
     }
 }
 
-/// Returns the Kolmogorov and Smirnov's and Anderson and Darling's distance of shares in cells from the normal
-/// distribution, of which a projection takes what a fit would.
+/// Returns the Kolmogorov–Smirnov and Anderson–Darling distances of cell fractions from the normal distribution, with
+/// the effect of a fit removed by `projection`.
 fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
     let moves: Vec<f64> = projection.map_or_else(Vec::new, |projection| {
         projection
@@ -215,15 +215,15 @@ fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
     [largest, squares]
 }
 
-/// A stationary normal autoregression of unit variance.
+/// Stationary normal autoregression of unit variance.
 struct Autoregression {
-    /// Coefficients of every order up to the one chosen, on the last value first, and standard deviation of what is
-    /// new.
+    /// Coefficients of every order up to the selected one, for the last value first, and standard deviation of the
+    /// innovation.
     orders: Vec<(Vec<f64>, f64)>,
 }
 
 impl Autoregression {
-    /// Burg's method over all records at once; the order has the least value of Akaike's criterion.
+    /// Fits by Burg's method to all records together; the order minimises Akaike's criterion.
     ///
     /// # References
     /// Burg, *Maximum Entropy Spectral Analysis*, PhD thesis, Stanford 1975; Akaike, *IEEE Trans. Autom. Control*
@@ -273,7 +273,7 @@ impl Autoregression {
         self.orders.len() - 1
     }
 
-    /// Returns the path that a standard normal ξ makes, stationary from its first value.
+    /// Returns the path generated by a standard normal ξ, stationary from its first value.
     fn path(&self, mut xi: Vec<f64>) -> Vec<f64> {
         for t in 0..xi.len() {
             let (coefficients, std) = &self.orders[t.min(self.order())];
@@ -284,8 +284,8 @@ impl Autoregression {
     }
 }
 
-/// What of the ξ of a track goes into that of another, by their distance round the strip: the root of the circulant
-/// matrix of the correlations at the same position, negative eigenvalues left out.
+/// Mixing weights of the ξ of the tracks, by their distance around the strip: the square root of the circulant matrix
+/// of the correlations at the same position, without negative eigenvalues.
 fn track_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     let tracks = layout.tracks;
     if tracks == 1 {
@@ -317,7 +317,7 @@ fn track_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
     mixture
 }
 
-/// Returns the samples of ξ of the tracks of a strip, mixed.
+/// Returns the mixed ξ of the tracks of a strip.
 fn mixed(xi_samples: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
     if let [xi] = xi_samples {
         return vec![xi.clone()];
@@ -329,16 +329,16 @@ fn mixed(xi_samples: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
     (0..tracks).map(|track| (0..xi_samples[track].len()).map(|place| of(track, place)).collect()).collect()
 }
 
-/// A stationary normal process round a strip.
+/// Stationary normal process on a periodic strip.
 struct Circle {
     fft: RealFft2,
-    /// By wavenumber.
+    /// Spectral amplitude by wavenumber.
     amplitudes: Vec<f64>,
 }
 
 impl Circle {
-    /// Creates the autoregression on a strip of `n` values, its covariance summed over all turns and scaled to unit
-    /// variance: its density 1/|1 − Σ c_k e^{−iωk}|² at the wavenumbers of the strip.
+    /// Creates the autoregression on a strip of `n` values, with its covariance summed over all periods and scaled to
+    /// unit variance, from its density 1/|1 − Σ c_k e^{−iωk}|² at the wavenumbers of the strip.
     fn new(process: &Autoregression, n: usize) -> Self {
         let fft = RealFft2::new(n, 1);
         let coefficients = &process.orders[process.order()].0;
@@ -352,14 +352,14 @@ impl Circle {
             1.0 / (re * re + im * im).sqrt()
         };
         let mut amplitudes: Vec<f64> = (0..fft.spectrum().len()).map(amplitude).collect();
-        // All wavenumbers but 0 and n/2 stand for two.
+        // All wavenumbers except 0 and n/2 count twice.
         let twice = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
         let power: f64 = amplitudes.iter().enumerate().map(|(k, a)| twice(k) * a * a).sum();
         amplitudes.iter_mut().for_each(|a| *a /= (power / n as f64).sqrt());
         Self { fft, amplitudes }
     }
 
-    /// Returns the path that a standard normal ξ makes.
+    /// Returns the path generated by a standard normal ξ.
     fn path(&self, mut xi: Vec<f64>) -> Vec<f64> {
         let (mut spectrum, mut work) = (self.fft.spectrum(), self.fft.workspace());
         self.fft.forward(&xi, &mut spectrum, &mut work);
@@ -376,7 +376,7 @@ mod tests {
     use crate::distribution::fit::{Family, fit};
 
     fn autoregression() -> Autoregression {
-        // Reflections .8 and −.5: coefficients .8(1 + .5) and −.5.
+        // Reflection coefficients .8 and −.5: coefficients .8(1 + .5) and −.5.
         let first = (vec![0.8], 0.6);
         Autoregression { orders: vec![(vec![], 1.0), first, (vec![1.2, -0.5], 0.6 * 0.75_f64.sqrt())] }
     }
@@ -394,7 +394,7 @@ mod tests {
         records.iter_mut().for_each(|record| record[100] = f64::NAN);
         let found = Autoregression::fit(&records, 10);
         let (coefficients, std) = &found.orders[2];
-        // 80,000 values know a coefficient to √(1 − .25)/√80,000 = .003.
+        // 80,000 values determine a coefficient to √(1 − .25)/√80,000 = .003.
         assert!((coefficients[0] - 1.2).abs() < 0.012 && (coefficients[1] + 0.5).abs() < 0.012, "{coefficients:?}");
         assert!((std - truth.orders[2].1).abs() < 0.01 && found.order() < 6);
     }
@@ -407,11 +407,11 @@ mod tests {
         (2..400).for_each(|l| rho.push(1.2 * rho[l - 1] - 0.5 * rho[l - 2]));
         for n in [7_usize, 12, 40] {
             let circle = Circle::new(&truth, n);
-            // After nine turns of seven .5^{31} is left.
+            // After nine periods of seven, .5^{31} remains.
             let turns = |lag: usize| {
                 (-9..=9_i64).map(|m| rho[(lag as i64 + m * n as i64).unsigned_abs() as usize]).sum::<f64>()
             };
-            // What an impulse becomes, correlated with itself.
+            // Autocorrelation of the impulse response.
             let mut impulse = vec![0.0; n];
             impulse[0] = 1.0;
             let response = circle.path(impulse);
@@ -428,14 +428,14 @@ mod tests {
         let layout = Layout { periodic: true, tracks: 4 };
         let copies = track_mixture(&vec![of(0); 4], layout);
         assert!(copies.iter().all(|fraction| (fraction - 0.5).abs() < 1e-12), "{copies:?}");
-        // Each track shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
+        // Each track shares half of its variance with either neighbour around the strip: Z_l + Z_{l+1}.
         let xi_samples: Vec<Vec<f64>> = (0..4).map(of).collect();
         let tracks: Vec<Vec<f64>> =
             (0..4).map(|l| xi_samples[l].iter().zip(&xi_samples[(l + 1) % 4]).map(|(a, b)| a + b).collect()).collect();
         let mixture = track_mixture(&tracks, layout);
         let drawn = mixed(&xi_samples, &mixture);
         let product = |a: usize, b: usize| drawn[a].iter().zip(&drawn[b]).map(|(x, y)| x * y).sum::<f64>() / 4000.0;
-        // 4,000 products know a correlation to 1/√4,000 = .016, here twice.
+        // 4,000 products give a correlation to 1/√4,000 = .016; the tolerance is twice that.
         for (a, b, wanted) in [(0, 0, 1.0), (0, 1, 0.5), (1, 2, 0.5), (0, 2, 0.0), (0, 3, 0.5)] {
             assert!((product(a, b) - wanted).abs() < 4.0 * 0.023, "{a} {b}: {}", product(a, b));
         }
@@ -444,7 +444,7 @@ mod tests {
 
     #[test]
     fn first_order_distances_of_refitted_distributions_are_those_of_refits() {
-        // Records of a correlated normal process, to each of which the normal distribution is fitted in earnest.
+        // Records of a correlated normal process, with the normal distribution actually refitted to each.
         let truth = autoregression();
         let record = |i: u64| truth.path(random::standard_normal(&mut random::stream(5, "null", i), 1000));
         let projection = {
@@ -468,7 +468,7 @@ mod tests {
             worst = worst.max((linear[0] / refitted[0]).ln().abs());
         }
         println!("{ratio:?} {worst}");
-        // The second order is about the squared error of a parameter, 1/n_eff ≈ 1/300 of F, against distances of
+        // The second order is about the squared error of a parameter, 1/n_eff ≈ 1/300 of F, compared with distances of
         // 1/√300.
         assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.06), "{ratio:?}");
         assert!(worst < 0.5);

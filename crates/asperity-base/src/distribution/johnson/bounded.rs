@@ -1,18 +1,17 @@
-//! The shape of S_B, by quadrature.
+//! Shape of S_B by quadrature.
 //!
 //! u = 1/(1 + e^{−t}) with t = τ + σg, σ = 1/δ and τ = −γ/δ. The moments are integrals over g by the trapezoidal rule;
-//! the nearest poles lie at Im g = πδ, so a step of 0.4 δ leaves e^{−2π²/0.4} = 4e-22 of them.
+//! the nearest poles are at Im g = πδ, so a step of 0.4 δ gives an error of e^{−2π²/0.4} = 4e-22.
 
 use super::super::moments::Exact;
 use super::super::special::standard_normal_pdf;
 use crate::numeric::root_between;
 
-/// The least δ that is searched: closer to two point masses, quadrature becomes slow and the distribution is of no use
-/// as a height distribution.
+/// Least δ: closer to two point masses the quadrature is slow, and such height distributions do not occur.
 const LEAST_DELTA: f64 = 2e-3;
-/// Beyond this |γ| one end holds less than 1e-300 of the probability.
+/// Largest |γ|: beyond it, one end has a probability of less than 1e-300.
 const LARGEST_GAMMA: f64 = 37.0;
-/// Half width of the normal density that the rule covers; φ(9.5) = 1e-20.
+/// Half width of the integration range over the normal density; φ(9.5) = 1e-20.
 const REACH: f64 = 9.5;
 
 /// Returns the moments of u.
@@ -31,10 +30,10 @@ fn low_moments(depth: f64, sigma: f64) -> Exact {
     let start = (-depth).exp();
     let deviation = |g: f64| {
         if sigma > 5.0 {
-            // Values from one end to the other: nothing to cancel, but e^{σg} would overflow.
+            // Values at both ends: no cancellation, but e^{σg} would overflow.
             return 1.0 / (1.0 + (depth - sigma * g).exp());
         }
-        // (u(t) − u(τ)) e^{−τ}, which keeps its digits for small σ and for small u.
+        // (u(t) − u(τ)) e^{−τ}, which is accurate for small σ and for small u.
         let fall = (-sigma * g.abs()).exp_m1();
         let rest = if g > 0.0 { 1.0 + fall + start } else { 1.0 + start * (1.0 + fall) };
         if g > 0.0 { -fall / (rest * (1.0 + start)) } else { fall / (rest * (1.0 + start)) }
@@ -55,12 +54,11 @@ fn low_moments(depth: f64, sigma: f64) -> Exact {
     }
 }
 
-/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is below that of the lognormal
-/// distribution with e^{1/δ²} − 1 = `lognormal_d`; `None` when it is too close to two point masses.
+/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, with a kurtosis below that of the lognormal
+/// distribution with e^{1/δ²} − 1 = `lognormal_d`; `None` if it is too close to two point masses.
 ///
-/// At each δ the skewness decreases with the depth from that of the lognormal distribution to zero, and along the
-/// distributions of one skewness the kurtosis increases with δ up to that of the lognormal distribution: two nested
-/// searches.
+/// At each δ the skewness decreases with the depth from that of the lognormal distribution to zero, and at constant
+/// skewness the kurtosis increases with δ up to that of the lognormal distribution: two nested root searches.
 pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64, f64)> {
     let largest = if skewness == 0.0 { largest_symmetric_delta(excess) } else { 1.0 / lognormal_d.ln_1p().sqrt() };
     let surplus = |log_delta: f64| {
@@ -69,7 +67,7 @@ pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64
     };
     let mut high = [largest.ln(), surplus(largest.ln()).max(0.0)];
     let log_delta = loop {
-        // Small δ are the costly ones, so the bracket grows towards them.
+        // Small δ are expensive, so the bracket is extended towards them.
         let low = f64::max(high[0] - 1.0, LEAST_DELTA.ln());
         let at_low = surplus(low);
         if at_low <= 0.0 {
@@ -84,12 +82,12 @@ pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64
     Some((delta * depth(skewness, 1.0 / delta), delta))
 }
 
-/// Returns the symmetric distribution tends to the normal one as kurtosis − 3 → −2/δ² + O(δ⁻⁴), from above.
+/// The symmetric distribution tends to the normal one as kurtosis − 3 → −2/δ² + O(δ⁻⁴), from above.
 fn largest_symmetric_delta(excess: f64) -> f64 {
     2.0 * (2.0 / -excess).sqrt().max(1.0)
 }
 
-/// Returns the depth at which the distribution of this σ has this skewness; the largest one where even the lognormal
+/// Returns the depth at which the distribution with this σ has this skewness; the largest depth if even the lognormal
 /// limit has less.
 fn depth(skewness: f64, sigma: f64) -> f64 {
     if skewness == 0.0 {
@@ -97,7 +95,7 @@ fn depth(skewness: f64, sigma: f64) -> f64 {
     }
     let surplus = |depth: f64| low_moments(depth, sigma).skewness - skewness;
     let (mut near, mut at_near, mut far) = (0.0, -skewness, 0.5 * sigma);
-    // e^{−745} is the least double: there the distribution is lognormal to every digit.
+    // e^{−745} is the least positive double: beyond it the distribution is lognormal in double precision.
     let farthest = if sigma > 5.0 { LARGEST_GAMMA * sigma } else { 745.0 };
     loop {
         let at_far = surplus(far);

@@ -1,26 +1,26 @@
-//! The Johnson distribution of given moments.
+//! Johnson distribution with given moments.
 
 use super::{Johnson, JohnsonSystem, bounded, unbounded};
 use crate::distribution::{DistributionError, Marginal};
 
-/// Skewness and excess kurtosis within this of zero are those of the normal distribution.
+/// Tolerance of skewness and excess kurtosis for the normal distribution.
 const NORMAL: f64 = 1e-9;
-/// Kurtosis within this (relative) of the lognormal one is lognormal.
+/// Relative tolerance of the kurtosis for the lognormal distribution.
 const LOGNORMAL: f64 = 1e-12;
 
 impl Marginal {
     /// Creates the Johnson distribution of this mean, standard deviation, skewness and excess kurtosis (0 for the
     /// normal distribution).
     ///
-    /// Every shape with kurtosis > 1 + skewness² is reached but those within about 0.2 % of two point masses. The
-    /// lognormal distribution gets γ = 0 and the normal one γ = 0, δ = 1.
+    /// Every shape with kurtosis > 1 + skewness² is possible, except within about 0.2 % of two point masses. The
+    /// lognormal distribution has γ = 0, the normal one γ = 0, δ = 1.
     ///
     /// # References
     /// Hill, Hill & Holder, *Appl. Statist.* **25** (1976) 180, algorithm AS 99, <https://doi.org/10.2307/2346692>, for
     /// the choice of the system; S_U is solved as in Tuenter, *J. Stat. Comput. Simul.* **70** (2001) 325.
     ///
     /// # Errors
-    /// [`DistributionError::Infeasible`] for shapes that no distribution has, [`DistributionError::Moments`] for those
+    /// [`DistributionError::Infeasible`] for shapes that no distribution has, [`DistributionError::Moments`] for shapes
     /// too close to two point masses, [`DistributionError::Parameter`] for a standard deviation that is not positive or
     /// a moment that is not finite.
     pub fn johnson_with_moments(
@@ -65,7 +65,7 @@ impl Johnson {
     }
 }
 
-/// Returns a distribution of this shape, of any mean and standard deviation; skewness ≥ 0.
+/// Returns a distribution of this shape, with arbitrary mean and standard deviation; skewness ≥ 0.
 fn unit_distribution(skewness: f64, excess: f64) -> Option<Johnson> {
     let skewness = if skewness <= NORMAL { 0.0 } else { skewness };
     if skewness == 0.0 && excess.abs() <= NORMAL {
@@ -89,7 +89,7 @@ fn unit_distribution(skewness: f64, excess: f64) -> Option<Johnson> {
 /// Returns d = e^{σ²} − 1 of the lognormal distribution of this skewness: the root of d(3 + d)² = skewness².
 pub(super) fn lognormal_d(skewness: f64) -> f64 {
     let square = skewness * skewness;
-    // The function is convex, so that Newton's method falls to the root from the right of it.
+    // The function is convex, so Newton's method converges monotonically from the right of the root.
     let mut d = f64::min(square / 9.0, square.cbrt());
     for _ in 0..100 {
         let step = (d * (3.0 + d).powi(2) - square) / (3.0 * (3.0 + d) * (1.0 + d));

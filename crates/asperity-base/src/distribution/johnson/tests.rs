@@ -6,7 +6,7 @@ fn marginal(text: &str) -> Marginal {
 }
 
 /// Mean, standard deviation, skewness and excess kurtosis by mpmath at 40 digits: quadrature over g of x(g)ᵏ φ(g).
-/// scipy.stats.johnsonsu.stats(γ, δ) gives the same for S_U to its own digits.
+/// scipy.stats.johnsonsu.stats(γ, δ) agrees for S_U within its accuracy.
 #[test]
 fn moments_are_those_of_the_defining_integrals() {
     for (text, wanted) in [
@@ -48,7 +48,7 @@ fn distribution_function_density_and_quantile_are_those_of_scipy() {
     }
 }
 
-/// The excess over 1 + skewness² of the tried kurtoses.
+/// Excess of the test kurtoses over 1 + skewness².
 const ABOVE: [f64; 13] = [0.01, 0.05, 0.2, 0.5, 1.0, 1.5, 1.8, 2.0, 2.2, 3.0, 6.0, 30.0, 300.0];
 
 #[test]
@@ -134,7 +134,7 @@ fn on_the_lognormal_line_the_distribution_is_the_lognormal_one_or_its_mirror() {
 
 #[test]
 fn the_planted_parameters_are_found_again_from_the_moments() {
-    // Each shape belongs to one distribution alone.
+    // Each shape has exactly one distribution.
     for text in [
         "johnson_su:-1.1,1.5,3,2",
         "johnson_su:0.01,0.9,0,1",

@@ -1,4 +1,4 @@
-//! The shape of S_U.
+//! Shape of S_U.
 //!
 //! With d = e^{1/δ²} − 1, ω = 1 + d and m = (ω² − 1)/(1 + ω cosh(2γ/δ)), which lies between 0 (lognormal) and d
 //! (symmetric),
@@ -7,7 +7,7 @@
 //!
 //! # References
 //! Johnson, *Biometrika* **36** (1949) 149; Tuenter, *J. Stat. Comput. Simul.* **70** (2001) 325,
-//! <https://doi.org/10.1080/00949650108812126>, for m and for the proof that there is one solution.
+//! <https://doi.org/10.1080/00949650108812126>, for m and the uniqueness of the solution.
 
 use super::super::moments::Exact;
 use crate::numeric::root_between;
@@ -16,7 +16,7 @@ use crate::numeric::root_between;
 pub(in crate::distribution) fn unit_moments(gamma: f64, delta: f64) -> Exact {
     let (d, shift) = ((1.0 / (delta * delta)).exp_m1(), gamma / delta);
     let omega = 1.0 + d;
-    // Everything over the powers of e^{|Ω|} that large Ω = γ/δ would overflow.
+    // All terms are divided by powers of e^{|Ω|}, Ω = γ/δ, to avoid overflow.
     let a = (-2.0 * shift.abs()).exp();
     let (cosh_2, cosh_4) = (0.5 * (1.0 + a * a), 0.5 * (1.0 + a.powi(4)));
     let (sinh_1, sinh_3) = (-0.5 * a * (-2.0 * shift.abs()).exp_m1(), -0.5 * (-6.0 * shift.abs()).exp_m1());
@@ -35,12 +35,12 @@ pub(in crate::distribution) fn unit_moments(gamma: f64, delta: f64) -> Exact {
     }
 }
 
-/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, whose kurtosis is above that of the lognormal
-/// distribution; `None` if it is not.
+/// Returns (γ, δ) of the distribution of this shape, skewness ≥ 0, if its kurtosis is above that of the lognormal
+/// distribution; otherwise `None`.
 ///
-/// Along the distributions of one skewness the kurtosis increases with ω, from the lognormal distribution to infinity.
-/// At each ω the difference n = d − m follows from the skewness, so that nothing cancels near the symmetric
-/// distributions, where m ≈ d.
+/// At constant skewness the kurtosis increases with ω, from that of the lognormal distribution to infinity. At each ω
+/// the difference n = d − m follows from the skewness, which avoids cancellation near the symmetric distributions,
+/// where m ≈ d.
 pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64, f64)> {
     let square = skewness * skewness;
     // The symmetric distribution of this kurtosis has the largest ω: (ω⁴ + 2ω² + 3)/2 = kurtosis.
@@ -65,7 +65,7 @@ pub(super) fn solve(skewness: f64, excess: f64, lognormal_d: f64) -> Option<(f64
     (m > 0.0 && delta.is_finite()).then_some((-shift * delta, delta))
 }
 
-/// Returns the n in [0, d] with n (3 + d + (d − n)/2)² = skewness²: Newton's method on an increasing function.
+/// Returns the n in [0, d] with n (3 + d + (d − n)/2)² = skewness² by Newton's method on an increasing function.
 fn deficit(d: f64, square: f64) -> f64 {
     let mut n = (square / (3.0 + d).powi(2)).min(d);
     for _ in 0..100 {
