@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn padding_with_zeros_and_cropping_undo_each_other() {
+    fn padding_with_zeros_and_cropping_are_inverse() {
         let (rows, columns) = (5, 7);
         let map = random::standard_normal(&mut random::stream(2, "fourier", 0), rows * columns);
         let fft = RealFft2::new(16, 12);

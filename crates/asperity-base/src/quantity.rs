@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_double_holds_is_too_large_and_not_another_number() {
+    fn overflowing_quantities_are_rejected() {
         for text in ["1e400 m", "-1e400um"] {
             assert!(matches!(text.parse::<Length>(), Err(QuantityError::TooLarge { .. })), "{text}");
         }

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sample_depends_on_seed_stage_and_index_alone() {
+    fn a_sample_depends_only_on_seed_stage_and_index() {
         let draw = |seed, stage, index| standard_normal(&mut stream(seed, stage, index), 3);
         assert_eq!(draw(1, "a", 2), draw(1, "a", 2));
         assert_ne!(draw(1, "a", 2), draw(2, "a", 2));

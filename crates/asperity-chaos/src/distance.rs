@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn tied_values_make_one_atom() {
+    fn tied_values_make_one_point_mass() {
         let distribution = distribution(&[0.0, 2.0, -0.0, 1.0]);
         assert_eq!(distribution.values(), [0.0, 1.0, 2.0]);
         assert_eq!(distribution.cumulative(), [0.5, 0.75, 1.0]);
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn distributions_that_differ_in_their_atom_alone_are_apart_by_its_difference() {
+    fn the_distance_of_distributions_that_differ_in_a_point_mass_is_its_difference() {
         let atom = |zero: f64| DiscreteDistribution::weighted([(0.0, zero), (1.0, 1.0 - zero)]).unwrap();
         assert!((kolmogorov_smirnov(&atom(0.3), &atom(0.7)) - 0.4).abs() < 1e-15);
         assert!((wasserstein_1(&atom(0.3), &atom(0.7)) - 0.4).abs() < 1e-15);
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn a_normal_sample_is_as_far_from_its_distribution_as_kolmogorov_says() {
+    fn the_distance_of_a_normal_sample_has_kolmogorov_s_distribution() {
         let sample = standard_normal(&mut stream(3, "normal", 0), 4000);
         let scaled =
             kolmogorov_smirnov_to(&distribution(&sample), standard_normal_cdf, standard_normal_cdf) * 4000.0_f64.sqrt();
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn distributions_of_nothing_are_refused() {
+    fn empty_distributions_are_rejected() {
         assert_eq!(DiscreteDistribution::empirical(&[]), Err(DiscreteDistributionError::Empty));
         assert!(matches!(
             DiscreteDistribution::empirical(&[1.0, f64::NAN]),

@@ -434,7 +434,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_that_few_samples_make_up_has_few_degrees_of_freedom() {
+    fn an_error_dominated_by_few_samples_has_few_degrees_of_freedom() {
         // Five of a hundred are one: squares about the mean .05 have the mean .0475 and the kurtosis κ with κ − 1 =
         // 1/(p(1 − p)) − 4.
         let mut vectors = Moments::new(1);

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cell_is_among_the_points_kept() {
+    fn the_cell_is_among_the_selected_points() {
         let (surface, half_space) = gaussian_surface(32, 30);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: -9.0 }, None).unwrap();
         let problem = problem.at_cell(13, 22).unwrap();

@@ -229,7 +229,7 @@ mod tests {
     use asperity_base::random;
 
     #[test]
-    fn intervals_of_quantiles_hold_them_as_often_as_they_say() {
+    fn intervals_cover_the_quantiles_at_their_level() {
         let (replicates, n) = (1000, 200);
         let nodes: Vec<f64> = (0..20).map(|k| f64::from(k) / 19.0).collect();
         let mut held = [0_usize; 3];
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quantile_within_an_atom_is_the_atom() {
+    fn a_quantile_within_a_point_mass_is_its_value() {
         let pressures: Vec<f64> = (0..1000).map(|i| f64::from((i - 800).max(0))).collect();
         let distribution = DiscreteDistribution::empirical(&pressures).unwrap();
         let nodes = nodes(&distribution, 1000);

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_that_do_not_vary_are_certain_and_none_at_all_are_none() {
+    fn constant_differences_are_certain_and_absent_ones_have_no_estimate() {
         let equal: Vec<Vec<f64>> = vectors(0, 50, 0.0).iter().map(|v| vec![v[0]; 4]).collect();
         assert_eq!(p_value(&equal), 1.0);
         let apart: Vec<Vec<f64>> = equal.iter().map(|v| vec![v[0], v[0], v[0] + 1.0, v[0]]).collect();

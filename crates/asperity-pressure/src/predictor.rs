@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polynomial_with_spread_that_grows_is_found_with_its_errors() {
+    fn a_heteroscedastic_polynomial_is_fitted_with_its_errors() {
         // q = x² + (1 + |x|)/10 η.
         let xi = standard_normal(&mut stream(1, "predictor", 0), 8000);
         let rows: Vec<Vec<f64>> = xi[..4000].iter().map(|x| vec![*x, 7.0]).collect();
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_is_predicted_by_its_mean() {
+    fn constants_are_predicted_by_their_mean() {
         let rows = vec![vec![1.0]; 60];
         let values: Vec<f64> = (0..60).map(f64::from).collect();
         let predictor = Predictor::fit(&rows, &values, 3).unwrap();

@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn inconsistent_arguments_are_rejected() {
         let grid = Grid::new(4, 4, 1.0, 1.0).unwrap();
         let shape = Shape::new(grid, 1.0, |x, _| x);
         let other = HalfSpace::new(Grid::new(5, 4, 1.0, 1.0).unwrap(), 1.0, Boundary::Free).unwrap();

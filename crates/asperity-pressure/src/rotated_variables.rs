@@ -188,7 +188,7 @@ mod tests {
     use asperity_contact::{Control, HalfSpace};
 
     #[test]
-    fn rings_hold_every_cell_once_and_begin_with_the_cell() {
+    fn rings_contain_every_cell_once_and_begin_with_the_cell() {
         let grid = Grid::new(9, 7, 1.0, 0.5).unwrap();
         let shape = Shape::new(grid, 1.0, |x, _| x);
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();

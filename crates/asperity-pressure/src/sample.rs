@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_run_says_so_and_a_watched_one_counts_to_the_end() {
+    fn a_cancelled_run_returns_an_error_and_progress_reaches_the_total() {
         struct Watch {
             cancel: bool,
             most: AtomicUsize,
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn one_sample_solved_alone_is_the_same_as_in_its_run() {
+    fn a_single_sample_equals_that_of_its_run() {
         let (surface, half_space) = gaussian_surface(12, 10);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let sampling = Sampling { replicates: 4, ..Sampling::monte_carlo(3, "alone", 20, 0.95) };

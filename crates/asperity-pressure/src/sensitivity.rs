@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_and_what_has_no_variables_are_reasons() {
+    fn constants_and_missing_variables_are_reported_as_reasons() {
         let rows: Vec<Vec<f64>> = (0..50).map(|i| standard_normal(&mut stream(1, "sensitivity", i), 2)).collect();
         let names = ["a", "b"].map(str::to_owned);
         let constant = indices(&names, &rows, &[3.0; 50], 2, 1);

@@ -496,7 +496,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correlation_along_an_axis_is_that_of_all_lags_on_it() {
+    fn the_correlation_along_an_axis_equals_the_two_dimensional_one() {
         for missing in [0.0, 0.3] {
             let map = masked(13, 9, missing, 3);
             let found = Autocorrelation::within(&map, 12, 8).unwrap();

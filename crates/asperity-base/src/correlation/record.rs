@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn exact_correlations_give_their_length_back_and_no_misfit() {
+    fn exact_correlations_are_fitted_exactly() {
         for model in RecordModel::USUAL {
             let fit = fit_record(&exact(&WindowedModel::new(model, 0.0), 250.0, 400), model).unwrap();
             assert!((fit.length_m / 250.0 - 1.0).abs() < 1e-5 && fit.misfit < 1e-7, "{fit:?}");

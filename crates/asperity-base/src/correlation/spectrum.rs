@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn few_profiles_with_missing_points_are_left_out() {
+    fn few_profiles_with_missing_points_are_excluded() {
         let grid = Grid::new(16, 5, 1.0, 1.0).unwrap();
         let map = HeightMap::from_function(grid, |x, y| if y < 1.0 && x < 2.0 { f64::NAN } else { x.sin() }).unwrap();
         let found = profile_spectrum(&map, Axis::X).unwrap();

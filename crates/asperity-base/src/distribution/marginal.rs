@@ -487,7 +487,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn beyond_the_support_there_is_nothing() {
+    fn density_is_zero_outside_the_support() {
         for (text, below, above) in [
             ("lognormal:0,1,2", Some(1.0), None),
             ("weibull:1.5,1,2", Some(1.0), None),

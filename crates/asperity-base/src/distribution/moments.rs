@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_nearly_normal_lognormal_distribution_keeps_its_small_skewness() {
+    fn a_nearly_normal_lognormal_distribution_has_an_accurate_skewness() {
         let marginal = Marginal::lognormal(0.0, 1e-6, 0.0).unwrap();
         assert!((marginal.skewness() / 3e-6 - 1.0).abs() < 1e-9);
         assert!((marginal.excess_kurtosis() / 16e-12 - 1.0).abs() < 1e-9);

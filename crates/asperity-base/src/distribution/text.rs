@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distributions_read_back_what_they_show() {
+    fn the_text_of_a_distribution_parses_back() {
         for text in [
             "normal",
             "normal:-1.5,2e-7",

@@ -441,7 +441,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_the_sum_over_the_torus_at_any_size_and_in_either_precision() {
+    fn convolution_equals_the_periodic_sum_at_any_size_and_precision() {
         let symbol = |kx: usize, ky: f64| 1.0 / (1.0 + (kx as f64).powi(2) + 0.3 * ky * ky) + 0.1 * kx as f64;
         for (shape, torus) in [
             ((6, 8), (6, 8)),

@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn summed_powers_are_those_of_every_lane_and_lead_to_its_products() {
+    fn summed_powers_give_the_sums_of_products_of_profiles() {
         let (profiles, length) = (2 * PROFILES_PER_BLOCK + 3, 10);
         let z = map(profiles, length);
         let found = summed_power(profiles, length, 20, |range, out| {

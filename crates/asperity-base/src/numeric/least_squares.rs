@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exact_data_give_their_parameters_back() {
+    fn exact_data_give_exact_parameters() {
         let model = |p: &[f64], x: f64| p[0] * (-x / p[1]).exp() + p[2];
         let truth = [2.0, 0.7, 0.05];
         let residuals =

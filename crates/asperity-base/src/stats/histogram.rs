@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_belong_to_the_bin_on_their_right_but_the_last() {
+    fn bins_include_their_lower_edge_and_the_last_bin_both() {
         let histogram = Histogram::from_sorted(&[0.0, 1.0, 2.0, 4.0], 4).unwrap();
         assert_eq!(histogram.counts, [1, 1, 1, 1]);
         assert_eq!(histogram.centres(), [0.5, 1.5, 2.5, 3.5]);

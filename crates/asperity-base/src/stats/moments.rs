@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn nanometres_on_a_large_offset_keep_their_digits() {
+    fn nanometres_on_a_large_offset_are_accurate() {
         // Multiples of 2⁻³⁰ m on 1 m are exact in binary, so the offset causes no error except the rounding of the
         // mean.
         let unit = 2.0_f64.powi(-30);

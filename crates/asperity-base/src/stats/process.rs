@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_moments_of_the_distribution_in_one_record_as_in_twenty() {
+    fn intervals_cover_the_moments_for_one_record_and_for_twenty() {
         // Central moments 1 + 2c², 6c + 8c³ and, beyond three squared variances, 48c² + 48c⁴.
         let c = 0.05_f64;
         let variance = 1.0 + 2.0 * c * c;
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_without_slow_waves_has_the_size_of_its_standard_deviation() {
+    fn high_pass_filtered_records_use_the_effective_size_of_the_standard_deviation() {
         // Differences of a record have zero long-run variance, so the mean has no interval; the standard deviation has
         // one.
         let record: Vec<f64> = records(0.0, 1, 2000, 5)[0].windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_known_correlation_makes_wider_intervals_of_short_records() {
+    fn a_correlation_model_widens_the_intervals_of_short_records() {
         // Twenty ℓ, where the mean of an exponential process has an effective size of ten.
         let phi = (-0.2_f64).exp();
         let mut held = [0; 2];
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_or_is_too_short_has_no_interval() {
+    fn constant_or_short_records_have_no_interval() {
         let constant = ProcessMoments::new(&[&[0.2; 50]], false);
         assert!(constant.mean.is_none() && constant.moments.mean == 0.2 && constant.effective_size == 1.0);
         let short: Vec<f64> = (0..50).map(|i| (f64::from(i) / 25.0).sin()).collect();

@@ -245,8 +245,8 @@ mod tests {
             assert!((ratio - 1.0).abs() < 4.0 * 0.105, "{records} records: {ratio}");
             // The degrees of freedom match the variance of the estimate, within their own standard error.
             let freedom = 2.0 * (found.mean / found.std).powi(2);
-            let told = Moments::new(&blocks).mean;
-            assert!(told / freedom < 1.8 && freedom / told < 1.8, "{records} records: {told} for {freedom}");
+            let estimated = Moments::new(&blocks).mean;
+            assert!(estimated / freedom < 1.8 && freedom / estimated < 1.8, "{records} records: {estimated} for {freedom}");
         }
     }
 

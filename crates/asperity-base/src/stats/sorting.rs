@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn buckets_sort_as_sorting_does() {
+    fn bucket_sort_equals_plain_sort() {
         for (number, sample) in samples().into_iter().enumerate() {
             let mut wanted: Vec<f64> = sample.iter().copied().filter(|v| !v.is_nan()).collect();
             wanted.sort_by(f64::total_cmp);

@@ -29,7 +29,7 @@ fn a_polynomial_is_recovered_with_its_moments_and_indices() {
 }
 
 #[test]
-fn many_xi_samples_give_what_each_gives_alone() {
+fn many_xi_samples_give_the_values_of_single_ones() {
     let (expansion, _) = expand(&[Family::Hermite; 3], 3, 80, |x| (x[0] + 0.3 * x[1]).sin() + x[2]);
     let xi_samples: Vec<[f64; 3]> = (0..50).map(|i| [0.1 * f64::from(i), -0.03 * f64::from(i), 0.5]).collect();
     let alone: Vec<f64> = xi_samples.iter().map(|g| expansion.evaluate(g)).collect();
@@ -154,7 +154,7 @@ fn nested_sums_are_the_sums_of_all_terms() {
 }
 
 #[test]
-fn a_value_depends_on_its_xi_alone() {
+fn a_value_depends_only_on_its_xi() {
     let basis = Basis::hermite(5, 4).unwrap();
     let c = coefficients(basis.len());
     let expansion = Expansion::new(basis, c);

@@ -42,7 +42,7 @@ fn each_term_occurs_once_and_follows_from_an_earlier_one() {
 }
 
 #[test]
-fn truncations_hold_what_their_definitions_say() {
+fn truncations_contain_the_indices_of_their_definitions() {
     for (q, order, limits) in [
         (0.5, None, None),
         (0.75, None, None),
@@ -99,7 +99,7 @@ fn sets_of_many_variables_are_small() {
 }
 
 #[test]
-fn a_list_need_not_hold_what_its_terms_are_multiples_of() {
+fn a_list_need_not_be_downward_closed() {
     let set = MultiIndexSet::from_rows(3, [[0, 0, 0], [2, 1, 3], [0, 1, 0]]).unwrap();
     assert_eq!((set.len(), set.degree(), set.largest_power()), (3, 6, 3));
     assert_eq!((set.at(1), set.parent(1), set.parent(2)), (vec![2, 1, 3], None, Some(0)));

@@ -109,7 +109,7 @@ fn common_noise_moves_the_mean_and_own_noise_the_variance() {
 }
 
 #[test]
-fn intervals_under_common_noise_hold_the_truth() {
+fn intervals_under_common_noise_cover_the_true_indices() {
     let parameters = vec![Parameter::normal("x", 0.0, 1.0).unwrap(), Parameter::normal("y", 0.0, 0.5).unwrap()];
     let propagation = Propagation::new(parameters, 24, 2).unwrap();
     let runs = 60;
@@ -148,7 +148,7 @@ fn noise_alone_is_called_noise() {
 }
 
 #[test]
-fn a_constant_has_no_indices_and_failures_are_told() {
+fn a_constant_has_no_indices_and_failures_are_reported() {
     let propagation = Propagation::new(vec![Parameter::normal("x", 1.0, 0.1).unwrap()], 20, 1).unwrap();
     let mut values = vec![0.25; 20];
     let found = propagation.respond(&Observed::exact(&values), &resamples()).unwrap();

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn the_t_value_is_what_counting_points_in_boxes_says() {
+    fn the_t_value_agrees_with_counting_points_in_boxes() {
         let sobol = ScrambledSobol::new(1, "test", 9);
         let m = 6;
         for (first, second) in [(0, 1), (1, 4), (3, 8), (6, 7)] {

@@ -58,7 +58,7 @@ fn xi_samples_have_the_moments_of_independent_standard_normals() {
 }
 
 #[test]
-fn a_point_depends_on_seed_stage_index_and_sample_size_alone() {
+fn a_point_depends_only_on_seed_stage_index_and_sample_size() {
     for method in METHODS {
         let point = |seed, stage, index| Design::new(method, seed, stage, 100, 5).unwrap().xi(index);
         assert_eq!(point(1, "a", 17), point(1, "a", 17));
@@ -90,7 +90,7 @@ fn rms_error(method: SamplingMethod, samples: usize, f: impl Fn(&[f64]) -> f64) 
 }
 
 #[test]
-fn stratified_designs_integrate_what_they_promise() {
+fn stratified_designs_integrate_with_the_expected_accuracy() {
     let n: usize = 256;
     let additive = |u: &[f64]| u.iter().map(|x| x - 0.5).sum::<f64>();
     // Variance 3/12 for independent points; Latin hypercube variance 3/(12 n³) exactly.

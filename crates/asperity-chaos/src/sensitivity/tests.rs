@@ -43,7 +43,7 @@ fn assert_held(name: &str, estimates: &[Estimate], truths: &[f64], truncation: f
 }
 
 #[test]
-fn ishigami_lies_within_its_intervals() {
+fn intervals_cover_the_ishigami_indices() {
     // Terms of x₁ and x₃ up to degrees 9 and 4, and of x₂ up to 12.
     let rows = (0..10).flat_map(|a| (0..5).map(move |c| [a, 0, c])).chain((1..13).map(|b| [0, b, 0]));
     let basis = Basis::new(MultiIndexSet::from_rows(3, rows).unwrap(), vec![Family::Legendre; 3]).unwrap();
@@ -83,7 +83,7 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
 
 #[test]
 #[ignore = "slow"]
-fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
+fn intervals_cover_the_sobol_g_indices_at_their_level() {
     let a = [0.0, 1.0, 4.5, 9.0];
     let (exact, projected) = (sobol_g_parts(&a, false), sobol_g_parts(&a, true));
     // Without the four variables of a = 99, which contribute 3e-4.
@@ -105,11 +105,11 @@ fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
         held += usize::from(estimates.closed[0].interval.contains(projected(1) + projected(2) + projected(3)));
     }
     // 125 intervals, dependent within a data set; 119 are expected to contain the truth.
-    assert!(held >= 106, "{held} of 125 intervals hold the index of the truncated function");
+    assert!(held >= 106, "{held} of 125 intervals contain the index of the truncated function");
 }
 
 #[test]
-fn the_borehole_lies_within_its_intervals() {
+fn intervals_cover_the_borehole_indices() {
     let mut families = [Family::Legendre; 8];
     families[0] = Family::Hermite;
     families[1] = Family::Hermite;
@@ -132,7 +132,7 @@ fn the_borehole_lies_within_its_intervals() {
 }
 
 #[test]
-fn what_has_no_intervals_says_why() {
+fn missing_intervals_have_a_reason() {
     let basis = Basis::hermite(2, 3).unwrap();
     let (xi_samples, values) = sampled(&[Family::Hermite; 2], 11, 3, |x| x[0]);
     let resamples = Resamples { count: 40, ..Resamples::new(1) };

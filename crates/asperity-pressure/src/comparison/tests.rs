@@ -62,7 +62,7 @@ fn every_sampler_finds_the_known_distribution_of_a_shifted_wave() {
 }
 
 #[test]
-fn the_papers_expansion_finds_a_linear_pressure_and_counts_its_atom_twice() {
+fn the_published_expansion_finds_a_linear_pressure_and_counts_its_point_mass_twice() {
     shifted_wave(0.7e-6, |problem, cdf| {
         let comparison = MethodComparison { variables: 1, degree: 1, surrogate_samples: 20_000, ..small_comparison() };
         let results = comparison.run(problem, &Silent).unwrap();
@@ -233,7 +233,7 @@ fn more_xi_variables_than_sobol_points_have_are_a_recorded_reason() {
 }
 
 #[test]
-fn sizes_out_of_range_are_refused() {
+fn sizes_out_of_range_are_rejected() {
     let (surface, half_space) = gaussian_surface(8, 4);
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
     let error = MethodComparison { variables: 5, ..small_comparison() }.run(&problem, &Silent).unwrap_err();
@@ -243,7 +243,7 @@ fn sizes_out_of_range_are_refused() {
 }
 
 #[test]
-fn a_coarse_model_of_one_height_is_left_out() {
+fn a_coarse_model_of_one_height_is_excluded() {
     // Every fourth point of the wave is a crest.
     let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
     let wave = Shape::new(grid, 1.0, |x, _| (std::f64::consts::FRAC_PI_2 * (x - 0.5)).cos());

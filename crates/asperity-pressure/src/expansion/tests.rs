@@ -81,7 +81,7 @@ fn an_exponent_beyond_the_largest_number_is_a_reason_not_a_pressure() {
 }
 
 #[test]
-fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the_hardness() {
+fn a_lognormal_pressure_above_the_hardness_becomes_a_point_mass_at_the_hardness() {
     // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh
     // samples it exceeds the hardness with probability Φ(−1.5).
     let hardness = 21.5_f64.exp();
@@ -135,7 +135,7 @@ fn a_pressure_that_does_not_vary_has_the_mean_without_error() {
 }
 
 #[test]
-fn an_expansion_that_parts_of_the_samples_do_not_determine_has_no_intervals() {
+fn an_expansion_not_determined_by_subsamples_has_no_intervals() {
     // Without a tenth of 11 samples, ten or nine remain for ten coefficients.
     let pressure = |xi: &[f64]| 20.0 + xi[0] + (3.0 * xi[1]).sin();
     let (estimate, _) = estimate_of(Response::Pressure, pressure, 11, Basis::hermite(2, 3).unwrap()).unwrap();

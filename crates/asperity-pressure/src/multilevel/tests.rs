@@ -51,7 +51,7 @@ fn without_models_the_distribution_is_the_empirical_one() {
 }
 
 #[test]
-fn models_at_their_word_give_the_telescoping_sum() {
+fn unit_weights_give_the_telescoping_sum() {
     let (fine, coarse) = (150, 600);
     let levels = level_samples(3, fine, coarse);
     let found = estimate(&levels, &Settings { fitted: false, ..settings(1, f64::NEG_INFINITY) }).unwrap();
@@ -67,7 +67,7 @@ fn models_at_their_word_give_the_telescoping_sum() {
 
 #[test]
 #[ignore = "slow"]
-fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
+fn intervals_and_bands_cover_the_true_values_at_their_level() {
     let (fine, coarse, repeats) = (250, 750, 1000);
     let truth = |t: f64| standard_normal_cdf((t - MEAN) / std());
     let density = (-0.5 * (MEAN / std()).powi(2)).exp() / std::f64::consts::TAU.sqrt();
@@ -110,7 +110,7 @@ fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
 }
 
 #[test]
-fn models_that_say_nothing_cost_little_and_bias_nothing() {
+fn uninformative_models_cost_little_and_cause_no_bias() {
     let repeats = 200;
     let errors: Vec<[f64; 2]> = (0..repeats)
         .into_par_iter()
@@ -130,7 +130,7 @@ fn models_that_say_nothing_cost_little_and_bias_nothing() {
 }
 
 #[test]
-fn equal_values_and_duplicate_samples_are_stood() {
+fn equal_values_and_duplicate_samples_are_accepted() {
     let equal = LevelSamples {
         xi: vec![vec![0.0]; 40],
         values: vec![vec![1.0; 40], vec![2.0; 20]],

@@ -52,7 +52,7 @@ pub(super) fn made_positive(lags: &Array2<f64>, wavevector: impl Fn(f64, f64) ->
     PositiveCorrelation { spline, clipped_variance, largest_change }
 }
 
-/// Number of iterations of [`underlying`].
+/// Largest number of iterations.
 const ITERATIONS: usize = 10;
 /// Number of table intervals of a distortion over [−1, 1].
 const TABLE: usize = 1 << 14;

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lag_function_peaks_where_one_follows_the_other() {
+    fn the_cross_correlation_peaks_at_the_delay() {
         let (a, b) = pair(0.9, 7, 4000, 0);
         let found = cross_correlation(&[(&a, &b)], 1, 1.0, 20).unwrap();
         let top = (0..41).max_by(|i, j| found.correlation[*i].total_cmp(&found.correlation[*j])).unwrap();
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_planted_coefficient() {
+    fn intervals_cover_the_true_coefficient() {
         for (rho, records, n) in [(0.95, 1, 4000), (0.0, 3, 1300), (0.5, 20, 200)] {
             let mut hits = 0;
             for run in 0..100 {

@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn a_planted_length_lies_inside_its_interval_in_most_runs() {
+    fn intervals_cover_the_true_length_in_most_runs() {
         // The documentation reports 1,000 runs; here 60 of 100 ℓ: the expectation is 57, and fewer than 51 have
         // probability .003.
         let fits: Vec<LengthFit> = (0..60).map(|index| fit(&[averaged(40.0, 8, 1, 4000, index)], 8.0, 1.0)).collect();
@@ -401,7 +401,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_say_nothing_are_refused() {
+    fn uninformative_records_are_rejected() {
         let settings = LengthSettings::default();
         let of = |values: &[f64], step_m: f64| {
             let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, tracks: 1, records: vec![values] };

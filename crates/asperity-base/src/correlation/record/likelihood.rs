@@ -415,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn expected_periodograms_are_their_double_sums() {
+    fn expected_periodograms_equal_double_sums() {
         let model = WindowedModel::new(RecordModel::Exponential, 0.0);
         let values: Vec<f64> = (0..60_u8).map(|i| f64::from(i % 7)).collect();
         let mut holed = values.clone();

@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn windows_of_cells_are_their_double_sums_and_pass_what_the_discrete_transform_passes() {
+    fn windows_of_cells_equal_double_sums_and_the_discrete_transform() {
         for model in MODELS {
             for (cells, cell, length) in [(1_i32, 10.0, 250.0), (4, 10.0, 250.0), (4, 10.0, 3.0), (16, 5.0, 1000.0)] {
                 let windowed = WindowedModel::new(model, f64::from(cells) * cell).with_cells(cell);

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_test_of_fit_keeps_its_level_and_sees_what_does_not_fit() {
+    fn the_goodness_of_fit_test_has_its_level_and_power() {
         let p = |record: &[f64]| {
             let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks: 1, records: vec![record] };
             let fit = fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap();
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_another_filter_fast_waves_are_left_out_or_the_misfit_is_told() {
+    fn unknown_filters_reduce_the_band_or_fail_the_test_of_fit() {
         // Two resonant poles with a period of eight steps.
         let record = exponential(4000, 200);
         let mut out = vec![0.0; record.len()];

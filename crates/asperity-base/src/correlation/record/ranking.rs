@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn the_planted_model_is_found_where_the_record_shows_it() {
+    fn the_true_model_is_selected_if_identifiable() {
         let rough = ranked(&filtered(1.0 / 10.0, false, 3000, 1));
         assert_eq!(rough[0].fit.model, RecordModel::Exponential, "{rough:?}");
         assert!(rough[0].aic_difference == 0.0 && !rough[0].worse);

@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_hold_the_spectrum_of_the_model() {
+    fn bands_cover_the_spectrum_of_the_model() {
         // Sampled exponential, φ = e^{−Δ/ℓ}. 20 strips, 95 % bands: 93–97 % of all bins of 20 seeds.
         let (phi, step) = (0.9_f64, 2.0);
         let length = -step / phi.ln();

@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn too_short_a_record_is_told() {
+    fn short_records_are_rejected() {
         // Four blocks of five correlation times, each at least one step, require twenty values.
         let short = record(0.9, 16, 1, |_| (0.0, 1.0));
         assert!(matches!(Stationarity::new(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn the_direction_of_crests_is_found_whatever_the_angle_the_field_and_the_pixels() {
+    fn the_direction_of_crests_is_found_for_any_angle_field_and_pixel_size() {
         for grid in [Grid::new(128, 128, 1.0, 1.0).unwrap(), Grid::new(256, 128, 0.4, 1.0).unwrap()] {
             for turn in 0..24 {
                 let angle = PI * (f64::from(turn) + 0.3) / 24.0;
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_points_do_not_turn_the_direction() {
+    fn missing_points_do_not_change_the_direction() {
         let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
         for angle in [0.4, 1.1, 2.6] {
             let mut heights = crests(grid, angle, 16.0).heights_m().clone();

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gaussian_beam_ends_the_band_where_it_bends_the_fall() {
+    fn gaussian_smoothing_limits_the_band_at_its_roll_off() {
         // q^{−3.6} e^{−(q/40)²}: the exponent 3.6 + 2(q/40)² passes 4.5 at q = 40·√0.45 = 26.8.
         let (high, limit) = of(|q| q.powf(-3.6) * (-(q / 40.0).powi(2)).exp());
         assert_eq!(limit, UpperLimit::RollOff);

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn free_bounds_of_the_friction_distribution_do_not_depend_on_the_sample_size_as_those_of_the_extremes_do() {
+    fn free_bounds_do_not_depend_on_the_sample_size_unlike_the_extremes() {
         for (n, trials, wanted) in [(100, 400, (1.42, 2.35)), (1000, 40, (1.79, 3.40))] {
             let (mut by_extremes, mut free) = (vec![], vec![]);
             for trial in 0..trials {
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn a_density_that_jumps_at_its_ends_puts_them_at_the_extremes() {
+    fn ends_with_a_discontinuous_density_are_at_the_extremes() {
         for (marginal, index) in [("beta:0.5,0.6,-2,4", 50), ("beta:0.7,3,-2,4", 51)] {
             let values = sample(marginal, 2000, index);
             let fitted = fit(Family::BetaFreeBounds, &values).unwrap();
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_normal_sample_pushes_the_bounds_out_of_sight_or_far_away() {
+    fn bounds_of_a_normal_sample_are_undetermined_or_distant() {
         let fitted = fit(Family::BetaFreeBounds, &sample("normal:10,2", 1000, 60)).unwrap();
         let normal = fit(Family::Normal, &sample("normal:10,2", 1000, 60)).unwrap();
         assert!((fitted.marginal.mean() - 10.0).abs() < 0.3 && (fitted.marginal.std() - 2.0).abs() < 0.2, "{fitted:?}");

@@ -51,7 +51,7 @@ mod tests {
     use crate::random;
 
     #[test]
-    fn the_density_is_that_of_equal_shares_between_quantiles() {
+    fn the_density_is_constant_between_equally_spaced_quantiles() {
         // Fractions of 1/2 on (0, 1) and (1, 3): densities 1/2 and 1/4.
         let low = (0..50).map(|i| f64::from(i) / 50.0);
         let sorted: Vec<f64> = low.chain((0..=50).map(|i| 1.0 + f64::from(i) / 25.0)).collect();

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn distributions_that_do_not_fit_are_far_away_however_they_rank() {
+    fn poorly_fitting_distributions_have_large_distances() {
         let values: Vec<f64> =
             sample("normal:-3,1", 2000, 5).into_iter().chain(sample("normal:3,1", 2000, 6)).collect();
         let ranking = rank_by_aic(&[Family::Normal], &values, None);
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn correlated_values_taken_as_independent_prefer_distributions_they_do_not_bear() {
+    fn ignoring_correlation_selects_too_many_parameters() {
         // AR(1) with φ = e^{−1/10}: n_eff = n (1 − φ)/(1 + φ). For independent normal values the gain of the shifted
         // lognormal distribution exceeds the cost of its parameter in about 8 % of the samples: P(χ²₁ > 2)/2.
         let (n, trials) = (400, 100_u64);

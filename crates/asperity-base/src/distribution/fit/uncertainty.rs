@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     #[ignore = "slow"]
-    fn intervals_of_a_correlated_record_hold_the_shapes() {
+    fn intervals_of_a_correlated_record_cover_the_shapes() {
         let runs = 120;
         let mut held = [0; 2];
         for run in 0..runs {

@@ -423,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn tracks_are_drawn_as_they_correlate() {
+    fn simulated_tracks_have_the_correlation_of_the_sample() {
         let of = |i: u64| random::standard_normal(&mut random::stream(7, "lanes", i), 4000);
         let layout = Layout { periodic: true, tracks: 4 };
         let copies = track_mixture(&vec![of(0); 4], layout);

@@ -52,7 +52,7 @@ fn distribution_function_density_and_quantile_are_those_of_scipy() {
 const ABOVE: [f64; 13] = [0.01, 0.05, 0.2, 0.5, 1.0, 1.5, 1.8, 2.0, 2.2, 3.0, 6.0, 30.0, 300.0];
 
 #[test]
-fn every_shape_is_met_to_nine_digits_and_belongs_to_its_region() {
+fn every_shape_is_solved_to_nine_digits_in_its_region() {
     for skewness in [0.0, 1e-10, 1e-6, 1e-3, 0.1, 0.5, 1.0, 2.0, 4.0, 10.0] {
         let d = by_moments::lognormal_d(skewness);
         let on_the_line = d * (16.0 + d * (15.0 + d * (6.0 + d)));

@@ -5,7 +5,7 @@ use ndarray::Axis;
 use super::*;
 
 #[test]
-fn noise_is_refused_by_cross_validation_where_leave_one_out_finds_models() {
+fn cross_validation_rejects_noise_that_leave_one_out_fits() {
     let sets = 20;
     for method in METHODS {
         let (mut refused, mut believed, mut sum) = (0, 0, 0.0);

@@ -31,7 +31,7 @@ fn data_that_are_no_data_are_refused() {
 }
 
 #[test]
-fn where_no_term_predicts_the_error_says_what_was_tried() {
+fn without_predictive_terms_the_error_lists_the_candidates() {
     // A response that is orthogonal to every candidate: any term only adds variance.
     let mut design = Array2::zeros((16, 4));
     let mut response = vec![0.0; 16];
@@ -60,7 +60,7 @@ fn where_no_term_predicts_the_error_says_what_was_tried() {
 }
 
 #[test]
-fn columns_that_span_the_same_enter_once() {
+fn linearly_dependent_columns_enter_once() {
     let mut design = normal_design(2, 40, 60);
     for (copy, original, factor) in [(40, 4, 1.0), (41, 9, -2.0), (42, 0, 5.0)] {
         let column = design.column(original).mapv(|a| factor * a);

@@ -140,7 +140,7 @@ fn resolved_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] 
 }
 
 #[test]
-fn bands_hold_the_spectrum_of_an_isotropic_surface_in_95_percent_of_the_bins() {
+fn bands_cover_the_spectrum_of_an_isotropic_surface_in_95_percent_of_the_bins() {
     let (fractions, tried) =
         coverages((64, 200), &self_affine(1.0), true_means(64, &self_affine(1.0)), |_, map| map, (2.0, 33.0));
     println!("isotropic {fractions:?} of {tried}");
@@ -152,7 +152,7 @@ fn bands_hold_the_spectrum_of_an_isotropic_surface_in_95_percent_of_the_bins() {
 }
 
 #[test]
-fn bands_are_nearly_as_good_on_a_surface_with_a_lay() {
+fn bands_have_nearly_nominal_coverage_on_a_directional_surface() {
     let (fractions, tried) =
         coverages((64, 200), &self_affine(4.0), true_means(64, &self_affine(4.0)), |_, map| map, (3.0, 33.0));
     println!("lay {fractions:?} of {tried}");
@@ -162,7 +162,7 @@ fn bands_are_nearly_as_good_on_a_surface_with_a_lay() {
 }
 
 #[test]
-fn bands_hold_the_spectrum_of_maps_with_missing_points() {
+fn bands_cover_the_spectrum_of_maps_with_missing_points() {
     // A disc and one point of fifty are missing.
     let punched = |index, map: HeightMap| {
         let grid = map.grid();
