@@ -246,7 +246,10 @@ mod tests {
             // The degrees of freedom match the variance of the estimate, within their own standard error.
             let freedom = 2.0 * (found.mean / found.std).powi(2);
             let estimated = Moments::new(&blocks).mean;
-            assert!(estimated / freedom < 1.8 && freedom / estimated < 1.8, "{records} records: {estimated} for {freedom}");
+            assert!(
+                estimated / freedom < 1.8 && freedom / estimated < 1.8,
+                "{records} records: {estimated} for {freedom}"
+            );
         }
     }
 

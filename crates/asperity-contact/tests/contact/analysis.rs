@@ -2,9 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_base::fourier::{RealFft2, signed_index};
 use asperity_base::map::{Grid, HeightMap};
-use asperity_base::monitor::Monitor;
 use asperity_base::random;
 use asperity_base::stats::{quantile_sorted, sorted_present};
 use asperity_contact::exact::{Hertz, PerssonPressure, Westergaard};
@@ -12,6 +10,7 @@ use asperity_contact::{
     Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Motion, Neighbours, Orientation, Pair,
     Problem, Solution, Solver, StiffnessSolver, composite, spectral_rms_gradient,
 };
+use asperity_testing::{AlwaysCancelled, self_affine};
 use ndarray::Array2;
 
 const PERIODIC: Boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
@@ -27,17 +26,6 @@ fn solved(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, har
     solution
 }
 
-/// A monitor that cancels at once.
-struct Stop;
-
-impl Monitor for Stop {
-    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
-
-    fn cancelled(&self) -> bool {
-        true
-    }
-}
-
 fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
     let stiffness = StiffnessSolver::default().solve(half_space, solution).unwrap();
     assert!(stiffness.converged, "{stiffness:?}");
@@ -46,27 +34,13 @@ fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
 
 /// Returns a paraboloid of radius 1, its summit in a cell centre, on an elastic square of E* = 1.
 fn paraboloid(n: usize, side_m: f64) -> (HalfSpace, Array2<f64>) {
-    let grid = Grid::with_size(n, n, side_m, side_m).unwrap();
-    let centre = 0.5 * (side_m + grid.dx_m());
-    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - centre).powi(2) + (y - centre).powi(2))).unwrap();
-    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
+    let (grid, heights_m) = asperity_testing::paraboloid(n, side_m, 0.5);
+    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), heights_m)
 }
 
-/// Returns a normal random map, self-affine (Hurst exponent 0.8) from a third of the width down to 4 cells, scaled to a
-/// spectral rms gradient of 1 on the unit square.
+/// Returns a self-affine map scaled to a spectral rms gradient of 1 on the unit square.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
-    let fft = RealFft2::new(n, n);
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    fft.forward(&random::standard_normal(&mut random::stream(5, "rough", sample), n * n), &mut spectrum, &mut work);
-    for kx in 0..fft.stored_kx() {
-        for ky in 0..n {
-            let q = (kx as f64).hypot(signed_index(ky, n));
-            spectrum[kx * n + ky] *= if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(3.0).powf(-1.8) };
-        }
-    }
-    let mut heights = vec![0.0; n * n];
-    fft.inverse(&mut spectrum, &mut heights, &mut work);
-    let heights = Array2::from_shape_vec((n, n), heights).unwrap();
+    let heights = self_affine(n, 3.0, &mut random::stream(5, "rough", sample));
     let gradient = spectral_rms_gradient(&heights, Grid::with_size(n, n, 1.0, 1.0).unwrap());
     heights / gradient
 }
@@ -414,7 +388,7 @@ fn complete_contact_has_infinite_stiffness_and_no_contact_has_none() {
     assert!(matches!(useless.solve(&free, &complete), Err(ContactError::Parameter { parameter: "tolerance", .. })));
     let hasty = StiffnessSolver { max_iterations: 1, ..StiffnessSolver::default() };
     assert!(!hasty.solve(&free, &complete).unwrap().converged);
-    let stopped = StiffnessSolver::default().solve_with(&free, &complete, &Stop).unwrap();
+    let stopped = StiffnessSolver::default().solve_with(&free, &complete, &AlwaysCancelled).unwrap();
     assert!(!stopped.converged && stopped.iterations == 0);
 }
 

@@ -18,6 +18,7 @@ use asperity_friction::window::{Window, WindowContact, WindowError};
 use asperity_friction::window_study::WindowStudy;
 use asperity_friction::{FrictionError, StripSums};
 use asperity_surface::{RandomSurface, SpectralField};
+use asperity_testing::autoregressive;
 use ndarray::Array2;
 
 const MODULUS_PA: f64 = 230e9;
@@ -358,10 +359,7 @@ fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
     let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
     let phi = (-0.1_f64).exp();
     let strip = |strip: usize| {
-        let mut g = random::standard_normal(&mut random::stream(seed, "beta strips", strip as u64), steps);
-        for t in 1..steps {
-            g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
-        }
+        let g = autoregressive(phi, steps, &mut random::stream(seed, "beta strips", strip as u64));
         let friction: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
         record(friction, vec![1.0; steps])
     };

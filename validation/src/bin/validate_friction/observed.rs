@@ -9,6 +9,7 @@ use asperity::correlation::{
 use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, Preparation};
 use asperity::random;
 use asperity::stats::wilson_interval;
+use asperity_testing::autoregressive;
 use rayon::prelude::*;
 
 use super::Result;
@@ -29,12 +30,7 @@ pub(crate) fn section(runs: usize) -> Result<String> {
 
 /// A stationary record of the correlation e^{−lag/ℓ}.
 fn exponential(length: f64, values: usize, name: &str, run: usize) -> Vec<f64> {
-    let phi = (-1.0 / length).exp();
-    let mut record = random::standard_normal(&mut random::stream(79, name, run as u64), values);
-    for t in 1..values {
-        record[t] = phi * record[t - 1] + (1.0 - phi * phi).sqrt() * record[t];
-    }
-    record
+    autoregressive((-1.0 / length).exp(), values, &mut random::stream(79, name, run as u64))
 }
 
 fn means(values: &[f64], count: usize) -> Vec<f64> {

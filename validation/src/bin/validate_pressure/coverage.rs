@@ -92,8 +92,8 @@ impl Count {
 /// Prints a table for each world.
 pub(crate) fn print(replicates: u64) -> Result<()> {
     println!(
-        "\n# Intervals\n\nShare in percent of 95 % intervals that hold the truth, over {replicates} studies of a small patch: {POINTS}² points \
-         on 1 m, the surface and the half-space of case C. Its own error is √(.95 · .05/{replicates}) = {:.1} %. The truth is that of \
+        "\n# Intervals\n\nShare in percent of 95 % intervals that contain the true value, over {replicates} studies of a small patch: {POINTS}² points \
+         on 1 m, the surface and the half-space of case C. Its own error is √(.95 · .05/{replicates}) = {:.1} %. The true value is estimated by \
          {TRUTH} solutions with 256 cells each. Beside them the mean error (bias) of P(contact) and of the mean in pascal, the root \
          mean square error, and the mean half width of the intervals. Expansions have 3 variables, degree 2, and 2,000 fresh samples.",
         (95.0 * 5.0 / replicates as f64).sqrt()
