@@ -107,7 +107,7 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
         let half_space = HalfSpace::new(grid, 1.0, boundary)?;
         let control = Control::Plane { height_m: world.plane_m };
         let problem = Problem::new(&surface, &half_space, control, world.hardness_pa)?;
-        let sizes = MethodComparison { fine_solves: 20, reference_samples: TRUTH, ..Study::new(1) };
+        let sizes = MethodComparison { fine_solves: 20, reference_samples: TRUTH, ..MethodComparison::new(1) };
         let truth = sizes.run(&problem, &Silent)?.reference.estimate;
         let capped = world.hardness_pa.map_or_else(String::new, |hardness_pa| {
             let atom = 1.0 - truth.distribution.cdf_left(hardness_pa);
@@ -125,7 +125,11 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
             quantiles.join(", ")
         );
         let found = each(replicates, world.name, |seed| {
-            let sizes = MethodComparison { fine_solves: world.fine_solves, reference_samples: 2, ..Study::new(seed) };
+            let sizes = MethodComparison {
+                fine_solves: world.fine_solves,
+                reference_samples: 2,
+                ..MethodComparison::new(seed)
+            };
             let study = MethodComparison { variables: 3, degree: 2, surrogate_samples: 2000, ..sizes };
             let outcomes = estimates(&study, &problem, &Silent)?;
             let mut counts = vec![Count::default(); outcomes.len()];

@@ -206,7 +206,7 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
     let sizes = MethodComparison {
         fine_solves: 20,
         reference_samples: if case.free { SINGLE } else { POOLED },
-        ..Study::new(1)
+        ..MethodComparison::new(1)
     };
     let start = Instant::now();
     let reference = sizes.run(&problem, &Silent)?.reference.estimate;
@@ -229,9 +229,9 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
     );
     for fine_solves in case.sizes.iter().copied() {
         let found = each(replicates, &format!("{}, {fine_solves}", case.name), |seed| {
-            let study = MethodComparison { fine_solves, ..Study::new(seed) };
+            let study = MethodComparison { fine_solves, ..MethodComparison::new(seed) };
             let start = Instant::now();
-            let sampling = Sampling::monte_carlo(seed, "validation", fine_solves, study.valid_share);
+            let sampling = Sampling::monte_carlo(seed, "validation", fine_solves, study.valid_fraction);
             let samples = solve(&problem, sampling, &Silent)?;
             let (law, n) = (samples.distribution()?, samples.len() as f64);
             let (p, mean) = (samples.contact_probability(), law.mean());
