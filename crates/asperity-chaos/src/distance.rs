@@ -186,27 +186,6 @@ pub fn kolmogorov_smirnov_to(
         .fold(0.0, f64::max)
 }
 
-/// Returns the Wasserstein-1 distance ∫₀¹|F⁻¹(u) − G⁻¹(u)| du between a discrete distribution and one with the quantile
-/// function G⁻¹.
-///
-/// Two-point Gauss quadrature on 16 equal parts of each step is exact up to rounding where G⁻¹ is a cubic on a part and
-/// does not cross the step. `quantile` is never called with 0 or 1.
-pub fn wasserstein_1_to(distribution: &DiscreteDistribution, quantile: impl Fn(f64) -> f64) -> f64 {
-    const PARTS: usize = 16;
-    let offset = 0.5 / 3.0_f64.sqrt();
-    let mut sum = 0.0;
-    for (i, &x) in distribution.values.iter().enumerate() {
-        let from = distribution.after(i);
-        let width = (distribution.cumulative[i] - from) / PARTS as f64;
-        for part in 0..PARTS {
-            let centre = from + (part as f64 + 0.5) * width;
-            let distance = |u: f64| (quantile(u) - x).abs();
-            sum += 0.5 * width * (distance(centre - offset * width) + distance(centre + offset * width));
-        }
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,16 +264,6 @@ mod tests {
             kolmogorov_smirnov_to(&distribution(&sample), standard_normal_cdf, standard_normal_cdf) * 4000.0_f64.sqrt();
         // The 0.01 % and 99.99 % points of Kolmogorov's limiting distribution.
         assert!((0.32..2.23).contains(&scaled), "√n D = {scaled}");
-    }
-
-    #[test]
-    fn wasserstein_to_a_uniform_distribution_is_exact() {
-        // n midpoints and U(0, 1): each step contributes 1/(4n²).
-        let sample: Vec<f64> = (0..10).map(|i| (f64::from(i) + 0.5) / 10.0).collect();
-        assert!((wasserstein_1_to(&distribution(&sample), |u| u) - 0.025).abs() < 1e-14);
-        // A shift by s moves every quantile by s.
-        let shifted = wasserstein_1_to(&distribution(&sample), |u| u + 3.0);
-        assert!((shifted - 3.0).abs() < 1e-14);
     }
 
     #[test]

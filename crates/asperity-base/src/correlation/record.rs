@@ -51,18 +51,8 @@ impl RecordCorrelation {
     /// # Errors
     /// Fewer than three values present, values that do not vary, or a step that is not positive.
     pub fn estimate(records: &[&[f64]], step_m: f64, largest_lag: usize) -> Result<Self, EstimateError> {
-        if !(step_m > 0.0 && step_m.is_finite()) {
-            return Err(EstimateError::BadStep { step_m });
-        }
-        let values = || records.iter().flat_map(|record| record.iter().copied()).filter(|v| v.is_finite());
-        let present = values().count();
-        if present < 3 {
-            return Err(EstimateError::TooFew { present, wanted: 3 });
-        }
-        let Moments { mean, std, .. } = Moments::from_values(values());
-        if std == 0.0 {
-            return Err(EstimateError::Constant { present });
-        }
+        let values = records.iter().flat_map(|record| record.iter().copied());
+        let Moments { n: present, mean, .. } = checked_moments(values, step_m, 3)?;
         let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
         let lags = largest_lag.min(longest - 1) + 1;
         let (mut sums, mut pairs) = (vec![0.0; lags], vec![0.0; lags]);
@@ -105,6 +95,22 @@ impl RecordCorrelation {
         lags.filter(|lag| !self.correlation[*lag].is_nan())
             .map(|lag| (lag as f64 * self.step_m, self.correlation[lag], (self.pairs[lag] / all).sqrt()))
             .collect()
+    }
+}
+
+/// Returns the moments of the finite values of records.
+///
+/// # Errors
+/// A step that is not positive, fewer than `wanted` values, or values that do not vary.
+fn checked_moments(values: impl Iterator<Item = f64>, step_m: f64, wanted: usize) -> Result<Moments, EstimateError> {
+    if !(step_m > 0.0 && step_m.is_finite()) {
+        return Err(EstimateError::BadStep { step_m });
+    }
+    let moments = Moments::from_values(values.filter(|value| value.is_finite()));
+    match moments.n {
+        present if present < wanted => Err(EstimateError::TooFew { present, wanted }),
+        present if moments.std == 0.0 => Err(EstimateError::Constant { present }),
+        _ => Ok(moments),
     }
 }
 

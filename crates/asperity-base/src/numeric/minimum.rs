@@ -36,6 +36,17 @@ pub fn golden_section(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 
     GoldenSection { bracket: [low, high], place, value }
 }
 
+/// Returns the minimum of a function next to the best of several increasing arguments, to `tolerance` in the argument.
+///
+/// # Panics
+/// Without arguments.
+pub fn scanned_minimum(f: impl Fn(f64) -> f64, arguments: &[f64], tolerance: f64) -> GoldenSection {
+    let values: Vec<f64> = arguments.iter().map(|x| f(*x)).collect();
+    let best = values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index);
+    let ends = [best.saturating_sub(1), (best + 1).min(arguments.len() - 1)];
+    golden_section(f, ends.map(|index| arguments[index]), tolerance)
+}
+
 /// Returns the position and value of a maximum of a function of `D` variables near a start, by the simplex method of
 /// Nelder and Mead (*Computer J.* **7** (1965) 308), restarted until a restart gives no improvement. −∞ marks
 /// infeasible points.

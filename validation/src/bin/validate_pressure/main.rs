@@ -103,7 +103,7 @@ struct Errors {
 
 /// One estimate and the seconds that it took.
 struct Timed {
-    law: DiscreteDistribution,
+    distribution: DiscreteDistribution,
     contact: Known,
     mean: Known,
     seconds: f64,
@@ -131,10 +131,10 @@ impl Known {
 
 impl Errors {
     fn add(&mut self, found: &Timed, reference: &Estimate) {
-        let Timed { law, contact, mean, seconds } = found;
+        let Timed { distribution, contact, mean, seconds } = found;
         self.count += 1.0;
-        self.ks += kolmogorov_smirnov(law, &reference.distribution);
-        self.wasserstein += wasserstein_1(law, &reference.distribution) / reference.distribution.std();
+        self.ks += kolmogorov_smirnov(distribution, &reference.distribution);
+        self.wasserstein += wasserstein_1(distribution, &reference.distribution) / reference.distribution.std();
         self.probability += (contact.value - reference.contact_probability).powi(2);
         self.probability_se += contact.se.powi(2);
         self.mean += (mean.value - reference.mean_pa).powi(2);
@@ -233,15 +233,15 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
             let start = Instant::now();
             let sampling = Sampling::monte_carlo(seed, "validation", fine_solves, study.valid_fraction);
             let samples = solve(&problem, sampling, &Silent)?;
-            let (law, n) = (samples.distribution()?, samples.len() as f64);
-            let (p, mean) = (samples.contact_probability(), law.mean());
-            let [p_se, mean_se] = [(p * (1.0 - p) / n).sqrt(), law.std() / n.sqrt()];
+            let (distribution, n) = (samples.distribution()?, samples.len() as f64);
+            let (p, mean) = (samples.contact_probability(), distribution.mean());
+            let [p_se, mean_se] = [(p * (1.0 - p) / n).sqrt(), distribution.std() / n.sqrt()];
             let half = NORMAL_95 * mean_se;
             let monte_carlo = Timed {
                 seconds: start.elapsed().as_secs_f64(),
                 contact: Known::new(p, p_se, Some(wilson_interval(samples.in_contact(), samples.len()))),
                 mean: Known::new(mean, mean_se, Some(Interval { low: mean - half, high: mean + half })),
-                law,
+                distribution,
             };
             let start = Instant::now();
             let (found, solves) = study.estimate_default(&problem, &Silent)?;
@@ -263,7 +263,7 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         let coarse = found.last().map_or("", |(_, _, coarse)| coarse.as_str());
         monte_carlo.row(&format!("Monte Carlo, {fine_solves}"));
         default.row(&format!("default, {fine_solves} ({coarse})"));
-        // Monte Carlo's variance at the default's seconds, from its law and not from the few replicates, over the default's: the larger
+        // Monte Carlo's variance at the default's seconds, from its distribution rather than the few replicates, over the default's: the larger
         // one of that found and that told.
         let time = default.seconds() / monte_carlo.seconds();
         let p = reference.contact_probability;

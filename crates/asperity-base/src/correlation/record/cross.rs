@@ -1,5 +1,6 @@
 //! Cross-correlation of two records, such as contact area and load of sliding windows.
 
+use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
 use crate::stats::{Interval, Moments, correlation_time, student_quantile};
 
@@ -37,18 +38,8 @@ pub fn cross_correlation(
     step_m: f64,
     largest_lag: usize,
 ) -> Result<CrossCorrelation, EstimateError> {
-    if !(step_m > 0.0 && step_m.is_finite()) {
-        return Err(EstimateError::BadStep { step_m });
-    }
-    let first = Moments::from_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
-    let second = Moments::from_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
-    let present = first.n.min(second.n);
-    if present < 4 {
-        return Err(EstimateError::TooFew { present, wanted: 4 });
-    }
-    if first.std == 0.0 || second.std == 0.0 {
-        return Err(EstimateError::Constant { present });
-    }
+    let first = checked_moments(records.iter().flat_map(|pair| pair.0.iter().copied()), step_m, 4)?;
+    let second = checked_moments(records.iter().flat_map(|pair| pair.1.iter().copied()), step_m, 4)?;
     let longest = records.iter().map(|pair| pair.0.len()).max().unwrap_or(0);
     let reach = largest_lag.min(longest - 1) as isize;
     let lags: Vec<isize> = (-reach..=reach).collect();

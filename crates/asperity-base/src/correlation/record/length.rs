@@ -3,10 +3,11 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::band::RecordBand;
+use super::checked_moments;
 use super::likelihood::{Likelihood, RecordEnds, WindowedRecords};
 use super::model::{RecordModel, WindowedModel};
 use crate::correlation::estimate::EstimateError;
-use crate::numeric::golden_section;
+use crate::numeric::scanned_minimum;
 use crate::stats::{Interval, Moments, student_quantile};
 
 /// Least number of blocks for the variance of the score.
@@ -130,8 +131,8 @@ pub fn fit_length(
     let t = student_quantile(0.5 + 0.5 * settings.level, freedom);
     let bound = least + 0.5 * dispersion * t * t;
     let interval = Interval {
-        low: if length_m == 0.0 { 0.0 } else { lower_end(&curve, bound, low_m, length_m) },
-        high: crossing(&curve, bound, length_m.max(low_m), high_m),
+        low: if curve(0.0) <= bound { 0.0 } else { crossing(&curve, bound, length_m, low_m).unwrap_or(0.0) },
+        high: crossing(&curve, bound, length_m.max(low_m), high_m).unwrap_or(high_m),
     };
     let tangent = likelihood.tangent(length_m, noise_fraction);
     // Skewed records, and so their scores, have a larger variance than the theoretical one.
@@ -175,17 +176,7 @@ pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings:
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
     for channel in channels {
-        if !(channel.step_m > 0.0 && channel.step_m.is_finite()) {
-            return Err(EstimateError::BadStep { step_m: channel.step_m });
-        }
-        let values = || channel.records.iter().flat_map(|record| record.iter().copied()).filter(|v| v.is_finite());
-        let moments = Moments::from_values(values());
-        if moments.n < 3 {
-            return Err(EstimateError::TooFew { present: moments.n, wanted: 3 });
-        }
-        if moments.std == 0.0 {
-            return Err(EstimateError::Constant { present: moments.n });
-        }
+        checked_moments(channel.records.iter().flat_map(|record| record.iter().copied()), channel.step_m, 3)?;
     }
     if channels.is_empty() { Err(EstimateError::Nothing) } else { Ok(()) }
 }
@@ -207,52 +198,28 @@ fn range_m(channels: &[WindowedRecords<'_>]) -> (f64, f64) {
 fn minimum(curve: &dyn Fn(f64) -> f64, low_m: f64, high_m: f64) -> (f64, f64) {
     let factor: f64 = 2.0;
     let steps = ((high_m / low_m).ln() / factor.ln()).ceil() as i32;
-    let scanned: Vec<(f64, f64)> =
-        (0..=steps).map(|i| (low_m * factor.powi(i)).min(high_m)).map(|length_m| (length_m, curve(length_m))).collect();
-    let best = scanned.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map_or(0, |(index, _)| index);
-    let ends = [best.saturating_sub(1), (best + 1).min(scanned.len() - 1)].map(|index| scanned[index].0.ln());
-    let found = golden_section(|log_length| curve(log_length.exp()), ends, 2e-3);
+    let logarithms: Vec<f64> = (0..=steps).map(|i| (low_m * factor.powi(i)).min(high_m).ln()).collect();
+    let found = scanned_minimum(|log_length| curve(log_length.exp()), &logarithms, 2e-3);
     let found = (found.place.exp(), found.value);
     let zero = curve(0.0);
     if zero <= found.1 + 1e-6 { (0.0, zero) } else { found }
 }
 
-/// Returns the length above `from_m` at which −ln L reaches `bound`; `high_m` if it does not.
-fn crossing(curve: &dyn Fn(f64) -> f64, bound: f64, from_m: f64, high_m: f64) -> f64 {
+/// Returns the length between `from_m` and `limit_m` at which −ln L reaches `bound`; `None` if it does not.
+fn crossing(curve: &dyn Fn(f64) -> f64, bound: f64, from_m: f64, limit_m: f64) -> Option<f64> {
+    let next = |m: f64| if limit_m < from_m { (m / 1.5).max(limit_m) } else { (m * 1.5).min(limit_m) };
     let (mut inside, mut outside) = (from_m, from_m);
     while curve(outside) <= bound {
-        if outside >= high_m {
-            return high_m;
+        if outside == limit_m {
+            return None;
         }
-        inside = outside;
-        outside = (outside * 1.5).min(high_m);
+        (inside, outside) = (outside, next(outside));
     }
-    bisect(curve, bound, inside, outside)
-}
-
-/// Returns the length below the minimum at which −ln L reaches `bound`; 0 if it does not.
-fn lower_end(curve: &dyn Fn(f64) -> f64, bound: f64, low_m: f64, from_m: f64) -> f64 {
-    if curve(0.0) <= bound {
-        return 0.0;
-    }
-    let (mut inside, mut outside) = (from_m, from_m);
-    while curve(outside) <= bound {
-        if outside <= low_m {
-            return 0.0;
-        }
-        inside = outside;
-        outside = (outside / 1.5).max(low_m);
-    }
-    bisect(curve, bound, inside, outside)
-}
-
-fn bisect(curve: &dyn Fn(f64) -> f64, bound: f64, inside_m: f64, outside_m: f64) -> f64 {
-    let (mut inside, mut outside) = (inside_m, outside_m);
     while (outside / inside).ln().abs() > 4e-3 {
         let middle = (inside * outside).sqrt();
         if curve(middle) <= bound { inside = middle } else { outside = middle }
     }
-    (inside * outside).sqrt()
+    Some((inside * outside).sqrt())
 }
 
 /// Blocks of the strips under the narrowest window.

@@ -6,6 +6,7 @@ use super::band::RecordBand;
 use super::model::WindowedModel;
 use super::tangent::Tangent;
 use crate::fourier::RealFft2;
+use crate::numeric::scanned_minimum;
 use crate::stats::{Moments, lag_sums};
 
 /// Least number of values of a record with a spectrum.
@@ -326,7 +327,6 @@ impl Likelihood {
 
     /// Returns the most likely noise fraction at a length, and −ln L there.
     pub(super) fn best_noise(&self, spectra: &Spectra) -> (f64, f64) {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let at = |logit: f64| {
             let value = self.negative_log(&self.with_noise(spectra, 1.0 / (1.0 + (-logit).exp())));
             if value.is_nan() { f64::INFINITY } else { value }
@@ -334,25 +334,10 @@ impl Likelihood {
         let logit = |fraction: f64| (fraction / (1.0 - fraction)).ln();
         let (low, high, parts) = (logit(NOISE.0), logit(NOISE.1), 9_i32);
         let place = |i: i32| low + (high - low) * f64::from(i) / f64::from(parts);
-        let scanned: Vec<f64> = (0..=parts).map(|i| at(place(i))).collect();
-        let best = scanned.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index) as i32;
-        let (mut a, mut b) = (place((best - 1).max(0)), place((best + 1).min(parts)));
-        let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-        let (mut at_c, mut at_d) = (at(c), at(d));
-        while b - a > 1e-2 {
-            if at_c < at_d {
-                (b, d, at_d) = (d, c, at_c);
-                c = b - GOLDEN * (b - a);
-                at_c = at(c);
-            } else {
-                (a, c, at_c) = (c, d, at_d);
-                d = a + GOLDEN * (b - a);
-                at_d = at(d);
-            }
-        }
-        let found = if at_c < at_d { (c, at_c) } else { (d, at_d) };
+        let places: Vec<f64> = (0..=parts).map(place).collect();
+        let found = scanned_minimum(at, &places, 1e-2);
         let none = self.negative_log(spectra);
-        if none <= found.1 + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.0).exp()), found.1) }
+        if none <= found.value + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.place).exp()), found.value) }
     }
 
     /// Returns the noise fraction (0 if it is not fitted) and −ln L at a length, which is infinite if rounding makes an

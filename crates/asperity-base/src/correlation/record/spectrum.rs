@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use super::checked_moments;
 use super::likelihood::{Likelihood, RecordEnds, taper, tapered};
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
 use crate::correlation::spectrum::{bin_of, edges};
 use crate::distribution::chi_square_quantile;
 use crate::fourier::{Complex64, RealFft2};
-use crate::stats::Moments;
 
 /// Largest distance of ordinates that the taper correlates.
 const REACH: usize = 8;
@@ -51,16 +51,10 @@ pub fn record_spectrum(
     step_m: f64,
     ends: RecordEnds,
 ) -> Result<RecordSpectrum, EstimateError> {
-    if !(step_m > 0.0 && step_m.is_finite()) {
-        return Err(EstimateError::BadStep { step_m });
-    }
-    let moments = Moments::from_values(records.iter().flat_map(|r| r.iter().copied()).filter(|v| v.is_finite()));
+    let moments = checked_moments(records.iter().flat_map(|record| record.iter().copied()), step_m, 8)?;
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
-    if longest < 8 || moments.n < 8 {
+    if longest < 8 {
         return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
-    }
-    if moments.std == 0.0 {
-        return Err(EstimateError::Constant { present: moments.n });
     }
     let edges = edges(longest / 2);
     let unit_per_m = 1.0 / (longest as f64 * step_m);
@@ -216,6 +210,7 @@ mod tests {
     use super::super::model::RecordModel;
     use super::*;
     use crate::random;
+    use crate::stats::Moments;
 
     fn autoregressive(phi: f64, n: usize, index: u64) -> Vec<f64> {
         let noise = random::standard_normal(&mut random::stream(45, "record/spectrum", index), n);

@@ -2,6 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
 use crate::random;
 use crate::stats::{Moments, correlation_time};
@@ -73,17 +74,11 @@ impl Stationarity {
     /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation
     /// times.
     pub fn new(records: &[&[f64]], tracks: usize, step_m: f64) -> Result<Self, EstimateError> {
-        if !(step_m > 0.0 && step_m.is_finite()) {
-            return Err(EstimateError::BadStep { step_m });
-        }
         let n = records.iter().map(|record| record.len()).min().unwrap_or(0);
         let records: Vec<&[f64]> = records.iter().map(|record| &record[..n]).collect();
-        let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
-        if n < 8 || moments.n < 8 {
+        let moments = checked_moments(records.iter().flat_map(|record| record.iter().copied()), step_m, 8)?;
+        if n < 8 {
             return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
-        }
-        if moments.std == 0.0 {
-            return Err(EstimateError::Constant { present: moments.n });
         }
         let times: Vec<f64> = records
             .iter()
