@@ -15,6 +15,8 @@ pub mod numeric;
 pub mod quantity;
 pub mod random;
 pub mod stats;
+#[cfg(test)]
+mod testing;
 #[doc(hidden)]
 pub mod wide;
 

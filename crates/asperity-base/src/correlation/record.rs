@@ -118,28 +118,19 @@ fn checked_moments(values: impl Iterator<Item = f64>, step_m: f64, wanted: usize
 mod tests {
     use super::*;
     use crate::random;
+    use crate::testing::autoregressive;
 
     fn of_one(values: &[f64]) -> Result<Vec<f64>, EstimateError> {
         RecordCorrelation::estimate(&[values], 1.0, values.len()).map(|found| found.correlation)
     }
 
-    /// Returns a stationary autoregressive record with correlation φ^lag.
-    fn autoregressive(phi: f64, n: usize, index: u64) -> Vec<f64> {
-        let noise = random::standard_normal(&mut random::stream(31, "ar", index), n);
-        let mut last = noise[0];
-        noise
-            .iter()
-            .enumerate()
-            .map(|(i, e)| {
-                last = if i == 0 { *e } else { phi * last + (1.0 - phi * phi).sqrt() * e };
-                last
-            })
-            .collect()
+    fn record(phi: f64, n: usize, index: u64) -> Vec<f64> {
+        autoregressive(phi, n, &mut random::stream(31, "ar", index))
     }
 
     #[test]
     fn correlations_are_direct_sums_over_the_pairs_present() {
-        let mut record = autoregressive(0.7, 23, 0);
+        let mut record = record(0.7, 23, 0);
         (record[3], record[10], record[11]) = (f64::NAN, f64::NAN, f64::INFINITY);
         let present: Vec<f64> = record.iter().copied().filter(|v| v.is_finite()).collect();
         let mean = present.iter().sum::<f64>() / 20.0;
@@ -184,8 +175,7 @@ mod tests {
         // φ = e^{−Δ/ℓ} with Δ = 10, ℓ = 250: .9607894392.
         let lengths: Vec<f64> = (0..16)
             .map(|index| {
-                let records: Vec<Vec<f64>> =
-                    (0..4).map(|r| autoregressive(0.960_789_439_2, 5000, 4 * index + r)).collect();
+                let records: Vec<Vec<f64>> = (0..4).map(|r| record(0.960_789_439_2, 5000, 4 * index + r)).collect();
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
                 let found = RecordCorrelation::estimate(&views, 10.0, 400).unwrap();
                 fit_record(&found, RecordModel::Exponential).unwrap().length_m

@@ -93,19 +93,15 @@ fn autocorrelation(record: &[f64], moments: &Moments) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::random;
+    use crate::testing::autoregressive;
 
-    fn autoregressive(phi: f64, n: usize) -> Vec<f64> {
-        let noise = random::standard_normal(&mut random::stream(5, "ar1", 0), n);
-        let mut record = vec![noise[0]];
-        for xi in &noise[1..] {
-            record.push(phi * record[record.len() - 1] + (1.0 - phi * phi).sqrt() * xi);
-        }
-        record
+    fn record(phi: f64, n: usize) -> Vec<f64> {
+        autoregressive(phi, n, &mut random::stream(5, "ar1", 0))
     }
 
     #[test]
     fn the_fast_autocorrelation_is_the_mean_of_products_of_present_pairs() {
-        let mut record = autoregressive(0.7, 101);
+        let mut record = record(0.7, 101);
         for gap in [3, 4, 50] {
             record[gap] = f64::NAN;
         }
@@ -126,7 +122,7 @@ mod tests {
         // τ = (1 + φ)/(1 − φ); its relative standard error is √(2(2W + 1)/n) (Madras & Sokal), W ≈ 5τ.
         let n = 200_000;
         for phi in [0.0, 0.5, 0.9] {
-            let (found, wanted) = (correlation_time(&autoregressive(phi, n)).unwrap(), (1.0 + phi) / (1.0 - phi));
+            let (found, wanted) = (correlation_time(&record(phi, n)).unwrap(), (1.0 + phi) / (1.0 - phi));
             let error = (2.0 * (2.0 * found.window as f64 + 1.0) / n as f64).sqrt();
             assert!((found.steps / wanted - 1.0).abs() < 4.0 * error, "φ = {phi}: τ = {}", found.steps);
             assert!(found.resolved);

@@ -237,15 +237,13 @@ pub fn fraction_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>)
 mod tests {
     use super::*;
     use crate::random;
+    use crate::testing::autoregressive;
 
     /// Records of 3 + g + c (g² − 1) with normal g of correlation e^{−lag/5}.
     fn records(c: f64, count: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
         let phi = (-0.2_f64).exp();
         let record = |index: usize| {
-            let mut g = random::standard_normal(&mut random::stream(17, "process", 100 * run + index as u64), n);
-            for t in 1..n {
-                g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
-            }
+            let g = autoregressive(phi, n, &mut random::stream(17, "process", 100 * run + index as u64));
             g.into_iter().map(|g| 3.0 + g + c * (g * g - 1.0)).collect()
         };
         (0..count).map(record).collect()

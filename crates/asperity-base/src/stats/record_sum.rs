@@ -178,18 +178,12 @@ mod tests {
     use super::*;
     use crate::random;
     use crate::stats::Moments;
+    use crate::testing::autoregressive;
 
     /// Records with correlation φ^lag.
-    fn autoregressive(phi: f64, records: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
-        let record = |index: usize| {
-            let stream = &mut random::stream(41, "record sum", 100 * run + index as u64);
-            let mut values = random::standard_normal(stream, n);
-            for t in 1..n {
-                values[t] = phi * values[t - 1] + (1.0 - phi * phi).sqrt() * values[t];
-            }
-            values
-        };
-        (0..records).map(record).collect()
+    fn records(phi: f64, count: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
+        let stream = |index: u64| random::stream(41, "record sum", 100 * run + index);
+        (0..count as u64).map(|index| autoregressive(phi, n, &mut stream(index))).collect()
     }
 
     fn views(records: &[Vec<f64>]) -> Vec<&[f64]> {
@@ -198,7 +192,7 @@ mod tests {
 
     #[test]
     fn pairs_are_counted_one_by_one_also_round_a_circle() {
-        let mut records = autoregressive(0.7, 2, 12, 0);
+        let mut records = records(0.7, 2, 12, 0);
         records[1].truncate(9);
         records[0][4] = f64::NAN;
         for periodic in [false, true] {
@@ -228,7 +222,7 @@ mod tests {
             let runs = 200;
             let (mut means, mut variances, mut blocks) = (vec![], vec![], vec![]);
             for run in 0..runs {
-                let records = autoregressive(0.9, records, n, run + 1);
+                let records = super::tests::records(0.9, records, n, run + 1);
                 let mean = Moments::new(&records.concat()).mean;
                 let sum = RecordSum::new(&views(&records), mean, false.into());
                 let influence: Vec<Vec<f64>> =
@@ -255,7 +249,7 @@ mod tests {
 
     #[test]
     fn too_few_blocks_carry_no_spread() {
-        let records = autoregressive(0.99, 1, 300, 9);
+        let records = records(0.99, 1, 300, 9);
         let mean = Moments::new(&records[0]).mean;
         let influence = vec![records[0].iter().map(|x| (x - mean) / 300.0).collect()];
         assert!(RecordSum::new(&views(&records), mean, false.into()).spread(&influence, 1.0).is_none());

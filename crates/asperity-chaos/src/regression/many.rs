@@ -20,12 +20,24 @@ pub struct Fits {
 }
 
 impl LeastSquares {
-    /// Solves for many responses, shape `[samples K, responses R]` in any layout, and computes the leave-one-out error
-    /// of each response. The result is bit-identical for any number of threads.
+    /// Solves for many responses, shape `[samples K, responses R]` in any layout; the result has shape `[coefficients
+    /// P, responses R]`. The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// The number of values is wrong, or a value is not finite.
+    pub fn solve_many(&self, responses: ArrayView2<'_, f64>) -> Result<Array2<f64>, RegressionError> {
+        Ok(self.solve_blocks(responses, false)?.coefficients)
+    }
+
+    /// Solves as [`LeastSquares::solve_many`] and computes the leave-one-out error of each response, at twice the cost.
+    ///
+    /// # Errors
+    /// See [`LeastSquares::solve_many`].
     pub fn fit_many(&self, responses: ArrayView2<'_, f64>) -> Result<Fits, RegressionError> {
+        self.solve_blocks(responses, true)
+    }
+
+    fn solve_blocks(&self, responses: ArrayView2<'_, f64>, assess: bool) -> Result<Fits, RegressionError> {
         let (samples, count) = responses.dim();
         if samples != self.samples() {
             return Err(RegressionError::Length { values: samples, samples: self.samples() });
@@ -35,7 +47,7 @@ impl LeastSquares {
         let starts: Vec<usize> = (0..count).step_by(BLOCK).collect();
         let blocks: Vec<(Mat<f64>, Vec<Option<f64>>)> = starts
             .into_par_iter()
-            .map(|start| self.solve_block(matrix.subcols(start, BLOCK.min(count - start))))
+            .map(|start| self.solve_block(matrix.subcols(start, BLOCK.min(count - start)), assess))
             .collect();
         let mut coefficients = Array2::zeros((self.coefficients(), count));
         let mut relative_errors = Vec::new();
@@ -55,10 +67,10 @@ impl LeastSquares {
         Ok(Fits { coefficients, relative_errors })
     }
 
-    fn solve_block(&self, responses: MatRef<'_, f64>) -> (Mat<f64>, Vec<Option<f64>>) {
+    fn solve_block(&self, responses: MatRef<'_, f64>, assess: bool) -> (Mat<f64>, Vec<Option<f64>>) {
         let mut solution = Mat::zeros(self.coefficients(), responses.ncols());
         matmul(solution.as_mut(), Accum::Replace, self.q.transpose(), responses, 1.0, Par::Seq);
-        let errors = self.relative_errors(responses, &solution);
+        let errors = if assess { self.relative_errors(responses, &solution) } else { Vec::new() };
         self.qr.thin_R().solve_upper_triangular_in_place(solution.as_mut());
         (solution, errors)
     }

@@ -98,6 +98,7 @@ fn many_right_hand_sides_are_solved_as_one_by_one() {
     spread.slice_mut(ndarray::s![.., ..;2]).assign(&rows);
     for view in [rows.view(), columns.t(), spread.slice(ndarray::s![.., ..;2])] {
         let fits = least_squares.fit_many(view).unwrap();
+        assert_eq!(fits.coefficients, least_squares.solve_many(view).unwrap());
         for j in [0, 1, 255, 256, 511, 512, 514] {
             let fit = least_squares.fit(&rows.column(j).to_vec()).unwrap();
             for (found, wanted) in fits.coefficients.column(j).iter().zip(&fit.coefficients) {
@@ -126,10 +127,10 @@ fn many_right_hand_sides_are_refused_where_one_would_be() {
     let least_squares = LeastSquares::new(random_design(20, 3).view()).unwrap();
     let mut responses = random_design(20, 4);
     responses[[13, 2]] = f64::INFINITY;
-    assert_eq!(least_squares.fit_many(responses.view()), Err(RegressionError::NotFinite { sample: 13 }));
+    assert_eq!(least_squares.solve_many(responses.view()), Err(RegressionError::NotFinite { sample: 13 }));
     let short = random_design(19, 4);
-    assert_eq!(least_squares.fit_many(short.view()), Err(RegressionError::Length { values: 19, samples: 20 }));
-    assert_eq!(least_squares.fit_many(Array2::zeros((20, 0)).view()).unwrap().coefficients.dim(), (3, 0));
+    assert_eq!(least_squares.solve_many(short.view()), Err(RegressionError::Length { values: 19, samples: 20 }));
+    assert_eq!(least_squares.solve_many(Array2::zeros((20, 0)).view()).unwrap().dim(), (3, 0));
     let constant = least_squares.fit_many(Array2::zeros((20, 2)).view()).unwrap();
     assert_eq!(constant.relative_errors, vec![None, None]);
 }
