@@ -12,8 +12,8 @@ mod two_part;
 use std::error::Error;
 
 use asperity::monitor::Monitor;
-use asperity::pressure::surrogate::{Rotated, estimate, others};
-use asperity::pressure::{Estimate, Method, MethodError, PressureError, Problem, Study};
+use asperity::pressure::surrogate::{RotatedSamples, estimate, others};
+use asperity::pressure::{Estimate, Method, MethodComparison, MethodError, PressureError, Problem};
 
 use latent::LatentOverlap;
 use two_part::TwoPart;
@@ -37,12 +37,16 @@ pub fn names() -> Vec<&'static str> {
 /// Estimates the distribution of the pressure of `problem` by every method of [`names`].
 ///
 /// # Errors
-/// As [`Study::run`].
-pub fn estimates(study: &Study, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Vec<Outcome>, PressureError> {
-    let Study { seed, degree, .. } = *study;
+/// As [`MethodComparison::run`].
+pub fn estimates(
+    study: &MethodComparison,
+    problem: &Problem<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Outcome>, PressureError> {
+    let MethodComparison { seed, degree, .. } = *study;
     let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let solutions = study.solve(problem, monitor)?;
-    let by_rotated = |model: &dyn Fn(&Rotated) -> Result<Estimate, MethodError>| -> Outcome {
+    let by_rotated = |model: &dyn Fn(&RotatedSamples) -> Result<Estimate, MethodError>| -> Outcome {
         Ok(model(solutions.rotated.as_ref().map_err(Clone::clone)?)?)
     };
     let by_nested = |coarse: bool, fitted: bool| -> Outcome {
@@ -50,12 +54,12 @@ pub fn estimates(study: &Study, problem: &Problem<'_>, monitor: &dyn Monitor) ->
         Ok(nested.estimate_pressure(problem, seed, coarse, fitted)?)
     };
     let mut own = vec![
-        by_rotated(&|rotated| estimate(&LatentOverlap::new(rotated, degree), rotated.evidence(), seed)),
-        by_rotated(&|rotated| estimate(&TwoPart::new(rotated, degree), rotated.evidence(), seed)),
+        by_rotated(&|rotated| estimate(&LatentOverlap::new(rotated, degree), rotated.training(), seed)),
+        by_rotated(&|rotated| estimate(&TwoPart::new(rotated, degree), rotated.training(), seed)),
         by_nested(false, true),
         by_nested(true, false),
     ];
-    let sites = Estimate::of_sites(&solutions.monte_carlo, largest_pa, seed)?;
+    let sites = Estimate::from_sites(&solutions.monte_carlo, largest_pa, seed)?;
     let results = solutions.results(monitor)?;
     let homogeneity = results.fields.as_ref().map(|fields| &fields.homogeneity);
     own.push(match homogeneity {
@@ -72,12 +76,12 @@ pub fn estimates(study: &Study, problem: &Problem<'_>, monitor: &dyn Monitor) ->
 }
 
 /// The rows of some samples.
-fn rows_of(rotated: &Rotated, samples: &[usize]) -> Vec<Vec<f64>> {
+fn rows_of(rotated: &RotatedSamples, samples: &[usize]) -> Vec<Vec<f64>> {
     samples.iter().map(|i| rotated.rows[*i].clone()).collect()
 }
 
 /// The rows of all other samples.
-fn rows_but(rotated: &Rotated, samples: &[usize]) -> Vec<Vec<f64>> {
+fn rows_but(rotated: &RotatedSamples, samples: &[usize]) -> Vec<Vec<f64>> {
     rows_of(rotated, &others(samples, rotated.rows.len()))
 }
 

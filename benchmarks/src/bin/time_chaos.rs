@@ -20,8 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let terms = basis.len();
         let expansion = Expansion::new(basis, coefficients);
         let design = Design::new(SamplingMethod::MonteCarlo, 1, "time", points, variables)?;
-        let germs: Vec<Vec<f64>> = (0..points).map(|i| design.germ(i)).collect();
-        let seconds = least(|| drop(black_box(expansion.evaluate_many(black_box(&germs)))));
+        let xi_samples: Vec<Vec<f64>> = (0..points).map(|i| design.xi(i)).collect();
+        let seconds = least(|| drop(black_box(expansion.evaluate_many(black_box(&xi_samples)))));
         evaluations.push(serde_json::json!({
             "variables": variables, "degree": degree, "terms": terms, "points": points,
             "points_per_second": points as f64 / seconds, "nanoseconds_per_point": 1e9 * seconds / points as f64,
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let design = Design::new(method, 1, "time", samples, dimensions)?;
         let first_s = start.elapsed().as_secs_f64();
         let again_s = least(|| drop(black_box(Design::new(method, 1, "time", samples, dimensions))));
-        let points_s = least(|| (0..samples).for_each(|i| drop(black_box(design.germ(i)))));
+        let points_s = least(|| (0..samples).for_each(|i| drop(black_box(design.xi(i)))));
         designs.push(serde_json::json!({
             "method": name, "samples": samples, "dimensions": dimensions,
             "first_seconds": first_s, "seconds": again_s, "germs_seconds": points_s,

@@ -95,7 +95,7 @@ fn main() -> Result<()> {
 
     let heights = read(&file, maps, points)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let grid = Grid::covering(points, points, size_m, size_m)?;
+    let grid = Grid::with_size(points, points, size_m, size_m)?;
     let start = Instant::now();
     let half_space = pool.install(|| HalfSpace::new(grid, modulus_pa, boundary))?;
     let setup_s = start.elapsed().as_secs_f64();

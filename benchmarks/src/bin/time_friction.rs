@@ -18,11 +18,11 @@ use std::time::Instant;
 
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, contact_modulus_pa};
 use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::distribution::Marginal;
 use asperity::friction::StripSums;
 use asperity::friction::law::BowdenTabor;
 use asperity::friction::strip::Strips;
 use asperity::friction::window::Window;
-use asperity::law::Marginal;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random;
@@ -65,7 +65,7 @@ impl Settings {
 
 fn main() -> Result<()> {
     let settings = Settings::parse(std::env::args().skip(1))?;
-    let grid = Grid::covering(settings.nx, settings.ny, 6e-3, 0.75e-3)?;
+    let grid = Grid::with_size(settings.nx, settings.ny, 6e-3, 0.75e-3)?;
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 1e-6, 20e-6)?;
     let surface = SpectralField::periodic(&covariance, grid);
     let modulus_pa = contact_modulus_pa(210e9, 0.3);
@@ -109,13 +109,13 @@ fn main() -> Result<()> {
 
 /// Seconds of every part of the work on some strips.
 fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Value> {
-    let (mut germs_s, mut maps_s, mut windows_s) = (0.0, 0.0, 0.0);
+    let (mut xi_s, mut maps_s, mut windows_s) = (0.0, 0.0, 0.0);
     let mut by_level = vec![[0.0; 4]; controls.len()];
     let mut workspace = strips.half_space.workspace();
     for index in 0..count {
         let start = Instant::now();
         let xi = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
-        germs_s += start.elapsed().as_secs_f64();
+        xi_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let map = strips.surface.generate(&xi);
         maps_s += start.elapsed().as_secs_f64();
@@ -141,7 +141,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
     }
     let per = |seconds: f64| seconds / count.max(1) as f64;
     Ok(json!({
-        "germ_s": per(germs_s), "map_s": per(maps_s), "windows_s": per(windows_s) / controls.len() as f64,
+        "germ_s": per(xi_s), "map_s": per(maps_s), "windows_s": per(windows_s) / controls.len() as f64,
         "levels": by_level.iter().map(|[cold_s, cold, warm_s, warm]| json!({
             "cold_s": per(*cold_s), "cold_iterations": per(*cold), "warm_s": per(*warm_s), "warm_iterations": per(*warm),
         })).collect::<Vec<_>>(),

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let points: usize = arguments.next().as_deref().unwrap_or("256").parse()?;
     let only = arguments.next();
-    let grid = Grid::covering(points, points, 1.0, 1.0)?;
+    let grid = Grid::with_size(points, points, 1.0, 1.0)?;
     let exponential = Covariance::isotropic(CorrelationModel::Exponential, 1.0, 0.2)?;
     let matern = Covariance::isotropic(CorrelationModel::Matern { nu: 1.5 }, 1.0, 0.2)?;
     let long = Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 1.0, 0.3, 0.1)?;
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn measured(points: usize, covariance: &Covariance) -> Result<MeasuredCovariance, Box<dyn Error>> {
-    let wide = Grid::covering(points, points, 2.0, 2.0)?;
+    let wide = Grid::with_size(points, points, 2.0, 2.0)?;
     let field = SpectralField::periodic(covariance, wide);
     let xi = random::standard_normal(&mut random::stream(2, "time modes", 0), field.xi_len());
     let measured = MeasuredCovariance::new(&Autocorrelation::estimate(&field.generate(&xi))?)?;

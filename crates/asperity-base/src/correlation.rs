@@ -2,8 +2,9 @@
 //!
 //! # Conventions
 //! - A stationary covariance is C(x, y) = E z(s) z(s + (x, y)) of a field without its mean; ρ = C/σ².
-//! - A two-sided power spectral density is P(q) = ∬ C(x) e^{−iq·x} d²x, so C(x) = ∬ P(q) e^{iq·x} d²q/(2π)², in m⁴; that
-//!   of a profile is P₁(q) = ∫ C(x, 0) e^{−iqx} dx, so C(x, 0) = ∫ P₁(q) e^{iqx} dq/2π, in m³. q is in rad/m.
+//! - A two-sided power spectral density is P(q) = ∬ C(x) e^{−iq·x} d²x, so C(x) = ∬ P(q) e^{iq·x} d²q/(2π)², in m⁴;
+//!   the density of a profile is P₁(q) = ∫ C(x, 0) e^{−iqx} dx, so C(x, 0) = ∫ P₁(q) e^{iqx} dq/2π, in m³. The
+//!   wavenumber q is in rad/m.
 
 mod bessel;
 mod estimate;

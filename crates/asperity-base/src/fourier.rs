@@ -1,16 +1,16 @@
-//! Two-dimensional transforms of real maps, the only caller of an FFT.
+//! Two-dimensional Fourier transforms of real maps; all FFT calls are in this module.
 //!
 //! # Conventions
 //! The forward transform is X[ky, kx] = Σ x[row, column] e^{−2πi(kx·column/nx + ky·row/ny)}, unnormalised; the inverse
 //! divides by nx·ny. Only kx = 0 … nx/2 is stored, and the spectrum stays *transposed*: one contiguous slice of shape
 //! `[nx/2 + 1, ny]`, so that the second pass runs along contiguous memory and products need no second transpose.
 //!
-//! Rows and columns of large maps are shared among the threads of the current pool. Every one of them is transformed on
-//! its own, so the bits of a result depend on neither the number of threads nor who did what.
+//! Rows and columns of large maps are distributed over the threads of the current pool. Each is transformed on its own,
+//! so results do not depend on the number of threads.
 
 mod convolution;
-mod lanes;
 mod products;
+mod transpose;
 
 use std::fmt;
 use std::sync::Arc;
@@ -21,14 +21,14 @@ use rayon::prelude::*;
 
 #[doc(hidden)]
 pub use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
-use lanes::{BLOCK, TILE, gather};
 #[doc(hidden)]
 pub use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
+use transpose::{BLOCK, TILE, gather};
 
-/// Points of a map from which its rows are worth sharing among threads: sharing costs some microseconds.
+/// Points of a map above which its rows are distributed over threads, which costs some microseconds.
 const SHARED_FROM: usize = 1 << 15;
 
-/// A planned transform of real `ny` × `nx` maps. Cheap to clone and to share between threads.
+/// Plan of transforms of real `ny` × `nx` maps. Cheap to clone and to share between threads.
 #[derive(Clone)]
 pub struct RealFft2 {
     nx: usize,
@@ -45,17 +45,17 @@ impl fmt::Debug for RealFft2 {
     }
 }
 
-/// Scratch memory of one caller for one [`RealFft2`].
+/// Workspace of one caller for a [`RealFft2`].
 #[derive(Debug, Clone)]
 pub struct Workspace {
     /// Transformed rows, before the columns.
     rows: Vec<Complex64>,
-    lane: Lane,
+    scratch: ThreadScratch,
 }
 
-/// Scratch memory of one thread.
+/// Workspace of one thread.
 #[derive(Debug, Clone)]
-struct Lane {
+struct ThreadScratch {
     real_row: Vec<f64>,
     /// [`BLOCK`] half-transformed rows.
     block: Vec<Complex64>,
@@ -63,74 +63,74 @@ struct Lane {
 }
 
 impl RealFft2 {
-    /// Plans transforms of maps with `nx` columns and `ny` rows.
+    /// Creates the plan for maps with `nx` columns and `ny` rows.
     pub fn new(nx: usize, ny: usize) -> Self {
         let [column_forward, column_inverse] = complex_f64(ny);
         Self { nx, ny, row_forward: real_forward(nx), row_inverse: real_inverse(nx), column_forward, column_inverse }
     }
 
-    /// Columns of the map.
+    /// Returns the number of columns of the map.
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Rows of the map.
+    /// Returns the number of rows of the map.
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Stored wavenumbers along x: nx/2 + 1.
+    /// Returns the number of stored wavenumbers along x, nx/2 + 1.
     pub fn stored_kx(&self) -> usize {
         self.nx / 2 + 1
     }
 
-    /// Length of the stored spectrum, (nx/2 + 1)·ny; the entry of (kx, ky) is at kx·ny + ky.
+    /// Returns the length of the stored spectrum, (nx/2 + 1)·ny; the entry of (kx, ky) is at kx·ny + ky.
     pub fn spectrum_len(&self) -> usize {
         self.stored_kx() * self.ny
     }
 
-    /// A zero spectrum.
+    /// Returns a zero spectrum.
     pub fn spectrum(&self) -> Vec<Complex64> {
         vec![Complex64::default(); self.spectrum_len()]
     }
 
-    /// How often the stored column `kx` stands for a pair (kx, −kx): 1 or 2.
+    /// Returns the multiplicity of the stored column `kx`, which represents (kx, −kx): 1 or 2.
     pub fn multiplicity(&self, kx: usize) -> f64 {
         if kx == 0 || 2 * kx == self.nx { 1.0 } else { 2.0 }
     }
 
-    /// Scratch memory for one caller.
+    /// Returns a workspace for one caller.
     pub fn workspace(&self) -> Workspace {
-        Workspace { rows: self.spectrum(), lane: self.lane() }
+        Workspace { rows: self.spectrum(), scratch: self.thread_scratch() }
     }
 
-    fn lane(&self) -> Lane {
+    fn thread_scratch(&self) -> ThreadScratch {
         let scratch = [
             self.row_forward.get_scratch_len(),
             self.row_inverse.get_scratch_len(),
             self.column_forward.get_inplace_scratch_len(),
             self.column_inverse.get_inplace_scratch_len(),
         ];
-        Lane {
+        ThreadScratch {
             real_row: vec![0.0; self.nx],
             block: vec![Complex64::default(); BLOCK.min(self.ny) * self.stored_kx()],
             scratch: vec![Complex64::default(); scratch.into_iter().max().unwrap_or(0)],
         }
     }
 
-    /// Does `work` on every chunk of `length` values of `slice`, shared among threads where the map is large.
+    /// Applies `work` to every chunk of `length` values of `slice`, over threads if the map is large.
     fn for_chunks<T: Send>(
         &self,
         slice: &mut [T],
         length: usize,
-        lane: &mut Lane,
-        work: impl Fn(&mut Lane, usize, &mut [T]) + Sync,
+        thread: &mut ThreadScratch,
+        work: impl Fn(&mut ThreadScratch, usize, &mut [T]) + Sync,
     ) {
         if self.nx * self.ny < SHARED_FROM {
-            slice.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(lane, index, chunk));
+            slice.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(thread, index, chunk));
         } else {
             let chunks = slice.par_chunks_mut(length).enumerate();
-            chunks.for_each_init(|| self.lane(), |lane, (index, chunk)| work(lane, index, chunk));
+            chunks.for_each_init(|| self.thread_scratch(), |thread, (index, chunk)| work(thread, index, chunk));
         }
     }
 
@@ -142,7 +142,7 @@ impl RealFft2 {
         self.forward_padded(map, self.ny, self.nx, spectrum, work);
     }
 
-    /// Transforms a map of `rows` × `columns` values that is continued with zeros to `ny` × `nx`.
+    /// Transforms a map of `rows` × `columns` values, zero-padded to `ny` × `nx`.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length, or the map is larger than the plan.
@@ -157,22 +157,22 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        let Workspace { rows: transformed, lane } = work;
-        self.for_chunks(&mut transformed[..rows * stored], stored, lane, |lane, row, out| {
-            lane.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
-            lane.real_row[columns..].fill(0.0);
-            let scratch = &mut lane.scratch[..self.row_forward.get_scratch_len()];
-            let done = self.row_forward.process_with_scratch(&mut lane.real_row, out, scratch);
+        let Workspace { rows: transformed, scratch } = work;
+        self.for_chunks(&mut transformed[..rows * stored], stored, scratch, |thread, row, out| {
+            thread.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
+            thread.real_row[columns..].fill(0.0);
+            let scratch = &mut thread.scratch[..self.row_forward.get_scratch_len()];
+            let done = self.row_forward.process_with_scratch(&mut thread.real_row, out, scratch);
             debug_assert!(done.is_ok());
         });
         let transformed = &transformed[..rows * stored];
-        self.for_chunks(spectrum, BLOCK * self.ny, lane, |lane, block, out| {
+        self.for_chunks(spectrum, BLOCK * self.ny, scratch, |thread, block, out| {
             gather(transformed.chunks(TILE * stored), stored, block * BLOCK, out, self.ny);
-            self.column_forward.process_with_scratch(out, &mut lane.scratch);
+            self.column_forward.process_with_scratch(out, &mut thread.scratch);
         });
     }
 
-    /// Transforms `spectrum` back into `map`, dividing by nx·ny. The spectrum is used as scratch memory.
+    /// Transforms `spectrum` back into `map`, dividing by nx·ny. The spectrum is overwritten.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length.
@@ -180,7 +180,7 @@ impl RealFft2 {
         self.inverse_cropped(spectrum, map, self.ny, self.nx, work);
     }
 
-    /// As [`RealFft2::inverse`], keeping the first `rows` × `columns` values alone.
+    /// Transforms as [`RealFft2::inverse`], with only the first `rows` × `columns` values returned.
     ///
     /// # Panics
     /// If a slice or the workspace has the wrong length, or the map is larger than the plan.
@@ -195,17 +195,17 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.lane, |lane, _, columns| {
-            self.column_inverse.process_with_scratch(columns, &mut lane.scratch);
+        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.scratch, |thread, _, columns| {
+            self.column_inverse.process_with_scratch(columns, &mut thread.scratch);
         });
         let spectrum = &*spectrum;
         let scale = 1.0 / (self.nx * self.ny) as f64;
-        self.for_chunks(map, BLOCK * columns, &mut work.lane, |lane, block, out| {
-            let Lane { real_row, block: inputs, scratch } = lane;
+        self.for_chunks(map, BLOCK * columns, &mut work.scratch, |thread, block, out| {
+            let ThreadScratch { real_row, block: inputs, scratch } = thread;
             let inputs = &mut inputs[..out.len() / columns * stored];
             gather(spectrum.chunks(TILE * self.ny), self.ny, block * BLOCK, inputs, stored);
             for (input, out) in inputs.chunks_exact_mut(stored).zip(out.chunks_exact_mut(columns)) {
-                lanes::make_real(input, self.nx);
+                transpose::make_real(input, self.nx);
                 let scratch = &mut scratch[..self.row_inverse.get_scratch_len()];
                 let done = self.row_inverse.process_with_scratch(input, real_row, scratch);
                 debug_assert!(done.is_ok());
@@ -217,12 +217,12 @@ impl RealFft2 {
     }
 }
 
-/// The signed wavenumber of index `k` of `n`: 0, 1, …, n/2, …, −1.
+/// Returns the signed wavenumber of index `k` of `n`: 0, 1, …, n/2, …, −1.
 pub fn signed_index(k: usize, n: usize) -> f64 {
     if 2 * k > n { k as f64 - n as f64 } else { k as f64 }
 }
 
-/// The least even length ≥ `n` whose prime factors are 2, 3, 5 and 7, on which transforms are fast.
+/// Returns the least even length ≥ `n` with no prime factor above 7, for which transforms are fast.
 pub fn good_length(n: usize) -> usize {
     let smooth = |mut m: usize| {
         for p in [2, 3, 5, 7] {
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// The defining sum, term by term.
+    /// Returns the sum of the definition, term by term.
     fn dense(map: &[f64], nx: usize, ny: usize, kx: usize, ky: usize) -> Complex64 {
         let mut sum = Complex64::default();
         for row in 0..ny {
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn padding_with_zeros_and_cropping_undo_each_other() {
+    fn padding_with_zeros_and_cropping_are_inverse() {
         let (rows, columns) = (5, 7);
         let map = random::standard_normal(&mut random::stream(2, "fourier", 0), rows * columns);
         let fft = RealFft2::new(16, 12);

@@ -1,14 +1,14 @@
-//! Maps, spectra, random numbers, distributions and correlation: what the links of asperity share.
+//! Foundations of the other asperity crates: maps, spectra, random numbers, statistics, distributions and correlation.
 //!
-//! Maps are indexed `[row y, column x]`, row 0 at the top; missing heights are NaN and masked in every statistic. Quantities are in
-//! SI units. Random numbers depend on the seed, the name of a stream and an index alone.
+//! Maps are indexed `[row y, column x]` with row 0 at the top; missing heights are NaN and excluded from every
+//! statistic. Quantities are in SI units. Random numbers depend only on the seed, the name of a stream and an index.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
 pub mod choice;
 pub mod correlation;
+pub mod distribution;
 pub mod fourier;
-pub mod law;
 pub mod map;
 pub mod monitor;
 #[doc(hidden)]
@@ -16,6 +16,8 @@ pub mod numeric;
 pub mod quantity;
 pub mod random;
 pub mod stats;
+#[cfg(test)]
+mod testing;
 pub mod translation;
 #[doc(hidden)]
 pub mod wide;

@@ -6,14 +6,14 @@ use asperity_formats::Scan;
 use ndarray::Array2;
 use thiserror::Error;
 
-/// Distances between points that a map may have, in metre: from below a nucleus to beyond any part. Their squares and
-/// the sums over a map stay within a double.
+/// Range of pitches in metre, from below an atomic nucleus to beyond any part, so that squares and sums over a map do
+/// not overflow.
 pub const PITCH_RANGE_M: RangeInclusive<f64> = 1e-15..=1e3;
 
-/// Why a map could not be built.
+/// Error in the construction of a map.
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum MapError {
-    /// A grid needs at least two points along each direction.
+    /// Fewer than two points along a direction of a grid.
     #[error("the map has {nx} × {ny} points; at least 2 × 2 are needed")]
     TooSmall {
         /// Points along x.
@@ -21,7 +21,7 @@ pub enum MapError {
         /// Points along y.
         ny: usize,
     },
-    /// The distance between points lies outside of [`PITCH_RANGE_M`].
+    /// A pitch outside of [`PITCH_RANGE_M`].
     #[error(
         "the pixel size is {dx_m:?} × {dy_m:?} m; both must lie between {:e} m and {:e} m",
         PITCH_RANGE_M.start(),
@@ -33,16 +33,16 @@ pub enum MapError {
         /// Pitch along y in metre.
         dy_m: f64,
     },
-    /// The file does not say how far apart its points are.
+    /// A file without the distance between its points.
     #[error("the file carries no pixel size; state one (--pixel-size, in a study `pixel_size`)")]
     NoPitch,
-    /// No height is present.
+    /// No height present.
     #[error("all {points} heights are missing")]
     Empty {
         /// Number of points.
         points: usize,
     },
-    /// An operation that needs every height met missing ones.
+    /// Missing heights in an operation that requires a complete map.
     #[error("{missing} of {points} heights are missing; this needs a complete map")]
     Incomplete {
         /// Missing points.
@@ -50,7 +50,7 @@ pub enum MapError {
         /// Number of points.
         points: usize,
     },
-    /// Shapes of a grid and an array differ.
+    /// Different shapes of a grid and an array.
     #[error("the array has {rows} × {columns} values, the grid {ny} × {nx}")]
     Shape {
         /// Rows of the array.
@@ -74,7 +74,7 @@ crate::choice! {
     }
 }
 
-/// A regular grid of `nx` × `ny` points; each point stands for one cell of `dx_m` × `dy_m`.
+/// Regular grid of `nx` × `ny` points; each point represents a cell of `dx_m` × `dy_m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     nx: usize,
@@ -84,7 +84,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of `nx` × `ny` points with pitches in metre.
+    /// Creates a grid of `nx` × `ny` points with pitches in metre.
     ///
     /// # Errors
     /// Fewer than two points along a direction, or a pitch outside of [`PITCH_RANGE_M`].
@@ -96,66 +96,66 @@ impl Grid {
         Ok(Self { nx, ny, dx_m, dy_m })
     }
 
-    /// A grid that covers `width_m` × `height_m` with `nx` × `ny` cells: the width of n points is n·dx.
+    /// Creates a grid of `nx` × `ny` cells with a total size of `width_m` × `height_m`: the width of n cells is n·dx.
     ///
     /// # Errors
-    /// As [`Grid::new`].
-    pub fn covering(nx: usize, ny: usize, width_m: f64, height_m: f64) -> Result<Self, MapError> {
+    /// See [`Grid::new`].
+    pub fn with_size(nx: usize, ny: usize, width_m: f64, height_m: f64) -> Result<Self, MapError> {
         Self::new(nx, ny, width_m / nx as f64, height_m / ny as f64)
     }
 
-    /// Points along x (columns).
+    /// Returns the number of points along x (columns).
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Points along y (rows).
+    /// Returns the number of points along y (rows).
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Pitch along x in metre.
+    /// Returns the pitch along x in metre.
     pub fn dx_m(&self) -> f64 {
         self.dx_m
     }
 
-    /// Pitch along y in metre.
+    /// Returns the pitch along y in metre.
     pub fn dy_m(&self) -> f64 {
         self.dy_m
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn points(&self) -> usize {
         self.nx * self.ny
     }
 
-    /// Length n·dx along x in metre.
+    /// Returns the length n·dx along x in metre.
     pub fn width_m(&self) -> f64 {
         self.nx as f64 * self.dx_m
     }
 
-    /// Length n·dy along y in metre.
+    /// Returns the length n·dy along y in metre.
     pub fn height_m(&self) -> f64 {
         self.ny as f64 * self.dy_m
     }
 
-    /// Area of all cells in square metre.
+    /// Returns the area of all cells in square metre.
     pub fn area_m2(&self) -> f64 {
         self.width_m() * self.height_m()
     }
 
-    /// Area of one cell in square metre.
+    /// Returns the area of one cell in square metre.
     pub fn cell_area_m2(&self) -> f64 {
         self.dx_m * self.dy_m
     }
 
-    /// Array shape (rows, columns) = (ny, nx).
+    /// Returns the array shape (rows, columns) = (ny, nx).
     pub fn shape(&self) -> (usize, usize) {
         (self.ny, self.nx)
     }
 }
 
-/// Distances between points along x and y in metre, if a map may have them.
+/// Returns the pitches along x and y in metre, if they are valid.
 ///
 /// # Errors
 /// [`MapError::BadPitch`] outside of [`PITCH_RANGE_M`].
@@ -175,10 +175,10 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// A map from heights in metre, shape `[ny, nx]`. Every non-finite height counts as missing.
+    /// Creates a map from heights in metre, shape `[ny, nx]`. Every non-finite height counts as missing.
     ///
     /// # Errors
-    /// The array does not fit the grid, or no height is present.
+    /// Different shapes of the array and the grid, or no height present.
     pub fn new(grid: Grid, mut heights_m: Array2<f64>) -> Result<Self, MapError> {
         let (rows, columns) = heights_m.dim();
         if (rows, columns) != grid.shape() {
@@ -194,10 +194,10 @@ impl HeightMap {
         Ok(Self { grid, heights_m })
     }
 
-    /// A map whose height is a function of the cell centre (x, y) in metre.
+    /// Creates a map from a function of the cell centre (x, y) in metre.
     ///
     /// # Errors
-    /// No height is finite.
+    /// No finite height.
     pub fn from_function(grid: Grid, height_m: impl Fn(f64, f64) -> f64) -> Result<Self, MapError> {
         let heights_m = Array2::from_shape_fn(grid.shape(), |(row, column)| {
             height_m((column as f64 + 0.5) * grid.dx_m, (row as f64 + 0.5) * grid.dy_m)
@@ -205,43 +205,43 @@ impl HeightMap {
         Self::new(grid, heights_m)
     }
 
-    /// The map with every height multiplied by a finite factor.
+    /// Returns the map with every height multiplied by a finite factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         assert!(factor.is_finite(), "the factor {factor} is not finite");
         Self { grid: self.grid, heights_m: &self.heights_m * factor }
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Heights in metre, shape `[ny, nx]`, NaN where missing.
+    /// Returns the heights in metre, shape `[ny, nx]`, NaN where missing.
     pub fn heights_m(&self) -> &Array2<f64> {
         &self.heights_m
     }
 
-    /// All heights in row order, in metre, NaN where missing.
+    /// Returns all heights in row order, in metre, NaN where missing.
     pub fn values_m(&self) -> &[f64] {
-        // `new` keeps rows contiguous, so that there always is a slice.
+        // The constructors keep rows contiguous, so a slice always exists.
         self.heights_m.as_slice().unwrap_or_default()
     }
 
-    /// The heights that are present, in row order, in metre.
+    /// Returns the heights that are present, in row order, in metre.
     pub fn present_m(&self) -> impl Iterator<Item = f64> + '_ {
         self.heights_m.iter().copied().filter(|z| !z.is_nan())
     }
 
-    /// Number of missing heights.
+    /// Returns the number of missing heights.
     pub fn missing_points(&self) -> usize {
         self.heights_m.iter().filter(|z| z.is_nan()).count()
     }
 
-    /// The heights of a map without missing points.
+    /// Returns the heights of a complete map.
     ///
     /// # Errors
-    /// [`MapError::Incomplete`] when heights are missing.
+    /// [`MapError::Incomplete`] if heights are missing.
     pub fn complete_heights_m(&self) -> Result<&Array2<f64>, MapError> {
         match self.missing_points() {
             0 => Ok(&self.heights_m),
@@ -282,7 +282,7 @@ mod tests {
             assert!(matches!(Grid::new(2, 2, 1.0, wrong), Err(MapError::BadPitch { .. })), "{wrong}");
         }
         assert!(Grid::new(2, 2, 1e-15, 1e3).is_ok());
-        let error = Grid::covering(100, 100, 1e30, 1.0).unwrap_err().to_string();
+        let error = Grid::with_size(100, 100, 1e30, 1.0).unwrap_err().to_string();
         assert!(error.contains("1e28") && error.contains("between 1e-15 m and 1e3 m"), "{error}");
         let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
         assert_eq!(HeightMap::new(grid, Array2::from_elem((2, 2), f64::NAN)), Err(MapError::Empty { points: 4 }));

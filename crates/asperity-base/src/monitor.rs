@@ -1,19 +1,19 @@
-//! How long calls report progress and learn that they should stop.
+//! Progress reports and cancellation of long computations.
 //!
-//! The library owns no clock, no terminal and no signal handler: a front end passes a [`Monitor`].
+//! The library uses no clock, terminal or signal handler: a front end passes a [`Monitor`].
 
 use std::fmt;
 
-/// Watches a long computation from outside.
+/// Observer of a long computation.
 pub trait Monitor: Sync {
-    /// `done` of `total` blocks of the task `what` are finished. Called from any thread, in any order.
+    /// Reports that `done` of `total` blocks of the task `what` are finished. Called from any thread, in any order.
     fn progress(&self, what: &str, done: usize, total: usize);
 
-    /// Whether the computation should stop at the next block.
+    /// Returns whether the computation should stop at the next block.
     fn cancelled(&self) -> bool;
 }
 
-/// Watches nothing and never cancels.
+/// Monitor that ignores progress and never cancels.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 
@@ -25,7 +25,7 @@ impl Monitor for Silent {
     }
 }
 
-/// Hands on that another monitor cancels, and keeps the progress of inner loops from it.
+/// Monitor that forwards cancellation but not the progress of inner loops.
 #[derive(Clone, Copy)]
 pub struct Quiet<'a>(pub &'a dyn Monitor);
 
@@ -43,7 +43,7 @@ impl fmt::Debug for Quiet<'_> {
     }
 }
 
-/// The computation was stopped by its [`Monitor`].
+/// Cancellation of a computation by its [`Monitor`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 

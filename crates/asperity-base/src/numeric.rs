@@ -7,5 +7,5 @@ mod root;
 
 pub use least_squares::{Range, least_squares};
 pub use linear::{inverse, solution, solve, solve_positive_definite};
-pub use minimum::{GoldenSection, golden_section, simplex};
+pub use minimum::{GoldenSection, golden_section, scanned_minimum, simplex};
 pub use root::{bisect, newton_between, root_between, try_root_between};

@@ -1,7 +1,7 @@
-//! Numbers with units, as people write them: `"210 GPa"`, `"0.5um"`, `"5e-05 Pa"`.
+//! Quantities with units as text: `"210 GPa"`, `"0.5um"`, `"5e-05 Pa"`.
 //!
-//! Inside the library every number is SI; this module is the door. A bare number is an error, because nobody can tell
-//! whether `0.5` was meant in metre or in micrometre.
+//! All numbers inside the library are in SI units; this module converts input and output. A number without a unit is an
+//! error, because `0.5` could be in metre or in micrometre.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,54 +9,54 @@ use std::str::FromStr;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 
-/// Why a text is not a quantity of the wanted dimension.
+/// Error in the text of a quantity.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum QuantityError {
     /// The text does not start with a finite number.
     #[error("`{text}` does not start with a number; write for example \"{example}\"")]
     NotANumber {
-        /// What was found.
+        /// The text.
         text: String,
-        /// The wanted dimension.
+        /// Expected dimension.
         wanted: &'static str,
-        /// A valid quantity.
+        /// Example of a valid quantity.
         example: &'static str,
     },
-    /// The number, or its value in SI, is beyond all that a double holds.
+    /// The number, or its value in SI units, overflows.
     #[error("`{text}` is out of range: no {wanted} is that large")]
     TooLarge {
-        /// What was found.
+        /// The text.
         text: String,
-        /// The wanted dimension.
+        /// Expected dimension.
         wanted: &'static str,
     },
-    /// The number stands alone.
+    /// A number without a unit.
     #[error("`{text}` has no unit; write for example \"{example}\"")]
     NoUnit {
-        /// What was found.
+        /// The text.
         text: String,
-        /// The wanted dimension.
+        /// Expected dimension.
         wanted: &'static str,
-        /// A valid quantity.
+        /// Example of a valid quantity.
         example: &'static str,
     },
-    /// The unit is unknown or belongs to another dimension.
+    /// A unit that is unknown or of another dimension.
     #[error("`{unit}` is not a unit of {wanted}; write for example \"{example}\"")]
     WrongUnit {
-        /// The unit that was found.
+        /// The unit.
         unit: String,
-        /// The wanted dimension.
+        /// Expected dimension.
         wanted: &'static str,
-        /// A valid quantity.
+        /// Example of a valid quantity.
         example: &'static str,
     },
 }
 
-/// A physical dimension: its name, an example, and its units with their factors to SI.
+/// Physical dimension with its name, an example, and its units with their factors to SI.
 struct Dimension {
     name: &'static str,
     example: &'static str,
-    /// SI unit in which the value is shown.
+    /// SI unit of output.
     si: &'static str,
     units: &'static [(&'static str, f64)],
 }
@@ -208,7 +208,7 @@ const COMPLIANCE: Dimension = Dimension {
 fn parse(text: &str, dimension: &Dimension) -> Result<f64, QuantityError> {
     let (wanted, example) = (dimension.name, dimension.example);
     let trimmed = text.trim();
-    // The longest prefix that is a number, so that "5e-05 Pa" and "210GPa" both read, and "1e" is not one.
+    // Returns the length of the longest prefix that is a number, for "5e-05 Pa" and "210GPa", but not "1e".
     let split = (1..=trimmed.len())
         .rev()
         .filter(|&end| trimmed.is_char_boundary(end))
@@ -231,17 +231,18 @@ fn parse(text: &str, dimension: &Dimension) -> Result<f64, QuantityError> {
     }
 }
 
-/// `value · factor`, dividing by the inverse of small powers of ten because those are exact: "20 um" is then 2e-5 m.
+/// Returns `value · factor`, dividing by the inverse of small powers of ten because those are exact: "20 um" is then
+/// 2e-5 m.
 fn scaled(value: f64, factor: f64) -> f64 {
     let inverse = (1.0 / factor).round();
     if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-15 { value / inverse } else { value * factor }
 }
 
-/// A text that reads back to the same bits, in the unit that shows the value best: without exponent, from 1 on, in few
-/// digits. Only units of plain ASCII are chosen, so that the text can be typed anywhere.
+/// Returns a text that parses to the same bits, in the unit with the shortest number: without exponent, at least 1,
+/// with few digits. Only units in plain ASCII are used.
 fn show(value: f64, dimension: &Dimension) -> String {
     let candidates = dimension.units.iter().filter(|(unit, _)| unit.is_ascii()).flat_map(|(unit, factor)| {
-        // Both round, differently; reading back decides which one is exact.
+        // Both roundings differ; parsing decides which is exact.
         [value / factor, value * (1.0 / factor).round()].map(|scaled| {
             let digits = format!("{scaled:?}");
             (digits.strip_suffix(".0").unwrap_or(&digits).to_owned(), *unit)
@@ -253,7 +254,7 @@ fn show(value: f64, dimension: &Dimension) -> String {
         })
         .min_by_key(|(number, unit)| {
             let small = number.trim_start_matches('-').starts_with("0.");
-            // Nobody states a hardness in bar.
+            // The bar is not used for hardness.
             (number.contains('e'), small, matches!(*unit, "bar" | "hPa"), number.len())
         })
         .map_or_else(|| format!("{value:?} {}", dimension.si), |(number, unit)| format!("{number} {unit}"))
@@ -359,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_double_holds_is_too_large_and_not_another_number() {
+    fn overflowing_quantities_are_rejected() {
         for text in ["1e400 m", "-1e400um"] {
             assert!(matches!(text.parse::<Length>(), Err(QuantityError::TooLarge { .. })), "{text}");
         }

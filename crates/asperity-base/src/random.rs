@@ -1,19 +1,19 @@
-//! The only maker of random generators.
+//! Construction of random generators; no other module creates one.
 //!
-//! A stream is a function of (seed, stage, sample index): sample 17 of a stage is the same whether it is drawn first,
-//! last, alone, or on another thread.
+//! A stream is a function of (seed, stage, sample index): sample 17 of a stage does not depend on the order of the
+//! samples or the thread.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A counter-based generator.
+/// Counter-based random generator.
 pub type Stream = ChaCha12Rng;
 
-/// The generator of sample `index` of the named `stage` under `seed`.
+/// Returns the generator of sample `index` of the named `stage` under `seed`.
 ///
-/// The seed and the stage name (FNV-1a, 64 bits) fill the ChaCha key, the index selects the 64-bit stream, so streams of
-/// different indices never overlap.
+/// The seed and the stage name (FNV-1a, 64 bits) fill the ChaCha key, the index selects the 64-bit stream, so streams
+/// of different indices never overlap.
 pub fn stream(seed: u64, stage: &str, index: u64) -> Stream {
     let stage_hash =
         stage.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3));
@@ -28,7 +28,8 @@ pub fn stream(seed: u64, stage: &str, index: u64) -> Stream {
 /// The golden-ratio increment of SplitMix64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// SplitMix64 at counter `counter` of the sequence `key`: a fixed hash of two words, not a generator.
+/// Returns SplitMix64 at the counter `counter` of the sequence `key`: a fixed hash of two words rather than a
+/// generator.
 ///
 /// # References
 /// Steele, Lea & Flood, *OOPSLA* (2014) 453, <https://doi.org/10.1145/2660193.2660195>.
@@ -40,18 +41,18 @@ pub fn hash(key: u64, counter: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Fills `germ` with independent standard normal variables.
-pub fn fill_standard_normal(stream: &mut Stream, germ: &mut [f64]) {
-    for xi in germ {
+/// Fills `xi` with independent standard normal variables.
+pub fn fill_standard_normal(stream: &mut Stream, xi: &mut [f64]) {
+    for xi in xi {
         *xi = StandardNormal.sample(stream);
     }
 }
 
-/// `n` independent standard normal variables.
+/// Returns `n` independent standard normal variables.
 pub fn standard_normal(stream: &mut Stream, n: usize) -> Vec<f64> {
-    let mut germ = vec![0.0; n];
-    fill_standard_normal(stream, &mut germ);
-    germ
+    let mut xi = vec![0.0; n];
+    fill_standard_normal(stream, &mut xi);
+    xi
 }
 
 #[cfg(test)]
@@ -59,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sample_depends_on_seed_stage_and_index_alone() {
+    fn a_sample_depends_only_on_seed_stage_and_index() {
         let draw = |seed, stage, index| standard_normal(&mut stream(seed, stage, index), 3);
         assert_eq!(draw(1, "a", 2), draw(1, "a", 2));
         assert_ne!(draw(1, "a", 2), draw(2, "a", 2));

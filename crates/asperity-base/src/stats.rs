@@ -1,4 +1,4 @@
-//! Sample statistics: moments, intervals, histograms, and how much a correlated record is worth.
+//! Sample statistics: moments, intervals, histograms, and the effective size of correlated records.
 
 mod autocorrelation;
 #[doc(hidden)]
@@ -20,9 +20,9 @@ pub use autocorrelation::{CorrelationTime, correlation_time};
 pub use histogram::Histogram;
 pub use layout::Layout;
 #[doc(hidden)]
-pub use layout::sum_of_lanes;
+pub use layout::sum_of_tracks;
 pub use moments::{Extent, Moments};
-pub use process::{Estimate, ProcessMoments, share_above};
+pub use process::{Estimate, ProcessMoments, fraction_above};
 #[doc(hidden)]
 pub use record_sum::RecordSum;
 #[doc(hidden)]
@@ -30,47 +30,47 @@ pub use sorting::{Order, sorted};
 #[doc(hidden)]
 pub use spread::{Spread, flat_top};
 
-/// Why a statistic is undefined.
+/// Error of an undefined statistic.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum StatsError {
-    /// Too few values are present.
+    /// Too few values.
     #[error("{n} values are present; {statistic} needs at least {wanted}")]
     TooFew {
-        /// What was to be computed.
+        /// Name of the statistic.
         statistic: &'static str,
         /// Values present.
         n: usize,
         /// Values needed.
         wanted: usize,
     },
-    /// All values are equal.
+    /// Equal values.
     #[error("all {n} values are equal, so {statistic} is undefined")]
     Constant {
-        /// What was to be computed.
+        /// Name of the statistic.
         statistic: &'static str,
         /// Values present.
         n: usize,
     },
 }
 
-/// A confidence interval.
+/// Confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
-    /// Lower end.
+    /// Lower limit.
     pub low: f64,
-    /// Upper end.
+    /// Upper limit.
     pub high: f64,
 }
 
 impl Interval {
-    /// Whether the value lies in the closed interval.
+    /// Returns whether the value is in the closed interval.
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }
 }
 
-/// The quantile of *sorted* values at `probability`: linear interpolation between order statistics, the i-th of n at
-/// probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN when there are no values.
+/// Returns the quantile of *sorted* values at `probability` by linear interpolation between order statistics, the i-th
+/// of n at probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN without values.
 ///
 /// # Panics
 /// If the probability lies outside [0, 1].
@@ -79,42 +79,43 @@ pub fn quantile_sorted(sorted: &[f64], probability: f64) -> f64 {
     if sorted.is_empty() { f64::NAN } else { between_order_statistics(sorted, probability * (sorted.len() - 1) as f64) }
 }
 
-/// Linear interpolation of sorted values at a position between 0 and n − 1.
+/// Returns the linear interpolation of sorted values at a position between 0 and n − 1.
 pub(crate) fn between_order_statistics(sorted: &[f64], position: f64) -> f64 {
     let left = position.floor() as usize;
     let right = (left + 1).min(sorted.len() - 1);
     sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
 }
 
-/// The value in the middle of the sorted values, the upper one of two; `None` without values, which are reordered.
+/// Returns the median, the upper one of two; `None` without values. The values are reordered.
 #[doc(hidden)]
 pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The present (not NaN) values, sorted.
+/// Returns the sorted values without NaN.
 pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let present: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
     sorted(&present, 0.0, Order::Ascending)
 }
 
-/// Quantile of Student's law; NaN unless 0 < `probability` < 1 and the degrees of freedom are positive.
+/// Returns the quantile of Student's distribution; NaN unless 0 < `probability` < 1 and the degrees of freedom are
+/// positive.
 pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     let inside = probability > 0.0 && probability < 1.0;
-    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-    law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
+    let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    marginal.ok().filter(|_| inside).map_or(f64::NAN, |marginal| marginal.inverse_cdf(probability))
 }
 
-/// Probability of at least |t| under Student's law, of both signs; NaN if t is, and unless the degrees of freedom are positive.
+/// Returns the two-sided p-value of Student's t; NaN for NaN, and unless the degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
-    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-    law.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
+    let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    marginal.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t.abs()))
 }
 
-/// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.
+/// Returns Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.
 ///
-/// Unlike the normal approximation it stays inside [0, 1] and has positive width at 0 and at `trials` successes.
+/// In contrast to the normal approximation it is within [0, 1] and has positive width for 0 and for `trials` successes.
 ///
 /// # References
 /// Wilson, *J. Am. Stat. Assoc.* **22** (1927) 209, <https://doi.org/10.1080/01621459.1927.10502953>.
@@ -126,10 +127,10 @@ pub fn wilson_interval(successes: usize, trials: usize) -> Interval {
     if trials == 0 {
         return Interval { low: 0.0, high: 1.0 };
     }
-    let (n, share) = (trials as f64, successes as f64 / trials as f64);
+    let (n, fraction) = (trials as f64, successes as f64 / trials as f64);
     let z2 = NORMAL_95 * NORMAL_95;
-    let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
-    let half = NORMAL_95 / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+    let centre = (fraction + z2 / (2.0 * n)) / (1.0 + z2 / n);
+    let half = NORMAL_95 / (1.0 + z2 / n) * (fraction * (1.0 - fraction) / n + z2 / (4.0 * n * n)).sqrt();
     Interval {
         low: if successes == 0 { 0.0 } else { centre - half },
         high: if successes == trials { 1.0 } else { centre + half },
@@ -156,12 +157,12 @@ mod tests {
 
     #[test]
     fn wilson_ends_solve_the_score_equation() {
-        // At an end p of the interval, |share − p| = z √(p(1 − p)/n).
+        // At a limit p of the interval, |fraction − p| = z √(p(1 − p)/n).
         for (successes, trials) in [(3, 10), (1, 50), (499, 500)] {
-            let (n, share) = (trials as f64, successes as f64 / trials as f64);
+            let (n, fraction) = (trials as f64, successes as f64 / trials as f64);
             let interval = wilson_interval(successes, trials);
             for p in [interval.low, interval.high] {
-                let score = (share - p).abs() / (p * (1.0 - p) / n).sqrt();
+                let score = (fraction - p).abs() / (p * (1.0 - p) / n).sqrt();
                 assert!((score - NORMAL_95).abs() < 1e-9, "{successes}/{trials}: {score}");
             }
         }

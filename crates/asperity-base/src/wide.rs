@@ -1,25 +1,25 @@
-//! The widest vector registers of the machine, found at run time.
+//! Runtime dispatch to the widest vector registers.
 //!
-//! Builds are portable, so loops are compiled for the oldest processors. Those that matter are compiled for newer ones as well
-//! and chosen here. Sums are written with a fixed number of lanes, and products are not fused with sums, so that a loop gives
-//! the same bits on every machine.
+//! Builds are portable, so loops are compiled for the oldest processors. Time-critical loops are also compiled for
+//! newer ones and selected here at run time. Sums have a fixed number of partial sums and products are not fused with
+//! sums, so a loop gives the same bits on every machine.
 
 use std::marker::PhantomData;
 
-/// A loop that is worth wide registers.
+/// Loop compiled for several register widths.
 ///
-/// `run` has to be `#[inline(always)]`: only what is inlined into its caller is compiled for them. That is why this is no
-/// closure, which would be compiled apart.
+/// `run` has to be `#[inline(always)]`, since only inlined code is compiled for the target features. A closure would be
+/// compiled separately, hence the trait.
 #[doc(hidden)]
 pub trait Kernel<A> {
-    /// What it computes.
+    /// Result of the loop.
     type Output;
 
     /// Runs the loop.
     fn run(arguments: A) -> Self::Output;
 }
 
-/// Runs `K` compiled for the registers that the machine has.
+/// Runs `K` compiled for the widest available registers.
 #[inline(always)]
 #[doc(hidden)]
 pub fn wide<K: Kernel<A>, A>(arguments: A) -> K::Output {

@@ -21,7 +21,7 @@ pub enum BasisError {
     },
 }
 
-/// The functions Ψ_α(ξ) = Π_i ψ_{α_i}(ξ_i) of a set of multi-indices, orthonormal when the ξ_i are independent.
+/// Functions Ψ_α(ξ) = Π_i ψ_{α_i}(ξ_i) of a set of multi-indices, orthonormal for independent ξ_i.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Basis {
     set: MultiIndexSet,
@@ -29,10 +29,10 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// The basis of a set, with one family for each variable.
+    /// Creates the basis of a set, with one family for each variable.
     ///
     /// # Errors
-    /// Another number of families than of variables.
+    /// The number of families differs from the number of variables.
     pub fn new(set: MultiIndexSet, families: Vec<Family>) -> Result<Self, BasisError> {
         if families.len() != set.variables() {
             return Err(BasisError::Families { families: families.len(), variables: set.variables() });
@@ -40,38 +40,38 @@ impl Basis {
         Ok(Self { set, families })
     }
 
-    /// Hermite polynomials of total degree `degree` in `variables` standard normal variables.
+    /// Creates the basis of Hermite polynomials of total degree `degree` in `variables` standard normal variables.
     ///
     /// # Errors
-    /// As [`MultiIndexSet::total_degree`].
+    /// See [`MultiIndexSet::total_degree`].
     pub fn hermite(variables: usize, degree: usize) -> Result<Self, BasisError> {
         Self::new(MultiIndexSet::total_degree(variables, degree)?, vec![Family::Hermite; variables])
     }
 
-    /// The multi-indices.
+    /// Returns the multi-indices.
     pub fn set(&self) -> &MultiIndexSet {
         &self.set
     }
 
-    /// The family of each variable.
+    /// Returns the family of each variable.
     pub fn families(&self) -> &[Family] {
         &self.families
     }
 
-    /// Number of functions.
+    /// Returns the number of functions.
     pub fn len(&self) -> usize {
         self.set.len()
     }
 
-    /// Whether there are no functions: never, the constant is one.
+    /// Returns false: a basis always contains the constant.
     pub fn is_empty(&self) -> bool {
         self.set.is_empty()
     }
 
-    /// The functions at the given positions, in that order.
+    /// Returns the basis of the functions at the given positions, in that order.
     ///
     /// # Errors
-    /// As [`MultiIndexSet::select`].
+    /// See [`MultiIndexSet::select`].
     ///
     /// # Panics
     /// If a position lies beyond the basis.
@@ -79,19 +79,20 @@ impl Basis {
         Ok(Self { set: self.set.select(positions)?, families: self.families.clone() })
     }
 
-    /// Writes all Ψ_α(ξ) into `values`: after the univariate recurrences one product for each function whose predecessor,
-    /// the function without its last factor, comes before it. The leading variables of `germ` are used; further ones are
-    /// ignored.
+    /// Writes all Ψ_α(ξ) into `values`.
+    ///
+    /// After the univariate recurrences, each function costs one product if its predecessor (the function without its
+    /// last factor) precedes it in the basis. Entries of `xi` beyond the number of variables are ignored.
     ///
     /// # Panics
-    /// If `germ` is shorter than the number of variables, or `values` is not as long as the basis.
-    pub fn fill(&self, germ: &[f64], univariate: &mut Vec<f64>, values: &mut [f64]) {
+    /// If `xi` is shorter than the number of variables, or `values` is not as long as the basis.
+    pub fn fill(&self, xi: &[f64], univariate: &mut Vec<f64>, values: &mut [f64]) {
         let variables = self.set.variables();
-        assert!(germ.len() >= variables, "{} germ values for {variables} variables", germ.len());
+        assert!(xi.len() >= variables, "{} normal variables for {variables} variables", xi.len());
         assert_eq!(values.len(), self.len(), "values of another basis");
         let stride = self.set.largest_power() + 1;
         univariate.resize(stride * variables, 0.0);
-        for ((family, &xi), row) in self.families.iter().zip(germ).zip(univariate.chunks_exact_mut(stride)) {
+        for ((family, &xi), row) in self.families.iter().zip(xi).zip(univariate.chunks_exact_mut(stride)) {
             family.fill_orthonormal(xi, row);
         }
         let psi = |factor: &Factor| univariate[factor.variable as usize * stride + usize::from(factor.degree)];
@@ -103,13 +104,13 @@ impl Basis {
         }
     }
 
-    /// The design matrix Ψ_j(ξ_k), shape `[germs, functions]`.
-    pub fn design_matrix<G: AsRef<[f64]>>(&self, germs: &[G]) -> Array2<f64> {
-        let mut matrix = Array2::zeros((germs.len(), self.len()));
+    /// Returns the design matrix Ψ_j(ξ_k), shape `[samples, functions]`.
+    pub fn design_matrix<G: AsRef<[f64]>>(&self, xi_samples: &[G]) -> Array2<f64> {
+        let mut matrix = Array2::zeros((xi_samples.len(), self.len()));
         let mut univariate = Vec::new();
         let mut values = vec![0.0; self.len()];
-        for (germ, mut row) in germs.iter().zip(matrix.rows_mut()) {
-            self.fill(germ.as_ref(), &mut univariate, &mut values);
+        for (xi, mut row) in xi_samples.iter().zip(matrix.rows_mut()) {
+            self.fill(xi.as_ref(), &mut univariate, &mut values);
             row.iter_mut().zip(&values).for_each(|(cell, value)| *cell = *value);
         }
         matrix
@@ -123,17 +124,17 @@ mod tests {
     #[test]
     fn each_function_is_the_product_of_its_polynomials() {
         let complete = MultiIndexSet::total_degree(3, 4).unwrap();
-        // Without the predecessors of its terms, and in no order.
+        // No term has its predecessor in the list, and the list is unordered.
         let list = MultiIndexSet::from_rows(3, [[0, 0, 0], [4, 1, 3], [0, 0, 2], [2, 2, 0], [2, 0, 0]]).unwrap();
         let families = [Family::Hermite, Family::Legendre, Family::Hermite];
-        let germ = [0.3, -0.7, 1.9];
+        let xi = [0.3, -0.7, 1.9];
         for set in [complete, list] {
-            let row = Basis::new(set.clone(), families.to_vec()).unwrap().design_matrix(&[germ]);
+            let row = Basis::new(set.clone(), families.to_vec()).unwrap().design_matrix(&[xi]);
             for term in 0..set.len() {
                 let product: f64 = (0..3)
                     .map(|i| {
                         let mut psi = [0.0; 5];
-                        families[i].fill_orthonormal(germ[i], &mut psi);
+                        families[i].fill_orthonormal(xi[i], &mut psi);
                         psi[usize::from(set.at(term)[i])]
                     })
                     .product();

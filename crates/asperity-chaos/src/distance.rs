@@ -1,12 +1,12 @@
-//! Laws of finitely many values, with atoms, and distances between laws.
+//! Discrete distributions with point masses, and distances between distributions.
 
 use thiserror::Error;
 
-/// Why a law could not be made.
+/// Reason why a distribution could not be created.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum DistanceError {
+pub enum DiscreteDistributionError {
     /// There are no values.
-    #[error("a law needs at least one value")]
+    #[error("a distribution needs at least one value")]
     Empty,
     /// A value is not finite, or a weight is negative or not finite.
     #[error("value {index} is {value} with weight {weight}; values must be finite and weights at least 0")]
@@ -26,36 +26,36 @@ pub enum DistanceError {
     },
 }
 
-/// A law on finitely many values: its distribution function is a staircase, continuous from the right.
+/// Distribution on finitely many values. Its distribution function is a step function, continuous from the right.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StepLaw {
+pub struct DiscreteDistribution {
     /// Distinct values, increasing.
     values: Vec<f64>,
     /// F at each value; the last is 1.
     cumulative: Vec<f64>,
 }
 
-impl StepLaw {
-    /// The empirical law of a sample.
+impl DiscreteDistribution {
+    /// Creates the empirical distribution of a sample.
     ///
     /// # Errors
-    /// No values, or one that is not finite.
-    pub fn empirical(sample: &[f64]) -> Result<Self, DistanceError> {
+    /// The sample is empty, or a value is not finite.
+    pub fn empirical(sample: &[f64]) -> Result<Self, DiscreteDistributionError> {
         Self::weighted(sample.iter().map(|&value| (value, 1.0)))
     }
 
-    /// The law with probabilities proportional to the weights of (value, weight) pairs.
+    /// Creates the distribution whose probabilities are proportional to the weights of (value, weight) pairs.
     ///
     /// # Errors
-    /// No values, a value that is not finite, a negative weight, or no positive weight.
-    pub fn weighted(atoms: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, DistanceError> {
+    /// There are no values, a value is not finite, a weight is negative, or no weight is positive.
+    pub fn weighted(atoms: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, DiscreteDistributionError> {
         let mut atoms: Vec<(f64, f64)> = atoms.into_iter().collect();
         if atoms.is_empty() {
-            return Err(DistanceError::Empty);
+            return Err(DiscreteDistributionError::Empty);
         }
         if let Some(index) = atoms.iter().position(|(x, w)| !(x.is_finite() && w.is_finite() && *w >= 0.0)) {
             let (value, weight) = atoms[index];
-            return Err(DistanceError::Value { index, value, weight });
+            return Err(DiscreteDistributionError::Value { index, value, weight });
         }
         let count = atoms.len();
         atoms.retain(|&(_, weight)| weight > 0.0);
@@ -64,7 +64,7 @@ impl StepLaw {
         atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = atoms.iter().map(|&(_, weight)| weight).sum();
         if atoms.is_empty() {
-            return Err(DistanceError::NoWeight { values: count });
+            return Err(DiscreteDistributionError::NoWeight { values: count });
         }
         let mut values: Vec<f64> = Vec::with_capacity(atoms.len());
         let mut cumulative: Vec<f64> = Vec::with_capacity(atoms.len());
@@ -84,22 +84,22 @@ impl StepLaw {
         Ok(Self { values, cumulative })
     }
 
-    /// Distinct values, increasing.
+    /// Returns the distinct values in increasing order.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// Distribution function at each of [`StepLaw::values`].
+    /// Returns the distribution function at each of [`DiscreteDistribution::values`].
     pub fn cumulative(&self) -> &[f64] {
         &self.cumulative
     }
 
-    /// F(x) = P(X ≤ x).
+    /// Returns F(x) = P(X ≤ x).
     pub fn cdf(&self, x: f64) -> f64 {
         self.after(self.values.partition_point(|&v| v <= x))
     }
 
-    /// P(X < x).
+    /// Returns P(X < x).
     pub fn cdf_left(&self, x: f64) -> f64 {
         self.after(self.values.partition_point(|&v| v < x))
     }
@@ -108,36 +108,36 @@ impl StepLaw {
         if count == 0 { 0.0 } else { self.cumulative[count - 1] }
     }
 
-    /// The least value x with F(x) ≥ probability.
+    /// Returns the smallest value x with F(x) ≥ probability.
     pub fn quantile(&self, probability: f64) -> f64 {
         let position = self.cumulative.partition_point(|&f| f < probability);
         self.values[position.min(self.values.len() - 1)]
     }
 
-    /// (value, probability) of each atom.
+    /// Returns (value, probability) of each point mass.
     pub fn atoms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.values.iter().enumerate().map(|(i, &value)| (value, self.cumulative[i] - self.after(i)))
     }
 
-    /// Mean.
+    /// Returns the mean.
     pub fn mean(&self) -> f64 {
         self.atoms().map(|(value, probability)| value * probability).sum()
     }
 
-    /// Standard deviation of the law itself: divided by n, not n − 1.
+    /// Returns the standard deviation of the distribution (divisor n, not n − 1).
     pub fn std(&self) -> f64 {
         let mean = self.mean();
         self.atoms().map(|(value, probability)| probability * (value - mean).powi(2)).sum::<f64>().sqrt()
     }
 }
 
-/// Kolmogorov–Smirnov distance sup_x |F(x) − G(x)| of two laws, exactly, atoms included.
-pub fn kolmogorov_smirnov(first: &StepLaw, second: &StepLaw) -> f64 {
+/// Returns the Kolmogorov–Smirnov distance sup_x |F(x) − G(x)| of two distributions, exact also for point masses.
+pub fn kolmogorov_smirnov(first: &DiscreteDistribution, second: &DiscreteDistribution) -> f64 {
     differences(first, second).map(|(_, difference)| difference).fold(0.0, f64::max)
 }
 
-/// Wasserstein-1 distance ∫|F(x) − G(x)| dx of two laws, exactly; in the unit of the values.
-pub fn wasserstein_1(first: &StepLaw, second: &StepLaw) -> f64 {
+/// Returns the Wasserstein-1 distance ∫|F(x) − G(x)| dx of two distributions, exact, in the unit of the values.
+pub fn wasserstein_1(first: &DiscreteDistribution, second: &DiscreteDistribution) -> f64 {
     let mut sum = 0.0;
     let mut left: Option<(f64, f64)> = None;
     for (x, difference) in differences(first, second) {
@@ -149,8 +149,11 @@ pub fn wasserstein_1(first: &StepLaw, second: &StepLaw) -> f64 {
     sum
 }
 
-/// (x, |F(x) − G(x)|) at every value of either law, increasing.
-fn differences<'a>(first: &'a StepLaw, second: &'a StepLaw) -> impl Iterator<Item = (f64, f64)> + 'a {
+/// Returns (x, |F(x) − G(x)|) at every value of either distribution, increasing.
+fn differences<'a>(
+    first: &'a DiscreteDistribution,
+    second: &'a DiscreteDistribution,
+) -> impl Iterator<Item = (f64, f64)> + 'a {
     let (mut i, mut j) = (0, 0);
     std::iter::from_fn(move || {
         let x = match (first.values.get(i), second.values.get(j)) {
@@ -165,68 +168,62 @@ fn differences<'a>(first: &'a StepLaw, second: &'a StepLaw) -> impl Iterator<Ite
     })
 }
 
-/// Kolmogorov–Smirnov distance of a law of steps and a distribution function given by G(x) = P(Y ≤ x) and its left limit
-/// P(Y < x); exact, because G is monotone between steps. For a continuous G both functions are the same.
-pub fn kolmogorov_smirnov_to(law: &StepLaw, cdf: impl Fn(f64) -> f64, cdf_left: impl Fn(f64) -> f64) -> f64 {
-    law.values
+/// Returns the Kolmogorov–Smirnov distance between a discrete distribution and the distribution function G(x) = P(Y ≤
+/// x).
+///
+/// `cdf_left` is the left limit P(Y < x); it equals `cdf` for a continuous G. The result is exact because G is monotone
+/// between the values.
+pub fn kolmogorov_smirnov_to(
+    distribution: &DiscreteDistribution,
+    cdf: impl Fn(f64) -> f64,
+    cdf_left: impl Fn(f64) -> f64,
+) -> f64 {
+    distribution
+        .values
         .iter()
         .enumerate()
-        .map(|(i, &x)| (law.cumulative[i] - cdf(x)).abs().max((law.after(i) - cdf_left(x)).abs()))
+        .map(|(i, &x)| (distribution.cumulative[i] - cdf(x)).abs().max((distribution.after(i) - cdf_left(x)).abs()))
         .fold(0.0, f64::max)
-}
-
-/// Wasserstein-1 distance ∫₀¹|F⁻¹(u) − G⁻¹(u)| du of a law of steps and a law given by its quantile function G⁻¹.
-///
-/// Two-point Gauss quadrature on 16 equal parts of each step: exact up to rounding where G⁻¹ is a cubic on a part and does
-/// not cross the step. Probabilities 0 and 1 are never asked for.
-pub fn wasserstein_1_to(law: &StepLaw, quantile: impl Fn(f64) -> f64) -> f64 {
-    const PARTS: usize = 16;
-    let offset = 0.5 / 3.0_f64.sqrt();
-    let mut sum = 0.0;
-    for (i, &x) in law.values.iter().enumerate() {
-        let from = law.after(i);
-        let width = (law.cumulative[i] - from) / PARTS as f64;
-        for part in 0..PARTS {
-            let centre = from + (part as f64 + 0.5) * width;
-            let distance = |u: f64| (quantile(u) - x).abs();
-            sum += 0.5 * width * (distance(centre - offset * width) + distance(centre + offset * width));
-        }
-    }
-    sum
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::law::standard_normal_cdf;
+    use asperity_base::distribution::standard_normal_cdf;
     use asperity_base::random::{standard_normal, stream};
 
-    fn law(sample: &[f64]) -> StepLaw {
-        StepLaw::empirical(sample).unwrap()
+    fn distribution(sample: &[f64]) -> DiscreteDistribution {
+        DiscreteDistribution::empirical(sample).unwrap()
     }
 
     #[test]
-    fn tied_values_make_one_atom() {
-        let law = law(&[0.0, 2.0, -0.0, 1.0]);
-        assert_eq!(law.values(), [0.0, 1.0, 2.0]);
-        assert_eq!(law.cumulative(), [0.5, 0.75, 1.0]);
-        assert_eq!((law.cdf_left(0.0), law.cdf(0.0), law.cdf(0.5), law.cdf(9.0)), (0.0, 0.5, 0.5, 1.0));
-        assert_eq!((law.quantile(0.5), law.quantile(0.6), law.quantile(1.0)), (0.0, 1.0, 2.0));
-        assert!((law.mean() - 0.75).abs() < 1e-15);
-        assert!((law.std() - (0.6875_f64).sqrt()).abs() < 1e-15);
+    fn tied_values_make_one_point_mass() {
+        let distribution = distribution(&[0.0, 2.0, -0.0, 1.0]);
+        assert_eq!(distribution.values(), [0.0, 1.0, 2.0]);
+        assert_eq!(distribution.cumulative(), [0.5, 0.75, 1.0]);
+        assert_eq!(
+            (distribution.cdf_left(0.0), distribution.cdf(0.0), distribution.cdf(0.5), distribution.cdf(9.0)),
+            (0.0, 0.5, 0.5, 1.0)
+        );
+        assert_eq!(
+            (distribution.quantile(0.5), distribution.quantile(0.6), distribution.quantile(1.0)),
+            (0.0, 1.0, 2.0)
+        );
+        assert!((distribution.mean() - 0.75).abs() < 1e-15);
+        assert!((distribution.std() - (0.6875_f64).sqrt()).abs() < 1e-15);
     }
 
     #[test]
     fn distances_of_point_masses_are_one_and_their_separation() {
-        let (a, b) = (law(&[1.0]), law(&[4.5]));
+        let (a, b) = (distribution(&[1.0]), distribution(&[4.5]));
         assert_eq!(kolmogorov_smirnov(&a, &b), 1.0);
         assert_eq!(wasserstein_1(&a, &b), 3.5);
         assert_eq!((kolmogorov_smirnov(&a, &a), wasserstein_1(&a, &a)), (0.0, 0.0));
     }
 
     #[test]
-    fn laws_that_differ_in_their_atom_alone_are_apart_by_its_difference() {
-        let atom = |zero: f64| StepLaw::weighted([(0.0, zero), (1.0, 1.0 - zero)]).unwrap();
+    fn the_distance_of_distributions_that_differ_in_a_point_mass_is_its_difference() {
+        let atom = |zero: f64| DiscreteDistribution::weighted([(0.0, zero), (1.0, 1.0 - zero)]).unwrap();
         assert!((kolmogorov_smirnov(&atom(0.3), &atom(0.7)) - 0.4).abs() < 1e-15);
         assert!((wasserstein_1(&atom(0.3), &atom(0.7)) - 0.4).abs() < 1e-15);
     }
@@ -235,7 +232,7 @@ mod tests {
     fn wasserstein_of_equally_large_samples_is_the_mean_distance_of_order_statistics() {
         let mut a = standard_normal(&mut stream(1, "a", 0), 300);
         let mut b = standard_normal(&mut stream(1, "b", 0), 300);
-        let distance = wasserstein_1(&law(&a), &law(&b));
+        let distance = wasserstein_1(&distribution(&a), &distribution(&b));
         a.sort_by(f64::total_cmp);
         b.sort_by(f64::total_cmp);
         let oracle = a.iter().zip(&b).map(|(x, y)| (x - y).abs()).sum::<f64>() / 300.0;
@@ -246,43 +243,40 @@ mod tests {
     fn the_supremum_is_found_among_all_values_and_left_limits() {
         let sample: Vec<f64> = standard_normal(&mut stream(2, "a", 0), 50).iter().map(|x| x.max(-0.3)).collect();
         let other: Vec<f64> = standard_normal(&mut stream(2, "b", 0), 70).iter().map(|x| x.max(0.1)).collect();
-        let (a, b) = (law(&sample), law(&other));
+        let (a, b) = (distribution(&sample), distribution(&other));
         let brute = sample.iter().chain(&other).map(|&x| (a.cdf(x) - b.cdf(x)).abs()).fold(0.0, f64::max);
         assert_eq!(kolmogorov_smirnov(&a, &b), brute);
         assert_eq!(kolmogorov_smirnov_to(&a, |x| b.cdf(x), |x| b.cdf_left(x)), brute);
     }
 
     #[test]
-    fn equally_spaced_quantiles_are_half_a_step_from_the_law() {
+    fn equally_spaced_quantiles_are_half_a_step_from_the_distribution() {
         let n = 400;
         let midpoints: Vec<f64> = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).collect();
-        let distance = kolmogorov_smirnov_to(&law(&midpoints), |x| x, |x| x);
+        let distance = kolmogorov_smirnov_to(&distribution(&midpoints), |x| x, |x| x);
         assert!((distance - 0.5 / f64::from(n)).abs() < 1e-15);
     }
 
     #[test]
-    fn a_normal_sample_is_as_far_from_its_law_as_kolmogorov_says() {
+    fn the_distance_of_a_normal_sample_has_kolmogorov_s_distribution() {
         let sample = standard_normal(&mut stream(3, "normal", 0), 4000);
-        let scaled = kolmogorov_smirnov_to(&law(&sample), standard_normal_cdf, standard_normal_cdf) * 4000.0_f64.sqrt();
-        // The 0.01 % and 99.99 % points of Kolmogorov's limit law.
+        let scaled =
+            kolmogorov_smirnov_to(&distribution(&sample), standard_normal_cdf, standard_normal_cdf) * 4000.0_f64.sqrt();
+        // The 0.01 % and 99.99 % points of Kolmogorov's limiting distribution.
         assert!((0.32..2.23).contains(&scaled), "√n D = {scaled}");
     }
 
     #[test]
-    fn wasserstein_to_a_uniform_law_is_exact() {
-        // n midpoints and U(0, 1): each step contributes 1/(4n²).
-        let sample: Vec<f64> = (0..10).map(|i| (f64::from(i) + 0.5) / 10.0).collect();
-        assert!((wasserstein_1_to(&law(&sample), |u| u) - 0.025).abs() < 1e-14);
-        // A shift by s moves every quantile by s.
-        let shifted = wasserstein_1_to(&law(&sample), |u| u + 3.0);
-        assert!((shifted - 3.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn laws_of_nothing_are_refused() {
-        assert_eq!(StepLaw::empirical(&[]), Err(DistanceError::Empty));
-        assert!(matches!(StepLaw::empirical(&[1.0, f64::NAN]), Err(DistanceError::Value { index: 1, .. })));
-        assert_eq!(StepLaw::weighted([(1.0, 0.0)]), Err(DistanceError::NoWeight { values: 1 }));
-        assert!(matches!(StepLaw::weighted([(1.0, -1.0)]), Err(DistanceError::Value { .. })));
+    fn empty_distributions_are_rejected() {
+        assert_eq!(DiscreteDistribution::empirical(&[]), Err(DiscreteDistributionError::Empty));
+        assert!(matches!(
+            DiscreteDistribution::empirical(&[1.0, f64::NAN]),
+            Err(DiscreteDistributionError::Value { index: 1, .. })
+        ));
+        assert_eq!(
+            DiscreteDistribution::weighted([(1.0, 0.0)]),
+            Err(DiscreteDistributionError::NoWeight { values: 1 })
+        );
+        assert!(matches!(DiscreteDistribution::weighted([(1.0, -1.0)]), Err(DiscreteDistributionError::Value { .. })));
     }
 }

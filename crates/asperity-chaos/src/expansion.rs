@@ -1,4 +1,4 @@
-//! Functions of a germ as sums of orthonormal polynomials.
+//! Polynomial chaos expansions of functions of standard variables ξ.
 
 use rayon::prelude::*;
 
@@ -6,10 +6,10 @@ use super::horner::{Evaluate, Horner, Scratch};
 use super::{Basis, Fit, LeastSquares, RegressionError};
 use asperity_base::wide::wide;
 
-/// Points that a thread evaluates at a time.
+/// Number of points that a thread evaluates at a time.
 const BLOCK: usize = 1024;
 
-/// f(ξ) = Σ_α c_α Ψ_α(ξ) with orthonormal Ψ_α.
+/// Expansion f(ξ) = Σ_α c_α Ψ_α(ξ) in orthonormal polynomials Ψ_α.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expansion {
     basis: Basis,
@@ -18,7 +18,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// An expansion with given coefficients, in the order of the basis.
+    /// Creates an expansion with given coefficients, in the order of the basis.
     ///
     /// # Panics
     /// If the numbers of coefficients and functions differ.
@@ -28,67 +28,73 @@ impl Expansion {
         Self { basis, coefficients, horner }
     }
 
-    /// The least-squares expansion of the values `response` at `germs`, and its fit.
+    /// Fits an expansion to the values `response` at `xi_samples` by least squares, and returns it with the fit.
     ///
     /// # Errors
-    /// As [`LeastSquares::new`] and [`LeastSquares::fit`].
-    pub fn fit<G: AsRef<[f64]>>(basis: Basis, germs: &[G], response: &[f64]) -> Result<(Self, Fit), RegressionError> {
-        if germs.len() <= basis.len() {
-            return Err(RegressionError::TooFewSamples { samples: germs.len(), coefficients: basis.len() });
+    /// See [`LeastSquares::new`] and [`LeastSquares::fit`].
+    pub fn fit<G: AsRef<[f64]>>(
+        basis: Basis,
+        xi_samples: &[G],
+        response: &[f64],
+    ) -> Result<(Self, Fit), RegressionError> {
+        if xi_samples.len() <= basis.len() {
+            return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
-        let fit = LeastSquares::new(basis.design_matrix(germs).view())?.fit(response)?;
+        let fit = LeastSquares::new(basis.design_matrix(xi_samples).view())?.fit(response)?;
         Ok((Self::new(basis, fit.coefficients.clone()), fit))
     }
 
-    /// The basis.
+    /// Returns the basis.
     pub fn basis(&self) -> &Basis {
         &self.basis
     }
 
-    /// Coefficients in the order of the basis.
+    /// Returns the coefficients in the order of the basis.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// f(ξ), the same bits as [`Expansion::evaluate_many`] gives.
+    /// Returns f(ξ), bit-identical to [`Expansion::evaluate_many`].
     ///
     /// # Panics
-    /// If the germ is shorter than the number of variables; values beyond them are ignored.
-    pub fn evaluate(&self, germ: &[f64]) -> f64 {
+    /// If `xi` is shorter than the number of variables; further entries are ignored.
+    pub fn evaluate(&self, xi: &[f64]) -> f64 {
         let mut value = [0.0];
-        self.check(&[germ]);
-        self.evaluate_block(&[germ], &mut value, &mut Scratch::default());
+        self.check(&[xi]);
+        self.evaluate_block(&[xi], &mut value, &mut Scratch::default());
         value[0]
     }
 
-    /// f at each germ, in order, by all threads. A germ's value does not depend on the others.
+    /// Evaluates f at each ξ in parallel, in order. A value does not depend on the other points.
     ///
     /// # Panics
-    /// As [`Expansion::evaluate`].
-    pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, germs: &[G]) -> Vec<f64> {
-        self.check(germs);
-        let mut values = vec![0.0; germs.len()];
-        let blocks = germs.par_chunks(BLOCK).zip(values.par_chunks_mut(BLOCK));
-        blocks.for_each_init(Scratch::default, |scratch, (germs, values)| self.evaluate_block(germs, values, scratch));
+    /// See [`Expansion::evaluate`].
+    pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, xi_samples: &[G]) -> Vec<f64> {
+        self.check(xi_samples);
+        let mut values = vec![0.0; xi_samples.len()];
+        let blocks = xi_samples.par_chunks(BLOCK).zip(values.par_chunks_mut(BLOCK));
+        blocks.for_each_init(Scratch::default, |scratch, (xi_samples, values)| {
+            self.evaluate_block(xi_samples, values, scratch)
+        });
         values
     }
 
-    fn check<G: AsRef<[f64]>>(&self, germs: &[G]) {
+    fn check<G: AsRef<[f64]>>(&self, xi_samples: &[G]) {
         let variables = self.basis.set().variables();
-        let short = germs.iter().map(|germ| germ.as_ref().len()).find(|&length| length < variables);
-        assert!(short.is_none(), "{} germ values for {variables} variables", short.unwrap_or_default());
+        let short = xi_samples.iter().map(|xi| xi.as_ref().len()).find(|&length| length < variables);
+        assert!(short.is_none(), "{} normal variables for {variables} variables", short.unwrap_or_default());
     }
 
-    fn evaluate_block<G: AsRef<[f64]>>(&self, germs: &[G], values: &mut [f64], scratch: &mut Scratch) {
-        wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, germs, values, scratch));
+    fn evaluate_block<G: AsRef<[f64]>>(&self, xi_samples: &[G], values: &mut [f64], scratch: &mut Scratch) {
+        wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, xi_samples, values, scratch));
     }
 
-    /// E f = c₀.
+    /// Returns the mean E f = c₀.
     pub fn mean(&self) -> f64 {
         self.coefficients[0]
     }
 
-    /// Var f = Σ_{α≠0} c_α².
+    /// Returns the variance Var f = Σ_{α≠0} c_α².
     pub fn variance(&self) -> f64 {
         self.coefficients[1..].iter().map(|c| c * c).sum()
     }

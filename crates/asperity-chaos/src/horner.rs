@@ -1,29 +1,30 @@
-//! Sums of products of polynomials in nested form, over many points at once.
+//! Sums of products of polynomials in nested form, evaluated at many points at once.
 
 use super::{Basis, Factor};
 use asperity_base::wide::Kernel;
 
-/// Points that are evaluated side by side.
+/// SIMD lanes: points that are evaluated together.
 const LANES: usize = 16;
 
-/// Σ_α c_α Ψ_α(ξ) with common leading factors taken out, as in Horner's rule:
+/// Nested form of Σ_α c_α Ψ_α(ξ) with common leading factors taken out, as in Horner's rule:
 ///
 /// Σ_β ψ_{β₁}(ξ_{i₁}) [c_β + Σ_γ ψ_{γ₁}(ξ_{i₂}) [c_{βγ} + …]], i₁ < i₂ < …
 ///
-/// Every term costs one product and one sum, and terms without coefficient nothing. At degree 2 it is the quadratic form
-/// ½ ξᵀCξ by rows. Sums are taken in one fixed order, so a value depends neither on its neighbours nor on the machine.
+/// Every term costs one product and one sum; terms with zero coefficients cost nothing. At degree 2 this is the
+/// quadratic form ½ ξᵀCξ by rows. The order of summation is fixed, so a value depends neither on its neighbours nor on
+/// the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Horner {
     recurrences: Vec<Recurrence>,
-    /// First polynomial of each recurrence; at the end their number.
+    /// Total number of polynomials of all recurrences.
     polynomials: usize,
-    /// Products that are continued by others, each after what it continues. The first is the constant.
+    /// Products with continuations, each after its predecessor. The first is the constant.
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
     branches: Vec<Branch>,
 }
 
-/// The polynomials of degree 1 to `steps.len()` of one variable.
+/// Polynomials of degree 1 to `steps.len()` of one variable.
 #[derive(Debug, Clone, PartialEq)]
 struct Recurrence {
     variable: usize,
@@ -39,21 +40,21 @@ struct Node {
     branches: std::ops::Range<usize>,
 }
 
-/// A last factor: coefficient times polynomial.
+/// Last factor of a product: coefficient times polynomial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Leaf {
     polynomial: u32,
     coefficient: f64,
 }
 
-/// A factor with further ones: polynomial times the sum of a node.
+/// Factor with continuations: polynomial times the sum of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Branch {
     polynomial: u32,
     node: u32,
 }
 
-/// What an evaluation writes into, [lane] innermost.
+/// Scratch memory of an evaluation, `[lane]` innermost.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     polynomials: Vec<[f64; LANES]>,
@@ -68,7 +69,7 @@ impl Horner {
             .zip(coefficients.iter().copied())
             .filter(|(factors, c)| *c != 0.0 || factors.is_empty())
             .collect();
-        // Lexicographic: what continues a product comes right after it.
+        // Lexicographic order puts the continuations of a product directly after it.
         terms.sort_unstable_by(|a, b| a.0.cmp(b.0));
         let mut degrees = vec![0; set.variables()];
         for factor in terms.iter().flat_map(|(factors, _)| *factors) {
@@ -91,7 +92,7 @@ impl Horner {
             horner.polynomials += degree;
         }
         let polynomial = |factor: Factor| (first[factor.variable as usize] + usize::from(factor.degree) - 1) as u32;
-        // Breadth first: terms[range] share their first `depth` factors, which make up node number `done`.
+        // Breadth first: terms[range] have their first `depth` factors in common, which form node number `done`.
         let mut queue = vec![(0..terms.len(), 0_usize)];
         let mut done = 0;
         while done < queue.len() {
@@ -122,10 +123,10 @@ impl Horner {
         horner
     }
 
-    /// Values at up to [`LANES`] points; `germs` repeats its last one in further lanes.
+    /// Evaluates up to [`LANES`] points; surplus lanes repeat the last point.
     #[inline(always)]
-    fn evaluate<G: AsRef<[f64]>>(&self, germs: &[G], scratch: &mut Scratch) -> [f64; LANES] {
-        let rows: [&[f64]; LANES] = std::array::from_fn(|lane| germs[lane.min(germs.len() - 1)].as_ref());
+    fn evaluate<G: AsRef<[f64]>>(&self, xi_samples: &[G], scratch: &mut Scratch) -> [f64; LANES] {
+        let rows: [&[f64]; LANES] = std::array::from_fn(|lane| xi_samples[lane.min(xi_samples.len() - 1)].as_ref());
         let psi = &mut scratch.polynomials[..self.polynomials];
         for recurrence in &self.recurrences {
             let x: [f64; LANES] = std::array::from_fn(|lane| rows[lane][recurrence.variable]);
@@ -160,18 +161,18 @@ impl Horner {
     }
 }
 
-/// Writes f at each germ.
+/// Kernel that writes f(ξ) for each sample.
 pub(super) struct Evaluate;
 
 impl<'a, G: AsRef<[f64]>> Kernel<(&'a Horner, &'a [G], &'a mut [f64], &'a mut Scratch)> for Evaluate {
     type Output = ();
 
     #[inline(always)]
-    fn run((horner, germs, values, scratch): (&'a Horner, &'a [G], &'a mut [f64], &'a mut Scratch)) {
+    fn run((horner, xi_samples, values, scratch): (&'a Horner, &'a [G], &'a mut [f64], &'a mut Scratch)) {
         scratch.polynomials.resize(horner.polynomials.max(scratch.polynomials.len()), [0.0; LANES]);
         scratch.sums.resize(horner.nodes.len().max(scratch.sums.len()), [0.0; LANES]);
-        for (germs, values) in germs.chunks(LANES).zip(values.chunks_mut(LANES)) {
-            let found = horner.evaluate(germs, scratch);
+        for (xi_samples, values) in xi_samples.chunks(LANES).zip(values.chunks_mut(LANES)) {
+            let found = horner.evaluate(xi_samples, scratch);
             values.copy_from_slice(&found[..values.len()]);
         }
     }

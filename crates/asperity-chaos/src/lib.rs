@@ -1,9 +1,9 @@
-//! Designs of experiments, orthonormal polynomial expansions, least squares and distances of laws. Knows no tribology.
+//! Designs of experiments, orthonormal polynomial expansions, least squares and distances of distributions.
 //!
-//! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
-//! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
-//! [`Expansion`], and [`StepLaw`] compares the distributions that come out. [`Resamples`] estimates the errors of Sobol' indices;
-//! [`propagation`] takes uncertain parameters through a response with noise.
+//! A random quantity is a function f(ξ) of independent standard variables ξ. [`sampling`] creates designs, [`Basis`]
+//! (products in a [`MultiIndexSet`]) and [`LeastSquares`] fit an [`Expansion`] to the values at the design points, and
+//! [`DiscreteDistribution`] compares the resulting distributions. [`Resamples`] estimates the errors of Sobol' indices;
+//! [`propagation`] propagates uncertain parameters through a noisy response. The crate contains no tribology.
 
 mod basis;
 pub mod distance;
@@ -19,7 +19,7 @@ mod sensitivity;
 mod sparse;
 
 pub use basis::{Basis, BasisError};
-pub use distance::{DistanceError, StepLaw};
+pub use distance::{DiscreteDistribution, DiscreteDistributionError};
 pub use expansion::Expansion;
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;

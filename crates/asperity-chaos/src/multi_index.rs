@@ -1,16 +1,16 @@
-//! Sets of multi-indices: which products of polynomials an expansion holds.
+//! Sets of multi-indices, which select the products of polynomials in an expansion.
 
 use std::collections::HashMap;
 
 use thiserror::Error;
 
-/// Largest number of multi-indices in a set, and of variables.
+/// Maximum number of multi-indices in a set, and of variables.
 pub const MAX_TERMS: usize = 1 << 20;
 
-/// Relative excess over the border of a q-norm set that is taken for rounding.
+/// Relative excess over the border of a q-norm set that counts as rounding.
 const BORDER_TOLERANCE: f64 = 1e-10;
 
-/// Why a set could not be made.
+/// Reason why a set could not be created.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MultiIndexError {
     /// There are no variables.
@@ -34,13 +34,13 @@ pub enum MultiIndexError {
         /// Largest number of variables.
         limit: usize,
     },
-    /// The exponent of a q-norm lies outside (0, 1].
+    /// The exponent of a q-norm is outside (0, 1].
     #[error("the exponent of the q-norm is {q}; it must lie in (0, 1]")]
     QNorm {
         /// The exponent.
         q: f64,
     },
-    /// Limits of the degrees and variables differ in number.
+    /// The number of degree limits differs from the number of variables.
     #[error("{limits} limits of degrees for {variables} variables")]
     DegreeLimits {
         /// Limits given.
@@ -51,7 +51,7 @@ pub enum MultiIndexError {
     /// The first multi-index of a list is not 0.
     #[error("the first multi-index must be that of the constant, without any variable")]
     ConstantNotFirst,
-    /// A multi-index of a list names its variables out of order, one that does not exist, or one with degree 0.
+    /// A multi-index lists its variables out of order, an unknown variable, or a variable with degree 0.
     #[error(
         "multi-index {term} holds variable {variable} with degree {degree}; variables must increase, lie below \
          {variables} and have positive degrees"
@@ -85,7 +85,7 @@ pub struct Factor {
     pub degree: u16,
 }
 
-/// Which multi-indices a set holds: those that meet all of the conditions.
+/// Conditions that all multi-indices of a set meet.
 ///
 /// # References
 /// Blatman & Sudret, *J. Comput. Phys.* **230** (2011) 2345, <https://doi.org/10.1016/j.jcp.2010.12.021>.
@@ -93,39 +93,41 @@ pub struct Factor {
 pub struct Truncation {
     /// Degree p: (Σ α_i^q)^{1/q} ≤ p.
     pub degree: usize,
-    /// Exponent q in (0, 1]. 1 is the total degree; less leaves out interactions of high degree.
+    /// Exponent q in (0, 1]. 1 is the total degree; smaller values leave out interactions of high degree.
     pub q: f64,
-    /// Most variables in one term; `None` for any number.
+    /// Maximum number of variables in one term; `None` for no limit.
     pub interaction_order: Option<usize>,
     /// Largest degree of each variable; `None` for no limits.
     pub degree_limits: Option<Vec<usize>>,
 }
 
 impl Truncation {
-    /// Σ α_i ≤ `degree`.
+    /// Creates the truncation Σ α_i ≤ `degree`.
     pub fn total_degree(degree: usize) -> Self {
         Self { degree, q: 1.0, interaction_order: None, degree_limits: None }
     }
 }
 
-/// A list of different multi-indices α of n variables, the first of them 0. Memory goes with the number of non-zero α_i.
+/// List of distinct multi-indices α of n variables, starting with 0. Its memory is proportional to the number of
+/// non-zero α_i.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MultiIndexSet {
     variables: usize,
     degree: usize,
     largest_power: usize,
-    /// Non-zero entries of all terms, and where those of each term end.
+    /// Non-zero entries of all terms, and the end of each term's entries.
     factors: Vec<Factor>,
     ends: Vec<usize>,
-    /// Position of each term without its last factor, where the list holds that earlier.
+    /// Position of each term without its last factor, if it occurs earlier in the list.
     parents: Vec<Option<u32>>,
 }
 
 impl MultiIndexSet {
-    /// All multi-indices with |α| = Σα_i ≤ p, graded: by |α|, then by falling α₁, α₂, … Their number is C(n+p, p).
+    /// Creates the set of all multi-indices with |α| = Σα_i ≤ p, graded: by |α|, then by falling α₁, α₂, … It has
+    /// C(n+p, p) elements.
     ///
     /// # Errors
-    /// No variables, or more than 2²⁰ terms or variables.
+    /// There are no variables, or there are more than 2²⁰ terms or variables.
     pub fn total_degree(variables: usize, degree: usize) -> Result<Self, MultiIndexError> {
         if variables > 0 && number_of_terms(variables, degree).is_none_or(|n| n > MAX_TERMS) {
             return Err(MultiIndexError::TooManyTerms { variables, degree, limit: MAX_TERMS });
@@ -133,12 +135,12 @@ impl MultiIndexSet {
         Self::truncated(variables, &Truncation::total_degree(degree))
     }
 
-    /// All multi-indices that a truncation admits, in the order of [`MultiIndexSet::total_degree`].
+    /// Creates the set of all multi-indices that a truncation admits, in the order of [`MultiIndexSet::total_degree`].
     ///
-    /// On the border of a q-norm set, rounding decides nothing: α belongs to it when Σ α_i^q ≤ p^q (1 + 10⁻¹⁰).
+    /// On the border of a q-norm set, rounding has no effect: α belongs to the set if Σ α_i^q ≤ p^q (1 + 10⁻¹⁰).
     ///
     /// # Errors
-    /// No variables, more than 2²⁰ terms or variables, q outside (0, 1], or limits of another number of variables.
+    /// There are no variables, more than 2²⁰ terms or variables, q is outside (0, 1], or the number of limits is wrong.
     pub fn truncated(variables: usize, truncation: &Truncation) -> Result<Self, MultiIndexError> {
         let &Truncation { degree, q, interaction_order, ref degree_limits } = truncation;
         check_variables(variables)?;
@@ -181,11 +183,14 @@ impl MultiIndexSet {
         Ok(Self::assembled(variables, growth.factors, growth.ends))
     }
 
-    /// A given list of multi-indices, each a list of its variables with positive degrees, variables increasing. It need
-    /// not hold what its terms are multiples of, but has to begin with the constant (an empty list).
+    /// Creates a set from a list of multi-indices.
+    ///
+    /// Each multi-index lists its variables in increasing order with positive degrees. The first must be the constant
+    /// (an empty list). Divisors of a term need not be in the list.
     ///
     /// # Errors
-    /// No variables, more than 2²⁰ terms or variables, another first term, a repeated one, or factors out of order.
+    /// There are no variables, more than 2²⁰ terms or variables, the first term is not the constant, a term is
+    /// repeated, or factors are out of order.
     pub fn from_factors<T: AsRef<[Factor]>>(
         variables: usize,
         terms: impl IntoIterator<Item = T>,
@@ -223,10 +228,10 @@ impl MultiIndexSet {
         Ok(set)
     }
 
-    /// As [`MultiIndexSet::from_factors`], with all degrees (α₁, …, α_n) of each multi-index.
+    /// Creates a set from all degrees (α₁, …, α_n) of each multi-index; see [`MultiIndexSet::from_factors`].
     ///
     /// # Errors
-    /// As there; a row of another length names a variable that does not exist.
+    /// See [`MultiIndexSet::from_factors`]; a row of wrong length contains an unknown variable.
     pub fn from_rows<R: AsRef<[u16]>>(
         variables: usize,
         rows: impl IntoIterator<Item = R>,
@@ -253,10 +258,10 @@ impl MultiIndexSet {
         set
     }
 
-    /// The terms at the given positions, in that order.
+    /// Returns the set of the terms at the given positions, in that order.
     ///
     /// # Errors
-    /// As [`MultiIndexSet::from_factors`]: the first position has to be 0, and none may come twice.
+    /// See [`MultiIndexSet::from_factors`]: the first position must be 0, and positions must be distinct.
     ///
     /// # Panics
     /// If a position lies beyond the set.
@@ -264,38 +269,39 @@ impl MultiIndexSet {
         Self::from_factors(self.variables, positions.iter().map(|&term| self.factors(term)))
     }
 
-    /// Number of variables.
+    /// Returns the number of variables.
     pub fn variables(&self) -> usize {
         self.variables
     }
 
-    /// Largest total degree |α| of the terms.
+    /// Returns the largest total degree |α| of the terms.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// Largest degree α_i of a variable in any term.
+    /// Returns the largest degree α_i of a variable in any term.
     pub fn largest_power(&self) -> usize {
         self.largest_power
     }
 
-    /// Number of multi-indices.
+    /// Returns the number of multi-indices.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// Whether the set is empty: never, it holds the constant.
+    /// Returns false: a set always contains the constant.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// The variables of one term with their degrees, variables increasing; nothing for the constant.
+    /// Returns the variables of one term with their degrees, in increasing order of the variables; empty for the
+    /// constant.
     pub fn factors(&self, term: usize) -> &[Factor] {
         let from = if term == 0 { 0 } else { self.ends[term - 1] };
         &self.factors[from..self.ends[term]]
     }
 
-    /// The degrees (α₁, …, α_n) of one term.
+    /// Returns the degrees (α₁, …, α_n) of one term.
     pub fn at(&self, term: usize) -> Vec<u16> {
         let mut row = vec![0; self.variables];
         for factor in self.factors(term) {
@@ -304,18 +310,18 @@ impl MultiIndexSet {
         row
     }
 
-    /// The factors of all multi-indices in order.
+    /// Returns the factors of all multi-indices in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[Factor]> {
         (0..self.len()).map(|term| self.factors(term))
     }
 
-    /// The position of a term without its last factor, if that comes earlier in the list.
+    /// Returns the position of a term without its last factor, if that comes earlier in the list.
     pub(crate) fn parent(&self, term: usize) -> Option<usize> {
         self.parents[term].map(|parent| parent as usize)
     }
 }
 
-/// C(n+p, p), or nothing when it overflows.
+/// Returns the number of terms C(n+p, p), or `None` on overflow.
 pub fn number_of_terms(variables: usize, degree: usize) -> Option<usize> {
     (1..=degree).try_fold(1_usize, |count, k| count.checked_mul(variables.checked_add(k)?).map(|c| c / k))
 }
@@ -332,17 +338,17 @@ fn degree_of(factors: &[Factor]) -> usize {
     factors.iter().map(|factor| usize::from(factor.degree)).sum()
 }
 
-/// A set under construction, one total degree after the other.
+/// Set under construction, one total degree after the other.
 struct Growth {
-    /// Largest degree of each variable, of any variable, and of all variables from each one on together.
+    /// Largest degree of each variable, of any variable, and the summed limits of all variables from each one on.
     limits: Vec<u16>,
     widest: usize,
     reach: Vec<usize>,
     /// d^q.
     powers: Vec<f64>,
-    /// Largest Σ α_i^q.
+    /// Largest admitted Σ α_i^q.
     bound: f64,
-    /// Most factors of a term.
+    /// Maximum number of factors of a term.
     order: usize,
     /// Factors chosen so far.
     row: Vec<Factor>,
@@ -351,12 +357,12 @@ struct Growth {
 }
 
 impl Growth {
-    /// Appends all terms that continue the chosen factors by variables from `first` on whose degrees sum to `rest`, the
-    /// larger leading degrees first. `used` is Σ α_i^q of the chosen ones.
+    /// Appends all terms that extend the chosen factors by variables from `first` on with degrees that sum to `rest`,
+    /// larger leading degrees first. `used` is Σ α_i^q of the chosen factors.
     fn append(&mut self, first: usize, rest: u16, used: f64) {
         let wanted = usize::from(rest);
         let free = self.order - self.row.len();
-        // Of all ways to continue, a single variable adds the least: d^q is concave.
+        // A single variable adds the least of all extensions because d^q is concave.
         let too_much = used + self.powers[wanted] > self.bound;
         if too_much || wanted > free.saturating_mul(self.widest) {
             return;

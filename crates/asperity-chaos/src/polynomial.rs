@@ -1,9 +1,9 @@
-//! Polynomials orthonormal under the law of a standard variable.
+//! Polynomials that are orthonormal under the distribution of a standard variable.
 //!
 //! # References
 //! Xiu & Karniadakis, *SIAM J. Sci. Comput.* **24** (2002) 619, <https://doi.org/10.1137/S1064827501387826>.
 
-/// The law of a standard variable and its orthonormal polynomials ψ₀ = 1, ψ₁, ψ₂, …: E ψ_m ψ_n = δ_mn.
+/// Distribution of a standard variable and its orthonormal polynomials ψ₀ = 1, ψ₁, ψ₂, …: E ψ_m ψ_n = δ_mn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// Standard normal variable; ψ_n = He_n/√n! with the probabilists' Hermite polynomials He_n.
@@ -13,7 +13,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Writes ψ₀(x), ψ₁(x), … into `values`, by the three-term recurrence.
+    /// Writes ψ₀(x), ψ₁(x), … into `values` by the three-term recurrence.
     ///
     /// Hermite: √(n+1) ψ_{n+1} = x ψ_n − √n ψ_{n−1}. Legendre: b_{n+1} ψ_{n+1} = x ψ_n − b_n ψ_{n−1} with
     /// b_n = n/√(4n²−1).
@@ -29,7 +29,7 @@ impl Family {
         }
     }
 
-    /// b_n of the recurrence b_{n+1} ψ_{n+1} = x ψ_n − b_n ψ_{n−1}, which is symmetric for both families.
+    /// Returns b_n of the recurrence b_{n+1} ψ_{n+1} = x ψ_n − b_n ψ_{n−1}, which is symmetric for both families.
     pub(super) fn recurrence(self, n: usize) -> f64 {
         let n = n as f64;
         match self {
@@ -38,10 +38,10 @@ impl Family {
         }
     }
 
-    /// The standard variable whose distribution function is `u`, 0 < u < 1.
+    /// Returns the value of the standard variable whose distribution function equals `u`, 0 < u < 1.
     pub fn from_unit(self, u: f64) -> f64 {
         match self {
-            Self::Hermite => asperity_base::law::standard_normal_quantile(u),
+            Self::Hermite => asperity_base::distribution::standard_normal_quantile(u),
             Self::Legendre => 2.0 * u - 1.0,
         }
     }
@@ -52,8 +52,8 @@ mod tests {
     use super::*;
     use faer::{Mat, Side};
 
-    /// Gauss rule (nodes, weights) under the law of the family, from the eigenvalues of its Jacobi matrix
-    /// (Golub & Welsch, *Math. Comp.* 23 (1969) 221).
+    /// Returns the Gauss rule (nodes, weights) for the distribution of the family, from the eigenvalues of its Jacobi
+    /// matrix (Golub & Welsch, *Math. Comp.* 23 (1969) 221).
     fn gauss_rule(family: Family, points: usize) -> Vec<(f64, f64)> {
         let jacobi =
             Mat::from_fn(points, points, |i, j| if i.abs_diff(j) == 1 { family.recurrence(i.max(j)) } else { 0.0 });
@@ -67,7 +67,7 @@ mod tests {
         values
     }
 
-    /// Unnormalised coefficient c_n = E f He_n / n! by Simpson's rule on [low, 12].
+    /// Returns the unnormalised coefficient c_n = E f He_n / n! by Simpson's rule on [low, 12].
     fn hermite_coefficient(n: usize, low: f64, f: impl Fn(f64) -> f64) -> f64 {
         let factorial: f64 = (1..=n).map(|k| k as f64).product();
         let intervals = 20_000;

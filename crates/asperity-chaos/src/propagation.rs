@@ -1,16 +1,17 @@
-//! Uncertain parameters through a response that is expensive and known with noise.
+//! Propagation of uncertain parameters through an expensive, noisy response.
 //!
-//! [`Propagation`] says at which parameters to evaluate, and makes a chaos expansion of what was found there: mean, standard
-//! deviation and law of the response over the parameters, and Sobol' indices that say which of them matters.
+//! [`Propagation`] selects the parameter values at which the response is evaluated, and fits a polynomial chaos
+//! expansion to the results. It returns the mean, standard deviation and distribution of the response over the
+//! parameters, and Sobol' indices of the parameters.
 //!
 //! # Noise
 //!
-//! A response that is an average over few random samples has noise. Where all points of the design use the *same* samples,
-//! their errors are alike: most of the noise moves all responses together and only what is left of it varies from point to
-//! point. A standard error of each point cannot tell the one from the other, so noise is stated by what the response would be
-//! *without each of the samples* ([`Observed::without`]). From that follow the standard error of the mean over the parameters
-//! (the common part) and the share of the variance over the points that is expected of noise alone ([`Noise`]); intervals of
-//! moments and indices count both.
+//! A response that is an average over few random samples is noisy. If all design points use the *same* samples, their
+//! errors are correlated: most of the noise shifts all responses together, and only the remainder varies from point to
+//! point. The standard error of each point cannot separate the two parts. The noise is therefore described by the
+//! response *without each of the samples* ([`Observed::without`]). These values determine the standard error of the
+//! mean over the parameters (the common part) and the fraction of the variance over the points that is due to noise
+//! ([`Noise`]). Intervals of moments and indices include both.
 //!
 //! ```
 //! use asperity_chaos::{Observed, Parameter, Propagation, Resamples};
@@ -38,52 +39,52 @@ use super::{
     Basis, BasisError, Design, Estimate, Expansion, MultiIndexSet, RegressionError, Resamples, ResamplesError,
     SamplingError, SamplingMethod, Truncation,
 };
-use asperity_base::law::LawError;
+use asperity_base::distribution::DistributionError;
 use asperity_base::stats::{Interval, Moments, quantile_sorted};
 use replicate::Samples;
 
-/// Sets of terms that are tried: degree and exponent of [`Truncation`]. With q = ½ a second degree has no interactions.
+/// Truncations that are tried: degree and exponent of [`Truncation`]. With q = ½, degree 2 has no interactions.
 const TRUNCATIONS: [(usize, f64); 5] = [(1, 1.0), (2, 0.5), (2, 1.0), (3, 0.75), (3, 1.0)];
-/// Points for each coefficient.
+/// Number of points required per coefficient.
 const POINTS_PER_TERM: usize = 3;
-/// Fewest points for each coefficient of a linear response.
+/// Minimum number of points per coefficient of a linear response.
 const LEAST_POINTS_PER_TERM: usize = 4;
-/// Share of the points that must have a response.
-const VALID_SHARE: f64 = 0.9;
-/// Points at which the law of the response is drawn from its expansion.
+/// Smallest fraction of points that must have a response.
+const VALID_FRACTION: f64 = 0.9;
+/// Number of draws from the expansion that represent the distribution of the response.
 const DRAWS: usize = 4096;
-/// Scatter over the mean below which a response does not vary.
+/// Ratio of standard deviation to mean below which a response counts as constant.
 const ROUNDING: f64 = 1e-12;
 
-/// Why uncertain parameters could not be propagated.
+/// Reason why uncertain parameters could not be propagated.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PropagationError {
-    /// There is nothing uncertain.
+    /// The list of parameters is empty.
     #[error("there is no uncertain parameter")]
     NoParameter,
     /// The design is too small for a response that is linear in all parameters.
     #[error("a design of {points} points; {parameters} uncertain parameters need at least {wanted}")]
     TooFewPoints {
-        /// Points asked for.
+        /// Requested number of points.
         points: usize,
         /// Number of parameters.
         parameters: usize,
-        /// Fewest points.
+        /// Minimum number of points.
         wanted: usize,
     },
-    /// A law is not one.
+    /// A parameter has an invalid distribution.
     #[error(transparent)]
-    Law(#[from] LawError),
-    /// The design could not be made.
+    Law(#[from] DistributionError),
+    /// The design could not be created.
     #[error(transparent)]
     Design(#[from] SamplingError),
-    /// The terms of an expansion could not be made.
+    /// The terms of an expansion could not be created.
     #[error(transparent)]
     Basis(#[from] BasisError),
     /// A setting of the bootstrap is out of range.
     #[error(transparent)]
     Resamples(#[from] ResamplesError),
-    /// Responses of another number of points.
+    /// The number of responses differs from the number of points.
     #[error("{values} responses at {points} points")]
     Length {
         /// Responses given.
@@ -91,7 +92,7 @@ pub enum PropagationError {
         /// Points of the design.
         points: usize,
     },
-    /// Too few points have a response: what is left is not the law of the parameters.
+    /// Too few points have a response, so the remaining points do not represent the distribution of the parameters.
     #[error("only {valid} of {points} points have a response")]
     TooFewValid {
         /// Points with a response.
@@ -104,108 +105,112 @@ pub enum PropagationError {
     Regression(#[from] RegressionError),
 }
 
-/// Why a response has no Sobol' indices.
+/// Reason why a response has no Sobol' indices.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum NoIndices {
-    /// It does not vary with the parameters.
+    /// The response does not vary with the parameters.
     #[error("it does not depend on the parameters")]
     Constant,
-    /// No expansion predicts it better than its mean does.
+    /// No expansion predicts the response better than its mean.
     #[error("no expansion in the parameters predicts it better than its mean: relative leave-one-out error {error:.2}")]
     NothingPredicts {
-        /// The least error.
+        /// Smallest relative leave-one-out error.
         error: f64,
     },
-    /// Too many resamples have no expansion.
+    /// The expansion fails on too many resamples.
     #[error("{failed} of {resamples} resamples of the points have no expansion; more points are needed")]
     TooManyFailures {
-        /// Resamples without.
+        /// Number of resamples without an expansion.
         failed: usize,
-        /// All resamples.
+        /// Total number of resamples.
         resamples: usize,
     },
 }
 
-/// Independent uncertain parameters, and the design of points at which a response is wanted: a maximin Latin hypercube.
+/// Independent uncertain parameters with a maximin Latin hypercube design.
 #[derive(Debug, Clone)]
 pub struct Propagation {
     parameters: Vec<Parameter>,
     seed: u64,
-    /// Germ of each point.
-    germs: Vec<Vec<f64>>,
+    /// Standard variables ξ of each point.
+    xi_samples: Vec<Vec<f64>>,
 }
 
-/// What was found at the points of a design.
+/// Responses observed at the points of a design.
 #[derive(Debug, Clone, Copy)]
 pub struct Observed<'a> {
-    /// Response at each point; NaN where there is none.
+    /// Response at each point; NaN marks a missing response.
     pub values: &'a [f64],
-    /// For each of the random samples behind the responses, the response at each point without that sample; empty where the
-    /// response has no noise. NaN counts as the response with all samples.
+    /// For each of the random samples behind the responses, the response at each point without that sample. Empty if
+    /// the response has no noise. NaN counts as the response with all samples.
     pub without: &'a [Vec<f64>],
-    /// Responses that differ by less are taken for equal.
+    /// Difference below which responses count as equal.
     pub resolution: f64,
 }
 
 impl<'a> Observed<'a> {
-    /// Responses without noise.
+    /// Creates an observation without noise.
     pub fn exact(values: &'a [f64]) -> Self {
         Self { values, without: &[], resolution: 0.0 }
     }
 }
 
-/// What the noise of a response does.
+/// Effect of the noise of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// Standard error, by the jackknife, of the mean over the points: noise that all points have in common is in it in full.
+    /// Jackknife standard error of the mean over the points. It contains the noise that is common to all points in
+    /// full.
     pub standard_error: f64,
-    /// Variance over the points that is expected of noise alone, over the variance found: 0 without noise, about 1 where noise
-    /// is all there is. Noise common to all points adds nothing to it. 0 for a response that does not vary.
-    pub variance_share: f64,
+    /// Variance over the points that is due to noise, divided by the observed variance: 0 without noise, about 1 if
+    /// everything is noise. Noise common to all points does not contribute. 0 for a constant response.
+    pub variance_fraction: f64,
 }
 
-/// Sobol' indices in the order of the parameters. An interval counts the choice of the points, the noise, and with the relative
-/// leave-one-out error, by which an index can be wrong at most, what the expansion does not explain.
+/// Sobol' indices in the order of the parameters.
+///
+/// Intervals include the choice of the points, the noise, and the variance that the expansion does not explain (the
+/// relative leave-one-out error bounds its effect on an index).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterIndices {
-    /// First order: the share of the variance that a parameter explains alone.
+    /// First-order index: the fraction of the variance that a parameter explains alone.
     pub first_order: Vec<Estimate>,
-    /// Total: together with all others.
+    /// Total index: the fraction that a parameter explains together with all others.
     pub total: Vec<Estimate>,
 }
 
-/// A response over the law of its parameters.
+/// Distribution of a response over its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagated {
     /// Mean over the parameters.
     pub mean: Estimate,
     /// Standard deviation over the parameters.
     pub std: Estimate,
-    /// The chaos expansion; constant where the response is, or where nothing predicts it.
+    /// Chaos expansion; constant if the response is constant or unpredictable.
     pub expansion: Expansion,
-    /// Mean square error of predicting each point from the others, over the variance; 0 for a constant response.
+    /// Mean square error of predicting each point from the others, divided by the variance; 0 for a constant response.
     pub leave_one_out: f64,
-    /// Sobol' indices, or why there are none.
+    /// Sobol' indices, or the reason why there are none.
     pub indices: Result<ParameterIndices, NoIndices>,
-    /// Noise of the samples.
+    /// Noise of the random samples.
     pub noise: Noise,
-    /// Points without a response, left out.
+    /// Indices of the points without a response, which are left out.
     pub failed: Vec<usize>,
-    /// Sorted draws of the response over the law of the parameters.
-    law: Vec<f64>,
+    /// Sorted draws of the response over the distribution of the parameters.
+    marginal: Vec<f64>,
 }
 
 impl Propagated {
-    /// Quantile of the response over the law of the parameters, by its expansion; where nothing predicts the response, of its
-    /// values at the points.
+    /// Returns a quantile of the response over the distribution of the parameters.
+    ///
+    /// It is computed from the expansion, or from the values at the points if nothing predicts the response.
     ///
     /// # Panics
-    /// If the probability lies outside [0, 1].
+    /// If the probability is outside [0, 1].
     pub fn quantile(&self, probability: f64) -> f64 {
-        quantile_sorted(&self.law, probability)
+        quantile_sorted(&self.marginal, probability)
     }
 
-    /// Where the response lies for 95 % of the parameters.
+    /// Returns the interval that contains the response for 95 % of the parameters.
     pub fn band(&self) -> Interval {
         Interval { low: self.quantile(0.025), high: self.quantile(0.975) }
     }
@@ -215,7 +220,7 @@ impl Propagation {
     /// Plans a design of `points` points; equal (seed, parameters) give equal points.
     ///
     /// # Errors
-    /// No parameter, fewer than four points for each parameter and the constant, or more than 2,000.
+    /// There is no parameter, fewer than four points per parameter and constant, or more than 2,000 points.
     pub fn new(parameters: Vec<Parameter>, points: usize, seed: u64) -> Result<Self, PropagationError> {
         let wanted = Self::least_points(parameters.len());
         if parameters.is_empty() {
@@ -226,43 +231,44 @@ impl Propagation {
         }
         let method = SamplingMethod::MaximinLatinHypercube;
         let design = Design::new(method, seed, "chaos/propagation", points, parameters.len())?;
-        let germs = (0..points).map(|k| germ(&parameters, &design.unit(k))).collect();
-        Ok(Self { parameters, seed, germs })
+        let xi_samples = (0..points).map(|k| xi(&parameters, &design.unit(k))).collect();
+        Ok(Self { parameters, seed, xi_samples })
     }
 
-    /// Fewest points of a design.
+    /// Returns the minimum number of points of a design.
     pub fn least_points(parameters: usize) -> usize {
         LEAST_POINTS_PER_TERM * (parameters + 1)
     }
 
-    /// The parameters.
+    /// Returns the parameters.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn points(&self) -> usize {
-        self.germs.len()
+        self.xi_samples.len()
     }
 
-    /// Values of the parameters at point `k`.
+    /// Returns the values of the parameters at point `k`.
     ///
     /// # Panics
     /// If there is no such point.
     pub fn point(&self, k: usize) -> Vec<f64> {
-        self.parameters.iter().zip(&self.germs[k]).map(|(parameter, xi)| parameter.at(*xi)).collect()
+        self.parameters.iter().zip(&self.xi_samples[k]).map(|(parameter, xi)| parameter.at(*xi)).collect()
     }
 
-    /// The response over the law of the parameters, with intervals by `resamples`.
+    /// Estimates the distribution of the response over the parameters, with intervals from `resamples`.
     ///
-    /// Of expansions of degree up to three, with at least three points for each term, the one that predicts each point best from
-    /// the others is taken; resamples of points and samples keep its terms. Samples are drawn again for all points together,
-    /// spread as Student's law of so many samples is.
+    /// Expansions of degree up to three with at least three points per term are tried; the one with the smallest
+    /// leave-one-out error is used. Resamples of points and samples keep its terms. Samples are resampled for all
+    /// points together; their deviations are scaled to Student's distribution for the number of samples.
     ///
     /// # Errors
-    /// Responses of another number of points, fewer than 90 % of the points with one, or settings of the bootstrap out of range.
+    /// The number of responses is wrong, fewer than 90 % of the points have one, or a setting of the bootstrap is out
+    /// of range.
     pub fn respond(&self, observed: &Observed<'_>, resamples: &Resamples) -> Result<Propagated, PropagationError> {
-        let points = self.germs.len();
+        let points = self.xi_samples.len();
         for values in std::iter::once(observed.values).chain(observed.without.iter().map(Vec::as_slice)) {
             if values.len() != points {
                 return Err(PropagationError::Length { values: values.len(), points });
@@ -270,11 +276,11 @@ impl Propagation {
         }
         resamples.check([points])?;
         let (kept, failed): (Vec<usize>, Vec<usize>) = (0..points).partition(|&k| observed.values[k].is_finite());
-        if (kept.len() as f64) < VALID_SHARE * points as f64 {
+        if (kept.len() as f64) < VALID_FRACTION * points as f64 {
             return Err(PropagationError::TooFewValid { valid: kept.len(), points });
         }
-        let samples = Samples::new(&kept.iter().map(|&k| &self.germs[k][..]).collect::<Vec<_>>(), observed, &kept);
-        let moments = Moments::of(&samples.values);
+        let samples = Samples::new(&kept.iter().map(|&k| &self.xi_samples[k][..]).collect::<Vec<_>>(), observed, &kept);
+        let moments = Moments::new(&samples.values);
         let variance = moments.sample_std().powi(2);
         if variance.sqrt() <= observed.resolution.max(ROUNDING * moments.mean.abs()) {
             return self.without_indices(&samples, failed, 0.0, NoIndices::Constant, resamples);
@@ -291,17 +297,17 @@ impl Propagation {
                     DRAWS,
                     self.parameters.len(),
                 )?;
-                let germs: Vec<Vec<f64>> = (0..DRAWS).map(|i| germ(&self.parameters, &draws.unit(i))).collect();
-                let mut law = expansion.evaluate_many(&germs);
-                law.sort_by(f64::total_cmp);
+                let xi_samples: Vec<Vec<f64>> = (0..DRAWS).map(|i| xi(&self.parameters, &draws.unit(i))).collect();
+                let mut marginal = expansion.evaluate_many(&xi_samples);
+                marginal.sort_by(f64::total_cmp);
                 let (mean, std, indices) = samples.estimates(&expansion, error, resamples);
                 let noise = samples.noise(variance);
-                Ok(Propagated { mean, std, expansion, leave_one_out: error, indices, noise, failed, law })
+                Ok(Propagated { mean, std, expansion, leave_one_out: error, indices, noise, failed, marginal })
             }
         }
     }
 
-    /// The expansion that predicts best, and its relative leave-one-out error.
+    /// Returns the expansion with the smallest relative leave-one-out error, and this error.
     fn best(&self, samples: &Samples<'_>) -> Result<(Expansion, f64), PropagationError> {
         let mut best: Option<(Expansion, f64)> = None;
         let mut terms = 0;
@@ -313,7 +319,7 @@ impl Propagation {
                 continue;
             }
             terms = basis.len();
-            let (expansion, fit) = Expansion::fit(basis, &samples.germs, &samples.values)?;
+            let (expansion, fit) = Expansion::fit(basis, &samples.xi_samples, &samples.values)?;
             let error = fit.leave_one_out.relative_error.unwrap_or(f64::INFINITY);
             if best.as_ref().is_none_or(|(_, least)| error < *least) {
                 best = Some((expansion, error));
@@ -327,7 +333,7 @@ impl Propagation {
         Ok(Basis::new(set, self.parameters.iter().map(Parameter::family).collect())?)
     }
 
-    /// Mean and spread of the points themselves, where no expansion says more.
+    /// Returns a result with the mean and standard deviation of the points, if no expansion predicts the response.
     fn without_indices(
         &self,
         samples: &Samples<'_>,
@@ -338,18 +344,18 @@ impl Propagation {
     ) -> Result<Propagated, PropagationError> {
         let (mean, std) = samples.moments(resamples);
         let constant = self.basis(&Truncation::total_degree(0))?;
-        let mut law = samples.values.clone();
-        law.sort_by(f64::total_cmp);
+        let mut marginal = samples.values.clone();
+        marginal.sort_by(f64::total_cmp);
         let mut noise = samples.noise(std.value * std.value);
         if reason == NoIndices::Constant {
-            noise.variance_share = 0.0;
+            noise.variance_fraction = 0.0;
         }
         let expansion = Expansion::new(constant, vec![mean.value]);
-        Ok(Propagated { mean, std, expansion, leave_one_out: error, indices: Err(reason), noise, failed, law })
+        Ok(Propagated { mean, std, expansion, leave_one_out: error, indices: Err(reason), noise, failed, marginal })
     }
 }
 
-/// The germ of a point of the unit cube.
-fn germ(parameters: &[Parameter], unit: &[f64]) -> Vec<f64> {
+/// Returns the standard variables ξ of a point of the unit cube.
+fn xi(parameters: &[Parameter], unit: &[f64]) -> Vec<f64> {
     parameters.iter().zip(unit).map(|(parameter, u)| parameter.family().from_unit(*u)).collect()
 }

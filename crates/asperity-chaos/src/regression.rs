@@ -11,10 +11,10 @@ use thiserror::Error;
 
 pub use many::Fits;
 
-/// Why a regression could not be made.
+/// Reason why a regression failed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RegressionError {
-    /// There are no more samples than coefficients.
+    /// There are not more samples than coefficients.
     #[error("{samples} samples for {coefficients} coefficients; more samples than coefficients are needed")]
     TooFewSamples {
         /// Number K of samples.
@@ -22,7 +22,7 @@ pub enum RegressionError {
         /// Number P of coefficients.
         coefficients: usize,
     },
-    /// The functions cannot be told apart on the samples.
+    /// The functions are linearly dependent on the samples.
     #[error(
         "the {coefficients} functions cannot be told apart on the {samples} samples: condition number {condition:.1e}"
     )]
@@ -34,13 +34,13 @@ pub enum RegressionError {
         /// Ratio of the largest to the smallest singular value.
         condition: f64,
     },
-    /// A sample of the design matrix or of a response is not finite.
+    /// A value of the design matrix or of a response is not finite.
     #[error("sample {sample} is not a finite number")]
     NotFinite {
         /// Index of the first such sample.
         sample: usize,
     },
-    /// The response has another length than the design.
+    /// The response and the design differ in length.
     #[error("{values} response values for {samples} samples")]
     Length {
         /// Values given.
@@ -50,7 +50,7 @@ pub enum RegressionError {
     },
 }
 
-/// A factorised least-squares problem min ‖A c − y‖₂ with K rows and P columns; one factorisation serves any number of
+/// Factorised least-squares problem min ‖A c − y‖₂ with K rows and P columns. One factorisation serves any number of
 /// right-hand sides.
 #[derive(Debug)]
 pub struct LeastSquares {
@@ -61,20 +61,20 @@ pub struct LeastSquares {
     condition: f64,
 }
 
-/// Coefficients of one right-hand side, and how well they predict.
+/// Coefficients of one right-hand side with its leave-one-out errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// Coefficients, in the order of the columns.
     pub coefficients: Vec<f64>,
     /// Residuals y − A c.
     pub residuals: Vec<f64>,
-    /// Prediction of each sample from all others.
+    /// Errors of predicting each sample from all others.
     pub leave_one_out: LeaveOneOut,
 }
 
-/// Errors of predicting each sample from all others: r_i/(1 − h_i), with the leverage h_i, exactly.
+/// Exact errors r_i/(1 − h_i) of predicting each sample from all others, with the leverage h_i.
 ///
-/// A sample with leverage 1 is alone in determining a coefficient; nothing can be said about it from the others.
+/// A sample with leverage 1 determines a coefficient alone and cannot be predicted from the others.
 ///
 /// # References
 /// Allen, *Technometrics* **16** (1974) 125, <https://doi.org/10.1080/00401706.1974.10489157>.
@@ -82,14 +82,14 @@ pub struct Fit {
 pub struct LeaveOneOut {
     /// y_i minus its prediction from all other samples; `None` where the leverage is 1.
     pub errors: Vec<Option<f64>>,
-    /// Mean square error divided by the sample variance (n−1) of the response; `None` when a sample is undetermined or
-    /// the response is constant.
+    /// Mean square error divided by the sample variance (n − 1) of the response; `None` if a sample cannot be predicted
+    /// or the response is constant.
     pub relative_error: Option<f64>,
 }
 
 impl LeaveOneOut {
-    /// Errors from the residuals and leverages of a fit.
-    pub(super) fn of(response: &[f64], residuals: &[f64], leverages: &[f64]) -> Self {
+    /// Computes the errors from the residuals and leverages of a fit.
+    pub(super) fn new(response: &[f64], residuals: &[f64], leverages: &[f64]) -> Self {
         let n = response.len() as f64;
         let errors: Vec<Option<f64>> = residuals
             .iter()
@@ -103,7 +103,7 @@ impl LeaveOneOut {
         Self { errors, relative_error }
     }
 
-    /// Number of samples that the others do not determine.
+    /// Returns the number of samples that cannot be predicted from the others.
     pub fn undetermined(&self) -> usize {
         self.errors.iter().filter(|e| e.is_none()).count()
     }
@@ -113,7 +113,7 @@ impl LeastSquares {
     /// Factorises the design matrix, shape `[samples K, coefficients P]`, K > P.
     ///
     /// # Errors
-    /// K ≤ P, a value that is not finite, or columns that are linearly dependent in double precision.
+    /// K ≤ P, a value is not finite, or the columns are linearly dependent in double precision.
     pub fn new(design: ArrayView2<'_, f64>) -> Result<Self, RegressionError> {
         let (samples, coefficients) = design.dim();
         if samples <= coefficients {
@@ -135,22 +135,22 @@ impl LeastSquares {
         Ok(Self { qr, q, leverages, condition })
     }
 
-    /// Number of samples K.
+    /// Returns the number of samples K.
     pub fn samples(&self) -> usize {
         self.q.nrows()
     }
 
-    /// Number of coefficients P.
+    /// Returns the number of coefficients P.
     pub fn coefficients(&self) -> usize {
         self.q.ncols()
     }
 
-    /// Leverages h_i: the diagonal of A (AᵀA)⁻¹ Aᵀ. They lie in [0, 1] and sum to P.
+    /// Returns the leverages h_i, the diagonal of A (AᵀA)⁻¹ Aᵀ. They lie in [0, 1] and sum to P.
     pub fn leverages(&self) -> &[f64] {
         &self.leverages
     }
 
-    /// Ratio of the largest to the smallest singular value of the design matrix.
+    /// Returns the ratio of the largest to the smallest singular value of the design matrix.
     pub fn condition(&self) -> f64 {
         self.condition
     }
@@ -158,7 +158,7 @@ impl LeastSquares {
     /// Solves for one response of K values.
     ///
     /// # Errors
-    /// Another number of values, or one that is not finite.
+    /// The number of values is wrong, or a value is not finite.
     pub fn fit(&self, response: &[f64]) -> Result<Fit, RegressionError> {
         let (samples, count) = (self.samples(), self.coefficients());
         if response.len() != samples {
@@ -175,20 +175,20 @@ impl LeastSquares {
         let residuals: Vec<f64> = (0..samples).map(|i| residual[(i, 0)]).collect();
         Ok(Fit {
             coefficients: (0..count).map(|j| solution[(j, 0)]).collect(),
-            leave_one_out: LeaveOneOut::of(response, &residuals, &self.leverages),
+            leave_one_out: LeaveOneOut::new(response, &residuals, &self.leverages),
             residuals,
         })
     }
 }
 
-/// Whether other samples determine the prediction of a sample with this leverage, of `samples` in all.
+/// Returns whether the other samples determine the prediction of a sample with this leverage, of `samples` in all.
 ///
-/// The square root of a leverage is the length of a row of an orthonormal matrix, which says how it is rounded.
+/// The square root of a leverage is the length of a row of an orthonormal matrix, which determines its rounding error.
 pub(super) fn is_determined(leverage: f64, samples: f64) -> bool {
     1.0 - leverage > 8.0 * f64::EPSILON * samples
 }
 
-/// Condition number of R, equal to that of the design; infinite when it cannot be computed.
+/// Returns the condition number of R, equal to that of the design; infinite when it cannot be computed.
 fn condition(qr: &Qr<f64>) -> f64 {
     match qr.thin_R().singular_values() {
         Ok(values) => match (values.first(), values.last()) {

@@ -1,4 +1,4 @@
-//! How often samples are drawn again for a bootstrap.
+//! Bootstrap resampling.
 
 use rand::RngExt;
 use thiserror::Error;
@@ -6,10 +6,10 @@ use thiserror::Error;
 use asperity_base::random::stream;
 use asperity_base::stats::{Interval, Moments, quantile_sorted};
 
-/// Fewest resamples from which an interval is read.
+/// Minimum number of resamples for an interval.
 const LEAST_COUNT: usize = 20;
 
-/// A setting of a bootstrap is out of range.
+/// Reason why a bootstrap cannot be run.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ResamplesError {
     /// There are too few resamples.
@@ -18,7 +18,7 @@ pub enum ResamplesError {
         /// Resamples asked for.
         count: usize,
     },
-    /// The level is no probability.
+    /// The confidence level is outside (0, 1).
     #[error("the confidence level is {level}; it must lie between 0 and 1")]
     Level {
         /// The level.
@@ -27,12 +27,12 @@ pub enum ResamplesError {
     /// A sample is too small.
     #[error("a sample of {samples}; a bootstrap needs at least 2")]
     Samples {
-        /// Its size.
+        /// Size of the sample.
         samples: usize,
     },
 }
 
-/// A bootstrap of independent samples: each is drawn again with replacement, as large as it is.
+/// Bootstrap of independent samples: each is resampled with replacement to its own size.
 ///
 /// # References
 /// Efron & Tibshirani, *An Introduction to the Bootstrap*, Chapman & Hall 1993.
@@ -46,19 +46,19 @@ pub struct Resamples {
     pub seed: u64,
 }
 
-/// A value that was computed from samples, and how well it is known.
+/// Value computed from samples, with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The value.
     pub value: f64,
     /// Standard deviation over the resamples.
     pub standard_error: f64,
-    /// The basic bootstrap interval.
+    /// Basic bootstrap interval.
     pub interval: Interval,
 }
 
 impl Resamples {
-    /// 1,000 resamples, 95 %.
+    /// Creates the settings for 1,000 resamples and 95 % confidence.
     pub fn new(seed: u64) -> Self {
         Self { count: 1000, level: 0.95, seed }
     }
@@ -73,19 +73,19 @@ impl Resamples {
         sizes.into_iter().find(|size| *size < 2).map_or(Ok(()), |samples| Err(ResamplesError::Samples { samples }))
     }
 
-    /// Positions of resample `index` in samples of the given sizes.
+    /// Returns the positions of resample `index` in samples of the given sizes.
     pub(super) fn positions(&self, index: usize, sizes: &[usize]) -> Vec<Vec<usize>> {
         let mut stream = stream(self.seed, "chaos/resamples", index as u64);
         sizes.iter().map(|&size| (0..size).map(|_| stream.random_range(0..size)).collect()).collect()
     }
 
-    /// What the values on the resamples say of a value in `range`.
+    /// Combines a value in `range` with its replicates on the resamples.
     ///
-    /// A plug-in value that is convex in the law, such as a distance or a sum of squares, is too large, and those of the
-    /// resamples are so once more. So the interval is the basic one: 2 value − the quantiles of the resamples, cut off at
-    /// the ends of the range.
+    /// A plug-in value that is convex in the distribution, such as a distance or a sum of squares, is biased upwards,
+    /// and its replicates are biased twice. The interval is therefore the basic one, 2 value − quantiles of the
+    /// replicates, clipped to the range.
     pub(super) fn estimate(&self, value: f64, mut replicates: Vec<f64>, range: Interval) -> Estimate {
-        let standard_error = Moments::of(&replicates).sample_std();
+        let standard_error = Moments::new(&replicates).sample_std();
         replicates.sort_by(f64::total_cmp);
         let tail = 0.5 * (1.0 - self.level);
         let end = |probability| (2.0 * value - quantile_sorted(&replicates, probability)).clamp(range.low, range.high);

@@ -1,21 +1,23 @@
-//! Designs of experiments: where a random function is evaluated.
+//! Designs of experiments: points at which a random function is evaluated.
 //!
-//! A point is a function of (seed, stage, sample index, number of samples): any point can be computed alone, on any
+//! A point is a function of (seed, stage, sample index, number of samples). Any point can be computed alone, on any
 //! thread, in any order.
 //!
 //! # Standard errors
 //!
-//! The points of a stratified design are not independent, so the spread within one says nothing about the error of its
-//! mean. [`Design::replicate`] gives independent randomisations of a design; of the means over r of them, say ten, the
-//! standard deviation divided by √r is the standard error of their mean, with r − 1 degrees of freedom.
+//! The points of a stratified design are not independent, so their standard deviation does not estimate the error of
+//! their mean. [`Design::replicate`] creates independent randomisations of a design. The standard deviation of the
+//! means of r randomisations (for instance ten), divided by √r, is the standard error of their mean with r − 1 degrees
+//! of freedom.
 //!
 //! # Maximin Latin hypercubes
 //!
-//! The seed draws a Latin hypercube, and exchanges of two strata of one variable then lower
-//! φ = Σ_{i<j} d_ij^{−16}, d_ij the distance of the centres of the cells of points i and j. That is the criterion of Morris and
-//! Mitchell, which tends to the least distance of all pairs as the power grows. One partner of each exchange belongs to a
-//! pair whose distance is least. The points lie anywhere in their cells, as in every Latin hypercube. Means of sums of
-//! functions of one variable have no bias; those of interactions may have a small one, since near points are avoided.
+//! The seed draws a Latin hypercube. Exchanges of two strata of one variable then reduce φ = Σ_{i<j} d_ij^{−16}, where
+//! d_ij is the distance of the cell centres of points i and j. This is the criterion of Morris and Mitchell, which
+//! tends to the smallest distance of all pairs as the power grows. One partner of each exchange belongs to a pair with
+//! the smallest distance. The points are uniform in their cells, as in every Latin hypercube. Means of sums of
+//! functions of one variable are unbiased; means of interactions may have a small bias because close points are
+//! avoided.
 
 mod maximin;
 mod permutation;
@@ -24,13 +26,13 @@ mod scrambled_sobol;
 use rand::Rng;
 use thiserror::Error;
 
-use asperity_base::law::standard_normal_quantile;
+use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::random::{Stream, stream};
 use maximin::{MAX_SAMPLES, maximin_strata};
 use permutation::Permutation;
 use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 
-/// How the points of a design are placed.
+/// Placement of the points of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SamplingMethod {
     /// Independent points.
@@ -40,8 +42,8 @@ pub enum SamplingMethod {
     /// # References
     /// McKay, Beckman & Conover, *Technometrics* **21** (1979) 239, <https://doi.org/10.1080/00401706.1979.10489755>.
     LatinHypercube,
-    /// A Latin hypercube whose points keep their distance: see [`maximin`](self#maximin-latin-hypercubes). At most 2,000
-    /// samples.
+    /// Latin hypercube with a large minimum distance between points; see [`maximin`](self#maximin-latin-hypercubes). At
+    /// most 2,000 samples.
     ///
     /// # References
     /// Morris & Mitchell, *J. Stat. Plan. Inference* **43** (1995) 381, <https://doi.org/10.1016/0378-3758(94)00035-T>.
@@ -50,7 +52,7 @@ pub enum SamplingMethod {
     Sobol,
 }
 
-/// Why a design could not be made.
+/// Reason why a design could not be created.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum SamplingError {
     /// A design needs at least one sample of at least one variable.
@@ -69,7 +71,7 @@ pub enum SamplingError {
         /// Variables available.
         limit: usize,
     },
-    /// The distances of so many points are too many.
+    /// The table of distances would be too large.
     #[error(
         "maximin Latin hypercubes have at most {limit} samples here; {samples} were asked for (use latin_hypercube)"
     )]
@@ -96,7 +98,7 @@ enum Placement {
     Sobol(ScrambledSobol),
 }
 
-/// A planned set of `samples` points in `dimensions` variables.
+/// Planned set of `samples` points in `dimensions` variables.
 #[derive(Debug, Clone)]
 pub struct Design {
     method: SamplingMethod,
@@ -111,7 +113,7 @@ impl Design {
     /// Plans a design. Equal (seed, stage) give equal points; different stages are independent.
     ///
     /// # Errors
-    /// An empty design, or more variables or samples than the method has.
+    /// The design is empty, or has more variables or samples than the method supports.
     pub fn new(
         method: SamplingMethod,
         seed: u64,
@@ -147,11 +149,12 @@ impl Design {
         Ok(Self { method, seed, stage: stage.to_owned(), samples, dimensions, placement })
     }
 
-    /// An independent randomisation of the design, equally large. Number 0 is the design itself; number r > 0 is the design
-    /// of the stage `"<stage>/replicate <r>"`.
+    /// Returns an independent randomisation of the design with the same size.
+    ///
+    /// Number 0 is the design itself; number r > 0 is the design of the stage `"<stage>/replicate <r>"`.
     ///
     /// # Errors
-    /// None of a design that could be made.
+    /// No error occurs for a design that could be created.
     pub fn replicate(&self, number: usize) -> Result<Self, SamplingError> {
         if number == 0 {
             return Ok(self.clone());
@@ -160,12 +163,12 @@ impl Design {
         Self::new(self.method, self.seed, &stage, self.samples, self.dimensions)
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn samples(&self) -> usize {
         self.samples
     }
 
-    /// Number of variables.
+    /// Returns the number of variables.
     pub fn dimensions(&self) -> usize {
         self.dimensions
     }
@@ -192,38 +195,39 @@ impl Design {
                     (f64::from(sobol.digits(index as u32, dimension)) + jitter) / 2.0_f64.powi(32)
                 }
             };
-            // Rounding can close the last stratum.
+            // Rounding can reach the upper end of the last stratum.
             *coordinate = value.min(1.0 - f64::EPSILON / 2.0);
         }
     }
 
-    /// Writes the standard normal germ of sample `index` into `germ`: ξ = Φ⁻¹(u) of the unit point u.
+    /// Writes the standard normal variables ξ = Φ⁻¹(u) of sample `index` into `xi`, where u is the point of the unit
+    /// cube.
     ///
     /// # Panics
-    /// As [`Design::fill_unit`].
-    pub fn fill_germ(&self, index: usize, germ: &mut [f64]) {
-        self.fill_unit(index, germ);
-        for xi in germ {
+    /// See [`Design::fill_unit`].
+    pub fn fill_xi(&self, index: usize, xi: &mut [f64]) {
+        self.fill_unit(index, xi);
+        for xi in xi {
             *xi = standard_normal_quantile(*xi);
         }
     }
 
-    /// Point `index` of the open unit cube.
+    /// Returns point `index` of the open unit cube.
     pub fn unit(&self, index: usize) -> Vec<f64> {
         let mut point = vec![0.0; self.dimensions];
         self.fill_unit(index, &mut point);
         point
     }
 
-    /// The standard normal germ of sample `index`.
-    pub fn germ(&self, index: usize) -> Vec<f64> {
-        let mut germ = vec![0.0; self.dimensions];
-        self.fill_germ(index, &mut germ);
-        germ
+    /// Returns the standard normal variables ξ of sample `index`.
+    pub fn xi(&self, index: usize) -> Vec<f64> {
+        let mut xi = vec![0.0; self.dimensions];
+        self.fill_xi(index, &mut xi);
+        xi
     }
 }
 
-/// A uniform number that is exact in 53 bits and neither 0 nor 1.
+/// Returns a uniform number with 53 exact bits that is neither 0 nor 1.
 fn open_unit(stream: &mut Stream) -> f64 {
     ((stream.next_u64() >> 12) as f64 + 0.5) / 2.0_f64.powi(52)
 }

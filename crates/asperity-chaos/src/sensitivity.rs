@@ -1,4 +1,4 @@
-//! Sobol' indices of expansions, and how well samples determine them.
+//! Sobol' indices of expansions with bootstrap intervals.
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -6,10 +6,10 @@ use thiserror::Error;
 use super::{Estimate, Expansion, Factor, Resamples, ResamplesError};
 use asperity_base::stats::Interval;
 
-/// Share of the resamples that must have an expansion.
-const FITTED_SHARE: f64 = 0.95;
+/// Smallest fraction of resamples that must have an expansion.
+const FITTED_FRACTION: f64 = 0.95;
 
-/// Why indices have no intervals.
+/// Reason why indices have no intervals.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IndexError<E> {
     /// A setting is out of range.
@@ -18,14 +18,14 @@ pub enum IndexError<E> {
     /// The samples themselves have no expansion.
     #[error("the samples have no expansion: {0}")]
     Fit(E),
-    /// Too many resamples have none. About a third of the samples are missing from a resample.
+    /// Too many resamples have no expansion. About a third of the samples are missing from a resample.
     #[error("{failed} of {resamples} resamples have no expansion, the first because {first}; more samples are needed")]
     TooManyFailures {
-        /// Resamples without expansion.
+        /// Number of resamples without an expansion.
         failed: usize,
-        /// All resamples.
+        /// Total number of resamples.
         resamples: usize,
-        /// Why the first of them has none.
+        /// Error of the first resample without an expansion.
         first: E,
     },
     /// The expansion of the samples is constant.
@@ -35,32 +35,36 @@ pub enum IndexError<E> {
 
 /// Sobol' indices with standard errors and intervals.
 ///
-/// They say what the choice of the samples does to the indices of an expansion with these terms. What is missing from the
-/// set of terms is another error: a variance share ε outside of it, about the relative leave-one-out error, moves an index
-/// by at most ε.
+/// The intervals describe the effect of the choice of samples on the indices of an expansion with these terms. The
+/// truncation of the expansion is a separate error: a variance fraction ε outside the set of terms, about the relative
+/// leave-one-out error, changes an index by at most ε.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IndexEstimates {
     /// First-order index of each variable.
     pub first_order: Vec<Estimate>,
     /// Total index of each variable.
     pub total: Vec<Estimate>,
-    /// Closed index of each subset that was asked for.
+    /// Closed index of each requested subset.
     pub closed: Vec<Estimate>,
-    /// Resamples without expansion, left out.
+    /// Number of resamples without an expansion, which are left out.
     pub failed: usize,
 }
 
 impl Resamples {
-    /// Sobol' indices of a regression over `samples` samples, and the closed ones of some subsets of variables, by drawing
-    /// the samples again. `fit` makes an expansion of the samples at the given positions, of which some occur several
-    /// times; it is called with 0, 1, …, `samples` − 1 first. Whatever it does besides, such as choosing terms, is part of
-    /// what is tried.
+    /// Estimates Sobol' indices of a regression over `samples` samples by resampling, with the closed indices of some
+    /// subsets of variables.
     ///
-    /// A resample holds 63 % of the samples, so there should be at least twice as many as coefficients. They are taken
-    /// as independent (Monte Carlo); those of stratified designs determine the indices better than the intervals say.
+    /// `fit` creates an expansion from the samples at the given positions, some of which occur several times. It is
+    /// called with 0, 1, …, `samples` − 1 first. Everything that it does, such as selecting terms, is part of the
+    /// resampled procedure.
+    ///
+    /// A resample contains 63 % of the samples, so there should be at least twice as many samples as coefficients.
+    /// Samples are assumed independent (Monte Carlo). Samples of stratified designs determine the indices better than
+    /// the intervals indicate.
     ///
     /// # Errors
-    /// Settings out of range, a constant expansion, no expansion of the samples or of more than 5 % of the resamples.
+    /// A setting is out of range, the expansion is constant, or the samples or more than 5 % of the resamples have no
+    /// expansion.
     ///
     /// # References
     /// Dubreuil, Berveiller, Petitjean & Salaün, *Reliab. Eng. Syst. Saf.* **121** (2014) 263,
@@ -95,7 +99,7 @@ impl Resamples {
             }
         }
         if let Some(first) = first
-            && (self.count - failed) as f64 <= FITTED_SHARE * self.count as f64
+            && (self.count - failed) as f64 <= FITTED_FRACTION * self.count as f64
         {
             return Err(IndexError::TooManyFailures { failed, resamples: self.count, first });
         }
@@ -108,36 +112,38 @@ impl Resamples {
     }
 }
 
-/// Variance shares of groups of terms. All are NaN when the variance is zero.
+/// Variance fractions of groups of terms. All are NaN if the variance is zero.
 ///
 /// # References
 /// Sudret, *Reliab. Eng. Syst. Saf.* **93** (2008) 964, <https://doi.org/10.1016/j.ress.2007.04.002>.
 impl Expansion {
-    /// First-order Sobol' index of each variable: the variance share of the terms in that variable alone.
+    /// Returns the first-order Sobol' index of each variable: the variance fraction of the terms in that variable
+    /// alone.
     pub fn first_order_indices(&self) -> Vec<f64> {
-        self.shares(|factors| factors.len() == 1)
+        self.fractions(|factors| factors.len() == 1)
     }
 
-    /// Total Sobol' index of each variable: the variance share of all terms that hold it.
+    /// Returns the total Sobol' index of each variable: the variance fraction of all terms that contain it.
     pub fn total_indices(&self) -> Vec<f64> {
-        self.shares(|_| true)
+        self.fractions(|_| true)
     }
 
-    /// Variance share of the terms that hold exactly the variables of `subset`, the Sobol' index of their interaction.
+    /// Returns the variance fraction of the terms in exactly the variables of `subset`, the Sobol' index of their
+    /// interaction.
     pub fn subset_index(&self, subset: &[usize]) -> f64 {
-        self.share(|factors| {
+        self.fraction(|factors| {
             within(factors, subset) && subset.iter().all(|&v| factors.iter().any(|f| f.variable as usize == v))
         })
     }
 
-    /// Closed Sobol' index: the variance share of the terms that hold no variable beyond `subset`, Var E(f | ξ_i, i in
-    /// subset)/Var f.
+    /// Returns the closed Sobol' index Var E(f | ξ_i, i in subset)/Var f: the variance fraction of the terms in no
+    /// variable beyond `subset`.
     pub fn closed_index(&self, subset: &[usize]) -> f64 {
-        self.share(|factors| within(factors, subset))
+        self.fraction(|factors| within(factors, subset))
     }
 
-    /// For each variable the share of the terms that hold it and `belong`.
-    fn shares(&self, belong: impl Fn(&[Factor]) -> bool) -> Vec<f64> {
+    /// Returns for each variable the fraction of the terms that contain it and satisfy `belong`.
+    fn fractions(&self, belong: impl Fn(&[Factor]) -> bool) -> Vec<f64> {
         let mut parts = vec![0.0; self.basis().set().variables()];
         for (factors, c) in self.fluctuations().filter(|(factors, _)| belong(factors)) {
             for factor in factors {
@@ -149,12 +155,12 @@ impl Expansion {
         parts
     }
 
-    fn share(&self, belongs: impl Fn(&[Factor]) -> bool) -> f64 {
+    fn fraction(&self, belongs: impl Fn(&[Factor]) -> bool) -> f64 {
         let part: f64 = self.fluctuations().filter(|(factors, _)| belongs(factors)).map(|(_, c)| c * c).sum();
         part / self.variance()
     }
 
-    /// All terms but the constant.
+    /// Returns all terms except the constant.
     fn fluctuations(&self) -> impl Iterator<Item = (&[Factor], f64)> {
         self.basis().set().iter().zip(self.coefficients().iter().copied()).skip(1)
     }

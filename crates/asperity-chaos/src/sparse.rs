@@ -1,16 +1,16 @@
-//! Sparse regression: few of many candidate functions, more candidates than samples allowed.
+//! Sparse regression: selects few of many candidate functions; there may be more candidates than samples.
 //!
-//! [`Candidates`] is the design matrix, [`SparseRegression`] says how terms are found and when to stop, [`SparseFit`] is the
-//! model whose error is least by the [`SizeCriterion`]. Where no model predicts the response better than its mean does, the
-//! answer is an error, never a constant.
+//! [`Candidates`] is the design matrix, [`SparseRegression`] sets the selection method and the stopping rule, and
+//! [`SparseFit`] is the model with the smallest error by the [`SizeCriterion`]. If no model predicts the response
+//! better than its mean, the result is an error, never a constant.
 //!
 //! ```
 //! use asperity_chaos::{Basis, Candidates, Design, SamplingMethod, SparseRegression};
 //!
 //! let design = Design::new(SamplingMethod::LatinHypercube, 1, "sparse example", 40, 4)?;
-//! let germs: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.germ(i)).collect();
-//! let values: Vec<f64> = germs.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[1] * xi[3]).collect();
-//! let matrix = Basis::hermite(4, 5)?.design_matrix(&germs); // 126 functions on 40 samples
+//! let xi_samples: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.xi(i)).collect();
+//! let values: Vec<f64> = xi_samples.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[1] * xi[3]).collect();
+//! let matrix = Basis::hermite(4, 5)?.design_matrix(&xi_samples); // 126 functions on 40 samples
 //! let fit = SparseRegression::default().select(&Candidates::new(matrix.view())?, &values)?;
 //! assert_eq!(fit.terms.len(), 3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -32,24 +32,25 @@ use super::LeaveOneOut;
 pub use candidates::Candidates;
 use growing_fit::GrowingFit;
 
-/// How terms are found.
+/// Method that selects terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SparseMethod {
-    /// The term most correlated with the residual enters, all coefficients are fitted again.
+    /// The term most correlated with the residual enters; then all coefficients are refitted.
     ///
     /// # References
     /// Pati, Rezaiifar & Krishnaprasad, *Proc. 27th Asilomar Conf.* (1993) 40,
     /// <https://doi.org/10.1109/ACSSC.1993.342465>.
     #[default]
     OrthogonalMatchingPursuit,
-    /// Terms enter in the order of least-angle regression; their coefficients are those of least squares (hybrid LARS).
+    /// Terms enter in the order of least-angle regression; their coefficients are fitted by least squares (hybrid
+    /// LARS).
     ///
     /// # References
     /// Efron, Hastie, Johnstone & Tibshirani, *Ann. Statist.* **32** (2004) 407, <https://doi.org/10.1214/009053604000000067>.
     /// Blatman & Sudret, *J. Comput. Phys.* **230** (2011) 2345, <https://doi.org/10.1016/j.jcp.2010.12.021>.
     LeastAngle,
-    /// For a given number of terms, the set is exchanged as a whole until the residual no longer falls. Numbers up to
-    /// half of that of the samples are tried.
+    /// For a given number of terms, the whole set is exchanged until the residual stops decreasing. Up to half as many
+    /// terms as samples are tried.
     ///
     /// # References
     /// Dai & Milenkovic, *IEEE Trans. Inf. Theory* **55** (2009) 2230, <https://doi.org/10.1109/TIT.2009.2016006>.
@@ -58,35 +59,36 @@ pub enum SparseMethod {
     SubspacePursuit,
 }
 
-/// How the number of terms is chosen.
+/// Criterion that selects the number of terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SizeCriterion {
-    /// The least corrected leave-one-out error, [`Attempt::corrected`]: one path. It does not know that the terms were
-    /// chosen with the sample left out. Where a response has noise, matching pursuit among more candidates than samples finds
-    /// models of almost as many terms as samples whose leave-one-out error vanishes, and which predict nothing.
+    /// The smallest corrected leave-one-out error, [`Attempt::corrected`], on one path. It ignores that the left-out
+    /// sample took part in the selection. For noisy responses and more candidates than samples, matching pursuit finds
+    /// models of almost as many terms as samples whose leave-one-out error vanishes but which predict nothing.
     CorrectedLeaveOneOut,
-    /// The least error of terms chosen and fitted without each of `folds` parts of the samples, on that part: a path for
-    /// each part, and one of that many terms on all samples. The parts are a fixed random partition.
+    /// The smallest cross-validation error: terms are selected and fitted without each of `folds` parts of the samples
+    /// and tested on that part. One more path with the selected number of terms uses all samples. The parts are a fixed
+    /// random partition.
     ///
     /// # References
     /// Stone, *J. R. Stat. Soc. B* **36** (1974) 111, <https://doi.org/10.1111/j.2517-6161.1974.tb00994.x>.
     CrossValidation {
-        /// Parts, at least two; as many as samples at most.
+        /// Number of parts, between two and the number of samples.
         folds: usize,
     },
 }
 
-/// A sparse regression: the method, and when it stops.
+/// Settings of a sparse regression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SparseRegression {
-    /// How terms are found.
+    /// Method that selects terms.
     pub method: SparseMethod,
-    /// How their number is chosen.
+    /// Criterion that selects the number of terms.
     pub size: SizeCriterion,
-    /// Most terms of a model, the constant included; beside it the samples less one are the bound.
+    /// Maximum number of terms of a model including the constant. It is also limited by the number of samples less one.
     pub max_terms: Option<usize>,
-    /// With the corrected leave-one-out error a path ends when it has not reached a new minimum for this share of the largest
-    /// number of terms, and for ten terms. With 1 the whole path is walked. Subspace pursuit has no path.
+    /// Fraction of the largest number of terms after which a path without a new minimum of the corrected leave-one-out
+    /// error ends (at least ten terms). With 1 the whole path is evaluated. Subspace pursuit has no path.
     pub patience: f64,
 }
 
@@ -97,67 +99,67 @@ impl Default for SparseRegression {
     }
 }
 
-/// A model that was tried.
+/// Model that was tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Attempt {
-    /// Number P of terms, the constant included.
+    /// Number P of terms including the constant.
     pub terms: usize,
-    /// Mean square error of predicting each of the N samples from all others, divided by the sample variance (N−1) of the
-    /// response; `None` when a sample alone determines a coefficient.
+    /// Mean square error of predicting each of the N samples from all others, divided by the sample variance (N − 1) of
+    /// the response; `None` if a sample alone determines a coefficient.
     pub leave_one_out: Option<f64>,
-    /// The same times N/(N−P) · (1 + tr (AᵀA)⁻¹), for the P columns A of the model: what fitting on the
-    /// samples is expected to have taken off the error. The trace supposes functions of unit mean square.
+    /// Leave-one-out error times N/(N−P) · (1 + tr (AᵀA)⁻¹) with the P columns A of the model. The factor corrects for
+    /// the expected reduction of the error by fitting. The trace assumes functions of unit mean square.
     ///
     /// # References
     /// Chapelle, Vapnik & Bengio, *Mach. Learn.* **48** (2002) 9, <https://doi.org/10.1023/A:1013943418833>;
     /// Blatman & Sudret 2011 (see [`SparseMethod::LeastAngle`]).
     pub corrected: Option<f64>,
-    /// Mean square error of choosing and fitting so many terms by cross-validation, divided by the same variance; where it
-    /// was computed.
+    /// Mean square error of selecting and fitting this number of terms by cross-validation, divided by the same
+    /// variance, if computed.
     pub cross_validated: Option<f64>,
 }
 
 impl Attempt {
-    /// The error by which models are compared; infinite when a sample is undetermined.
+    /// Returns the error by which models are compared; infinite if a sample is undetermined.
     fn error(&self) -> f64 {
         self.cross_validated.or(self.corrected).unwrap_or(f64::INFINITY)
     }
 }
 
-/// Why no more models were tried.
+/// Reason why no more models were tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopReason {
-    /// The residual is rounding.
+    /// The residual is at the level of rounding.
     Exact,
-    /// The corrected leave-one-out error had risen for long enough.
+    /// The corrected leave-one-out error has risen for the required number of terms.
     ErrorRose,
-    /// As many terms as allowed, or as the samples determine.
+    /// The allowed number of terms, or the number that the samples determine, is reached.
     TermLimit,
-    /// No candidate is left that the terms do not already span.
+    /// The terms span all remaining candidates.
     Exhausted,
 }
 
-/// The model whose error is least.
+/// Model with the smallest error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseFit {
-    /// Columns of the candidates in the order in which they entered; the constant, if there is one, is first.
+    /// Columns of the candidates in the order in which they entered; a constant column is first.
     pub terms: Vec<usize>,
     /// Least-squares coefficient of each term.
     pub coefficients: Vec<f64>,
-    /// Prediction of each sample from all others.
+    /// Leave-one-out prediction errors.
     pub leave_one_out: LeaveOneOut,
-    /// Its errors.
+    /// Errors of the chosen model.
     pub chosen: Attempt,
     /// Ratio of the largest to the smallest singular value of the terms' columns.
     pub condition: f64,
     /// All models that were tried.
     pub path: Vec<Attempt>,
-    /// Why no more were tried.
+    /// Reason why no more models were tried.
     pub stop_reason: StopReason,
 }
 
 impl SparseFit {
-    /// The coefficients of all candidates, zero for those that are no term.
+    /// Returns the coefficients of all candidates, zero for unselected ones.
     ///
     /// # Panics
     /// If a term is not below `candidates`.
@@ -168,10 +170,10 @@ impl SparseFit {
     }
 }
 
-/// Why there is no sparse model.
+/// Reason why there is no sparse model.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SparseError {
-    /// Nothing can be left out and predicted.
+    /// There are too few samples to leave one out.
     #[error("{samples} samples; at least three are needed")]
     TooFewSamples {
         /// Number of samples.
@@ -183,7 +185,7 @@ pub enum SparseError {
         /// Index of the first such sample.
         sample: usize,
     },
-    /// The response has another length than the design.
+    /// The response and the design differ in length.
     #[error("{values} response values for {samples} samples")]
     Length {
         /// Values given.
@@ -191,10 +193,10 @@ pub enum SparseError {
         /// Samples of the design.
         samples: usize,
     },
-    /// The response is the same everywhere, up to rounding.
+    /// The response is constant up to rounding.
     #[error("the response is {value} in all samples: there is nothing to explain")]
     ConstantResponse {
-        /// Its mean.
+        /// Mean of the response.
         value: f64,
     },
     /// No column of the design varies.
@@ -213,25 +215,26 @@ pub enum SparseError {
         tried: usize,
         /// Error of the mean by the same criterion.
         of_the_mean: f64,
-        /// The best of them, best first.
+        /// The best attempts, in order of increasing error.
         attempts: Vec<Attempt>,
     },
 }
 
-/// Attempts that an error carries.
+/// Number of attempts that an error reports.
 const REPORTED: usize = 5;
 
-/// A path ends at the earliest after so many terms without a new minimum.
+/// Minimum number of terms without a new minimum before a path ends.
 const LEAST_PATIENCE: usize = 10;
 
 impl SparseRegression {
-    /// The best model of one response. See [`SizeCriterion`] for what its errors say.
+    /// Selects the best model of one response; see [`SizeCriterion`] for the meaning of its errors.
     ///
-    /// A path costs a product with the matrix for each term (for each exchange, of subspace pursuit), and memory for the square of
-    /// the number of samples. The same bits for any number of threads.
+    /// A path costs one product with the matrix per term (per exchange for subspace pursuit), and memory proportional
+    /// to the square of the number of samples. The result is bit-identical for any number of threads.
     ///
     /// # Errors
-    /// A response of another length, not finite, or constant; no candidate that varies; no model better than the mean.
+    /// The response has the wrong length, is not finite or constant, no candidate varies, or no model is better than
+    /// the mean.
     pub fn select(&self, candidates: &Candidates<'_>, response: &[f64]) -> Result<SparseFit, SparseError> {
         let samples = candidates.samples();
         if response.len() != samples {
@@ -271,7 +274,7 @@ impl SparseRegression {
         }
     }
 
-    /// Most terms of a model; one sample more than terms is needed to estimate an error.
+    /// Returns the maximum number of terms. Estimating an error requires one more sample than terms.
     fn term_limit(&self, candidates: &Candidates<'_>) -> usize {
         let constant = usize::from(candidates.constant().is_some());
         let all = (candidates.selectable() + constant).min(candidates.samples() - 1);
@@ -279,23 +282,23 @@ impl SparseRegression {
     }
 }
 
-/// What a method found: the fit of the largest or best model, and all attempts.
+/// Result of a search: the fit of the largest or best model, and all attempts.
 struct Search<'a, 'c> {
     fit: GrowingFit<'a, 'c>,
-    /// Terms of `fit` that make the best model.
+    /// Number of leading terms of `fit` that form the best model.
     best: usize,
     path: Vec<Attempt>,
     stop_reason: StopReason,
 }
 
 impl<'a, 'c> Search<'a, 'c> {
-    /// A model that was searched for alone.
-    fn of_one(fit: GrowingFit<'a, 'c>) -> Self {
+    /// Creates the result of a search for a single model.
+    fn from_single(fit: GrowingFit<'a, 'c>) -> Self {
         let stop_reason = if fit.is_exact() { StopReason::Exact } else { StopReason::TermLimit };
         Self { best: fit.terms().len(), path: vec![fit.assess()], fit, stop_reason }
     }
 
-    /// The best model, unless the mean alone is better.
+    /// Returns the best model, or an error if the mean is better.
     fn finish(self, response: &[f64], of_the_mean: f64) -> Result<SparseFit, SparseError> {
         let best = self.path.iter().copied().min_by(|a, b| a.error().total_cmp(&b.error()));
         let Some(chosen) = best.filter(|best| best.error() < of_the_mean) else {
@@ -309,7 +312,7 @@ impl<'a, 'c> Search<'a, 'c> {
         Ok(SparseFit {
             terms: self.fit.terms()[..self.best].to_vec(),
             coefficients: self.fit.coefficients(self.best),
-            leave_one_out: LeaveOneOut::of(response, &residuals, &leverages),
+            leave_one_out: LeaveOneOut::new(response, &residuals, &leverages),
             chosen: Attempt { terms: self.best, ..chosen },
             condition: self.fit.condition(self.best),
             path: self.path,
@@ -318,7 +321,7 @@ impl<'a, 'c> Search<'a, 'c> {
     }
 }
 
-/// Mean, and the length of what differs from it.
+/// Returns the mean and the length of the deviation from it.
 fn mean_and_spread(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     (mean, values.iter().map(|y| (y - mean).powi(2)).sum::<f64>().sqrt())

@@ -31,7 +31,7 @@ impl ProcessAnalysis {
     /// Analyses records at the mean load ([`Record::at_mean_load`]) of strips of length `strip_m`, averaged over
     /// `window`. `layout` states whether the strips are periodic and the number of tracks on each.
     pub fn new(records: &[Record], window: &Window, layout: impl Into<Layout>, strip_m: f64) -> Self {
-        let Layout { periodic, lanes: tracks } = layout.into();
+        let Layout { periodic, tracks } = layout.into();
         let (step_m, series) = (window.step_m(), series(records));
         let ends = record_ends(records, window, periodic, strip_m);
         let models = if window.is_rectangle() {
@@ -39,7 +39,7 @@ impl ProcessAnalysis {
                 window_m: window.length_m(),
                 step_m,
                 cell_m: window.cell_m(),
-                lanes: tracks,
+                tracks,
                 records: series.clone(),
             };
             rank_lengths(&[channel], &MODELS, LengthSettings { ends, ..LengthSettings::default() })
@@ -52,7 +52,7 @@ impl ProcessAnalysis {
         Self {
             models,
             spectrum: record_spectrum(&series, tracks, step_m, ends),
-            stationarity: Stationarity::of(&series, tracks, step_m),
+            stationarity: Stationarity::new(&series, tracks, step_m),
             area_and_load: cross_correlation(&pairs, tracks, step_m, reach),
         }
     }

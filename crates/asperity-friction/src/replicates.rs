@@ -34,7 +34,7 @@ impl LevelMoments {
 
     /// Computes the moments of records with positions `step_m` apart and `tracks` records per strip.
     fn of(records: &[&[f64]], tracks: usize, step_m: f64) -> Self {
-        let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
+        let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
         if moments.n < 2 {
             return Self::NONE;
         }

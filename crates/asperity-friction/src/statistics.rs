@@ -10,9 +10,9 @@ use crate::strip::Record;
 use asperity_base::correlation::{
     EstimateError, RecordCorrelation, RecordFit, RecordModel, fit_record, fitted_length_interval,
 };
-use asperity_base::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
-use asperity_base::law::goodness::ProcessNull;
-use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
+use asperity_base::distribution::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
+use asperity_base::distribution::goodness::ProcessNull;
+use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, fraction_above};
 
 pub use heavy_tail::{HeavyTail, ISOLATED_FRACTION};
 pub use tail::{DistributionTail, ReturnLevel, Tail};
@@ -83,7 +83,7 @@ impl FrictionStatistics {
         let records = &without_rounding(records)[..];
         let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
         let pooled: Vec<f64> = series.concat();
-        let estimates = ProcessMoments::of(&series, layout);
+        let estimates = ProcessMoments::new(&series, layout);
         let moments = estimates.moments;
         let empty_windows = pooled.len() - moments.n;
         if moments.n < 10 {
@@ -94,7 +94,7 @@ impl FrictionStatistics {
         let effective_windows = estimates.effective_size;
         let families = [&Family::POSITIVE[..], &Family::EMPIRICAL].concat();
         let mut marginals = rank_by_aic(&families, &pooled, Some(effective_windows));
-        if let Ok(null) = ProcessNull::of(&series, layout, DRAWS, seed) {
+        if let Ok(null) = ProcessNull::new(&series, layout, DRAWS, seed) {
             marginals.assess(&null, &pooled);
         }
         let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, layout)).collect();
@@ -106,11 +106,11 @@ impl FrictionStatistics {
             contact_cells: cells().sum::<f64>() / pooled.len() as f64,
             sparse_fraction: sparse as f64 / pooled.len() as f64,
             effective_windows,
-            tail: Tail::of(&series, layout.lanes, step_m, &marginals.fits),
+            tail: Tail::of(&series, layout.tracks, step_m, &marginals.fits),
             marginals,
             parameters,
             beta,
-            correlation: correlate(&series, layout.lanes, step_m),
+            correlation: correlate(&series, layout.tracks, step_m),
             records: series.iter().map(|record| record.to_vec()).collect(),
             layout,
         })
@@ -122,16 +122,16 @@ impl FrictionStatistics {
     }
 
     /// Returns the fraction of the windows whose μ exceeds a value, and an estimate with interval. For fitted
-    /// distributions see [`asperity_base::law::Marginal::survival`].
+    /// distributions see [`asperity_base::distribution::Marginal::survival`].
     pub fn fraction_above(&self, mu: f64) -> (f64, Option<Estimate>) {
         let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
-        share_above(&series, mu, self.layout)
+        fraction_above(&series, mu, self.layout)
     }
 }
 
 /// Replaces records whose values differ only by rounding by constant records.
 fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
-    let moments = Moments::of_values(records.iter().flat_map(|record| record.friction.iter().copied()));
+    let moments = Moments::from_values(records.iter().flat_map(|record| record.friction.iter().copied()));
     if moments.n == 0 || moments.std > ROUNDING * moments.mean.abs() {
         return Cow::Borrowed(records);
     }

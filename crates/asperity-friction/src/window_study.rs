@@ -86,7 +86,7 @@ impl WindowStudy {
             records.iter().map(|(window, records)| under(window, records, tracks)).collect();
         let joint = best(&rank_lengths(&channels, models, settings)?).ok_or(EstimateError::Nothing)?;
         let model = joint.model;
-        let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
+        let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
         let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
         let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = channels
             .par_iter()
@@ -99,7 +99,7 @@ impl WindowStudy {
                     length_m: fit_record(&estimate, RecordModel::Exponential)?.length_m,
                     own: fit_length(std::slice::from_ref(channel), model, settings).ok(),
                 };
-                Ok((fitted, estimate.misfit(&shape.under(channel.window_m), joint.length_m)))
+                Ok((fitted, estimate.misfit(&shape.with_window(channel.window_m), joint.length_m)))
             })
             .collect();
         let seen = seen?;
@@ -149,7 +149,7 @@ impl Scatter {
         settings: LengthSettings,
         resolution_m: f64,
     ) -> Option<Self> {
-        let tracks = channels.first()?.lanes;
+        let tracks = channels.first()?.tracks;
         let strips = channels.iter().map(|channel| channel.records.len() / tracks).min()?;
         let groups = strips.min(MOST_GROUPS);
         let least_m = 0.1 * resolution_m;
@@ -182,7 +182,7 @@ impl Scatter {
 
     /// Returns the joint interval, or the jackknife interval if it is wider.
     fn widened(&self, fit: &LengthFit) -> Interval {
-        let reach = student_quantile(0.975, self.freedom()) * Moments::of(&self.joint).std * self.freedom().sqrt();
+        let reach = student_quantile(0.975, self.freedom()) * Moments::new(&self.joint).std * self.freedom().sqrt();
         let Interval { low, high } = fit.interval;
         if fit.length_m <= self.least_m || !reach.is_finite() {
             return fit.interval;
@@ -195,7 +195,7 @@ impl Scatter {
         let of = |length_m: f64| length_m.max(self.least_m).ln();
         let p = |window: usize| {
             let differences: Vec<f64> = self.own.iter().map(|own| own[window] - own[narrowest]).collect();
-            let error = Moments::of(&differences).std * self.freedom().sqrt();
+            let error = Moments::new(&differences).std * self.freedom().sqrt();
             student_two_sided((of(own_m[window]) - of(own_m[narrowest])) / error, self.freedom())
         };
         let least = (0..narrowest).map(p).filter(|p| p.is_finite()).fold(f64::INFINITY, f64::min);
@@ -208,7 +208,7 @@ fn under<'a>(window: &Window, records: &'a [Record], tracks: usize) -> WindowedR
         window_m: window.length_m(),
         step_m: window.step_m(),
         cell_m: window.cell_m(),
-        lanes: tracks,
+        tracks,
         records: records.iter().map(|record| record.friction.as_slice()).collect(),
     }
 }
@@ -218,7 +218,7 @@ fn std_ratio(shape: &WindowedModel, length_m: f64, window_m: f64, narrower_m: f6
     if length_m == 0.0 {
         return (narrower_m / window_m).sqrt();
     }
-    let variance = |window_m: f64| shape.under(window_m).covariance(0.0, length_m);
+    let variance = |window_m: f64| shape.with_window(window_m).covariance(0.0, length_m);
     (variance(window_m) / variance(narrower_m)).sqrt()
 }
 

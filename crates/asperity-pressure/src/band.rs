@@ -1,43 +1,45 @@
-//! How well a distribution function is known: standard errors and bands.
+//! Standard errors and confidence bands of distribution functions.
 
 use faer::{Mat, Side};
 
-use crate::telescope::RARE;
+use crate::multilevel::RARE;
 use asperity_base::random;
 use asperity_base::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
-use asperity_chaos::StepLaw;
+use asperity_chaos::DiscreteDistribution;
 
-/// Draws from which the critical value of a simultaneous band is taken.
+/// Number of draws from which the critical value of a simultaneous band is estimated.
 const DRAWS: usize = 4000;
 const GROUP_DRAWS: usize = 1000;
-/// From so many degrees of freedom on errors are normal, and the fewest that are told.
+/// Degrees of freedom from which errors are treated as normal, and the smallest number used.
 const MANY: f64 = 1000.0;
 const LEAST_DEGREES: f64 = 3.0;
-/// Values on either side whose errors tell that of the one between them.
+/// Number of values on either side whose errors contribute to the error of a value.
 const NEIGHBOURS: usize = 2;
-/// Larger rises of a distribution function between neighbouring values are atoms.
+/// Larger steps of a distribution function between neighbouring values count as point masses.
 const ATOM: f64 = 0.02;
 
-/// An estimated distribution function with 95 % bands at some values.
+/// Estimated distribution function with 95 % bands at some values.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Band {
-    /// Increasing values.
+    /// Values in increasing order.
     pub values: Vec<f64>,
-    /// Estimate of F at each; not forced to rise or to stay between 0 and 1.
+    /// Estimate of F at each value; not necessarily monotone or between 0 and 1.
     pub cdf: Vec<f64>,
-    /// Its bias, estimated from samples that the estimate was not fitted to; 0 of an estimate that has none.
+    /// Bias of the estimate, computed from samples that were not used for the fit; 0 for an unbiased estimate.
     pub bias: Vec<f64>,
-    /// Standard errors of the estimate less its bias.
+    /// Standard errors of the estimate without its bias.
     pub standard_errors: Vec<f64>,
-    /// So many standard errors to either side hold F at one value with 95 %,
+    /// Factor on the standard error for 95 % coverage of F at one value.
     pub pointwise_factor: f64,
-    /// and so many at all the values at once.
+    /// Factor on the standard error for 95 % coverage of F at all values simultaneously.
     pub simultaneous_factor: f64,
 }
 
 impl Band {
-    /// The band of normal errors with the given covariance, row by row; where that is estimated with few degrees of freedom,
-    /// of Student's.
+    /// Creates the band for normal errors with the given covariance (row-major).
+    ///
+    /// If `degrees_of_freedom` is given, the covariance was estimated with few degrees of freedom, and the factors are
+    /// those of Student's distribution.
     pub(super) fn new(
         values: &[f64],
         cdf: &[f64],
@@ -67,30 +69,33 @@ impl Band {
         }
     }
 
-    /// The band of another estimate, of which this one, without bias, tells the bias.
-    pub(super) fn of_biased(self, cdf: Vec<f64>) -> Self {
+    /// Returns the band of another estimate `cdf`, whose bias is its difference from this unbiased one.
+    pub(super) fn with_estimate(self, cdf: Vec<f64>) -> Self {
         let bias = cdf.iter().zip(&self.cdf).map(|(biased, unbiased)| biased - unbiased).collect();
         Self { cdf, bias, ..self }
     }
 
-    /// The band of the empirical distribution function of `samples` independent values; F̂ at `values` is `cdf`.
+    /// Creates the band of the empirical distribution function of `samples` independent values, where F̂ at `values` is
+    /// `cdf`.
     ///
     /// # References
     /// A. Agresti and B. A. Coull, *Am. Stat.* **52** (1998) 119, <https://doi.org/10.1080/00031305.1998.10480550>.
-    pub(super) fn of_independent(values: &[f64], cdf: &[f64], samples: usize, seed: u64) -> Self {
+    pub(super) fn from_independent(values: &[f64], cdf: &[f64], samples: usize, seed: u64) -> Self {
         let covariance = |i: usize, j: usize| cdf[i.min(j)] * (1.0 - cdf[i.max(j)]) / samples as f64;
         let n = values.len();
         let covariance: Vec<f64> = (0..n * n).map(|k| covariance(k / n, k % n)).collect();
         let band = Self::new(values, cdf, &covariance, None, seed);
-        // Of the share with two of either kind more (Agresti and Coull): few on one side say less of their own spread.
+        // Two samples of either kind are added (Agresti and Coull), because a small count underestimates its own
+        // variance.
         let count = samples as f64;
         let more = |f: &f64| (count * f + 2.0) / (count + 4.0);
         let standard_error = |f: &f64| (more(f) * (1.0 - more(f)) / count).sqrt();
         Self { standard_errors: cdf.iter().map(standard_error).collect(), ..band }
     }
 
-    /// Widens the band at the first value, above which so many of the samples lie, to Wilson's interval, where those on either side are
-    /// too few for normal errors.
+    /// Widens the band at the first value to Wilson's interval if few samples lie on one side of it.
+    ///
+    /// `above` of `samples` lie above the first value.
     pub(super) fn widened(mut self, [above, samples]: [usize; 2]) -> Self {
         if let Some(first) = self.standard_errors.first_mut().filter(|_| above.min(samples - above) < RARE) {
             let wilson = wilson_interval(above, samples);
@@ -99,12 +104,12 @@ impl Band {
         self
     }
 
-    /// The 95 % interval of F at the value number `i`.
+    /// Returns the 95 % interval of F at value number `i`.
     pub fn pointwise(&self, i: usize) -> [f64; 2] {
         self.around(i, self.pointwise_factor)
     }
 
-    /// The 95 % band of F at all values, at the one number `i`.
+    /// Returns the 95 % simultaneous band of F at value number `i`.
     pub fn simultaneous(&self, i: usize) -> [f64; 2] {
         self.around(i, self.simultaneous_factor)
     }
@@ -114,12 +119,12 @@ impl Band {
         [(unbiased - half).clamp(0.0, 1.0), (unbiased + half).clamp(0.0, 1.0)]
     }
 
-    /// Standard error of F at any value: linear between those known.
+    /// Returns the standard error of F at any value, interpolated linearly.
     pub fn standard_error_at(&self, value: f64) -> f64 {
         self.interpolated(&self.standard_errors, value).unwrap_or(f64::INFINITY)
     }
 
-    /// Bias of F at any value: linear between those known.
+    /// Returns the bias of F at any value, interpolated linearly.
     pub fn bias_at(&self, value: f64) -> f64 {
         self.interpolated(&self.bias, value).unwrap_or(0.0)
     }
@@ -129,51 +134,53 @@ impl Band {
         let (Some(low), Some(high)) = (after.checked_sub(1), self.values.get(after)) else {
             return [known.first(), known.last()][usize::from(after > 0)].copied();
         };
-        let share = (value - self.values[low]) / (high - self.values[low]);
-        Some(known[low] + share * (known[after] - known[low]))
+        let fraction = (value - self.values[low]) / (high - self.values[low]);
+        Some(known[low] + fraction * (known[after] - known[low]))
     }
 }
 
-/// A quantile and its 95 % interval.
+/// Quantile with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuantileResult {
     /// Probability.
     pub probability: f64,
-    /// The least value at which F reaches it.
+    /// Smallest value at which F reaches the probability.
     pub value: f64,
-    /// The values at which the limits of F at one value reach it; of an estimate with a bias it may lie beside the value.
+    /// Values at which the pointwise limits of F reach the probability. For a biased estimate the interval may not
+    /// contain the value.
     pub interval: Interval,
 }
 
 impl Band {
-    /// A quantile of `law`, which this is the band of.
-    pub fn quantile(&self, law: &StepLaw, probability: f64) -> QuantileResult {
-        let limit =
-            |value: f64, factor: f64| law.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value);
-        let mut values: Vec<f64> = law.values().iter().chain(&self.values).copied().collect();
+    /// Returns a quantile of `distribution`, to which this band belongs.
+    pub fn quantile(&self, distribution: &DiscreteDistribution, probability: f64) -> QuantileResult {
+        let limit = |value: f64, factor: f64| {
+            distribution.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value)
+        };
+        let mut values: Vec<f64> = distribution.values().iter().chain(&self.values).copied().collect();
         values.sort_by(f64::total_cmp);
         let at = |factor: f64| {
             let Some(place) = values.iter().position(|value| limit(*value, factor) >= probability) else {
                 return values.last().copied().unwrap_or(f64::NAN);
             };
             let Some(before) = place.checked_sub(1).map(|before| values[before]) else { return values[place] };
-            // Between values the limit rises evenly, unless there is an atom.
+            // The limit is linear between values, except at a point mass.
             let [low, high] = [before, values[place]].map(|value| limit(value, factor));
-            let share = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
-            before + share * (values[place] - before)
+            let fraction = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
+            before + fraction * (values[place] - before)
         };
         let factor = self.pointwise_factor;
         let interval = Interval { low: at(factor), high: at(-factor) };
-        QuantileResult { probability, value: law.quantile(probability), interval }
+        QuantileResult { probability, value: distribution.quantile(probability), interval }
     }
 }
 
-/// Two-sided 95 % point of Student's law; infinite without degrees of freedom.
+/// Returns the two-sided 95 % point of Student's distribution; infinite without degrees of freedom.
 fn student_95(degrees_of_freedom: usize) -> f64 {
     if degrees_of_freedom == 0 { f64::INFINITY } else { student_quantile(0.975, degrees_of_freedom as f64) }
 }
 
-/// The 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
+/// Returns the 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
 fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64 {
     let n = standard_errors.len();
     let used: Vec<usize> = (0..n).filter(|i| standard_errors[*i] > 0.0).collect();
@@ -185,9 +192,11 @@ fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64
     quantile_95((0..DRAWS).map(|draw| (0..used.len()).map(|a| z[(a, draw)].abs()).fold(0.0, f64::max)))
 }
 
-/// The same of means of few vectors, each over the standard error that is taken from these vectors: Student's factors for several
-/// values at once. So few vectors do not tell how their errors at different values are correlated, and stratified designs take away most
-/// of what is common to them: they are taken as independent.
+/// Returns the critical value for means of few vectors, each divided by the standard error estimated from these
+/// vectors.
+///
+/// It is Student's factor for several values at once. Few vectors do not determine the correlation of errors at
+/// different values, and stratified designs remove most of their common part, so the errors are treated as independent.
 fn critical_value_of_groups(values: usize, degrees_of_freedom: usize, seed: u64) -> f64 {
     if degrees_of_freedom == 0 {
         return f64::INFINITY;
@@ -203,7 +212,7 @@ fn critical_value_of_groups(values: usize, degrees_of_freedom: usize, seed: u64)
     quantile_95(ratios.chunks_exact(values.max(1)).map(|own| own.iter().copied().fold(0.0, f64::max)))
 }
 
-/// Normal vectors with the given correlation.
+/// Draws normal vectors with the given correlation.
 fn draws(correlation: &Mat<f64>, count: usize, seed: u64) -> Option<Mat<f64>> {
     let n = correlation.nrows();
     let eigen = correlation.self_adjoint_eigen(Side::Lower).ok()?;
@@ -219,19 +228,19 @@ fn quantile_95(values: impl Iterator<Item = f64>) -> f64 {
     values[values.len() * 95 / 100]
 }
 
-/// The root of a variance, widened for the variance that it has itself.
+/// Returns the square root of a variance, widened for the uncertainty of the variance itself.
 fn widened(variance: f64, uncertainty: f64) -> f64 {
     let degrees = 2.0 * variance * variance / uncertainty;
     let factor = if degrees < MANY { student_quantile(0.975, degrees.max(LEAST_DEGREES)) / NORMAL_95 } else { 1.0 };
     factor * variance.sqrt()
 }
 
-/// Sums and products of vectors of one length.
+/// Sums and products of vectors of equal length.
 #[derive(Debug, Clone)]
 pub(super) struct Moments {
     count: f64,
     sums: Vec<f64>,
-    /// Of each pair (i, j ≤ i), row by row.
+    /// Products of each pair (i, j ≤ i), row by row.
     products: Vec<f64>,
     /// Sums of third and fourth powers.
     powers: Vec<[f64; 2]>,
@@ -257,7 +266,7 @@ impl Moments {
         }
     }
 
-    /// Variance of the sum of squares of each component about its mean, from their spread: Σ (d² − σ²)².
+    /// Returns the variance of the sum of squared deviations of each component, Σ (d² − σ²)².
     fn of_squares(&self) -> impl Iterator<Item = f64> {
         let n = self.count;
         self.sums.iter().zip(&self.powers).enumerate().map(move |(i, (sum, [third, fourth]))| {
@@ -268,7 +277,7 @@ impl Moments {
         })
     }
 
-    /// Variance of each component.
+    /// Returns the variance of each component.
     pub(super) fn variances(&self) -> impl Iterator<Item = f64> {
         (0..self.sums.len())
             .scan(0, |place, i| {
@@ -279,7 +288,7 @@ impl Moments {
             .map(|(place, sum)| (self.products[place] - sum * sum / self.count) / (self.count - 1.0))
     }
 
-    /// Covariance of the vectors, pair by pair; zero of fewer than two.
+    /// Returns the covariance of the vectors, pair by pair; zero for fewer than two vectors.
     fn covariances(&self) -> impl Iterator<Item = f64> {
         let pairs = (0..self.sums.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
         let scale = if self.count > 1.0 { 1.0 / (self.count - 1.0) } else { 0.0 };
@@ -289,11 +298,11 @@ impl Moments {
     }
 }
 
-/// A sum of independent estimates: its value and the covariance of its errors.
+/// Sum of independent estimates with the covariance of its errors.
 #[derive(Debug, Clone)]
 pub(super) struct Total {
     values: Vec<f64>,
-    /// Of each pair (i, j ≤ i), row by row.
+    /// Covariance of each pair (i, j ≤ i), row by row.
     covariances: Vec<f64>,
     /// Variances of the variances.
     uncertainties: Vec<f64>,
@@ -322,7 +331,7 @@ impl Total {
         self.uncertainties.iter_mut().zip(vectors.of_squares()).for_each(|(own, u)| *own += u / count.powi(4));
     }
 
-    /// Adds the error of a mean of so many others of the vectors.
+    /// Adds the error of a mean over `count` further vectors with the same covariance.
     pub(super) fn add_error(&mut self, vectors: &Moments, count: f64) {
         self.covariances.iter_mut().zip(vectors.covariances()).for_each(|(own, c)| *own += c / count);
     }
@@ -331,8 +340,11 @@ impl Total {
         self.values[i]
     }
 
-    /// The standard error, of few vectors with these degrees of freedom. Otherwise it is widened where few of the many vectors make it
-    /// up: by Student's factor over the normal one, with Satterthwaite's degrees of freedom 2 V²/var V of its variance V.
+    /// Returns the standard error.
+    ///
+    /// For few vectors, `degrees_of_freedom` is given. Otherwise the error is widened if few of the vectors dominate
+    /// it: by Student's factor over the normal one, with Satterthwaite's degrees of freedom 2 V²/var V of its variance
+    /// V.
     ///
     /// # References
     /// F. E. Satterthwaite, *Biometrics Bull.* **2** (1946) 110, <https://doi.org/10.2307/3002019>.
@@ -345,8 +357,10 @@ impl Total {
         self.covariances[i * (i + 1) / 2 + i].max(0.0)
     }
 
-    /// The standard error at one of the leading `count` values of F, of which the first is an atom. Those of its neighbours are about
-    /// the same, but other vectors make them up: where their mean is larger, it is taken.
+    /// Returns the standard error at one of the leading `count` values of F; the first is a point mass.
+    ///
+    /// Errors at neighbouring values are similar but arise from other vectors, so the mean error of the neighbours is
+    /// used if it is larger.
     fn standard_error_among(&self, i: usize, count: usize) -> f64 {
         let own = self.standard_error(i, None);
         if i == 0 {
@@ -359,7 +373,7 @@ impl Total {
         own.max(widened(variance, uncertainty))
     }
 
-    /// The band of the first of them, at `values`.
+    /// Returns the band of the leading components, at `values`.
     pub(super) fn band(&self, values: &[f64], degrees_of_freedom: Option<usize>, seed: u64) -> Band {
         let n = values.len();
         let pair = |i: usize, j: usize| self.covariances[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
@@ -375,7 +389,7 @@ impl Total {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::law::standard_normal_quantile;
+    use asperity_base::distribution::standard_normal_quantile;
 
     #[test]
     fn critical_values_of_equal_and_of_independent_errors_are_known() {
@@ -393,10 +407,10 @@ mod tests {
 
     #[test]
     fn a_band_of_many_values_of_independent_samples_has_kolmogorovs_width() {
-        // In the middle; towards the ends it is narrower, by design.
+        // In the middle; towards the ends the band is narrower by design.
         let n = 199;
         let cdf: Vec<f64> = (1..=n).map(|i| f64::from(i) / f64::from(n + 1)).collect();
-        let band = Band::of_independent(&cdf, &cdf, 100, 1);
+        let band = Band::from_independent(&cdf, &cdf, 100, 1);
         assert!((band.standard_errors[99] - 0.05).abs() < 1e-12);
         assert!(band.simultaneous_factor > 2.7 && band.simultaneous_factor < 3.3, "{}", band.simultaneous_factor);
         assert!((band.standard_error_at(0.5) - 0.05).abs() < 1e-12);
@@ -420,8 +434,9 @@ mod tests {
     }
 
     #[test]
-    fn an_error_that_few_samples_make_up_has_few_degrees_of_freedom() {
-        // Five of a hundred are one: squares about the mean .05 are .0475 ± on average, of kurtosis κ with κ − 1 = 1/(p(1 − p)) − 4.
+    fn an_error_dominated_by_few_samples_has_few_degrees_of_freedom() {
+        // Five of a hundred are one: squares about the mean .05 have the mean .0475 and the kurtosis κ with κ − 1 =
+        // 1/(p(1 − p)) − 4.
         let mut vectors = Moments::new(1);
         (0..100).for_each(|i| vectors.add(&[if i % 20 == 0 { 1.0 } else { 0.0 }]));
         let mut total = Total::new(1);
@@ -442,9 +457,10 @@ mod tests {
         let one = Band::new(&[0.0], &[0.2], &[1.0], Some(9), 1);
         let two = Band::new(&[0.0, 1.0], &cdf, &covariance, Some(9), 1);
         assert!((one.pointwise_factor - 2.262_157).abs() < 1e-5);
-        // A thousand draws of Student's law of nine degrees of freedom: the 95 % point is known to about 4 %.
+        // A thousand draws of Student's distribution with nine degrees of freedom determine the 95 % point to about 4
+        // %.
         assert!((one.simultaneous_factor / one.pointwise_factor - 1.0).abs() < 0.12, "{}", one.simultaneous_factor);
-        // Of two the √.95 point: t(9) at .98734 is 2.68.
+        // For two values the √.95 point: t(9) at .98734 is 2.68.
         let wanted = student_quantile(0.5 + 0.5 * 0.95_f64.sqrt(), 9.0);
         assert!((two.simultaneous_factor / wanted - 1.0).abs() < 0.12, "{} {wanted}", two.simultaneous_factor);
     }

@@ -1,4 +1,4 @@
-//! Cheaper models of a contact: the same map on fewer points, solved to a loose tolerance.
+//! Cheaper models of a contact: the same map on fewer points, solved to a looser tolerance.
 
 use ndarray::{Array2, s};
 
@@ -6,27 +6,27 @@ use crate::{Observation, Problem, stiffness};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_contact::{self as contact, Control, HalfSpace, Solver, Workspace};
 
-/// Points kept of so many along either side, the coarsest first; of all, solved to a loose tolerance.
+/// Strides along either side, coarsest first. Stride 1 is the full grid with a looser tolerance.
 const STRIDES: [usize; 3] = [4, 2, 1];
-/// Fewest points along a side.
+/// Minimum number of points along a side.
 const LEAST_POINTS: usize = 8;
-/// Tolerance of coarse solutions: their error is that of the grid,
+/// Tolerance of coarse solutions; their error is dominated by the grid.
 const TOLERANCE: f64 = 1e-2;
-/// and fewest times that of fine ones with which the fine grid is a coarse model too.
+/// Minimum ratio to the fine tolerance for which the full grid also serves as a coarse model.
 const LOOSER: f64 = 30.0;
 
-/// A contact on every so many points of the map along either side, the cell in question among them.
+/// Contact on every n-th point of the map along either side, including the cell of interest.
 #[derive(Debug)]
-pub(super) struct Coarse {
+pub(super) struct CoarseModel {
     half_space: HalfSpace,
     stride: usize,
     first: (usize, usize),
     cell: (usize, usize),
 }
 
-impl Coarse {
-    /// The coarse models that a problem has, the coarsest first: none of a grid that cannot be divided.
-    pub(super) fn ladder(problem: &Problem<'_>) -> Vec<Self> {
+impl CoarseModel {
+    /// Returns the coarse models of a problem, coarsest first; empty if the grid cannot be divided.
+    pub(super) fn all(problem: &Problem<'_>) -> Vec<Self> {
         STRIDES.iter().filter_map(|stride| Self::new(problem, *stride)).collect()
     }
 
@@ -48,7 +48,7 @@ impl Coarse {
         Some(Self { half_space, stride, first, cell: (row / stride, column / stride) })
     }
 
-    /// Points along either side.
+    /// Returns the number of points along either side.
     pub(super) fn shape(&self) -> (usize, usize) {
         self.half_space.grid().shape()
     }
@@ -57,8 +57,10 @@ impl Coarse {
         self.half_space.workspace()
     }
 
-    /// The contact of a map, under the plane that the whole map would have; whatever its residual, for it is a model only.
-    /// `None` where it cannot be posed.
+    /// Solves the contact of a map under the plane of the full map, whatever its residual, because the result is a
+    /// predictor only.
+    ///
+    /// Returns `None` if the contact cannot be posed.
     pub(super) fn observe(
         &self,
         problem: &Problem<'_>,
@@ -79,28 +81,29 @@ impl Coarse {
         let coarse = contact::Problem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
         let solver = Solver { tolerance: TOLERANCE, ..problem.solver() };
         let solution = solver.solve_with(&coarse, workspace).ok()?;
-        let mut observation = Observation::of(&solution, self.cell);
+        let mut observation = Observation::from_solution(&solution, self.cell);
         if problem.has_stiffness() {
             let tolerance = stiffness::LOOSE_TOLERANCE;
-            let found = stiffness::of_approach_pa_per_m(&self.half_space, &solution, tolerance, workspace).ok()?;
+            let found =
+                stiffness::approach_stiffness_pa_per_m(&self.half_space, &solution, tolerance, workspace).ok()?;
             observation.stiffness_pa_per_m = Some(found.pascal_per_m);
         }
         Some(observation)
     }
 }
 
-/// Work of one iteration over that of a transform of the map, and of one solution beside its iterations in the same arithmetic: measured
-/// with a profiler, once; only the allocation of samples hangs on them.
+/// Work of one iteration relative to a transform of the map, and work per solution besides its iterations in the same
+/// units. Measured once with a profiler; only the allocation of samples depends on them.
 const TRANSFORMS_PER_ITERATION: f64 = 4.0;
 const WORK_PER_SOLUTION: f64 = 6e4;
 
-/// Work of generating a map, in units of the arithmetic of transforms.
+/// Returns the work of generating a map, in floating-point operations of transforms.
 pub(super) fn generation_work(shape: (usize, usize)) -> f64 {
     let points = (shape.0 * shape.1) as f64;
     points * points.log2()
 }
 
-/// Work of a solution with so many iterations, in the same units.
+/// Returns the work of a solution with the given number of iterations, in the same units.
 pub(super) fn solution_work(shape: (usize, usize), iterations: f64) -> f64 {
     TRANSFORMS_PER_ITERATION * (iterations + 2.0) * generation_work(shape) + WORK_PER_SOLUTION
 }
@@ -113,8 +116,8 @@ mod tests {
 
     #[test]
     fn a_coarse_contact_of_a_smooth_map_is_nearly_the_fine_one() {
-        // The contact is two to six cells wide on the coarsest grid: its load errs by some percent.
-        let grid = Grid::covering(64, 64, 1.0, 1.0).unwrap();
+        // The contact is two to six cells wide on the coarsest grid; its load has an error of some per cent.
+        let grid = Grid::with_size(64, 64, 1.0, 1.0).unwrap();
         let wave = |x: f64| (std::f64::consts::TAU * x).cos();
         let shape = Shape::new(grid, 1.0, |x, y| wave(x - 32.5 / 64.0) * wave(y - 32.5 / 64.0));
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
@@ -126,8 +129,8 @@ mod tests {
             Control::MeanPressure { pascal: 0.2 },
         ] {
             let problem = Problem::new(&shape, &half_space, control, None).unwrap();
-            let ladder = Coarse::ladder(&problem);
-            assert_eq!(ladder.iter().map(Coarse::shape).collect::<Vec<_>>(), [(16, 16), (32, 32), (64, 64)]);
+            let ladder = CoarseModel::all(&problem);
+            assert_eq!(ladder.iter().map(CoarseModel::shape).collect::<Vec<_>>(), [(16, 16), (32, 32), (64, 64)]);
             let map = HeightMap::new(grid, shape.heights_m.clone()).unwrap();
             let fine = problem.observe(&[0.0], &mut half_space.workspace()).unwrap();
             for (coarse, tolerance) in ladder.iter().zip([0.1, 0.05, 0.02]) {
@@ -143,15 +146,16 @@ mod tests {
     }
 
     #[test]
-    fn the_cell_is_among_the_points_kept() {
+    fn the_cell_is_among_the_selected_points() {
         let (surface, half_space) = gaussian_surface(32, 30);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: -9.0 }, None).unwrap();
         let problem = problem.at_cell(13, 22).unwrap();
-        let coarse = Coarse::new(&problem, 4).unwrap();
+        let coarse = CoarseModel::new(&problem, 4).unwrap();
         assert_eq!((coarse.first, coarse.cell), ((1, 2), (3, 5)));
-        assert!(Coarse::new(&problem, 8).is_none());
+        assert!(CoarseModel::new(&problem, 8).is_none());
         assert!(
-            Coarse::ladder(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap()).len()
+            CoarseModel::all(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap())
+                .len()
                 == 3
         );
     }

@@ -1,19 +1,21 @@
-//! Directions in the space of germs that have names.
+//! Named directions in the space of ξ.
 
 use crate::Problem;
-use crate::adapted::{Adapted, responses};
+use crate::rotated_variables::{RotatedVariables, responses};
 
-/// Orthonormal directions, each of what is new in a mean height that has a name.
+/// Orthonormal directions, each the part of a named mean height that is orthogonal to the previous ones.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NamedDirections {
     pub(super) names: Vec<String>,
-    directions: Adapted,
+    directions: RotatedVariables,
 }
 
 impl NamedDirections {
-    /// The height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
-    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose germ is too long.
-    pub(super) fn of_cell(problem: &Problem<'_>, most: usize) -> Self {
+    /// Creates the directions of the height of the cell and of the mean heights of rings around it, from the innermost
+    /// outwards, `most` in all.
+    ///
+    /// Ring n reaches up to 2ⁿ⁻¹ times the finer pitch. The result is empty if there are too many variables ξ.
+    pub(super) fn from_cell(problem: &Problem<'_>, most: usize) -> Self {
         let mut named = Self::default();
         for (ring, response) in responses(problem) {
             if named.names.len() == most {
@@ -27,19 +29,19 @@ impl NamedDirections {
         named
     }
 
-    /// The leading variables themselves.
+    /// Creates the directions of the leading variables ξ themselves.
     pub(super) fn leading(xi_len: usize, most: usize) -> Self {
         let unit = |j: usize| (0..xi_len).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
         let count = most.min(xi_len);
         Self {
             names: (1..=count).map(|mode| format!("mode {mode}")).collect(),
-            directions: Adapted::of_orthonormal((0..count).map(unit).collect()),
+            directions: RotatedVariables::from_orthonormal((0..count).map(unit).collect()),
         }
     }
 
-    /// The variables of a germ.
-    pub(super) fn of(&self, germ: &[f64]) -> Vec<f64> {
-        self.directions.of(germ)
+    /// Returns the rotated variables of ξ.
+    pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
+        self.directions.apply(xi)
     }
 }
 
@@ -56,12 +58,12 @@ mod tests {
         let (surface, half_space) = gaussian_surface(16, 40);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let problem = problem.at_cell(3, 5).unwrap();
-        let named = NamedDirections::of_cell(&problem, 4);
+        let named = NamedDirections::from_cell(&problem, 4);
         assert_eq!(named.names, ["height of the cell", "ring 1", "ring 2", "ring 3"]);
-        let germs: Vec<Vec<f64>> = (0..3).map(|i| standard_normal(&mut stream(1, "directions", i), 40)).collect();
-        let ratio = |germ: &Vec<f64>| surface.generate(germ).heights_m()[[3, 5]] / named.of(germ)[0];
-        assert!((ratio(&germs[0]) / ratio(&germs[1]) - 1.0).abs() < 1e-9);
+        let xi_samples: Vec<Vec<f64>> = (0..3).map(|i| standard_normal(&mut stream(1, "directions", i), 40)).collect();
+        let ratio = |xi: &Vec<f64>| surface.generate(xi).heights_m()[[3, 5]] / named.apply(xi)[0];
+        assert!((ratio(&xi_samples[0]) / ratio(&xi_samples[1]) - 1.0).abs() < 1e-9);
         let leading = NamedDirections::leading(40, 2);
-        assert_eq!((leading.of(&germs[0]), leading.names[1].as_str()), (germs[0][..2].to_vec(), "mode 2"));
+        assert_eq!((leading.apply(&xi_samples[0]), leading.names[1].as_str()), (xi_samples[0][..2].to_vec(), "mode 2"));
     }
 }

@@ -1,18 +1,20 @@
 //! The paper's chaos expansions of the pressure in contact, eq. (8) to (11).
 //!
-//! Both are fitted by least squares to the K samples in contact alone, and give the law
-//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh germs. Fitting only p > 0 and clipping afterwards
-//! is truncated regression: the law is biased, and the variance of the variables left out is lost. Standard errors and
-//! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
+//! Both expansions are fitted by least squares to the K samples in contact. They give the distribution (1 − K/K_t) δ₀ +
+//! K/K_t · F_c, where F_c is evaluated on many fresh samples of ξ. Fitting only p > 0 and clipping afterwards is
+//! truncated regression: the distribution is biased, and the variance of the neglected variables is lost. Standard
+//! errors and bands include the bias, which is estimated from samples that were not used for the fit, see
+//! [`surrogate`].
 //!
-//! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
-//! by orders of magnitude on some germs. Values above the hardness are set to the hardness, as those below zero are set to zero.
+//! The contact model limits the pressure to the hardness. The expansions do not, and the exponential of eq. (9) exceeds
+//! it by orders of magnitude for some ξ. Values above the hardness are set to the hardness, and values below zero to
+//! zero.
 
-use crate::surrogate::{self, Atoms, Evidence, Fitted, Surrogate, others};
+use crate::surrogate::{self, Fitted, PointMasses, Surrogate, TrainingSamples, others};
 use crate::{Estimate, MethodError};
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError};
 
-/// Which function of the pressure is expanded.
+/// Function of the pressure that is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Response {
     /// Eq. (8): p_c = min([Σ a_i Γ_i(ξ)]⁺, H).
@@ -21,38 +23,39 @@ pub(super) enum Response {
     Logarithm,
 }
 
-/// Samples and what is expanded in what.
+/// Expansion of the pressure conditional on contact.
 #[derive(Debug)]
 struct Conditional<'a> {
     response: Response,
     basis: Basis,
-    germs: &'a [Vec<f64>],
+    xi_samples: &'a [Vec<f64>],
     pressures_pa: &'a [f64],
     fresh: &'a [Vec<f64>],
     /// Upper bound of the pressure.
     largest_pa: f64,
 }
 
-/// The law of the pressure from an expansion in the variables of the basis, those that lead the germs; `fresh` germs evaluate F_c.
+/// Estimates the distribution of the pressure from an expansion in the variables of the basis, the leading variables ξ.
+/// F_c is evaluated at `fresh`.
 ///
 /// # Errors
-/// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
-/// overflows.
+/// There are too few samples in contact, they do not determine the coefficients, or the expansion of the logarithm
+/// overflows without a hardness.
 pub(super) fn estimate(
     response: Response,
-    germs: &[Vec<f64>],
-    evidence: Evidence<'_>,
+    xi_samples: &[Vec<f64>],
+    training: TrainingSamples<'_>,
     basis: Basis,
     fresh: &[Vec<f64>],
     seed: u64,
 ) -> Result<Estimate, MethodError> {
-    let Evidence { pressures_pa, largest_pa, .. } = evidence;
-    let conditional = Conditional { response, basis, germs, pressures_pa, fresh, largest_pa };
-    let found = surrogate::estimate(&conditional, evidence, seed)?;
-    let in_contact = evidence.pressures_pa.iter().filter(|p| **p > 0.0).count();
-    let (contact_probability_se, interval) = evidence.share_in_contact(seed);
+    let TrainingSamples { pressures_pa, largest_pa, .. } = training;
+    let conditional = Conditional { response, basis, xi_samples, pressures_pa, fresh, largest_pa };
+    let found = surrogate::estimate(&conditional, training, seed)?;
+    let in_contact = training.pressures_pa.iter().filter(|p| **p > 0.0).count();
+    let (contact_probability_se, interval) = training.contact_fraction(seed);
     Ok(Estimate {
-        contact_probability: in_contact as f64 / evidence.pressures_pa.len() as f64,
+        contact_probability: in_contact as f64 / training.pressures_pa.len() as f64,
         contact_probability_se,
         contact_probability_interval: Some(interval),
         contact_probability_bias: None,
@@ -71,25 +74,25 @@ impl Surrogate for Conditional<'_> {
             Response::Pressure => self.pressures_pa[*i],
             Response::Logarithm => self.pressures_pa[*i].ln(),
         };
-        let germs: Vec<&[f64]> = contact.iter().map(|i| self.germs[*i].as_slice()).collect();
+        let xi_samples: Vec<&[f64]> = contact.iter().map(|i| self.xi_samples[*i].as_slice()).collect();
         let values: Vec<f64> = contact.iter().map(value).collect();
-        let fit = LeastSquares::new(self.basis.design_matrix(&germs).view())?.fit(&values)?;
+        let fit = LeastSquares::new(self.basis.design_matrix(&xi_samples).view())?.fit(&values)?;
         let expansion = Expansion::new(self.basis.clone(), fit.coefficients.clone());
         let pressure_pa = |value: f64| match self.response {
             Response::Pressure => value.clamp(0.0, self.largest_pa),
             Response::Logarithm => value.exp().min(self.largest_pa),
         };
         let in_contact = count as f64 / samples.len() as f64;
-        let law = |values: Vec<f64>| -> Atoms {
+        let distribution = |values: Vec<f64>| -> PointMasses {
             let probability = in_contact / values.len() as f64;
             let atoms = values.into_iter().map(|value| (pressure_pa(value), probability));
             std::iter::once((0.0, 1.0 - in_contact)).chain(atoms).collect()
         };
         let held: Vec<&[f64]> =
-            others(samples, self.germs.len()).into_iter().map(|i| self.germs[i].as_slice()).collect();
+            others(samples, self.xi_samples.len()).into_iter().map(|i| self.xi_samples[i].as_slice()).collect();
         Ok(Fitted {
-            law: law(expansion.evaluate_many(self.fresh)),
-            given: expansion.evaluate_many(&held).into_iter().map(|value| law(vec![value])).collect(),
+            distribution: distribution(expansion.evaluate_many(self.fresh)),
+            given: expansion.evaluate_many(&held).into_iter().map(|value| distribution(vec![value])).collect(),
             coefficients,
             leave_one_out_error: fit.leave_one_out.relative_error,
         })

@@ -1,4 +1,4 @@
-//! Laws of the pressures of all cells.
+//! Distributions of the pressures of all cells.
 
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
@@ -11,77 +11,79 @@ use asperity_base::map::Grid;
 use asperity_base::stats::wilson_interval;
 use asperity_chaos::{Basis, LeastSquares, RegressionError, number_of_terms};
 
-/// Bytes of fields that are kept: 32,768 samples of 64 × 64 cells, 512 of 512 × 512.
+/// Memory limit for kept fields, in bytes: 32,768 samples of 64 × 64 cells, 512 of 512 × 512.
 pub(super) const FIELD_BYTES: usize = 1 << 29;
-/// Quantiles of which there are maps.
+/// Probabilities of the quantile maps.
 const QUANTILES: [f64; 3] = [0.1, 0.5, 0.9];
-/// Samples for each coefficient of an expansion of all cells.
+/// Minimum number of samples per coefficient of an expansion of all cells.
 const SAMPLES_PER_TERM: usize = 2;
 
-/// Laws of the pressures of all cells, from the independent samples of [`Method::MonteCarlo`](crate::Method).
+/// Distributions of the pressures of all cells, from the independent samples of [`Method::MonteCarlo`](crate::Method).
 ///
-/// Contact probabilities and means rest on all samples. Whole fields are kept of as many leading samples as
-/// 512 MiB hold, and standard errors, quantiles and expansions rest on those.
+/// Contact probabilities and means use all samples. Whole fields are kept for as many leading samples as fit into 512
+/// MiB; standard errors, quantiles and expansions use those samples.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FieldLaws {
-    /// The grid; maps have its shape, row by row.
+pub struct FieldDistributions {
+    /// Grid; maps have its shape, row by row.
     pub grid: Grid,
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
-    /// Samples of which whole fields were kept.
+    /// Number of samples with whole fields.
     pub kept_samples: usize,
-    /// P(contact) of each cell,
+    /// P(contact) of each cell.
     pub contact_probability: Array2<f64>,
-    /// and the ends of its 95 % interval (Wilson), for each cell by itself.
+    /// Lower end of the pointwise 95 % interval (Wilson) of P(contact) of each cell.
     pub contact_probability_low: Array2<f64>,
-    /// See `contact_probability_low`.
+    /// Upper end of the interval.
     pub contact_probability_high: Array2<f64>,
-    /// E p in pascal, and its standard error.
+    /// Mean pressure E p of each cell in pascal.
     pub mean_pa: Array2<f64>,
-    /// See `mean_pa`.
+    /// Standard error of the mean in pascal.
     pub mean_se_pa: Array2<f64>,
     /// Maps of the 10, 50 and 90 % quantiles.
     pub quantiles: Vec<QuantileMap>,
-    /// What the leading germ variables say of each cell, or why there is no such expansion.
+    /// Expansion of each cell in the leading variables ξ, or the reason why there is none.
     pub global: Result<GlobalExpansion, MethodError>,
-    /// Whether cells differ in law, or why that is not known.
+    /// Test whether the cells have equal distributions, or the reason why it failed.
     pub homogeneity: Result<Homogeneity, MethodError>,
 }
 
-/// A quantile of every cell.
+/// Quantile of every cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuantileMap {
     /// Probability.
     pub probability: f64,
-    /// The least pressure in pascal at which F reaches it.
+    /// Smallest pressure in pascal at which F reaches the probability.
     pub pressure_pa: Array2<f64>,
 }
 
-/// Chaos expansions of the pressures of all cells in the leading germ variables, by one factorisation.
+/// Chaos expansions of the pressures of all cells in the leading variables ξ, by one factorisation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlobalExpansion {
-    /// Leading germ variables.
+    /// Number of leading variables ξ.
     pub variables: usize,
-    /// Total degree, that of the least mean error.
+    /// Total degree with the smallest mean error.
     pub degree: usize,
-    /// Coefficients of each cell.
+    /// Number of coefficients per cell.
     pub coefficients: usize,
-    /// Mean square leave-one-out error of each cell's pressure, continued below zero by the gap, over its variance; NaN where
-    /// it does not vary. Above 1 the expansion predicts worse than the mean.
+    /// Mean square leave-one-out error of each cell's pressure, continued below zero by the gap, divided by its
+    /// variance; NaN if it does not vary. Above 1 the expansion predicts worse than the mean.
     pub leave_one_out_error: Array2<f64>,
 }
 
-impl FieldLaws {
-    /// Of samples whose fields were kept, with an expansion of up to `degree` in `variables` variables and a test of the
-    /// sites, of which `sites` (rows, columns) were kept. `None` without fields.
-    pub(super) fn of(samples: &Samples, variables: usize, degree: usize, sites: (usize, usize)) -> Option<Self> {
+impl FieldDistributions {
+    /// Computes the distributions from samples with kept fields; `None` without fields.
+    ///
+    /// The expansion has up to `degree` in `variables` variables. The test of homogeneity uses the kept `sites` (rows,
+    /// columns).
+    pub(super) fn new(samples: &Samples, variables: usize, degree: usize, sites: (usize, usize)) -> Option<Self> {
         let fields = samples.fields()?;
         let (grid, count) = (fields.grid, samples.len());
         let shape = grid.shape();
         let map =
             |value: &dyn Fn(usize) -> f64| Array2::from_shape_fn(shape, |(row, column)| value(row * shape.1 + column));
         let interval = |i: usize| wilson_interval(fields.in_contact[i] as usize, count);
-        let mut laws = Self {
+        let mut distributions = Self {
             grid,
             samples: count,
             kept_samples: fields.kept.len(),
@@ -92,13 +94,13 @@ impl FieldLaws {
             mean_se_pa: Array2::from_elem(shape, f64::NAN),
             quantiles: Vec::new(),
             global: global(samples, fields, variables, degree),
-            homogeneity: Homogeneity::of_sites(samples, sites),
+            homogeneity: Homogeneity::from_sites(samples, sites),
         };
-        laws.add_spread(fields);
-        Some(laws)
+        distributions.add_spread(fields);
+        Some(distributions)
     }
 
-    /// Quantiles and standard errors.
+    /// Computes quantiles and standard errors.
     fn add_spread(&mut self, fields: &FieldSamples) {
         let (ny, nx) = self.grid.shape();
         let kept = fields.kept.len();
@@ -128,7 +130,7 @@ impl FieldLaws {
     }
 }
 
-/// The expansion of every cell, of the degree up to `degree` whose error is least on average over the cells.
+/// Fits the expansion of every cell, with the degree up to `degree` whose error averaged over the cells is smallest.
 fn global(
     samples: &Samples,
     fields: &FieldSamples,
@@ -136,13 +138,13 @@ fn global(
     degree: usize,
 ) -> Result<GlobalExpansion, MethodError> {
     let kept = fields.kept.len();
-    let germs: Vec<Vec<f64>> = samples.leading_germs(variables).into_iter().take(kept).collect();
+    let xi_samples: Vec<Vec<f64>> = samples.leading_xi(variables).into_iter().take(kept).collect();
     let kappa = kappa_pa_per_m(samples.observations());
     let enough = |degree: &usize| number_of_terms(variables, *degree).is_some_and(|n| n * SAMPLES_PER_TERM <= kept);
     let mut best: Option<(f64, GlobalExpansion)> = None;
     for degree in (1..=degree).take_while(enough) {
         let basis = Basis::hermite(variables, degree)?;
-        let squares = LeastSquares::new(basis.design_matrix(&germs).view())?;
+        let squares = LeastSquares::new(basis.design_matrix(&xi_samples).view())?;
         let leave_one_out_error = error_map(&squares, fields, kappa)?;
         let known: Vec<f64> = leave_one_out_error.iter().copied().filter(|error| !error.is_nan()).collect();
         let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
@@ -155,10 +157,10 @@ fn global(
     best.map(|(_, found)| found).ok_or_else(|| too_few.into())
 }
 
-/// The relative leave-one-out error of every cell.
+/// Returns the relative leave-one-out error of every cell.
 fn error_map(squares: &LeastSquares, fields: &FieldSamples, kappa: f64) -> Result<Array2<f64>, RegressionError> {
     let (ny, nx) = fields.grid.shape();
-    // Row by row: all cells in double precision need not exist at once.
+    // Row by row, so that not all cells are in double precision at once.
     let errors: Vec<Vec<f64>> = (0..ny)
         .into_par_iter()
         .map(|row| {
@@ -174,7 +176,7 @@ fn error_map(squares: &LeastSquares, fields: &FieldSamples, kappa: f64) -> Resul
 
 fn relative_errors(squares: &LeastSquares, responses: ArrayView2<'_, f64>) -> Result<Vec<f64>, RegressionError> {
     let errors = squares.fit_many(responses)?.relative_errors;
-    // Of equal values the variance may be rounding.
+    // The variance of equal values may be rounding.
     let varies = responses.columns().into_iter().map(|column| column.iter().any(|value| *value != column[0]));
     Ok(errors.into_iter().zip(varies).map(|(error, varies)| error.filter(|_| varies).unwrap_or(f64::NAN)).collect())
 }

@@ -1,4 +1,4 @@
-//! Whole pressure fields of samples, as far as memory allows.
+//! Whole pressure fields of samples within a memory limit.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -7,10 +7,10 @@ use ndarray::Array2;
 use asperity_base::map::Grid;
 use asperity_contact::{HalfSpace, Solution};
 
-/// Sums count in units of E*/2⁴⁰: whole numbers add up to the same in any order.
+/// Sums count in units of E*/2⁴⁰, because integers add up to the same value in any order.
 const UNITS: f64 = (1_u64 << 40) as f64;
 
-/// Sums over samples that end on any thread.
+/// Sums over samples that are solved on any thread.
 #[derive(Debug)]
 pub(super) struct FieldSums {
     grid: Grid,
@@ -40,15 +40,15 @@ impl FieldSums {
     }
 }
 
-/// Sums over all samples, and the fields of the leading ones.
+/// Sums over all samples, and the fields of the leading samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FieldSamples {
     pub(super) grid: Grid,
-    /// Samples in which each cell is in contact, row by row.
+    /// Number of samples in which each cell is in contact, row by row.
     pub(super) in_contact: Vec<u32>,
-    /// Sum of the pressures in pascal.
+    /// Sum of the pressures of each cell in pascal.
     pub(super) sums_pa: Vec<f64>,
-    /// Pressures in pascal in contact, minus gaps in metre out of it, of the leading samples.
+    /// Fields of the leading samples: pressure in pascal in contact, minus the gap in metre out of contact.
     pub(super) kept: Vec<Vec<f32>>,
 }
 
@@ -64,7 +64,7 @@ impl FieldSamples {
     }
 }
 
-/// Pressures in pascal in contact, minus gaps in metre out of it.
+/// Returns the pressure in pascal in contact and minus the gap in metre out of contact.
 pub(super) fn signed(solution: &Solution) -> Vec<f32> {
     let gap_m = solution.gap_m();
     let cells = solution.pressure_pa().iter().zip(&gap_m);

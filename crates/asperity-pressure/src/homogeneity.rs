@@ -1,48 +1,49 @@
-//! Whether cells differ in law.
+//! Test whether cells have equal distributions.
 
 use faer::{Mat, Side};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::{MethodError, Samples};
 
-/// Cells along either side that are compared, and those where samples are few.
+/// Number of cells along either side that are compared, and the same for few samples.
 const LATTICE: usize = 4;
 const SMALL_LATTICE: usize = 2;
-/// Samples for each cell that the large lattice needs.
+/// Number of samples per cell that the large lattice requires.
 const SAMPLES_PER_CELL: usize = 10;
-/// Share of the variance of the cells below which differences do not vary.
+/// Fraction of the variance of the cells below which differences count as constant.
 const ROUNDING: f64 = 1e-9;
-/// Cells that differ so much by chance only this often are not pooled.
+/// Significance level below which cells are not pooled.
 const LEVEL: f64 = 0.05;
 
-/// Whether the cells of a lattice have one contact probability and one mean pressure.
+/// Test of equal contact probabilities and equal mean pressures in the cells of a lattice.
 ///
-/// Samples are independent, the cells of one are not: by Hotelling's T² of the differences between cells, with their
-/// covariance, whose law is about χ² and with few samples F. A p-value says how often cells of one law would differ so
-/// much; a large one does not say that they have one law. Contact probabilities need about five contacts in each cell.
+/// Samples are independent, but the cells of one sample are not. The test uses Hotelling's T² of the differences
+/// between cells with their covariance, which is approximately χ²-distributed, and F-distributed for few samples. A
+/// p-value is the probability of such differences between cells of equal distribution; a large value does not prove
+/// equality. Contact probabilities require about five contacts per cell.
 ///
 /// # References
 /// H. Hotelling, *Ann. Math. Statist.* **2** (1931) 360, <https://doi.org/10.1214/aoms/1177732979>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Homogeneity {
-    /// Cells compared.
+    /// Number of cells compared.
     pub cells: usize,
-    /// Independent samples of them.
+    /// Number of independent samples.
     pub samples: usize,
-    /// p-value of equal contact probabilities,
+    /// p-value of equal contact probabilities.
     pub contact_p_value: f64,
-    /// of equal mean pressures,
+    /// p-value of equal mean pressures.
     pub mean_p_value: f64,
-    /// and of both: twice the smaller one, at most 1.
+    /// p-value of both: twice the smaller one, at most 1.
     pub p_value: f64,
 }
 
 impl Homogeneity {
-    /// Of the sites of samples, `shape` (rows, columns) of which were kept.
+    /// Tests the kept sites of the samples, `shape` (rows, columns).
     ///
     /// # Errors
     /// There are too few samples.
-    pub(super) fn of_sites(samples: &Samples, shape: (usize, usize)) -> Result<Self, MethodError> {
+    pub(super) fn from_sites(samples: &Samples, shape: (usize, usize)) -> Result<Self, MethodError> {
         let sites = samples.sites();
         let large = LATTICE * LATTICE * SAMPLES_PER_CELL;
         let lattice = if sites.len() >= large { LATTICE } else { SMALL_LATTICE };
@@ -50,7 +51,7 @@ impl Homogeneity {
         if sites.len() < wanted {
             return Err(MethodError::TooFewSamples { samples: sites.len(), wanted });
         }
-        // From the first on, apart also across a periodic edge.
+        // Equally spaced from the first cell on, also across a periodic edge.
         let places = |count: usize| -> Vec<usize> {
             let mut places: Vec<usize> = (0..lattice).map(|i| i * count / lattice).collect();
             places.dedup();
@@ -69,13 +70,13 @@ impl Homogeneity {
         Ok(Self { cells: cells.len(), samples: sites.len(), contact_p_value, mean_p_value, p_value })
     }
 
-    /// Whether the samples do not show that cells differ, at 5 %.
+    /// Returns whether the samples are consistent with equal cells at the 5 % level.
     pub fn is_plausible(&self) -> bool {
         self.p_value >= LEVEL
     }
 }
 
-/// How often the means of the components of independent vectors would differ so much if they were equal.
+/// Returns the p-value of equal means of the components of independent vectors.
 fn p_value(vectors: &[Vec<f64>]) -> f64 {
     let (n, m) = (vectors.len() as f64, vectors[0].len());
     let mut variance = 0.0;
@@ -103,7 +104,7 @@ fn p_value(vectors: &[Vec<f64>]) -> f64 {
             statistic += n * along * along / spread;
             degrees += 1.0;
         } else if along * along > ROUNDING * variance {
-            // A difference that is the same in all samples.
+            // The difference is the same in all samples.
             return 0.0;
         }
     }
@@ -111,7 +112,7 @@ fn p_value(vectors: &[Vec<f64>]) -> f64 {
         return 1.0;
     }
     let ratio = statistic * (n - degrees) / (degrees * (n - 1.0));
-    FisherSnedecor::new(degrees, n - degrees).map_or(f64::NAN, |law| law.sf(ratio))
+    FisherSnedecor::new(degrees, n - degrees).map_or(f64::NAN, |distribution| distribution.sf(ratio))
 }
 
 #[cfg(test)]
@@ -119,7 +120,7 @@ mod tests {
     use super::*;
     use asperity_base::random::{standard_normal, stream};
 
-    /// Components that share most of their noise.
+    /// Returns vectors whose components have most of their noise in common.
     fn vectors(number: u64, count: usize, shift: f64) -> Vec<Vec<f64>> {
         (0..count as u64)
             .map(|i| {
@@ -141,12 +142,12 @@ mod tests {
 
     #[test]
     fn a_shift_below_the_common_noise_is_found() {
-        // One cell in four is shifted by 0.5: T² is about n · 0.25 · ¾ = 28, of three degrees of freedom.
+        // One cell in four is shifted by 0.5: T² is about n · 0.25 · ¾ = 28 with three degrees of freedom.
         assert!(p_value(&vectors(0, 150, 0.5)) < 1e-3);
     }
 
     #[test]
-    fn differences_that_do_not_vary_are_certain_and_none_at_all_are_none() {
+    fn constant_differences_are_certain_and_absent_ones_have_no_estimate() {
         let equal: Vec<Vec<f64>> = vectors(0, 50, 0.0).iter().map(|v| vec![v[0]; 4]).collect();
         assert_eq!(p_value(&equal), 1.0);
         let apart: Vec<Vec<f64>> = equal.iter().map(|v| vec![v[0], v[0], v[0] + 1.0, v[0]]).collect();

@@ -1,13 +1,13 @@
-//! The law of the random contact pressure (paper §3).
+//! Distribution of the random contact pressure (paper §3).
 //!
-//! A random surface is pressed against a rigid plane; the pressure p at one cell is a random
-//! variable with an atom at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
-//! [`solve`] evaluates it on a design of germs, and [`Study`] estimates its law by several [`Method`]s from the same
-//! number of contact solutions and compares each with its own Monte Carlo reference.
+//! A random surface is pressed against a rigid plane. The pressure p at one cell is a random variable with a point mass
+//! at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] defines the pressure, [`solve`] evaluates it
+//! on a design of samples ξ, and [`MethodComparison`] estimates its distribution by several [`Method`]s with the same
+//! number of contact solutions and compares each with an independent Monte Carlo reference.
 
-mod adapted;
 mod band;
 mod coarse;
+mod comparison;
 mod directions;
 mod estimate;
 mod expansion;
@@ -15,22 +15,25 @@ mod field;
 mod field_samples;
 mod homogeneity;
 mod method;
+mod multilevel;
 mod nested;
 mod predictor;
 mod problem;
+mod rotated_variables;
 mod sample;
 mod sensitivity;
 mod stiffness;
-mod study;
 #[doc(hidden)]
 pub mod surrogate;
-mod telescope;
 #[cfg(test)]
 mod testing;
 
 pub use band::{Band, QuantileResult};
-pub use estimate::{Comparison, Estimate};
-pub use field::{FieldLaws, GlobalExpansion, QuantileMap};
+#[doc(hidden)]
+pub use comparison::Solutions;
+pub use comparison::{ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult};
+pub use estimate::{Estimate, ReferenceDistances};
+pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;
 pub use method::{Method, MethodError};
 #[doc(hidden)]
@@ -39,17 +42,14 @@ pub use nested::{CoarseSolves, Quantity};
 pub use problem::{FailureReason, Observation, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
 pub use sensitivity::{Sensitivity, SensitivityError, SensitivityIndices, VariableSet};
-#[doc(hidden)]
-pub use study::Solutions;
-pub use study::{MethodResult, Reference, Results, ScalarResult, Study};
 
 use thiserror::Error;
 
 use asperity_base::map::Grid;
 use asperity_base::monitor::Cancelled;
-use asperity_chaos::{BasisError, DistanceError, SamplingError};
+use asperity_chaos::{BasisError, DiscreteDistributionError, SamplingError};
 
-/// Why a law of the pressure could not be computed.
+/// Reason why a distribution of the pressure could not be computed.
 #[derive(Debug, Error)]
 pub enum PressureError {
     /// The surface and the half-space have different grids.
@@ -82,7 +82,7 @@ pub enum PressureError {
         /// Values allowed.
         wanted: &'static str,
     },
-    /// Too many contact problems had no converged solution.
+    /// Too many contact problems have no converged solution.
     #[error(
         "{stage}: only {valid} of {samples} contact problems were solved, {wanted_percent} % are wanted; \
          the first failure, sample {first_index}: {first_reason}"
@@ -90,27 +90,27 @@ pub enum PressureError {
     TooFewValid {
         /// Name of the sampled run.
         stage: String,
-        /// Converged samples.
+        /// Number of converged samples.
         valid: usize,
-        /// All samples.
+        /// Total number of samples.
         samples: usize,
-        /// Wanted share in percent.
+        /// Required fraction in percent.
         wanted_percent: f64,
         /// Index of the first failed sample.
         first_index: usize,
-        /// Its reason.
+        /// Reason of the first failure.
         first_reason: FailureReason,
     },
-    /// The design could not be made.
+    /// The design could not be created.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
-    /// The basis could not be made.
+    /// The basis could not be created.
     #[error(transparent)]
     Basis(#[from] BasisError),
-    /// A law could not be made from its values.
+    /// A distribution could not be created from its values.
     #[error(transparent)]
-    Law(#[from] DistanceError),
-    /// A method has no answer.
+    Law(#[from] DiscreteDistributionError),
+    /// A method has no estimate.
     #[error(transparent)]
     Method(#[from] MethodError),
     /// The monitor stopped the run.

@@ -1,26 +1,26 @@
-//! How a law can be estimated, and why it cannot.
+//! Estimation methods and their errors.
 
 use thiserror::Error;
 
-use asperity_chaos::{BasisError, DistanceError, RegressionError, SamplingError};
+use asperity_chaos::{BasisError, DiscreteDistributionError, RegressionError, SamplingError};
 
-/// How the law of the pressure is estimated.
+/// Method that estimates the distribution of the pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// The empirical law of independent samples.
+    /// Empirical distribution of independent samples.
     MonteCarlo,
-    /// The mean of the empirical laws of ten Latin hypercubes.
+    /// Mean of the empirical distributions of ten Latin hypercubes.
     LatinHypercube,
-    /// The mean of the empirical laws of ten randomisations of Sobol' points.
+    /// Mean of the empirical distributions of ten randomisations of Sobol' points.
     Sobol,
-    /// Eq. (8): a chaos expansion of the pressure in contact in the leading germ variables, on the Latin hypercubes.
+    /// Eq. (8): chaos expansion of the pressure in contact in the leading variables ξ, on the Latin hypercubes.
     PolynomialChaos,
-    /// Eq. (9): the same of the logarithm of the pressure in contact.
+    /// Eq. (9): chaos expansion of the logarithm of the pressure in contact, on the same samples.
     PolynomialChaosLog,
-    /// Eq. (8) on the Monte Carlo samples, in the variables of the germ rotated to the cell.
+    /// Eq. (8) on the Monte Carlo samples, in variables ξ rotated to the cell.
     PolynomialChaosLocal,
-    /// Multilevel estimator: the Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the cell
-    /// that predict the coarse results.
+    /// Multilevel estimator: Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the
+    /// cell that predict the coarse results.
     Default,
 }
 
@@ -36,7 +36,7 @@ impl Method {
         Self::Default,
     ];
 
-    /// The name in result files.
+    /// Returns the name in result files.
     pub fn name(self) -> &'static str {
         match self {
             Self::MonteCarlo => "monte_carlo",
@@ -50,7 +50,7 @@ impl Method {
     }
 }
 
-/// Why a method has no estimate.
+/// Reason why a method has no estimate.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MethodError {
     /// The expansion could not be fitted to the samples in contact.
@@ -59,29 +59,29 @@ pub enum MethodError {
     /// The basis could not be made.
     #[error("no expansion: {0}")]
     Basis(#[from] BasisError),
-    /// The design does not exist.
+    /// The design could not be created.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
-    /// A law could not be made from its values.
+    /// A distribution could not be created from its values.
     #[error(transparent)]
-    Law(#[from] DistanceError),
+    Law(#[from] DiscreteDistributionError),
     /// The expansion of the logarithm exceeds the largest floating-point number.
-    #[error("the expansion overflows on {overflowed} of {evaluations} fresh germs")]
+    #[error("the expansion overflows on {overflowed} of {evaluations} fresh samples")]
     Overflow {
-        /// Germs on which it overflows.
+        /// Number of samples on which the expansion overflows.
         overflowed: usize,
-        /// Germs evaluated.
+        /// Number of samples evaluated.
         evaluations: usize,
     },
-    /// No variable of the germ predicts the pressure of the cell.
-    #[error("no direction of the germ predicts the pressure of the cell")]
+    /// No rotated variable predicts the pressure of the cell.
+    #[error("no normal variable predicts the pressure of the cell")]
     NoVariables,
     /// There are too few samples.
     #[error("{samples} samples are too few; at least {wanted} are needed")]
     TooFewSamples {
-        /// Samples there are.
+        /// Number of samples.
         samples: usize,
-        /// Samples needed.
+        /// Number of samples required.
         wanted: usize,
     },
 }

@@ -1,53 +1,56 @@
-//! Samples of a pressure on several models: many on coarse ones, few on the fine one.
+//! Samples of a quantity on several models: many on coarse models, few on the fine one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::adapted::Adapted;
-use crate::coarse::{Coarse, generation_work, solution_work};
-use crate::telescope::{self, Nested, Settings, Telescoped};
+use crate::coarse::{CoarseModel, generation_work, solution_work};
+use crate::multilevel::{self, LevelSamples, MultilevelEstimate, Settings};
+use crate::rotated_variables::RotatedVariables;
 use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples, stiffness};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_chaos::{Design, DistanceError, SamplingMethod, StepLaw};
+use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
 
-/// Least share of the fine samples that a coarse model has to have.
+/// Smallest fraction of the fine samples that a coarse model must solve.
 const LEAST_HAD: f64 = 0.95;
-/// Samples on which it is seen what a coarse model is worth.
+/// Number of samples used to plan the coarse models.
 const PILOT: usize = 250;
-/// Coarse solutions beyond the fine samples may cost so many times the fine ones,
-const COARSE_SHARE: f64 = 4.0;
-/// and are made until they add no more than this share to the variance; their number is raised in steps of this factor.
+/// Maximum cost of coarse solutions beyond the fine samples, relative to the fine ones.
+const COARSE_FRACTION: f64 = 4.0;
+/// Target fraction of the variance that coarse models may add, and the factor of the steps by which the number of
+/// samples is raised.
 const ADDED_VARIANCE: f64 = 1.0 / 3.0;
 const SCALE_STEP: f64 = 1.1;
-/// Degree of the polynomials by which a model predicts the next.
+/// Degree of the polynomials by which a model predicts the next one.
 const DEGREE: usize = 3;
-/// Most variables of the rotated germ.
+/// Maximum number of rotated variables.
 const MOST_VARIABLES: usize = 3;
 
-/// A scalar that each contact has.
+/// Scalar result of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Pressure of the problem's cell in pascal; 0 out of contact.
     Pressure,
-    /// Share A_c/A of the cells in contact.
+    /// Fraction A_c/A of the cells in contact.
     ContactFraction,
     /// Load over the nominal area in pascal.
     MeanPressure,
     /// Mean gap in metre.
     MeanGap,
-    /// Rise of the mean pressure as the plane comes down in Pa/m ([`Problem::with_stiffness`]); 0 without contact.
+    /// Contact stiffness: rise of the mean pressure as the plane approaches, in Pa/m ([`Problem::with_stiffness`]); 0
+    /// without contact.
     Stiffness,
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 5] =
         [Self::Pressure, Self::ContactFraction, Self::MeanPressure, Self::MeanGap, Self::Stiffness];
 
-    /// The value, continued beyond its bounds where that is known: out of contact the pressure says nothing about how far from
-    /// contact the cell is, the gap does; at the hardness it says nothing about how far the cell yields, the plastic displacement
-    /// does. `kappa` is the pressure that such a metre counts as.
+    /// Returns the value, continued beyond its bounds if possible.
+    ///
+    /// Out of contact the gap measures the distance from contact, and at the hardness the plastic displacement measures
+    /// the yielding. `kappa` converts these lengths in metre to a pressure.
     fn latent(self, observation: &Observation, kappa: f64) -> f64 {
         match self {
             Self::Pressure => {
@@ -60,8 +63,8 @@ impl Quantity {
         }
     }
 
-    /// What else of a coarse solution tells about the value on a finer grid: of the pressure, that beside the cell.
-    fn beside(self, observation: &Observation, kappa: f64) -> Vec<f64> {
+    /// Returns further covariates from a coarse solution: for the pressure, the values beside the cell.
+    fn covariates(self, observation: &Observation, kappa: f64) -> Vec<f64> {
         let [pressure_pa, gap_m, plastic_displacement_m] = observation.beside;
         match self {
             Self::Pressure => vec![pressure_pa + kappa * (plastic_displacement_m - gap_m)],
@@ -69,7 +72,7 @@ impl Quantity {
         }
     }
 
-    /// Bounds of the value.
+    /// Returns the bounds of the value.
     pub(super) fn bounds(self, problem: &Problem<'_>) -> [f64; 2] {
         match self {
             Self::Pressure | Self::MeanPressure => [0.0, problem.hardness_pa().unwrap_or(f64::INFINITY)],
@@ -80,11 +83,12 @@ impl Quantity {
     }
 }
 
-/// The ratio of the spreads of the pressures in contact and of the gaps out of it; 1 where one of them has none.
+/// Returns the ratio of the standard deviations of the pressures in contact and of the gaps out of contact; 1 if one of
+/// them is zero.
 pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
     let spread = |in_contact: bool, quantity: fn(&Observation) -> f64| {
         let chosen = observations.iter().filter(|o| (o.pressure_pa > 0.0) == in_contact).map(|o| (quantity(o), 1.0));
-        StepLaw::weighted(chosen).map_or(0.0, |law| law.std())
+        DiscreteDistribution::weighted(chosen).map_or(0.0, |distribution| distribution.std())
     };
     let (pressure_pa, gap_m) = (spread(true, |o| o.pressure_pa), spread(false, |o| o.gap_m));
     if pressure_pa > 0.0 && gap_m > 0.0 { pressure_pa / gap_m } else { 1.0 }
@@ -93,65 +97,67 @@ pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
 /// Contact solutions on the fine grid and on coarser ones.
 #[derive(Debug)]
 pub struct NestedSamples {
-    /// Models used, the coarsest first.
-    models: Vec<Coarse>,
-    /// What they say of the leading samples, each.
+    /// Models used, coarsest first.
+    models: Vec<CoarseModel>,
+    /// Results of each model for its leading samples.
     coarse: Vec<Vec<Observation>>,
     fine: Vec<Observation>,
     /// Standard normal variables of all samples.
-    normal: Vec<Vec<f64>>,
+    xi: Vec<Vec<f64>>,
 }
 
-/// Solutions of one coarse model.
+/// Number and cost of the solutions of one coarse model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoarseSolves {
-    /// Rows and columns of its grid; that of the fine one is solved to a loose tolerance.
+    /// Rows and columns of its grid. The fine grid itself may be listed, solved to a looser tolerance.
     pub shape: (usize, usize),
     /// Number of solutions.
     pub solves: usize,
-    /// Their work over that of one fine solution, by their iterations.
+    /// Work of the solutions divided by the work of one fine solution, from their iterations.
     pub work_in_fine_solves: f64,
 }
 
 impl NestedSamples {
-    /// Solves the germs of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
-    /// on them as pays: every model gets samples in proportion to √(V/w), with the variance V that it takes away and its work w per
-    /// sample, until together they add little to the variance of the fine samples or the work is spent.
+    /// Solves the samples of `fine` on the coarse models as well, and plans and computes further coarse solutions.
+    ///
+    /// Every model receives samples in proportion to √(V/w), where V is the variance that it removes and w its work per
+    /// sample, until all coarse models together add little to the variance of the fine samples or the work limit is
+    /// reached.
     ///
     /// # Errors
-    /// The design cannot be made, or the monitor cancels.
+    /// The design cannot be created, or the monitor cancels.
     pub(super) fn solve(
         problem: &Problem<'_>,
         fine: &Samples,
         seed: u64,
         monitor: &dyn Monitor,
     ) -> Result<Result<Self, MethodError>, PressureError> {
-        let mut models = Coarse::ladder(problem);
-        let germs: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.germ(i)).collect();
-        let mut solved = observe(problem, &models, &germs, "pressure/coarse", monitor)?;
-        // A model that many samples cannot have, as where its few points are all of one height, is none; and a sample is left out that
-        // one of the others cannot have.
+        let mut models = CoarseModel::all(problem);
+        let xi_samples: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.xi(i)).collect();
+        let mut solved = observe(problem, &models, &xi_samples, "pressure/coarse", monitor)?;
+        // A model that fails on many samples (for instance if its few points have equal heights) is dropped; so is a
+        // sample on which one of the other models fails.
         let had = |l: usize| solved.iter().filter(|row| row[l].is_some()).count() as f64;
         let serves: Vec<bool> = (0..models.len()).map(|l| had(l) >= LEAST_HAD * fine.len() as f64).collect();
         retain(&mut models, &serves);
         solved.iter_mut().for_each(|row| retain(row, &serves));
         let rows: Vec<Option<Vec<Observation>>> = solved.into_iter().map(|row| row.into_iter().collect()).collect();
         let kept: Vec<usize> = (0..fine.len()).filter(|i| rows[*i].is_some()).collect();
-        if kept.len() < telescope::LEAST_SAMPLES {
-            let (samples, wanted) = (kept.len(), telescope::LEAST_SAMPLES);
+        if kept.len() < multilevel::LEAST_SAMPLES {
+            let (samples, wanted) = (kept.len(), multilevel::LEAST_SAMPLES);
             return Ok(Err(MethodError::TooFewSamples { samples, wanted }));
         }
         let observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
-        let germs: Vec<Vec<f64>> = kept.iter().map(|i| germs[*i].clone()).collect();
+        let xi_samples: Vec<Vec<f64>> = kept.iter().map(|i| xi_samples[*i].clone()).collect();
         let coarse = columns(rows.into_iter().flatten(), models.len());
         let kappa = kappa_pa_per_m(&observations);
         let values: Vec<f64> = observations.iter().map(|o| Quantity::Pressure.latent(o, kappa)).collect();
-        let adapted = match Adapted::new(problem, MOST_VARIABLES, DEGREE, &germs, &values) {
-            Ok(adapted) => adapted,
+        let rotation = match RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values) {
+            Ok(rotation) => rotation,
             Err(error) => return Ok(Err(error)),
         };
         let mut samples =
-            Self { models, coarse, normal: germs.iter().map(|germ| adapted.of(germ)).collect(), fine: observations };
+            Self { models, coarse, xi: xi_samples.iter().map(|xi| rotation.apply(xi)).collect(), fine: observations };
         let plan = match samples.plan(problem, seed) {
             Ok(plan) => plan,
             Err(error) => return Ok(Err(error)),
@@ -162,12 +168,12 @@ impl NestedSamples {
             let design =
                 Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, problem.surface().xi_len())?;
             let counts: Vec<usize> = plan.iter().map(|(_, more)| *more).collect();
-            samples.add(problem, &design, &counts, &adapted, monitor)?;
+            samples.add(problem, &design, &counts, &rotation, monitor)?;
         }
         Ok(Ok(samples))
     }
 
-    /// Which models to use, and on how many samples more.
+    /// Returns the models to use with their numbers of further samples.
     fn plan(&self, problem: &Problem<'_>, seed: u64) -> Result<Vec<(usize, usize)>, MethodError> {
         let fine_work = mean_work(problem.half_space().grid().shape(), &self.fine);
         let generation = generation_work(problem.half_space().grid().shape());
@@ -182,8 +188,8 @@ impl NestedSamples {
         for subset in 0..1_usize << self.models.len() {
             let used: Vec<usize> = (0..self.models.len()).filter(|l| subset >> l & 1 == 1).collect();
             let nested = self.nested(Quantity::Pressure, &used, |_| pilot);
-            let variances = telescope::bracket_variances(&nested, &self.settings(Quantity::Pressure, problem, seed))?;
-            // Of the fine model first, then of those used from the finest down.
+            let variances = multilevel::bracket_variances(&nested, &self.settings(Quantity::Pressure, problem, seed))?;
+            // The fine model first, then the used models from the finest down.
             let costs: Vec<f64> = std::iter::once(fine_work).chain(used.iter().rev().map(|l| works[*l])).collect();
             let counts = allocate(&variances, &costs, self.fine.len());
             let n = self.fine.len() as f64;
@@ -203,13 +209,13 @@ impl NestedSamples {
         retain(&mut self.coarse, &used);
     }
 
-    /// Solves the leading `counts` germs of a design on the models.
+    /// Solves the leading `counts` samples of a design on the models.
     fn add(
         &mut self,
         problem: &Problem<'_>,
         design: &Design,
         counts: &[usize],
-        adapted: &Adapted,
+        rotation: &RotatedVariables,
         monitor: &dyn Monitor,
     ) -> Result<(), Cancelled> {
         let done = AtomicUsize::new(0);
@@ -217,40 +223,45 @@ impl NestedSamples {
         let rows: Vec<Option<Row>> = (0..design.samples())
             .into_par_iter()
             .map_init(
-                || self.models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
+                || self.models.iter().map(CoarseModel::workspace).collect::<Vec<_>>(),
                 |workspaces, index| {
                     if monitor.cancelled() {
                         return Err(Cancelled);
                     }
-                    let germ = design.germ(index);
-                    let map = problem.surface().generate(&germ);
+                    let xi = design.xi(index);
+                    let map = problem.surface().generate(&xi);
                     let wanted = self.models.iter().zip(workspaces).zip(counts).filter(|(_, count)| index < **count);
-                    let said = wanted.map(|((model, workspace), _)| model.observe(problem, &map, workspace)).collect();
+                    let observations =
+                        wanted.map(|((model, workspace), _)| model.observe(problem, &map, workspace)).collect();
                     monitor.progress("pressure/coarse", done.fetch_add(1, Ordering::Relaxed) + 1, design.samples());
-                    Ok(Option::<Vec<Observation>>::map(said, |said| (adapted.of(&germ), said)))
+                    Ok(Option::<Vec<Observation>>::map(observations, |observations| {
+                        (rotation.apply(&xi), observations)
+                    }))
                 },
             )
             .collect::<Result<_, Cancelled>>()?;
-        // Where one was left out the samples of finer models remain the leading ones.
-        for (normal, said) in rows.into_iter().flatten() {
-            self.normal.push(normal);
-            self.coarse.iter_mut().zip(said).for_each(|(column, observation)| column.push(observation));
+        // Samples of finer models remain the leading ones if one was left out.
+        for (normal, observations) in rows.into_iter().flatten() {
+            self.xi.push(normal);
+            self.coarse.iter_mut().zip(observations).for_each(|(column, observation)| column.push(observation));
         }
         Ok(())
     }
 
-    /// Estimates the distribution of a quantity by all models.
+    /// Estimates the distribution of a quantity from all models.
     pub(super) fn estimate(
         &self,
         quantity: Quantity,
         problem: &Problem<'_>,
         seed: u64,
-    ) -> Result<Telescoped, MethodError> {
+    ) -> Result<MultilevelEstimate, MethodError> {
         self.estimate_with(quantity, self.models.len(), self.settings(quantity, problem, seed))
     }
 
-    /// Estimates the distribution of the pressure with all coarse models or none of them. `fitted` predicts by polynomials; otherwise
-    /// the results of a model stand for those of the next finer one.
+    /// Estimates the distribution of the pressure with all coarse models or none.
+    ///
+    /// `fitted` selects prediction by polynomials. Otherwise the results of a model replace those of the next finer
+    /// one.
     ///
     /// # Errors
     /// There are too few samples, or a fit fails.
@@ -264,27 +275,32 @@ impl NestedSamples {
         let settings = Settings { fitted, ..self.settings(Quantity::Pressure, problem, seed) };
         let models = if coarse { self.models.len() } else { 0 };
         let largest_pa = settings.largest;
-        Ok(Estimate::of_telescoped(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
+        Ok(Estimate::from_multilevel(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
     }
 
-    fn estimate_with(&self, quantity: Quantity, models: usize, settings: Settings) -> Result<Telescoped, MethodError> {
+    fn estimate_with(
+        &self,
+        quantity: Quantity,
+        models: usize,
+        settings: Settings,
+    ) -> Result<MultilevelEstimate, MethodError> {
         let used: Vec<usize> = (0..models).collect();
         let nested = self.nested(quantity, &used, |count| count);
-        // The stiffness where it was not asked for, and that of complete contact without mean compliance.
+        // Not finite: the stiffness if it was not computed, or that of complete contact without mean compliance.
         if let Some((index, value)) =
-            nested.models.iter().flat_map(|values| values.iter().copied().enumerate()).find(|(_, q)| !q.is_finite())
+            nested.values.iter().flat_map(|values| values.iter().copied().enumerate()).find(|(_, q)| !q.is_finite())
         {
-            return Err(DistanceError::Value { index, value, weight: 1.0 }.into());
+            return Err(DiscreteDistributionError::Value { index, value, weight: 1.0 }.into());
         }
-        telescope::estimate(&nested, &settings)
+        multilevel::estimate(&nested, &settings)
     }
 
-    /// Solutions on each coarse model, the coarsest first.
+    /// Returns the numbers of solutions of each coarse model, coarsest first.
     pub(super) fn coarse_solves(&self, problem: &Problem<'_>) -> Vec<CoarseSolves> {
         let fine = mean_work(problem.half_space().grid().shape(), &self.fine);
-        let count = |(model, said): (&Coarse, &Vec<Observation>)| {
-            let work_in_fine_solves = said.len() as f64 * mean_work(model.shape(), said) / fine;
-            CoarseSolves { shape: model.shape(), solves: said.len(), work_in_fine_solves }
+        let count = |(model, observations): (&CoarseModel, &Vec<Observation>)| {
+            let work_in_fine_solves = observations.len() as f64 * mean_work(model.shape(), observations) / fine;
+            CoarseSolves { shape: model.shape(), solves: observations.len(), work_in_fine_solves }
         };
         self.models.iter().zip(&self.coarse).map(count).collect()
     }
@@ -294,8 +310,9 @@ impl NestedSamples {
         Settings { seed, degree: DEGREE, fitted: true, least, largest }
     }
 
-    /// The values of a quantity on the used models and the fine one, of as many leading samples as `kept` says.
-    fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> Nested {
+    /// Returns the values of a quantity on the used models and the fine one; `kept` limits the number of leading
+    /// samples.
+    fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> LevelSamples {
         let kappa = kappa_pa_per_m(&self.fine);
         let values = |observations: &[Observation]| -> Vec<f64> {
             observations[..kept(observations.len())].iter().map(|o| quantity.latent(o, kappa)).collect()
@@ -303,18 +320,19 @@ impl NestedSamples {
         let mut models: Vec<Vec<f64>> = used.iter().map(|l| values(&self.coarse[*l])).collect();
         models.push(values(&self.fine));
         let most = models.iter().map(Vec::len).max().unwrap_or(0);
-        let beside = |l: &usize| {
+        let covariates = |l: &usize| {
             let observations = &self.coarse[*l];
-            observations[..kept(observations.len())].iter().map(|o| quantity.beside(o, kappa)).collect()
+            observations[..kept(observations.len())].iter().map(|o| quantity.covariates(o, kappa)).collect()
         };
-        Nested { normal: self.normal[..most].to_vec(), beside: used.iter().map(beside).collect(), models }
+        LevelSamples { xi: self.xi[..most].to_vec(), covariates: used.iter().map(covariates).collect(), values: models }
     }
 }
 
-/// Samples beyond the `fine` ones of each model but the first, from the variances per sample and the work of all.
+/// Returns the number of samples beyond the `fine` ones for each model but the first, from the variances per sample and
+/// the work of all models.
 ///
-/// Least variance at given work asks for samples in proportion to √(V/w); with the number of fine samples given, more than that
-/// still pay until all coarse models together add little.
+/// The variance at given work is minimal for samples in proportion to √(V/w). As the number of fine samples is given,
+/// further coarse samples are added until all coarse models together contribute little.
 fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
     let n = fine as f64;
     let least = |l: usize| (variances[l] * works[0] / (variances[0] * works[l])).sqrt();
@@ -322,12 +340,12 @@ fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
     let mut scale = 1.0;
     loop {
         let mut wanted: Vec<f64> = (1..variances.len()).map(|l| n * (scale * least(l)).max(1.0)).collect();
-        // Models are nested: a coarser one has no fewer samples.
+        // Models are nested: a coarser model has at least as many samples.
         for l in 1..wanted.len() {
             wanted[l] = wanted[l].max(wanted[l - 1]);
         }
         let work: f64 = wanted.iter().zip(&works[1..]).map(|(count, work)| (count - n) * work).sum();
-        if work.is_nan() || work > COARSE_SHARE * n * works[0] {
+        if work.is_nan() || work > COARSE_FRACTION * n * works[0] {
             return counts;
         }
         counts = wanted.iter().map(|count| (count - n) as usize).collect();
@@ -344,41 +362,41 @@ fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
     solution_work(shape, iterations)
 }
 
-/// What every model says of each germ; `None` where it cannot.
+/// Solves each sample on every model; `None` marks a failure.
 fn observe(
     problem: &Problem<'_>,
-    models: &[Coarse],
-    germs: &[Vec<f64>],
+    models: &[CoarseModel],
+    xi_samples: &[Vec<f64>],
     stage: &str,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Vec<Option<Observation>>>, Cancelled> {
     let done = AtomicUsize::new(0);
-    germs
+    xi_samples
         .par_iter()
         .map_init(
-            || models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
-            |workspaces, germ| {
+            || models.iter().map(CoarseModel::workspace).collect::<Vec<_>>(),
+            |workspaces, xi| {
                 if monitor.cancelled() {
                     return Err(Cancelled);
                 }
-                let map = problem.surface().generate(germ);
-                let said =
+                let map = problem.surface().generate(xi);
+                let observations =
                     models.iter().zip(workspaces).map(|(model, workspace)| model.observe(problem, &map, workspace));
-                let said = said.collect();
-                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, germs.len());
-                Ok(said)
+                let observations = observations.collect();
+                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, xi_samples.len());
+                Ok(observations)
             },
         )
         .collect()
 }
 
-/// Keeps the items that are marked.
+/// Keeps the marked items.
 fn retain<T>(items: &mut Vec<T>, marked: &[bool]) {
     let mut marks = marked.iter();
     items.retain(|_| marks.next() == Some(&true));
 }
 
-/// Rows as columns.
+/// Transposes rows into columns.
 fn columns(rows: impl Iterator<Item = Vec<Observation>>, count: usize) -> Vec<Vec<Observation>> {
     let mut columns = vec![Vec::new(); count];
     for row in rows {

@@ -1,55 +1,56 @@
-//! The conditional law of a quantity, given what a cheaper model says about it.
+//! Conditional distribution of a quantity given the results of a cheaper model.
 //!
-//! A polynomial s(x) of the cheaper model's answers x predicts the quantity q; the law of q given x is then taken to be that of
-//! s(x) + e with the errors e of the samples whose predictions are similar, for these spread differently in and out of contact.
+//! A polynomial s(x) of the cheaper model's results x predicts the quantity q. The distribution of q given x is that of
+//! s(x) + e, where e are the errors of the samples with similar predictions, because errors in and out of contact have
+//! different variances.
 
 use crate::MethodError;
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError, number_of_terms};
 
-/// Samples in a group of neighbouring predictions that share one law of errors.
+/// Number of samples per group of neighbouring predictions with one error distribution.
 const GROUP: usize = 50;
-/// Samples for each coefficient that a degree needs to be tried.
+/// Minimum number of samples per coefficient for a degree to be tried.
 const SAMPLES_PER_TERM: usize = 4;
 
-/// A fitted conditional law.
+/// Fitted conditional distribution.
 #[derive(Debug, Clone)]
 pub(super) enum Predictor {
-    /// The quantity is what the first variable says.
+    /// The quantity equals the first variable.
     Identity,
-    /// A polynomial and the laws of its errors.
+    /// Polynomial with the distributions of its errors.
     Fitted(Box<Fitted>),
 }
 
-/// A polynomial and the laws of its errors.
+/// Polynomial with the distributions of its errors.
 #[derive(Debug, Clone)]
 pub(super) struct Fitted {
-    /// Of the variables that vary.
+    /// Scaling of the variables that vary.
     scaling: Scaling,
-    /// Of the line in the first variable to which the expansion is added.
+    /// Slope of the line in the first variable to which the expansion is added.
     slope: f64,
-    /// None where no variable varies.
+    /// `None` if no variable varies.
     expansion: Option<Expansion>,
     /// Prediction without an expansion.
     mean: f64,
-    errors: ErrorLaws,
-    /// Mean square leave-one-out error over the variance of the quantity.
+    errors: ErrorDistributions,
+    /// Mean square leave-one-out error divided by the variance of the quantity.
     relative_error: Option<f64>,
 }
 
 impl Predictor {
-    /// Fits `values` to the `rows` of variables, with the degree up to `degree` of the least leave-one-out error.
+    /// Fits `values` to `rows` of variables, with the degree up to `degree` that has the smallest leave-one-out error.
     ///
     /// # Errors
-    /// The regression fails for another reason than too few or duplicate samples, which lower degrees stand.
+    /// The regression fails for another reason than too few or duplicate samples, for which lower degrees are used.
     pub(super) fn fit(rows: &[Vec<f64>], values: &[f64], degree: usize) -> Result<Self, MethodError> {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let variance = spread(values);
-        // A straight line in the first variable goes on where the polynomial's variables are held at the ends of their ranges: samples beyond
-        // those of the fit would all be mistaken to the same side.
+        // A straight line in the first variable extrapolates where the polynomial's variables are clamped to their
+        // ranges; otherwise all samples beyond the fitted ones would have errors of the same sign.
         let slope = slope(rows, values);
         let bent: Vec<f64> = rows.iter().zip(values).map(|(row, q)| q - slope * row.first().unwrap_or(&0.0)).collect();
-        let scaling = Scaling::of(rows);
+        let scaling = Scaling::new(rows);
         let scaled: Vec<Vec<f64>> = rows.iter().map(|row| scaling.apply(row)).collect();
         let variables = scaling.variables();
         let constant: Vec<(f64, f64)> = values.iter().map(|q| (mean, q - mean)).collect();
@@ -59,7 +60,7 @@ impl Predictor {
                 break;
             }
             let basis = Basis::hermite(variables, degree)?;
-            // A degree whose functions the samples cannot tell apart is no candidate.
+            // Degrees with linearly dependent functions are skipped.
             let fit = match LeastSquares::new(basis.design_matrix(&scaled).view()).and_then(|fit| fit.fit(&bent)) {
                 Ok(fit) => fit,
                 Err(RegressionError::RankDeficient { .. }) => continue,
@@ -75,11 +76,11 @@ impl Predictor {
         }
         let (expansion, pairs, relative_error) = best;
         let relative_error = relative_error.is_finite().then_some(relative_error);
-        let errors = ErrorLaws::new(pairs);
+        let errors = ErrorDistributions::new(pairs);
         Ok(Self::Fitted(Box::new(Fitted { scaling, slope, expansion, mean, errors, relative_error })))
     }
 
-    /// The prediction s(x).
+    /// Returns the prediction s(x).
     pub(super) fn predict(&self, row: &[f64]) -> f64 {
         match self {
             Self::Identity => row[0],
@@ -90,7 +91,7 @@ impl Predictor {
         }
     }
 
-    /// The errors around a prediction, increasing and equally likely.
+    /// Returns the errors around a prediction, in increasing order and equally likely.
     pub(super) fn errors(&self, prediction: f64) -> &[f64] {
         match self {
             Self::Identity => &[0.0],
@@ -98,26 +99,26 @@ impl Predictor {
         }
     }
 
-    /// Mean square leave-one-out error over the variance of the quantity, if there is an expansion.
+    /// Returns the mean square leave-one-out error divided by the variance of the quantity, if there is an expansion.
     pub(super) fn relative_error(&self) -> Option<f64> {
         if let Self::Fitted(fitted) = self { fitted.relative_error } else { None }
     }
 
-    /// Number of coefficients.
+    /// Returns the number of coefficients.
     pub(super) fn coefficients(&self) -> Option<usize> {
         let Self::Fitted(fitted) = self else { return None };
         fitted.expansion.as_ref().map(|expansion| expansion.coefficients().len())
     }
 }
 
-/// Variance of a sample.
+/// Returns the variance of a sample.
 fn spread(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     values.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / n
 }
 
-/// Slope of the least-squares line of the values over the first variable; 0 where that does not vary.
+/// Returns the slope of the least-squares line over the first variable; 0 if the variable is constant.
 fn slope(rows: &[Vec<f64>], values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let first = |row: &Vec<f64>| row.first().copied().unwrap_or(0.0);
@@ -131,17 +132,17 @@ fn slope(rows: &[Vec<f64>], values: &[f64]) -> f64 {
     if variance > 0.0 { covariance / variance } else { 0.0 }
 }
 
-/// The errors in groups of samples with neighbouring predictions.
+/// Errors in groups of samples with neighbouring predictions.
 #[derive(Debug, Clone)]
-pub(super) struct ErrorLaws {
-    /// Least prediction of each group after the first.
+pub(super) struct ErrorDistributions {
+    /// Smallest prediction of each group after the first.
     bounds: Vec<f64>,
-    /// The errors of each group, increasing.
+    /// Errors of each group in increasing order.
     groups: Vec<Vec<f64>>,
 }
 
-impl ErrorLaws {
-    /// Groups of about [`GROUP`] of the (prediction, error) pairs.
+impl ErrorDistributions {
+    /// Creates groups of about [`GROUP`] (prediction, error) pairs.
     fn new(mut pairs: Vec<(f64, f64)>) -> Self {
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let groups = (pairs.len() / GROUP).max(1);
@@ -165,13 +166,13 @@ impl ErrorLaws {
 /// Shift, scale and range that make variables dimensionless.
 #[derive(Debug, Clone)]
 pub(super) struct Scaling {
-    /// (mean, standard deviation, least, largest) of each variable that varies, with its position.
+    /// (position, mean, standard deviation, minimum, maximum) of each variable that varies.
     columns: Vec<(usize, f64, f64, f64, f64)>,
 }
 
 impl Scaling {
-    /// The scaling of a sample. Variables that do not vary are dropped.
-    pub(super) fn of(rows: &[Vec<f64>]) -> Self {
+    /// Creates the scaling of a sample. Constant variables are dropped.
+    pub(super) fn new(rows: &[Vec<f64>]) -> Self {
         let n = rows.len() as f64;
         let columns = (0..rows.first().map_or(0, Vec::len))
             .filter_map(|j| {
@@ -186,12 +187,13 @@ impl Scaling {
         Self { columns }
     }
 
-    /// Number of variables that vary.
+    /// Returns the number of variables that vary.
     pub(super) fn variables(&self) -> usize {
         self.columns.len()
     }
 
-    /// The dimensionless variables, limited to the range of the sample so that a polynomial is never extrapolated.
+    /// Returns the dimensionless variables, clamped to the range of the sample so that a polynomial is never
+    /// extrapolated.
     pub(super) fn apply(&self, row: &[f64]) -> Vec<f64> {
         self.columns.iter().map(|&(j, mean, std, least, largest)| (row[j].clamp(least, largest) - mean) / std).collect()
     }
@@ -205,7 +207,7 @@ mod tests {
     #[test]
     fn scaled_variables_are_standardised_limited_and_free_of_constants() {
         let rows = vec![vec![1.0, 5.0], vec![3.0, 5.0], vec![5.0, 5.0]];
-        let scaling = Scaling::of(&rows);
+        let scaling = Scaling::new(&rows);
         assert_eq!(scaling.variables(), 1);
         let std = (8.0_f64 / 3.0).sqrt();
         assert_eq!(scaling.apply(&[3.0, 5.0]), [0.0]);
@@ -213,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polynomial_with_spread_that_grows_is_found_with_its_errors() {
+    fn a_heteroscedastic_polynomial_is_fitted_with_its_errors() {
         // q = x² + (1 + |x|)/10 η.
         let xi = standard_normal(&mut stream(1, "predictor", 0), 8000);
         let rows: Vec<Vec<f64>> = xi[..4000].iter().map(|x| vec![*x, 7.0]).collect();
@@ -226,7 +228,7 @@ mod tests {
             assert!((prediction - x * x).abs() < 0.02, "{prediction}");
             let errors = predictor.errors(prediction);
             let spread = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
-            // The relative standard error of the spread of 50 values is 1/√100.
+            // The relative standard error of the standard deviation of 50 values is 1/√100.
             assert!((spread / (0.1 * (1.0 + x)) - 1.0).abs() < 0.4, "{spread}");
         }
     }
@@ -240,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_is_predicted_by_its_mean() {
+    fn constants_are_predicted_by_their_mean() {
         let rows = vec![vec![1.0]; 60];
         let values: Vec<f64> = (0..60).map(f64::from).collect();
         let predictor = Predictor::fit(&rows, &values, 3).unwrap();

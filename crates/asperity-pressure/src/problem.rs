@@ -1,4 +1,4 @@
-//! Which random pressure is asked for.
+//! Random pressure at one cell of a surface.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ pub struct Problem<'a> {
     stiffness: bool,
 }
 
-/// What one contact solution says about the cell.
+/// Results of one contact solution at a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
     /// Pressure in pascal; 0 out of contact.
@@ -30,26 +30,26 @@ pub struct Observation {
     pub gap_m: f64,
     /// Plastic displacement in metre; 0 where the pressure is below the hardness.
     pub plastic_displacement_m: f64,
-    /// Means of pressure, gap and plastic displacement over the four cells beside it, in the same units; across the edges of a periodic
-    /// map, and of a free one as many as there are.
+    /// Means of pressure, gap and plastic displacement over the four neighbours of the cell, in the same units.
+    /// Neighbours across the edges count on a periodic map; on a free map only existing neighbours count.
     pub beside: [f64; 3],
     /// Height of the plane above the mean of the map, in metre.
     pub separation_m: f64,
-    /// Share A_c/A of the cells in contact.
+    /// Fraction A_c/A of the cells in contact.
     pub contact_fraction: f64,
     /// Load over the nominal area in pascal.
     pub mean_pressure_pa: f64,
     /// Mean gap in metre.
     pub mean_gap_m: f64,
-    /// Rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, where it was asked for.
+    /// Contact stiffness dp̄/dδ in Pa/m, if it was computed.
     pub stiffness_pa_per_m: Option<f64>,
     /// Iterations of the solver.
     pub iterations: usize,
 }
 
 impl Observation {
-    /// What `solution` says about `cell`; nothing of the stiffness.
-    pub(super) fn of(solution: &Solution, cell: (usize, usize)) -> Self {
+    /// Extracts the results of `solution` at `cell`, without the stiffness.
+    pub(super) fn from_solution(solution: &Solution, cell: (usize, usize)) -> Self {
         Self {
             pressure_pa: solution.pressure_pa()[cell],
             gap_m: solution.gap_at_m(cell),
@@ -65,7 +65,7 @@ impl Observation {
     }
 }
 
-/// Means over the cells beside one.
+/// Returns the means over the neighbours of a cell.
 fn beside(solution: &Solution, (row, column): (usize, usize)) -> [f64; 3] {
     let (ny, nx) = solution.grid().shape();
     let wraps = solution.boundary() != Boundary::Free;
@@ -90,7 +90,7 @@ fn beside(solution: &Solution, (row, column): (usize, usize)) -> [f64; 3] {
     sums.map(|sum| sum / count.max(1.0))
 }
 
-/// Why one contact problem has no answer.
+/// Reason why a contact problem has no solution.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FailureReason {
     /// The generated map is not complete.
@@ -102,14 +102,14 @@ pub enum FailureReason {
     /// The solver stopped before its tolerance.
     #[error("no convergence in {iterations} iterations: residual {residual:.1e}, wanted {tolerance:.1e}")]
     NotConverged {
-        /// Iterations made.
+        /// Number of iterations.
         iterations: usize,
         /// Largest residual reached.
         residual: f64,
         /// Tolerance of the solver.
         tolerance: f64,
     },
-    /// The stiffness of the contact was not found.
+    /// The stiffness of the contact did not converge.
     #[error("no stiffness in {iterations} iterations: residual {residual:.1e}, wanted {tolerance:.1e}")]
     Stiffness {
         /// Iterations made.
@@ -135,11 +135,11 @@ impl fmt::Debug for Problem<'_> {
 }
 
 impl<'a> Problem<'a> {
-    /// The pressure at the centre cell `[ny/2, nx/2]`; `hardness_pa = None` is elastic.
+    /// Creates the problem of the pressure at the centre cell `[ny/2, nx/2]`; `hardness_pa = None` is elastic.
     ///
-    /// In random studies the plane is fixed in space, [`Control::Plane`]: one that X % of the ensemble's heights exceed lies
-    /// at the (1 − X/100) quantile of their marginal law. Under any other control each map has a plane of its own. A
-    /// control out of range makes every sample fail with its reason.
+    /// In random studies the plane is fixed in space, [`Control::Plane`]: a plane that X % of the ensemble's heights
+    /// exceed lies at the (1 − X/100) quantile of their marginal distribution. Under any other control each map has its
+    /// own plane. A control out of range makes every sample fail with its reason.
     ///
     /// # Errors
     /// The surface and the half-space have different grids, or the hardness is not positive.
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
         Ok(Self { surface, half_space, control, hardness_pa, cell, solver: Solver::default(), stiffness: false })
     }
 
-    /// The same at another cell (row, column).
+    /// Returns the problem at another cell (row, column).
     ///
     /// # Errors
     /// The cell lies outside the grid.
@@ -172,65 +172,68 @@ impl<'a> Problem<'a> {
         Ok(Self { cell: (row, column), ..self })
     }
 
-    /// The same with another solver.
+    /// Returns the problem with another solver.
     pub fn with_solver(self, solver: Solver) -> Self {
         Self { solver, ..self }
     }
 
-    /// The same with the stiffness of every contact, dp̄/dδ with the approach δ of the plane: one linear problem more for each.
+    /// Returns the problem with the contact stiffness dp̄/dδ of every contact, where δ is the approach of the plane.
+    /// This costs one more linear problem per contact.
     ///
-    /// The cells in contact are held and plastic ones keep their pressure, as on the way down. The mean compliance of a periodic
-    /// half-space is part of it, 1/(dp̄/dδ) = 1/k + c, unlike in [`StiffnessSolver`](contact::StiffnessSolver), which has k alone.
+    /// The contact area is held fixed and plastic cells keep their pressure, as during loading. The mean compliance c
+    /// of a periodic half-space is included, 1/(dp̄/dδ) = 1/k + c, unlike in
+    /// [`StiffnessSolver`](contact::StiffnessSolver), which returns k alone.
     pub fn with_stiffness(self) -> Self {
         Self { stiffness: true, ..self }
     }
 
-    /// The random surface.
+    /// Returns the random surface.
     pub fn surface(&self) -> &'a dyn RandomSurface {
         self.surface
     }
 
-    /// The half-space.
+    /// Returns the half-space.
     pub fn half_space(&self) -> &'a HalfSpace {
         self.half_space
     }
 
-    /// What is prescribed.
+    /// Returns the prescribed control.
     pub fn control(&self) -> Control {
         self.control
     }
 
-    /// Upper bound of the pressure in pascal, if any.
+    /// Returns the upper bound of the pressure in pascal, if any.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
     }
 
-    /// Whether the pressures of all cells have the same law: a stationary surface on a periodic half-space.
+    /// Returns whether the pressures of all cells have the same distribution: a stationary surface on a periodic
+    /// half-space.
     pub fn cells_are_alike(&self) -> bool {
         self.half_space.boundary() != Boundary::Free && self.surface.is_periodic_and_stationary()
     }
 
-    /// How contact problems are solved.
+    /// Returns the solver settings.
     pub fn solver(&self) -> Solver {
         self.solver
     }
 
-    /// Whether the stiffness of every contact is found too.
+    /// Returns whether the stiffness of every contact is computed.
     pub fn has_stiffness(&self) -> bool {
         self.stiffness
     }
 
-    /// The cell (row, column).
+    /// Returns the cell (row, column).
     pub fn cell(&self) -> (usize, usize) {
         self.cell
     }
 
-    /// Solves the contact of one germ's map.
+    /// Solves the contact of the map with normal variables `xi`.
     ///
     /// # Errors
     /// The map is incomplete or flat, or the solver did not converge.
-    pub fn solve(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Solution, FailureReason> {
-        let map = self.surface.generate(germ);
+    pub fn solve(&self, xi: &[f64], workspace: &mut Workspace) -> Result<Solution, FailureReason> {
+        let map = self.surface.generate(xi);
         let heights_m = map.complete_heights_m()?;
         let problem = contact::Problem::new(self.half_space, heights_m, self.control, self.hardness_pa)?;
         let solution = self.solver.solve_with(&problem, workspace)?;
@@ -244,26 +247,26 @@ impl<'a> Problem<'a> {
         Ok(solution)
     }
 
-    /// What the contact of one germ's map says about the cell.
+    /// Solves the contact of the map with normal variables `xi` and returns the results at the cell.
     ///
     /// # Errors
-    /// As [`Problem::solve`].
-    pub fn observe(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
-        let solution = self.solve(germ, workspace)?;
+    /// See [`Problem::solve`].
+    pub fn observe(&self, xi: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
+        let solution = self.solve(xi, workspace)?;
         self.observation(&solution, workspace)
     }
 
-    /// What a solution of this problem says about the cell, and its stiffness if that is asked for.
+    /// Extracts the results of a solution at the cell, with the stiffness if required.
     pub(super) fn observation(
         &self,
         solution: &Solution,
         workspace: &mut Workspace,
     ) -> Result<Observation, FailureReason> {
-        let observation = Observation::of(solution, self.cell);
+        let observation = Observation::from_solution(solution, self.cell);
         if !self.stiffness {
             return Ok(observation);
         }
-        let found = stiffness::of_approach_pa_per_m(self.half_space, solution, stiffness::TOLERANCE, workspace)?;
+        let found = stiffness::approach_stiffness_pa_per_m(self.half_space, solution, stiffness::TOLERANCE, workspace)?;
         match found.short {
             Some(reason) => Err(reason),
             None => Ok(Observation { stiffness_pa_per_m: Some(found.pascal_per_m), ..observation }),
@@ -280,7 +283,7 @@ mod tests {
     #[test]
     fn the_summit_of_a_lifted_sphere_has_the_pressure_of_hertz() {
         let (radius_m, modulus_pa) = (1e-3, 2e11);
-        let grid = Grid::covering(65, 65, 65e-6, 65e-6).unwrap();
+        let grid = Grid::with_size(65, 65, 65e-6, 65e-6).unwrap();
         let sphere = Shape::new(grid, 1e-7, |x, y| -((x - 32.5e-6).powi(2) + (y - 32.5e-6).powi(2)) / (2.0 * radius_m));
         let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free).unwrap();
         let problem = Problem::new(&sphere, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
@@ -297,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn inconsistent_arguments_are_rejected() {
         let grid = Grid::new(4, 4, 1.0, 1.0).unwrap();
         let shape = Shape::new(grid, 1.0, |x, _| x);
         let other = HalfSpace::new(Grid::new(5, 4, 1.0, 1.0).unwrap(), 1.0, Boundary::Free).unwrap();

@@ -1,4 +1,4 @@
-//! Contact solutions on a design of germs.
+//! Contact solutions on a design of samples ξ.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -6,42 +6,42 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::field_samples::{FieldSamples, FieldSums, signed};
 use crate::{FailureReason, Observation, PressureError, Problem};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_chaos::{Design, SamplingMethod, StepLaw};
+use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
-/// A sample without an answer.
+/// Sample without a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// Index of the sample in its design.
     pub index: usize,
-    /// Why.
+    /// Reason of the failure.
     pub reason: FailureReason,
 }
 
-/// Which germs are solved.
+/// Settings of a sampled run.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling<'a> {
-    /// How the germs are placed.
+    /// Placement of the samples ξ.
     pub method: SamplingMethod,
-    /// Independent randomisations among which they are divided.
+    /// Number of independent randomisations among which the samples are divided.
     pub replicates: usize,
-    /// Seed and name of the run: runs of another name are independent.
+    /// Seed. Runs with another stage are independent.
     pub seed: u64,
-    /// See `seed`.
+    /// Name of the run.
     pub stage: &'a str,
-    /// Number of germs; rounded up to as many for every replicate.
+    /// Number of samples, rounded up to a multiple of the replicates.
     pub samples: usize,
-    /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
+    /// Stride along either side of the cells whose pressures are kept in addition to the problem's cell.
     pub site_stride: Option<usize>,
-    /// Bytes of whole pressure fields that are kept at most, of the leading samples; beside them every cell's sum over all
-    /// samples. `None` keeps neither.
+    /// Memory limit in bytes for whole pressure fields of the leading samples; every cell's sum over all samples is
+    /// kept as well. `None` keeps neither.
     pub field_bytes: Option<usize>,
-    /// Least share (0 to 1) of the contact problems that have to be solved.
-    pub valid_share: f64,
+    /// Smallest fraction (0 to 1) of the contact problems that must be solved.
+    pub valid_fraction: f64,
 }
 
 impl<'a> Sampling<'a> {
-    /// So many independent germs.
-    pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_share: f64) -> Self {
+    /// Creates the settings for independent samples.
+    pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_fraction: f64) -> Self {
         Self {
             method: SamplingMethod::MonteCarlo,
             replicates: 1,
@@ -50,31 +50,31 @@ impl<'a> Sampling<'a> {
             samples,
             site_stride: None,
             field_bytes: None,
-            valid_share,
+            valid_fraction,
         }
     }
 }
 
-/// The pressures of a design of germs, in index order, and the samples that failed.
+/// Pressures of a design of samples in index order, and the failed samples.
 #[derive(Debug, Clone)]
 pub struct Samples {
-    /// One for each replicate, equally large.
+    /// One design for each replicate, equally large.
     designs: Vec<Design>,
-    /// Indices of the samples that were solved.
+    /// Indices of the solved samples.
     indices: Vec<usize>,
     observations: Vec<Observation>,
-    /// Pressures of the sites in pascal, of each solved sample.
+    /// Pressures of the sites in pascal for each solved sample.
     sites: Vec<Vec<f32>>,
     fields: Option<FieldSamples>,
     failures: Vec<Failure>,
 }
 
-/// Solves the contact problems in parallel; the result does not depend on the number of threads.
+/// Solves the contact problems in parallel. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// The design cannot be made, fewer than the wanted share of the problems were solved, or the monitor cancelled.
+/// The design cannot be created, too few problems were solved, or the monitor cancelled.
 pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
-    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_share } = sampling;
+    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_fraction } = sampling;
     let each = samples.div_ceil(replicates.max(1));
     let design = Design::new(method, seed, stage, each, problem.surface().xi_len())?;
     let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
@@ -87,12 +87,12 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
         .into_par_iter()
         .map_init(
             || (problem.half_space().workspace(), vec![0.0; design.dimensions()]),
-            |(workspace, germ), index| {
+            |(workspace, xi), index| {
                 if monitor.cancelled() {
                     return Err(Cancelled);
                 }
-                designs[index / each].fill_germ(index % each, germ);
-                let outcome = problem.solve(germ, workspace).and_then(|solution| {
+                designs[index / each].fill_xi(index % each, xi);
+                let outcome = problem.solve(xi, workspace).and_then(|solution| {
                     let observation = problem.observation(&solution, workspace)?;
                     let stride = site_stride.unwrap_or(usize::MAX);
                     let sites = solution.pressure_pa().indexed_iter();
@@ -132,12 +132,12 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
         }
     }
     match solved.failures.first() {
-        Some(first) if (solved.indices.len() as f64) < valid_share * samples as f64 || solved.indices.is_empty() => {
+        Some(first) if (solved.indices.len() as f64) < valid_fraction * samples as f64 || solved.indices.is_empty() => {
             Err(PressureError::TooFewValid {
                 stage: stage.to_owned(),
                 valid: solved.indices.len(),
                 samples,
-                wanted_percent: 100.0 * valid_share,
+                wanted_percent: 100.0 * valid_fraction,
                 first_index: first.index,
                 first_reason: first.reason.clone(),
             })
@@ -147,90 +147,90 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
 }
 
 impl Samples {
-    /// Number of samples with an answer.
+    /// Returns the number of solved samples.
     pub fn len(&self) -> usize {
         self.indices.len()
     }
 
-    /// Whether no sample has an answer: never, [`solve`] refuses that.
+    /// Returns false: [`solve`] refuses runs without a solved sample.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
 
-    /// Number of contact problems posed, failed ones included.
+    /// Returns the number of contact problems including failed ones.
     pub fn posed(&self) -> usize {
         self.designs.iter().map(Design::samples).sum()
     }
 
-    /// What the solutions say, in index order.
+    /// Returns the results of the solutions in index order.
     pub fn observations(&self) -> &[Observation] {
         &self.observations
     }
 
-    /// The samples without an answer, in index order.
+    /// Returns the failed samples in index order.
     pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
 
-    /// The whole germ of the solved sample number `position`.
-    pub fn germ(&self, position: usize) -> Vec<f64> {
+    /// Returns the normal variables ξ of the solved sample number `position`.
+    pub fn xi(&self, position: usize) -> Vec<f64> {
         let (index, each) = (self.indices[position], self.designs[0].samples());
-        self.designs[index / each].germ(index % each)
+        self.designs[index / each].xi(index % each)
     }
 
-    /// The leading `variables` germ values of every solved sample.
-    pub fn leading_germs(&self, variables: usize) -> Vec<Vec<f64>> {
+    /// Returns the leading `variables` entries of ξ of every solved sample.
+    pub fn leading_xi(&self, variables: usize) -> Vec<Vec<f64>> {
         (0..self.len())
             .map(|position| {
-                let mut germ = self.germ(position);
-                germ.truncate(variables);
-                germ
+                let mut xi = self.xi(position);
+                xi.truncate(variables);
+                xi
             })
             .collect()
     }
 
-    /// Number of independent randomisations.
+    /// Returns the number of independent randomisations.
     pub fn replicates(&self) -> usize {
         self.designs.len()
     }
 
-    /// The randomisation of the solved sample number `position`.
+    /// Returns the randomisation of the solved sample number `position`.
     pub(super) fn replicate_of(&self, position: usize) -> usize {
         self.indices[position] / self.designs[0].samples()
     }
 
-    /// Pressures of the sites that were kept in pascal, of each solved sample.
+    /// Returns the kept pressures of the sites in pascal for each solved sample.
     pub fn sites(&self) -> &[Vec<f32>] {
         &self.sites
     }
 
-    /// Fields, if they were asked for.
+    /// Returns the fields if they were requested.
     pub(super) fn fields(&self) -> Option<&FieldSamples> {
         self.fields.as_ref()
     }
 
-    /// The same without fields.
+    /// Returns the samples without fields.
     pub(super) fn without_fields(self) -> Self {
         Self { fields: None, ..self }
     }
 
-    /// Number K of samples in contact.
+    /// Returns the number K of samples in contact.
     pub fn in_contact(&self) -> usize {
         self.observations.iter().filter(|o| o.pressure_pa > 0.0).count()
     }
 
-    /// K/K_t, the share of samples in contact.
+    /// Returns K/K_t, the fraction of samples in contact.
     pub fn contact_probability(&self) -> f64 {
         self.in_contact() as f64 / self.len() as f64
     }
 
-    /// The empirical law of the pressure in pascal.
+    /// Returns the empirical distribution of the pressure in pascal.
     ///
     /// # Errors
     /// A pressure is not finite.
-    pub fn law(&self) -> Result<StepLaw, PressureError> {
+    pub fn distribution(&self) -> Result<DiscreteDistribution, PressureError> {
         let pressures: Vec<f64> = self.observations.iter().map(|o| o.pressure_pa).collect();
-        Ok(StepLaw::empirical(&pressures)?)
+        Ok(DiscreteDistribution::empirical(&pressures)?)
     }
 }
 
@@ -243,7 +243,7 @@ mod tests {
     use asperity_contact::{Boundary, ContactError, Control, HalfSpace};
     use asperity_surface::RandomSurface;
 
-    /// Flat, and therefore refused by the contact solver, whenever ξ < `flat_below`.
+    /// Surface that is flat, and therefore refused by the contact solver, for ξ < `flat_below`.
     struct OftenFlat {
         grid: Grid,
         flat_below: f64,
@@ -258,17 +258,17 @@ mod tests {
             self.grid
         }
 
-        fn generate(&self, germ: &[f64]) -> HeightMap {
-            let amplitude = if germ[0] < self.flat_below { 0.0 } else { 1.0 };
+        fn generate(&self, xi: &[f64]) -> HeightMap {
+            let amplitude = if xi[0] < self.flat_below { 0.0 } else { 1.0 };
             HeightMap::from_function(self.grid, |x, y| amplitude * (x + 2.0 * y).sin()).unwrap()
         }
     }
 
-    fn solve_often_flat(flat_below: f64, valid_share: f64) -> Result<Samples, PressureError> {
+    fn solve_often_flat(flat_below: f64, valid_fraction: f64) -> Result<Samples, PressureError> {
         let surface = OftenFlat { grid: Grid::new(6, 6, 1.0, 1.0).unwrap(), flat_below };
         let half_space = HalfSpace::new(surface.grid, 1.0, Boundary::Free).unwrap();
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.5 }, None)?;
-        let sampling = Sampling::monte_carlo(1, "often_flat", 40, valid_share);
+        let sampling = Sampling::monte_carlo(1, "often_flat", 40, valid_fraction);
         solve(&problem, Sampling { method: SamplingMethod::LatinHypercube, ..sampling }, &Silent)
     }
 
@@ -281,7 +281,7 @@ mod tests {
             assert_eq!(failure.reason, FailureReason::Contact(ContactError::Flat));
             assert!((0..samples.len()).all(|i| samples.indices[i] != failure.index));
         }
-        assert!((0..samples.len()).all(|i| samples.germ(i)[0] > -1.645));
+        assert!((0..samples.len()).all(|i| samples.xi(i)[0] > -1.645));
     }
 
     #[test]
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_run_says_so_and_a_watched_one_counts_to_the_end() {
+    fn a_cancelled_run_returns_an_error_and_progress_reaches_the_total() {
         struct Watch {
             cancel: bool,
             most: AtomicUsize,
@@ -318,16 +318,16 @@ mod tests {
     }
 
     #[test]
-    fn one_sample_solved_alone_is_the_same_as_in_its_run() {
+    fn a_single_sample_equals_that_of_its_run() {
         let (surface, half_space) = gaussian_surface(12, 10);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let sampling = Sampling { replicates: 4, ..Sampling::monte_carlo(3, "alone", 20, 0.95) };
         let samples = solve(&problem, Sampling { method: SamplingMethod::Sobol, ..sampling }, &Silent).unwrap();
         let design = Design::new(SamplingMethod::Sobol, 3, "alone", 5, 10).unwrap();
-        let germ = design.replicate(2).unwrap().germ(3);
-        assert_eq!(samples.germ(13), germ);
+        let xi = design.replicate(2).unwrap().xi(3);
+        assert_eq!(samples.xi(13), xi);
         assert_eq!((samples.replicate_of(13), samples.replicates()), (2, 4));
-        let alone = problem.observe(&germ, &mut half_space.workspace()).unwrap();
+        let alone = problem.observe(&xi, &mut half_space.workspace()).unwrap();
         assert_eq!(samples.observations()[13], alone);
     }
 }

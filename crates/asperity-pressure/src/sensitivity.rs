@@ -1,4 +1,4 @@
-//! Which variables of a random surface matter.
+//! Sensitivity of contact results to the variables of a random surface.
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -11,59 +11,60 @@ use asperity_chaos::{
     SparseRegression,
 };
 
-/// Most variables around the cell.
+/// Maximum number of variables around the cell.
 const MOST_LOCAL: usize = 8;
-/// Most terms of an expansion, and samples for each.
+/// Maximum number of terms of an expansion, and samples per term.
 const MOST_TERMS: usize = 40;
 const SAMPLES_PER_TERM: usize = 4;
-/// Resamples of the intervals.
+/// Number of resamples for the intervals.
 const RESAMPLES: usize = 200;
 /// Quantities whose indices are estimated.
 const QUANTITIES: [Quantity; 3] = [Quantity::Pressure, Quantity::ContactFraction, Quantity::MeanPressure];
 
-/// Which variables of the germ.
+/// Set of variables ξ for the indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VariableSet {
-    /// The height of the cell, and what is new in the mean heights of rings around it whose radii double.
+    /// The height of the cell, and the orthogonal parts of the mean heights of rings around it whose radii double.
     Local,
-    /// The leading ones of the germ.
+    /// The leading variables ξ.
     Global,
 }
 
 /// Sobol' indices of a quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
-    /// The quantity; the pressure is continued below zero by the gap and beyond the hardness by the plastic displacement.
+    /// Quantity. The pressure is continued below zero by the gap and beyond the hardness by the plastic displacement.
     pub quantity: Quantity,
-    /// The variables.
+    /// Variables.
     pub variables: VariableSet,
-    /// The indices, or why there are none.
+    /// Indices, or the reason why there are none.
     pub outcome: Result<SensitivityIndices, SensitivityError>,
 }
 
 /// Sobol' indices from a sparse expansion.
 ///
-/// Shares of the variance that the expansion explains; what it leaves, `cross_validated_error`, is the share of other
-/// variables, of higher degrees, and of errors of the fit. Intervals are those of the coefficients: the terms are chosen once.
+/// They are fractions of the variance that the expansion explains. `cross_validated_error` is the unexplained fraction,
+/// due to other variables, higher degrees and errors of the fit. Intervals are those of the coefficients, because the
+/// terms are chosen once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensitivityIndices {
     /// Name of each variable.
     pub names: Vec<String>,
     /// First-order and total indices with intervals.
     pub indices: IndexEstimates,
-    /// Terms of the expansion.
+    /// Number of terms of the expansion.
     pub terms: usize,
-    /// Mean square error of cross-validation over the variance of the quantity.
+    /// Mean square error of cross-validation divided by the variance of the quantity.
     pub cross_validated_error: Option<f64>,
 }
 
-/// Why there are no indices.
+/// Reason why there are no indices.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SensitivityError {
-    /// The germ is too long to find the response of single heights.
-    #[error("the germ is too long for variables around the cell")]
+    /// There are too many variables ξ to compute the response of single heights.
+    #[error("too many normal variables to rotate them to the cell")]
     NoVariables,
-    /// The basis could not be made.
+    /// The basis could not be created.
     #[error(transparent)]
     Basis(#[from] BasisError),
     /// There is no expansion.
@@ -74,9 +75,9 @@ pub enum SensitivityError {
     Indices(#[from] IndexError<RegressionError>),
 }
 
-/// Indices of all quantities with respect to variables around the cell and to up to `leading` leading ones, by expansions of total
-/// degree `degree`.
-pub(super) fn of(
+/// Estimates indices of all quantities with respect to variables around the cell and to up to `leading` leading
+/// variables ξ, by expansions of total degree `degree`.
+pub(super) fn estimate(
     problem: &Problem<'_>,
     samples: &Samples,
     leading: usize,
@@ -84,11 +85,11 @@ pub(super) fn of(
     seed: u64,
 ) -> Vec<Sensitivity> {
     let sets = [
-        (VariableSet::Local, NamedDirections::of_cell(problem, MOST_LOCAL)),
+        (VariableSet::Local, NamedDirections::from_cell(problem, MOST_LOCAL)),
         (VariableSet::Global, NamedDirections::leading(problem.surface().xi_len(), leading)),
     ];
     let sets = sets.map(|(set, named)| {
-        let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.of(&samples.germ(i))).collect();
+        let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.apply(&samples.xi(i))).collect();
         (set, named.names, rows)
     });
     let pairs: Vec<(Quantity, usize)> =
@@ -147,8 +148,8 @@ mod tests {
     use asperity_base::random::{standard_normal, stream};
 
     #[test]
-    fn indices_of_a_known_polynomial_are_its_variance_shares() {
-        // 2 x₀ + x₁ x₂ + 0.5 η: shares 4/5 and 1/5 of what the variables say, and 1/21 left.
+    fn indices_of_a_known_polynomial_are_its_variance_fractions() {
+        // 2 x₀ + x₁ x₂ + 0.5 η: fractions 4/5 and 1/5 of the explained variance, and 1/21 unexplained.
         let rows: Vec<Vec<f64>> = (0..500).map(|i| standard_normal(&mut stream(1, "sensitivity", i), 4)).collect();
         let values: Vec<f64> = rows.iter().map(|x| 2.0 * x[0] + x[1] * x[2] + 0.5 * x[3]).collect();
         let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row[..3].to_vec()).collect();
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_and_what_has_no_variables_are_reasons() {
+    fn constants_and_missing_variables_are_reported_as_reasons() {
         let rows: Vec<Vec<f64>> = (0..50).map(|i| standard_normal(&mut stream(1, "sensitivity", i), 2)).collect();
         let names = ["a", "b"].map(str::to_owned);
         let constant = indices(&names, &rows, &[3.0; 50], 2, 1);

@@ -1,17 +1,18 @@
-//! The stiffness of a contact as its plane feels it.
+//! Stiffness of a contact with respect to the approach of its plane.
 
 use crate::FailureReason;
 use asperity_base::monitor::Silent;
 use asperity_contact::{Boundary, HalfSpace, Solution, StiffnessSolver, Workspace};
 
-/// Tolerance of the stiffness of fine contacts, which errs by its square, and of coarse ones.
+/// Tolerance of the stiffness of fine contacts, which has an error of second order, and of coarse contacts.
 pub(super) const TOLERANCE: f64 = 1e-4;
 pub(super) const LOOSE_TOLERANCE: f64 = 1e-2;
 
-/// Rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, the cells in contact held: 1/(1/k + c) with the stiffness k of the
-/// interface ([`StiffnessSolver`], loading) and the mean compliance c of a periodic half-space, which yields beside it (0 on the free
-/// boundary). 0 without contact, 1/c in complete contact.
-pub(super) fn of_approach_pa_per_m(
+/// Returns the rise dp̄/dδ of the mean pressure as the plane approaches, in Pa/m, for a fixed contact area.
+///
+/// It is 1/(1/k + c) with the stiffness k of the interface ([`StiffnessSolver`], loading) and the mean compliance c of
+/// a periodic half-space (0 for the free boundary): 0 without contact, 1/c in complete contact.
+pub(super) fn approach_stiffness_pa_per_m(
     half_space: &HalfSpace,
     solution: &Solution,
     tolerance: f64,
@@ -27,13 +28,13 @@ pub(super) fn of_approach_pa_per_m(
     Ok(Approach { pascal_per_m: 1.0 / (1.0 / found.pascal_per_m + mean_compliance_m_per_pa(half_space)), short })
 }
 
-/// A stiffness, and what it falls short of, if of anything.
+/// Stiffness, with the reason if it did not converge.
 pub(super) struct Approach {
     pub(super) pascal_per_m: f64,
     pub(super) short: Option<FailureReason>,
 }
 
-/// The stiffness that no contact on a half-space exceeds: that of its mean mode.
+/// Returns the upper bound of the stiffness of contacts on a half-space, the stiffness of its mean mode.
 pub(super) fn largest_pa_per_m(half_space: &HalfSpace) -> f64 {
     1.0 / mean_compliance_m_per_pa(half_space)
 }
@@ -61,7 +62,7 @@ mod tests {
     #[test]
     fn complete_contact_has_the_stiffness_of_the_mean_mode_and_no_contact_none() {
         let compliance = 4e-15;
-        let grid = Grid::covering(8, 8, 1e-4, 1e-4).unwrap();
+        let grid = Grid::with_size(8, 8, 1e-4, 1e-4).unwrap();
         let wave = Shape::new(grid, 1e-6, |x, _| 1e-10 * (TAU * x / 1e-4).cos());
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };
         let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
@@ -77,7 +78,7 @@ mod tests {
     #[test]
     fn a_pressed_wave_yields_with_its_interface_and_its_mean_mode_in_series() {
         // Westergaard with s = p̄/p*: the mean gap falls by λ ln(1/s)/(π E*) per mean pressure.
-        let grid = Grid::covering(256, 4, 1.0, 4.0 / 256.0).unwrap();
+        let grid = Grid::with_size(256, 4, 1.0, 4.0 / 256.0).unwrap();
         let wave = Shape::new(grid, 1.0, |x, _| 0.01 * (TAU * x).cos());
         let compliance = 0.2;
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };
@@ -92,8 +93,9 @@ mod tests {
         }
     }
 
-    /// Mean over maps of the stiffness against that of central differences of the mean pressure of the same maps, and the
-    /// share of maps on which both agree: the load is piecewise linear in the approach, and some maps have a kink between.
+    /// Compares the mean stiffness over maps with central differences of the mean pressure of the same maps, and bounds
+    /// the fraction of maps on which both agree. The load is piecewise linear in the approach, and some maps have a
+    /// kink in between.
     fn against_differences(surface: &dyn RandomSurface, half_space: &HalfSpace, hardness_pa: Option<f64>) {
         let (step_m, count) = (1e-4, 40);
         let solver = Solver { tolerance: 1e-11, ..Solver::default() };
@@ -104,11 +106,11 @@ mod tests {
         let mut workspace = half_space.workspace();
         let (mut sums, mut agree, mut plastic) = ([0.0; 2], 0, 0);
         for i in 0..count {
-            let germ = standard_normal(&mut stream(3, "stiffness", i), surface.xi_len());
-            let solution = under(0.3).solve(&germ, &mut workspace).unwrap();
+            let xi = standard_normal(&mut stream(3, "stiffness", i), surface.xi_len());
+            let solution = under(0.3).solve(&xi, &mut workspace).unwrap();
             plastic += usize::from(solution.pressure_pa().iter().any(|p| Some(*p) == hardness_pa));
-            let found = under(0.3).with_stiffness().observe(&germ, &mut workspace).unwrap().stiffness_pa_per_m.unwrap();
-            let mut load = |height_m: f64| under(height_m).observe(&germ, &mut workspace).unwrap().mean_pressure_pa;
+            let found = under(0.3).with_stiffness().observe(&xi, &mut workspace).unwrap().stiffness_pa_per_m.unwrap();
+            let mut load = |height_m: f64| under(height_m).observe(&xi, &mut workspace).unwrap().mean_pressure_pa;
             let wanted = (load(0.3 - step_m) - load(0.3 + step_m)) / (2.0 * step_m);
             agree += usize::from((found - wanted).abs() <= 1e-5 * wanted);
             sums = [sums[0] + found, sums[1] + wanted];

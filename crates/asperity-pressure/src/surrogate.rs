@@ -1,15 +1,16 @@
-//! Laws from models that are cheap to evaluate, and how far from the truth they are.
+//! Distributions from surrogate models, with estimates of their errors.
 //!
-//! A [`Surrogate`] is fitted to samples; its law is its own, whatever it is worth. What it is off by is estimated from samples that
-//! it was not fitted to: on the same germs the truth and the law that the model gives are both known. With h_f the law given
-//! the germ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
+//! A [`Surrogate`] is fitted to samples and has a distribution of its own. Its error is estimated from samples that
+//! were not used for the fit, for which both the true value and the conditional distribution of the model are known.
+//! Let h_f be the model's distribution function given ξ, fitted to all samples except part f of ten, and s(t) = 1(p ≤
+//! t). Then
 //!
 //! F̃(t) = mean_i [s_i(t) − β (h_f(t | ξ_i) − E h_f(t))]
 //!
-//! over all samples i, each with its part f, has the expectation F(t) for every β; that of least variance, kept between 0 and 1, is
-//! taken from the samples (control variates), so that a bad model does not widen what is known without it. The difference from
-//! the model's own law is its bias, and the spread of the terms tells the error of F̃. Intervals are those of F̃: they are corrected for
-//! the bias, and where that is large the model's own value lies beside them.
+//! over all samples i, each with its part f, has the expectation F(t) for every β. The β of minimum variance, limited
+//! to 0 … 1, is estimated from the samples (control variates), so that a bad model does not increase the error of plain
+//! counting. The difference between the model's own distribution and F̃ is its bias, and the variance of the terms
+//! gives the error of F̃. Intervals are those of F̃; if the bias is large, they may not contain the model's own value.
 //!
 //! # References
 //! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
@@ -17,74 +18,75 @@
 
 use rayon::prelude::*;
 
-use crate::adapted::Adapted;
 use crate::band::{Moments, Total};
 use crate::estimate::nodes;
+use crate::multilevel::RARE;
 use crate::nested::kappa_pa_per_m;
-use crate::telescope::RARE;
+use crate::rotated_variables::RotatedVariables;
 use crate::{Band, Estimate, MethodError, Problem, Samples};
 use asperity_base::stats::{Interval, wilson_interval};
-use asperity_chaos::{Design, StepLaw};
+use asperity_chaos::{Design, DiscreteDistribution};
 
-/// Parts into which the samples are split.
+/// Number of parts into which the samples are split.
 const FOLDS: usize = 10;
-/// Most variables of the rotated germ, and the degree of the polynomials that choose them.
+/// Maximum number of rotated variables, and the degree of the polynomials that select them.
 const MOST_VARIABLES: usize = 8;
 const CHOOSING_DEGREE: usize = 3;
 
-/// Pressures in pascal and their probabilities.
-pub type Atoms = Vec<(f64, f64)>;
+/// Pressures in pascal with their probabilities.
+pub type PointMasses = Vec<(f64, f64)>;
 
-/// What a model says.
+/// Fitted surrogate model.
 #[derive(Debug, Clone)]
 pub struct Fitted {
-    /// The law.
-    pub law: Atoms,
-    /// The law given the germ of each sample that was not fitted, in their order.
-    pub given: Vec<Atoms>,
+    /// Distribution of the pressure.
+    pub distribution: PointMasses,
+    /// Conditional distributions given ξ of the samples that were not fitted, in their order.
+    pub given: Vec<PointMasses>,
     pub coefficients: usize,
     pub leave_one_out_error: Option<f64>,
 }
 
-/// A model of the pressure.
+/// Surrogate model of the pressure.
 pub trait Surrogate: Sync {
     /// Fits the samples at increasing positions.
     fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError>;
 }
 
-/// Samples that models are fitted to.
+/// Samples to which models are fitted.
 #[derive(Debug, Clone, Copy)]
-pub struct Evidence<'a> {
+pub struct TrainingSamples<'a> {
     pub pressures_pa: &'a [f64],
-    /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
+    /// Group of each sample, counted from 0. Groups are independent of each other; `None` if all samples are
+    /// independent.
     pub groups: Option<&'a [usize]>,
-    /// Fresh germs on which models are evaluated.
+    /// Number of fresh samples on which models are evaluated.
     pub evaluations: usize,
     /// Upper bound of the pressure: the hardness, or infinity.
     pub largest_pa: f64,
 }
 
-impl Evidence<'_> {
+impl TrainingSamples<'_> {
     fn group(&self, sample: usize) -> usize {
         self.groups.map_or(sample, |groups| groups[sample])
     }
 
-    /// Number of groups.
+    /// Returns the number of groups.
     fn count(&self) -> usize {
         self.groups.map_or(self.pressures_pa.len(), |groups| groups.iter().max().map_or(0, |last| last + 1))
     }
 
-    /// Degrees of freedom of the spread of the groups, where they are few.
+    /// Returns the degrees of freedom of the variance between groups, if there are few groups.
     fn degrees_of_freedom(&self) -> Option<usize> {
         self.groups.map(|_| self.count().saturating_sub(1))
     }
 
-    /// Samples in contact.
+    /// Returns the number of samples in contact.
     fn in_contact(&self) -> usize {
         self.pressures_pa.iter().filter(|p| **p > 0.0).count()
     }
 
-    /// The mean of a vector of each sample with its error.
+    /// Returns the mean over samples of a vector per sample, with its error.
     fn mean(&self, vectors: &[Vec<f64>]) -> Total {
         let length = vectors.first().map_or(0, Vec::len);
         let mut groups = vec![vec![0.0; length]; self.count()];
@@ -99,19 +101,20 @@ impl Evidence<'_> {
         total
     }
 
-    /// The share of samples in contact: its standard error and 95 % interval.
-    pub(super) fn share_in_contact(&self, seed: u64) -> (f64, Interval) {
+    /// Returns the standard error and the 95 % interval of the fraction of samples in contact.
+    pub(super) fn contact_fraction(&self, seed: u64) -> (f64, Interval) {
         let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
-        let share = in_contact as f64 / samples as f64;
+        let fraction = in_contact as f64 / samples as f64;
         if self.groups.is_none() {
-            return ((share * (1.0 - share) / samples as f64).sqrt(), wilson_interval(in_contact, samples));
+            return ((fraction * (1.0 - fraction) / samples as f64).sqrt(), wilson_interval(in_contact, samples));
         }
-        let seen: Vec<Vec<f64>> = self.pressures_pa.iter().map(|p| vec![f64::from(u8::from(*p <= 0.0))]).collect();
-        let band = self.mean(&seen).band(&[0.0], self.degrees_of_freedom(), seed);
+        let observed: Vec<Vec<f64>> = self.pressures_pa.iter().map(|p| vec![f64::from(u8::from(*p <= 0.0))]).collect();
+        let band = self.mean(&observed).band(&[0.0], self.degrees_of_freedom(), seed);
         (band.standard_errors[0], self.contact_interval(&band))
     }
 
-    /// The 95 % interval of P(contact) from the band of F; Wilson's where samples of either kind are rare.
+    /// Returns the 95 % interval of P(contact) from the band of F, or Wilson's interval if samples of either kind are
+    /// rare.
     fn contact_interval(&self, band: &Band) -> Interval {
         let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
         if in_contact.min(samples - in_contact) < RARE {
@@ -122,20 +125,21 @@ impl Evidence<'_> {
     }
 }
 
-/// The law by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
+/// Estimates the distribution by a surrogate, with its bias and error. These are missing if parts of the samples have
+/// no model.
 ///
 /// # Errors
-/// The samples have no model, or it overflows.
-pub fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
-    let samples: Vec<usize> = (0..evidence.pressures_pa.len()).collect();
+/// The samples have no model, or the model overflows.
+pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: u64) -> Result<Estimate, MethodError> {
+    let samples: Vec<usize> = (0..training.pressures_pa.len()).collect();
     let fitted = surrogate.fit(&samples)?;
-    let overflowed = fitted.law.iter().filter(|(p, _)| !p.is_finite()).count();
+    let overflowed = fitted.distribution.iter().filter(|(p, _)| !p.is_finite()).count();
     if overflowed > 0 {
-        return Err(MethodError::Overflow { overflowed, evaluations: evidence.evaluations });
+        return Err(MethodError::Overflow { overflowed, evaluations: training.evaluations });
     }
-    let law = StepLaw::weighted(fitted.law)?;
-    let contact_probability = 1.0 - law.cdf(0.0);
-    let mean_pa = law.mean().min(evidence.largest_pa);
+    let distribution = DiscreteDistribution::weighted(fitted.distribution)?;
+    let contact_probability = 1.0 - distribution.cdf(0.0);
+    let mean_pa = distribution.mean().min(training.largest_pa);
     let own = Estimate {
         contact_probability,
         contact_probability_se: f64::NAN,
@@ -148,83 +152,84 @@ pub fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) ->
         interval_failure: None,
         coefficients: Some(fitted.coefficients),
         leave_one_out_error: fitted.leave_one_out_error,
-        largest_pa: evidence.largest_pa,
-        law,
+        largest_pa: training.largest_pa,
+        distribution,
     };
-    let empirical = StepLaw::empirical(evidence.pressures_pa)?;
+    let empirical = DiscreteDistribution::empirical(training.pressures_pa)?;
     let nodes = nodes(&empirical, samples.len());
-    let unbiased = match held_out(surrogate, evidence, &nodes) {
+    let unbiased = match held_out(surrogate, training, &nodes) {
         Ok(unbiased) => unbiased,
         Err(reason) => return Ok(Estimate { interval_failure: Some(reason), ..own }),
     };
-    let cdf: Vec<f64> = nodes.iter().map(|t| own.law.cdf(*t)).collect();
-    let band = unbiased.band(&nodes, evidence.degrees_of_freedom(), seed).of_biased(cdf);
+    let cdf: Vec<f64> = nodes.iter().map(|t| own.distribution.cdf(*t)).collect();
+    let band = unbiased.band(&nodes, training.degrees_of_freedom(), seed).with_estimate(cdf);
     Ok(Estimate {
         contact_probability_se: band.standard_errors[0],
-        contact_probability_interval: Some(evidence.contact_interval(&band)),
+        contact_probability_interval: Some(training.contact_interval(&band)),
         contact_probability_bias: Some(-band.bias[0]),
-        mean_se_pa: unbiased.standard_error(nodes.len(), evidence.degrees_of_freedom()),
-        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len()).clamp(0.0, evidence.largest_pa)),
-        band: Some(band.widened([evidence.in_contact(), samples.len()])),
+        mean_se_pa: unbiased.standard_error(nodes.len(), training.degrees_of_freedom()),
+        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len()).clamp(0.0, training.largest_pa)),
+        band: Some(band.widened([training.in_contact(), samples.len()])),
         ..own
     })
 }
 
-/// Distribution function at the nodes and mean without bias.
-fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
-    let count = evidence.pressures_pa.len();
+/// Returns the unbiased distribution function at the nodes, and the mean.
+fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
+    let count = training.pressures_pa.len();
     let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
         .into_par_iter()
         .map(|fold| {
-            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| evidence.group(*i) % FOLDS == fold);
+            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| training.group(*i) % FOLDS == fold);
             (held, surrogate.fit(&fitted))
         })
         .collect();
-    let mut seen: Vec<Vec<f64>> = evidence.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
-    let mut said = vec![Vec::new(); count];
+    let mut observed: Vec<Vec<f64>> = training.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
+    let mut predicted = vec![Vec::new(); count];
     for (held, fitted) in parts {
         if held.is_empty() {
             continue;
         }
         let fitted = fitted?;
-        let expected = summary(fitted.law, nodes);
+        let expected = summary(fitted.distribution, nodes);
         for (sample, given) in held.into_iter().zip(fitted.given) {
             let own = summary(given, nodes);
-            said[sample] = own.iter().zip(&expected).map(|(own, expected)| own - expected).collect();
+            predicted[sample] = own.iter().zip(&expected).map(|(own, expected)| own - expected).collect();
         }
     }
-    let slopes: Vec<f64> = (0..=nodes.len()).map(|k| slope(&seen, &said, k)).collect();
-    for (seen, said) in seen.iter_mut().zip(&said) {
-        seen.iter_mut().zip(said).zip(&slopes).for_each(|((seen, said), slope)| {
+    let slopes: Vec<f64> = (0..=nodes.len()).map(|k| slope(&observed, &predicted, k)).collect();
+    for (observed, predicted) in observed.iter_mut().zip(&predicted) {
+        observed.iter_mut().zip(predicted).zip(&slopes).for_each(|((observed, predicted), slope)| {
             if *slope > 0.0 {
-                *seen -= slope * said;
+                *observed -= slope * predicted;
             }
         });
     }
-    let mut total = evidence.mean(&seen);
-    // Fresh germs have an error of their own.
+    let mut total = training.mean(&observed);
+    // The fresh samples add an error of their own.
     let mut fresh = Moments::new(nodes.len() + 1);
-    for said in &said {
-        let used = said.iter().zip(&slopes).map(|(said, slope)| if *slope > 0.0 { slope * said } else { 0.0 });
+    for predicted in &predicted {
+        let used =
+            predicted.iter().zip(&slopes).map(|(predicted, slope)| if *slope > 0.0 { slope * predicted } else { 0.0 });
         fresh.add(&used.collect::<Vec<_>>());
     }
-    total.add_error(&fresh, evidence.evaluations as f64);
+    total.add_error(&fresh, training.evaluations as f64);
     Ok(total)
 }
 
-/// The share between 0 and 1 of what was said that makes the differences from what was seen vary least.
-fn slope(seen: &[Vec<f64>], said: &[Vec<f64>], k: usize) -> f64 {
-    let n = seen.len() as f64;
+/// Returns the control-variate coefficient, limited to 0 … 1, that minimises the variance of the differences.
+fn slope(observed: &[Vec<f64>], predicted: &[Vec<f64>], k: usize) -> f64 {
+    let n = observed.len() as f64;
     let mean = |vectors: &[Vec<f64>]| vectors.iter().map(|v| v[k]).sum::<f64>() / n;
-    let (of_seen, of_said) = (mean(seen), mean(said));
-    let both: f64 = seen.iter().zip(said).map(|(a, b)| (a[k] - of_seen) * (b[k] - of_said)).sum();
-    let own: f64 = said.iter().map(|b| (b[k] - of_said).powi(2)).sum();
+    let (of_seen, of_said) = (mean(observed), mean(predicted));
+    let both: f64 = observed.iter().zip(predicted).map(|(a, b)| (a[k] - of_seen) * (b[k] - of_said)).sum();
+    let own: f64 = predicted.iter().map(|b| (b[k] - of_said).powi(2)).sum();
     let slope = both / own;
     if slope.is_finite() { slope.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Distribution function at the nodes, and mean.
-fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
+/// Returns the distribution function at the nodes, and mean.
+fn summary(mut atoms: PointMasses, nodes: &[f64]) -> Vec<f64> {
     atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
     let (mut atoms, mut below) = (atoms.into_iter().peekable(), 0.0);
@@ -241,10 +246,10 @@ fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Samples in the variables of the germ rotated to the cell, and fresh ones.
+/// Samples in rotated variables, and fresh samples.
 #[derive(Debug, Clone)]
-pub struct Rotated {
-    /// Variables of each sample; none where no direction predicts the pressure.
+pub struct RotatedSamples {
+    /// Variables of each sample; empty if no direction predicts the pressure.
     pub rows: Vec<Vec<f64>>,
     pub pressures_pa: Vec<f64>,
     /// Fresh variables, independent and standard normal.
@@ -253,24 +258,24 @@ pub struct Rotated {
     pub largest_pa: f64,
 }
 
-impl Rotated {
-    /// `design` makes fresh germs of so many variables.
+impl RotatedSamples {
+    /// Creates the rotated samples. `design` creates fresh samples of the given number of variables.
     pub(super) fn new<E>(
         problem: &Problem<'_>,
         samples: &Samples,
         design: impl Fn(usize) -> Result<Design, E>,
     ) -> Result<Result<Self, MethodError>, E> {
-        let germs: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.germ(i)).collect();
+        let xi_samples: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.xi(i)).collect();
         let latent = latent_pa(samples);
-        let adapted = match Adapted::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &germs, &latent) {
-            Ok(adapted) => adapted,
+        let rotation = match RotatedVariables::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent) {
+            Ok(rotation) => rotation,
             Err(error) => return Ok(Err(error)),
         };
-        let rows: Vec<Vec<f64>> = germs.iter().map(|germ| adapted.of(germ)).collect();
+        let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| rotation.apply(xi)).collect();
         let variables = rows.first().map_or(0, Vec::len);
         // A design has at least one variable.
         let design = design(variables.max(1))?;
-        let fresh = (0..design.samples()).map(|i| design.germ(i)).collect();
+        let fresh = (0..design.samples()).map(|i| design.xi(i)).collect();
         let pressures_pa = samples.observations().iter().map(|o| o.pressure_pa).collect();
         let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
         Ok(Ok(Self { rows, pressures_pa, fresh, largest_pa }))
@@ -280,21 +285,21 @@ impl Rotated {
         self.rows.first().map_or(0, Vec::len)
     }
 
-    /// The samples, independent of each other.
-    pub fn evidence(&self) -> Evidence<'_> {
+    /// Returns the samples, which are independent of each other.
+    pub fn training(&self) -> TrainingSamples<'_> {
         let Self { pressures_pa, fresh, largest_pa, .. } = self;
-        Evidence { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
+        TrainingSamples { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
     }
 }
 
-/// The pressure of each sample, continued below zero by the gap and above the hardness by the plastic displacement.
+/// Returns the pressure of each sample, continued below zero by the gap and above the hardness by the plastic displacement.
 pub(super) fn latent_pa(samples: &Samples) -> Vec<f64> {
     let kappa = kappa_pa_per_m(samples.observations());
     let latent = |o: &crate::Observation| o.pressure_pa + kappa * (o.plastic_displacement_m - o.gap_m);
     samples.observations().iter().map(latent).collect()
 }
 
-/// Positions below `count` that are not among increasing ones.
+/// Returns the positions below `count` that do not occur in the increasing list.
 pub fn others(samples: &[usize], count: usize) -> Vec<usize> {
     (0..count).filter(|i| samples.binary_search(i).is_err()).collect()
 }
@@ -304,15 +309,15 @@ mod tests {
     use super::*;
     use asperity_base::random::{standard_normal, stream};
 
-    /// Ignores the germ: half the mean of the pressures, always.
+    /// Model that ignores ξ and predicts half the mean of the pressures.
     struct HalfTheMean<'a>(&'a [f64]);
 
     impl Surrogate for HalfTheMean<'_> {
         fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError> {
             let mean = samples.iter().map(|i| self.0[*i]).sum::<f64>() / samples.len() as f64;
-            let law = vec![(0.5 * mean, 1.0)];
-            let given = vec![law.clone(); self.0.len() - samples.len()];
-            Ok(Fitted { law, given, coefficients: 1, leave_one_out_error: None })
+            let distribution = vec![(0.5 * mean, 1.0)];
+            let given = vec![distribution.clone(); self.0.len() - samples.len()];
+            Ok(Fitted { distribution, given, coefficients: 1, leave_one_out_error: None })
         }
     }
 
@@ -320,11 +325,11 @@ mod tests {
     fn a_wrong_model_reports_its_bias_and_its_intervals_contain_the_truth() {
         // Uniform between 0 and 1 with probability 0.7, otherwise 0.
         let normal = standard_normal(&mut stream(7, "surrogate", 0), 1500);
-        let uniform = normal.into_iter().map(asperity_base::law::standard_normal_cdf);
+        let uniform = normal.into_iter().map(asperity_base::distribution::standard_normal_cdf);
         let pressures_pa: Vec<f64> = uniform.map(|u| ((u - 0.3) / 0.7).max(0.0)).collect();
-        let evidence =
-            Evidence { pressures_pa: &pressures_pa, groups: None, evaluations: 1000, largest_pa: f64::INFINITY };
-        let found = estimate(&HalfTheMean(&pressures_pa), evidence, 1).unwrap();
+        let training =
+            TrainingSamples { pressures_pa: &pressures_pa, groups: None, evaluations: 1000, largest_pa: f64::INFINITY };
+        let found = estimate(&HalfTheMean(&pressures_pa), training, 1).unwrap();
         let band = found.band.as_ref().unwrap();
         for (i, value) in band.values.iter().enumerate() {
             let [low, high] = band.simultaneous(i);
@@ -332,9 +337,9 @@ mod tests {
             assert!(low <= truth && truth <= high, "{value}: {truth} in [{low}, {high}]");
             assert!((band.cdf[i] - band.bias[i] - truth).abs() < 4.0 * band.standard_errors[i]);
         }
-        // The model knows no pressure of zero: its probability of contact is 1.
+        // The model has no pressure of zero, so its probability of contact is 1.
         assert!((found.contact_probability_bias.unwrap() - 0.3).abs() < 4.0 * found.contact_probability_se);
-        // A model that predicts nothing leaves the error of counting.
+        // A model that predicts nothing has the error of counting.
         let counted = (0.3_f64 * 0.7 / 1500.0).sqrt();
         assert!((found.contact_probability_se / counted - 1.0).abs() < 0.1, "{}", found.contact_probability_se);
         assert!((found.mean_pa - 0.175).abs() < 0.01 && found.mean_interval_pa().unwrap().contains(0.35));

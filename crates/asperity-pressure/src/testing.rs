@@ -7,7 +7,7 @@ use asperity_base::map::{Grid, HeightMap};
 use asperity_contact::{Boundary, HalfSpace};
 use asperity_surface::{KarhunenLoeve, ModesRoute, RandomSurface};
 
-/// A fixed shape at a normal height: one germ variable.
+/// Fixed shape at a normally distributed height: one variable ξ.
 pub(super) struct Shape {
     pub(super) heights_m: Array2<f64>,
     grid: Grid,
@@ -30,14 +30,14 @@ impl RandomSurface for Shape {
         self.grid
     }
 
-    fn generate(&self, germ: &[f64]) -> HeightMap {
-        HeightMap::new(self.grid, &self.heights_m + self.std_m * germ[0]).unwrap()
+    fn generate(&self, xi: &[f64]) -> HeightMap {
+        HeightMap::new(self.grid, &self.heights_m + self.std_m * xi[0]).unwrap()
     }
 }
 
-/// A Gaussian surface of unit height and edge, ℓ = L/5, on a free half-space of unit modulus.
+/// Returns a Gaussian surface of unit height and edge, ℓ = L/5, on a free half-space of unit modulus.
 pub(super) fn gaussian_surface(points: usize, modes: usize) -> (KarhunenLoeve, HalfSpace) {
-    let grid = Grid::covering(points, points, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(points, points, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
     let surface = KarhunenLoeve::new(&covariance, grid, modes, ModesRoute::Separable).unwrap();
     (surface, HalfSpace::new(grid, 1.0, Boundary::Free).unwrap())

@@ -1,6 +1,6 @@
 //! Quality of fit of a friction distribution: probability integral transform and quantile plot.
 
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 use asperity_base::stats::{NORMAL_95, quantile_sorted};
 
 /// Numbers of bins of the probability integral transform and of pairs of the quantile plot.

@@ -1,7 +1,7 @@
 //! Fitted friction process in SI: random realisations, conversion to a machine, and storage in a file.
 
 use super::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, TranslationKind, positive};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 
 /// Largest number of values of a simulated record.
 const MOST_VALUES: f64 = 1e9;
@@ -257,11 +257,11 @@ pub(super) mod tests {
                     let mu = process.simulate(0.5, 50e-6, 4, index).unwrap();
                     assert_eq!(mu.len(), 10_001);
                     let acf = RecordCorrelation::estimate(&[&mu], 50e-6, 40);
-                    (Moments::of(&mu), acf.unwrap().correlation)
+                    (Moments::new(&mu), acf.unwrap().correlation)
                 })
                 .collect();
             let close = |name: &str, wanted: f64, bias: f64, value: &dyn Fn(&Drawn) -> f64| {
-                let over = Moments::of(&found.iter().map(value).collect::<Vec<_>>());
+                let over = Moments::new(&found.iter().map(value).collect::<Vec<_>>());
                 let error = (over.mean - wanted).abs();
                 assert!(
                     error < 4.0 * over.standard_error() + bias,

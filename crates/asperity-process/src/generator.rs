@@ -4,7 +4,7 @@ use asperity_base::choice::Choice;
 use serde::{Deserialize, Serialize};
 
 use super::{CorrelationShape, ProcessError, positive};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 
 /// Usual number of harmonics.
 const USUAL_HARMONICS: usize = 256;

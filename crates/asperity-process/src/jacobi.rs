@@ -159,7 +159,7 @@ fn to_spline(values: &mut [f64], offset: usize, stride: usize, nodes: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::law::{Marginal, standard_normal_cdf, standard_normal_pdf};
+    use asperity_base::distribution::{Marginal, standard_normal_cdf, standard_normal_pdf};
 
     /// Returns Jacobi's polynomial up to a factor: ₂F₁(−n, n − 1 + a + b; a; x).
     fn eigenfunction(n: u32, a: f64, b: f64, x: f64) -> f64 {

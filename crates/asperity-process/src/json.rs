@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::{CorrelationShape, FittedCorrelation, FittedProcess, Generator, Origin, OriginKind, ProcessError};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 
 /// Value of the field `format`.
 const FORMAT: &str = "asperity friction process";

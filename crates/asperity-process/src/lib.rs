@@ -35,7 +35,7 @@ pub use shape::CorrelationShape;
 
 pub use asperity_base::translation::TranslationKind;
 
-use asperity_base::law::LawError;
+use asperity_base::distribution::DistributionError;
 
 /// Interval of the sliding distance on which m is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,7 +147,7 @@ pub enum ProcessError {
     },
     /// The marginal distribution is invalid, or has no finite standard deviation.
     #[error("marginal distribution of the friction coefficient: {0}")]
-    Distribution(#[from] LawError),
+    Distribution(#[from] DistributionError),
 }
 
 fn positive(parameter: &'static str, value: f64) -> Result<(), ProcessError> {

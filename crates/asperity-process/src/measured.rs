@@ -16,7 +16,7 @@ use thiserror::Error;
 
 use crate::ProcessError;
 use asperity_base::correlation::EstimateError;
-use asperity_base::law::LawError;
+use asperity_base::distribution::DistributionError;
 use asperity_base::stats::StatsError;
 
 pub use columns::ColumnTable;
@@ -192,7 +192,7 @@ pub enum MeasuredError {
     Correlation(#[from] EstimateError),
     /// The distribution cannot be fitted.
     #[error("distribution of friction: {0}")]
-    Distribution(#[from] LawError),
+    Distribution(#[from] DistributionError),
     /// The fitted values are not a valid process.
     #[error(transparent)]
     Process(#[from] ProcessError),

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::jacobi::JacobiStep;
 use super::table::TranslationTable;
 use super::{CorrelationShape, Generator, Path, ProcessError, TranslationKind, positive};
-use asperity_base::law::Marginal;
-use asperity_base::law::translation::Translation;
+use asperity_base::distribution::Marginal;
+use asperity_base::distribution::translation::Translation;
 use asperity_base::random;
 
 /// Name of the random stream of friction processes.
@@ -276,7 +276,7 @@ mod tests {
             let paths: Vec<Vec<f64>> = (0..20_000).map(|i| values(&process, i, 41)).collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
                 let values: Vec<f64> = paths.iter().map(|m| f(m)).collect();
-                let moments = Moments::of(&values);
+                let moments = Moments::new(&values);
                 (moments.mean, 4.0 * moments.standard_error())
             };
             for (power, wanted) in [(1, 0.0), (2, 1.0), (3, 0.5598)] {

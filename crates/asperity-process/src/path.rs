@@ -138,7 +138,7 @@ mod tests {
     use super::*;
     use crate::{ProcessError, ProcessModel, TranslationKind};
     use asperity_base::choice::Choice;
-    use asperity_base::law::goodness::kolmogorov_smirnov;
+    use asperity_base::distribution::goodness::kolmogorov_smirnov;
     use asperity_base::stats::Moments;
 
     fn model(law: &str, generator: Generator) -> ProcessModel {
@@ -163,7 +163,7 @@ mod tests {
                 })
                 .collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
-                let moments = Moments::of(&paths.iter().map(|m| f(m)).collect::<Vec<f64>>());
+                let moments = Moments::new(&paths.iter().map(|m| f(m)).collect::<Vec<f64>>());
                 (moments.mean, 4.0 * moments.standard_error())
             };
             for (power, wanted) in [(1, 0.0), (2, 1.0), (3, skewness)] {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ProcessError, positive};
 use asperity_base::correlation::{CorrelationModel, RecordModel, windowed_exponential};
-use asperity_base::law::standard_normal_quantile;
+use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::numeric::bisect;
 use asperity_base::stats::student_quantile;
 

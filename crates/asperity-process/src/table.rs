@@ -1,6 +1,6 @@
 //! Tabulated translation of standard normal values.
 
-use asperity_base::law::{Marginal, standard_normal_pdf};
+use asperity_base::distribution::{Marginal, standard_normal_pdf};
 
 /// Largest |g| of the table. Beyond, where the fraction 1.2e-15 of the values lies, the translation is computed
 /// directly.

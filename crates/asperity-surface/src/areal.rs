@@ -172,7 +172,7 @@ struct Textures {
 impl Textures {
     fn of(map: &HeightMap) -> Result<Self, ArealError> {
         let values = map.values_m();
-        let extent = Extent::of(values);
+        let extent = Extent::new(values);
         let (moments, mean_absolute_m) = Moments::with_absolute(&extent, values);
         let flat = ArealError::Flat { present: moments.n };
         // Equal heights may differ from their mean by rounding.
@@ -182,12 +182,12 @@ impl Textures {
         let complete = moments.n == values.len();
         let (decay, correlation, spectrum) = if complete {
             let (decay, correlation) = spatial::decay_and_correlation(map, &extent, 0.2).map_err(|_| flat.clone())?;
-            (decay, correlation, AreaSpectrum::within(map, &extent).map_err(|_| flat)?)
+            (decay, correlation, AreaSpectrum::with_extent(map, &extent).map_err(|_| flat)?)
         } else {
             // The spectrum needs the autocorrelation up to half the field.
             let correlation = Autocorrelation::estimate(map).map_err(|_| flat.clone())?;
             let decay = spatial::followed(&correlation, 0.2).map_err(|_| flat)?;
-            let spectrum = AreaSpectrum::of_correlation(&correlation);
+            let spectrum = AreaSpectrum::from_correlation(&correlation);
             (decay, correlation, spectrum)
         };
         Ok(Self { moments, mean_absolute_m, extent, decay, correlation, spectrum })

@@ -12,7 +12,7 @@ pub(super) use self::neighbourhood::LARGEST_DOMAIN;
 pub use self::neighbourhood::NeighbourhoodSurface;
 use super::GeneratorError;
 use asperity_base::correlation::StationaryCovariance;
-use asperity_base::law::{LawError, Marginal, standard_normal_quantile};
+use asperity_base::distribution::{DistributionError, Marginal, standard_normal_quantile};
 use asperity_base::map::{Grid, HeightMap, MapError};
 use asperity_base::monitor::Cancelled;
 
@@ -43,7 +43,7 @@ pub enum ConditionalError {
     },
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] LawError),
+    Law(#[from] DistributionError),
     /// The unconditional field could not be created.
     #[error(transparent)]
     Generator(#[from] GeneratorError),

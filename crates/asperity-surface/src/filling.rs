@@ -11,7 +11,7 @@ use asperity_base::correlation::{
     Autocorrelation, BlockSpectrum, CorrelationFamily, EstimateError, FitError, MeasuredCovariance,
     MeasuredCovarianceError, StationaryCovariance, fit_covariance,
 };
-use asperity_base::law::{LawError, Marginal};
+use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::map::{Grid, HeightMap, MapError};
 use asperity_base::monitor::{Cancelled, Monitor};
 
@@ -74,7 +74,7 @@ pub enum FillError {
     Fit(#[from] FitError),
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] LawError),
+    Law(#[from] DistributionError),
     /// The surface could not be conditioned on the present heights.
     #[error(transparent)]
     Conditional(#[from] ConditionalError),
@@ -201,10 +201,10 @@ fn covariance_of(
     let estimate = Autocorrelation::estimate(map)?;
     let mean_m = estimate.mean_m();
     Ok(match covariance {
-        FillCovariance::Measured => (Box::new(MeasuredCovariance::of(map)?), mean_m),
+        FillCovariance::Measured => (Box::new(MeasuredCovariance::from_map(map)?), mean_m),
         FillCovariance::Fitted => {
             let fits =
-                fit_covariance(&[&BlockSpectrum::of(map)?], estimate.variance_m2().sqrt(), CorrelationFamily::ALL)?;
+                fit_covariance(&[&BlockSpectrum::new(map)?], estimate.variance_m2().sqrt(), CorrelationFamily::ALL)?;
             (Box::new(fits.best()), mean_m)
         }
     })
@@ -266,7 +266,7 @@ mod tests {
             let places = (44..86).flat_map(|r| (84..146).map(move |c| (r, c)));
             inside.extend(places.map(|(r, c)| map.heights_m()[[r, c]] - 1.0 - tilt(r, c)));
         }
-        let asperity_base::stats::Moments { mean, std, skewness, .. } = asperity_base::stats::Moments::of(&inside);
+        let asperity_base::stats::Moments { mean, std, skewness, .. } = asperity_base::stats::Moments::new(&inside);
         // The tolerance is four standard errors: patches at the edge of the void are nearly the same in every map.
         let (wanted_mean, wanted_std) = (1e-6 * 0.125_f64.exp(), 1e-6 * (0.25_f64.exp_m1() * 0.25_f64.exp()).sqrt());
         assert!((mean - wanted_mean).abs() < 4.0 * wanted_std / 100.0_f64.sqrt(), "{mean:e} {wanted_mean:e}");

@@ -125,7 +125,7 @@ impl StructureFunction {
                 exponent(&used, &rest)
             })
             .collect();
-        let spread = Moments::of(&without);
+        let spread = Moments::new(&without);
         let n = without.len() as f64;
         let hurst_se = (n > 1.0).then(|| (n - 1.0).sqrt() * spread.std).filter(|se| se.is_finite());
         if hurst_se.is_some_and(|se| se > LARGEST_ERROR) {
@@ -175,7 +175,7 @@ pub struct Scaling {
 /// # Errors
 /// All heights are equal, or the range is not positive and ascending.
 pub fn scaling(map: &HeightMap, range_m: Option<(f64, f64)>) -> Result<Option<Scaling>, FractalError> {
-    let moments = Moments::of(map.values_m());
+    let moments = Moments::new(map.values_m());
     if moments.std <= 8.0 * f64::EPSILON * moments.mean.abs() || moments.std == 0.0 {
         return Err(FractalError::Flat { present: moments.n });
     }
@@ -345,8 +345,8 @@ mod tests {
                 StructureFunction::new(&map, Axis::X).scaling(1.0, 32.0).unwrap()
             })
             .collect();
-        let spread = Moments::of(&fits.iter().map(|fit| fit.hurst).collect::<Vec<_>>());
-        let told = Moments::of(&fits.iter().filter_map(|fit| fit.hurst_se).collect::<Vec<_>>());
+        let spread = Moments::new(&fits.iter().map(|fit| fit.hurst).collect::<Vec<_>>());
+        let told = Moments::new(&fits.iter().filter_map(|fit| fit.hurst_se).collect::<Vec<_>>());
         // The spread of 24 values has a standard error of 1/√46 = 15 %.
         assert!((told.mean / spread.sample_std() - 1.0).abs() < 0.45, "{} {}", told.mean, spread.sample_std());
         assert!((spread.mean - 0.5).abs() < 4.0 * spread.standard_error());

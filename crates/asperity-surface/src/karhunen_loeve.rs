@@ -409,7 +409,7 @@ pub fn modes(
             Ok(Modes { eigenvalues: found.eigenvalues_m, captured_variance: found.captured_variance })
         }
         (&[width_m, height_m], &[nx, ny]) => {
-            let grid = Grid::covering(nx, ny, width_m, height_m)?;
+            let grid = Grid::with_size(nx, ny, width_m, height_m)?;
             let found = KarhunenLoeve::new(covariance, grid, modes, route)?;
             Ok(Modes { captured_variance: found.captured_variance(), eigenvalues: found.eigenvalues_m2 })
         }

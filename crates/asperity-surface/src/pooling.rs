@@ -270,7 +270,7 @@ mod tests {
             found.push((2.0 * pooled.surface * pooled.between_std.unwrap()).powi(2));
             held += usize::from(pooled.interval.contains(mean.sqrt()));
         }
-        let moments = Moments::of(&found);
+        let moments = Moments::new(&found);
         // Truncation at zero is rare here: τ² exceeds twice its standard error.
         assert!((moments.mean - between * between).abs() < 4.0 * moments.standard_error(), "{moments:?}");
         // The standard error of τ² by theory, 2 (τ² + σ²)²/(k − 1) with σ² between 0.045 and 0.09.

@@ -12,7 +12,7 @@ use ndarray::Array2;
 use super::gaussian::map_of;
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use asperity_base::correlation::StationaryCovariance;
-use asperity_base::law::{LawError, Marginal, translation::Translation};
+use asperity_base::distribution::{DistributionError, Marginal, translation::Translation};
 use asperity_base::map::{Grid, HeightMap};
 
 pub use correction::{CorrectedField, CorrectionReport, Feasibility, TranslationCorrection};
@@ -194,7 +194,7 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
 pub enum TranslationError {
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] LawError),
+    Law(#[from] DistributionError),
     /// The Gaussian field cannot have this marginal distribution.
     #[error(transparent)]
     Generator(#[from] GeneratorError),

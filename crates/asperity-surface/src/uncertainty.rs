@@ -284,7 +284,7 @@ impl Uncertainty {
         if values.areas_in(map).is_some_and(|areas| areas < least) {
             return None;
         }
-        let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
+        let mean_m = Moments::from_values(map.heights_m().iter().copied()).mean;
         let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
         let sums = HeightSums::of(&cells);
         let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.fraction);

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::gaussian::{check_xi, map_of};
 use super::{GeneratorError, RandomSurface};
+use asperity_base::distribution::standard_normal_cdf;
 use asperity_base::fourier::Complex64;
-use asperity_base::law::standard_normal_cdf;
 use asperity_base::map::{Grid, HeightMap};
 
 /// Form of the sum over frequencies, which diverges towards low frequencies.

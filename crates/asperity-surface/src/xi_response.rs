@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use super::{KarhunenLoeve, ModesRoute, RandomSurface, SpectralField, Translated};
 use asperity_base::correlation::{CorrelationModel, Covariance, Rotated, StationaryCovariance};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 use asperity_base::map::Grid;
 use asperity_base::random::{standard_normal, stream};
 

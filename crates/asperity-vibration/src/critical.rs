@@ -63,7 +63,7 @@ pub fn limit_damping(oscillator: &Oscillator) -> Result<f64, VibrationError> {
 mod tests {
     use super::*;
     use crate::{FrictionLaw, FrictionTable, MotionKind, Parameters, limit_cycle, smallest_kick};
-    use asperity_base::law::standard_normal_cdf;
+    use asperity_base::distribution::standard_normal_cdf;
     use asperity_base::numeric::try_root_between;
     use asperity_base::random;
 

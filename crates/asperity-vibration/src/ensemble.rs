@@ -332,6 +332,7 @@ mod tests {
     use crate::{Forcing, FrictionLaw, FrictionTable, Parameters};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
+    use asperity_testing::AlwaysCancelled;
 
     fn paper_process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -429,15 +430,8 @@ mod tests {
 
     #[test]
     fn a_cancelled_ensemble_is_an_error() {
-        struct Stop;
-        impl Monitor for Stop {
-            fn progress(&self, _: &str, _: usize, _: usize) {}
-            fn cancelled(&self) -> bool {
-                true
-            }
-        }
         let settings = EnsembleSettings::new(10, 60.0, 5);
-        let result = Ensemble::simulate(&oscillator(0.17), &paper_process(0.001), &settings, &Stop);
+        let result = Ensemble::simulate(&oscillator(0.17), &paper_process(0.001), &settings, &AlwaysCancelled);
         assert_eq!(result, Err(VibrationError::Cancelled(Cancelled)));
     }
 }

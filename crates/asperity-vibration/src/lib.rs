@@ -153,7 +153,7 @@ pub enum VibrationError {
     Process(#[from] ProcessError),
     /// The marginal distribution of the fluctuation is invalid.
     #[error(transparent)]
-    Distribution(#[from] asperity_base::law::LawError),
+    Distribution(#[from] asperity_base::distribution::DistributionError),
     /// Too few trajectories are valid for statistics.
     #[error(
         "{valid} of {total} trajectories are valid, at least the fraction {wanted} must be; first failure: {first}"

@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
-use asperity_base::law::goodness::normality;
+use asperity_base::distribution::goodness::normality;
 use asperity_base::random::hash;
 
 /// Distribution of a quantity that occurs many times along many trajectories, such as the displacement at
@@ -203,7 +203,7 @@ mod tests {
             .collect();
         let mut collector = SampleCollector::new(0, 10_000);
         values.iter().for_each(|x| collector.add(*x));
-        let (found, wanted) = (collector.finish(), Moments::of(&values));
+        let (found, wanted) = (collector.finish(), Moments::new(&values));
         assert_eq!(found.sample, values);
         assert!((found.mean - wanted.mean).abs() < 1e-12 * wanted.mean);
         // Deviations of 1e-2 about 1e3 keep eleven digits.
@@ -229,7 +229,7 @@ mod tests {
             }
             whole.finish()
         };
-        let (all, wanted) = (collected(10_000, &[0, 1, 2, 3, 4]), Moments::of(&values));
+        let (all, wanted) = (collected(10_000, &[0, 1, 2, 3, 4]), Moments::new(&values));
         assert_eq!((all.count, &all.sample), (6000, &values));
         for (found, wanted) in [
             (all.mean, wanted.mean),

@@ -98,8 +98,8 @@ impl Sound {
                 Ok(portrait.iter().map(|point| point.velocity).collect())
             })
             .collect::<Result<_, VibrationError>>()?;
-        let squares: Vec<f64> = records.iter().map(|record| Moments::of(record).std.powi(2)).collect();
-        let moments = Moments::of(&squares);
+        let squares: Vec<f64> = records.iter().map(|record| Moments::new(record).std.powi(2)).collect();
+        let moments = Moments::new(&squares);
         let half_width = NORMAL_95 * moments.standard_error();
         let root = |square: f64| square.max(0.0).sqrt();
         let velocity_rms = root(moments.mean);

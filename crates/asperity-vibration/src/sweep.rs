@@ -268,7 +268,7 @@ pub fn damping_sweep(
 mod tests {
     use super::*;
     use crate::{Forcing, FrictionLaw, Parameters};
-    use asperity_base::law::standard_normal_quantile;
+    use asperity_base::distribution::standard_normal_quantile;
     use asperity_base::monitor::Silent;
     use asperity_base::random;
     use asperity_process::ProcessModel;

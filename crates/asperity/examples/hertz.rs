@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     println!("points       contact radius   highest pressure   approach     load");
     for points in [32, 64, 128, 256] {
-        let grid = Grid::covering(points, points, 200e-6, 200e-6)?;
+        let grid = Grid::with_size(points, points, 200e-6, 200e-6)?;
         let height_m = |x: f64, y: f64| -((x - 100e-6).powi(2) + (y - 100e-6).powi(2)) / (2.0 * radius_m);
         let sphere = HeightMap::from_function(grid, height_m)?;
         let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free)?;

@@ -11,11 +11,11 @@ use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Problem, Sampling, Study, solve};
+use asperity::pressure::{MethodComparison, Problem, Sampling, solve};
 use asperity::surface::KarhunenLoeve;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let grid = Grid::covering(64, 64, 1.0, 1.0)?;
+    let grid = Grid::with_size(64, 64, 1.0, 1.0)?;
     let length_m = 0.15 * std::f64::consts::SQRT_2;
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 1.0, length_m)?;
     let surface = KarhunenLoeve::periodic_without_constant(&covariance, grid, 8)?.rescaled();
@@ -25,9 +25,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // 200 contact solutions, counted; and the same number with coarser grids as predictors.
     let samples = solve(&problem, Sampling::monte_carlo(1, "example", 200, 0.95), &Silent)?;
-    let (multilevel, _) = Study { fine_solves: 200, ..Study::new(1) }.law(&problem, &Silent)?;
+    let (multilevel, _) =
+        MethodComparison { fine_solves: 200, ..MethodComparison::new(1) }.estimate_default(&problem, &Silent)?;
     let (share, n) = (samples.contact_probability(), samples.len() as f64);
-    let counted = samples.law()?;
+    let counted = samples.distribution()?;
     println!("200 contact solutions   P(contact)         mean pressure");
     println!(
         "Monte Carlo             {share:.3} ± {:.3}      {:.3} ± {:.3} Pa",
@@ -42,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("known                   0.357              1.351 Pa");
     for probability in [0.5, 0.9] {
         let interval = multilevel.quantile_interval_pa(probability).ok_or("no interval")?;
-        let value = multilevel.law.quantile(probability);
+        let value = multilevel.distribution.quantile(probability);
         println!("{:.0} % quantile: {value:.2} Pa [{:.2}, {:.2}]", 100.0 * probability, interval.low, interval.high);
     }
     Ok(())

@@ -14,7 +14,9 @@
 //! - Missing heights stay missing: they are masked in every statistic and never silently filled.
 //! - A random draw is a function of (seed, stage, sample index); results do not depend on the number of threads.
 
-pub use asperity_base::{choice, correlation, fourier, law, map, monitor, quantity, random, stats, translation};
+pub use asperity_base::{
+    choice, correlation, distribution, fourier, map, monitor, quantity, random, stats, translation,
+};
 pub use asperity_chaos as chaos;
 pub use asperity_contact as contact;
 pub use asperity_friction as friction;

@@ -10,7 +10,7 @@
 use ndarray::{Array1, Array2, ArrayView2};
 
 use super::newton::{Local, maximise};
-use asperity::law::{standard_normal_cdf, standard_normal_pdf};
+use asperity::distribution::{standard_normal_cdf, standard_normal_pdf};
 
 /// Least and largest ratio of the scale of the values to σ. Values all of which lie on bounds, on either, end at the least, an
 /// exact fit at the largest.

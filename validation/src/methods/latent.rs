@@ -12,24 +12,24 @@ use ndarray::Array1;
 use super::censored::{self, Censored};
 use super::functions::Functions;
 use super::{LEAST_IN_CONTACT, SAMPLES_PER_TERM, golden, rows_but, rows_of};
-use asperity::law::standard_normal_quantile;
+use asperity::distribution::standard_normal_quantile;
 use asperity::pressure::MethodError;
-use asperity::pressure::surrogate::{Atoms, Fitted, Rotated, Surrogate};
+use asperity::pressure::surrogate::{Fitted, PointMasses, RotatedSamples, Surrogate};
 
-/// Errors drawn for each fresh germ, and for each sample that is held out.
+/// Errors drawn for each fresh ξ, and for each sample that is held out.
 const DRAWS: usize = 5;
 const DRAWS_HELD: usize = 20;
 
-/// Censored regression on the variables of the rotated germ.
+/// Censored regression on the variables of the rotated ξ.
 #[derive(Debug)]
 pub(crate) struct LatentOverlap<'a> {
-    samples: &'a Rotated,
+    samples: &'a RotatedSamples,
     degree: usize,
 }
 
 impl<'a> LatentOverlap<'a> {
     /// Of degree up to `degree`.
-    pub(crate) fn new(samples: &'a Rotated, degree: usize) -> Self {
+    pub(crate) fn new(samples: &'a RotatedSamples, degree: usize) -> Self {
         Self { samples, degree }
     }
 }
@@ -57,7 +57,7 @@ impl Surrogate for LatentOverlap<'_> {
         };
         let coefficients = Array1::from(fit.coefficients);
         let means = |rows: &[Vec<f64>]| functions.matrix(rows).dot(&coefficients);
-        let law = |(i, mean): (usize, &f64), draws: usize, probability: f64| -> Atoms {
+        let law = |(i, mean): (usize, &f64), draws: usize, probability: f64| -> PointMasses {
             let error = |draw| fit.sigma * standard_normal_quantile((draw as f64 + golden(i)) / draws as f64);
             (0..draws).map(|draw| ((mean + error(draw)).clamp(0.0, largest), probability / draws as f64)).collect()
         };
@@ -65,7 +65,7 @@ impl Surrogate for LatentOverlap<'_> {
         let probability = 1.0 / fresh.len() as f64;
         let held = means(&rows_but(self.samples, samples));
         Ok(Fitted {
-            law: means(fresh).iter().enumerate().flat_map(|mean| law(mean, DRAWS, probability)).collect(),
+            distribution: means(fresh).iter().enumerate().flat_map(|mean| law(mean, DRAWS, probability)).collect(),
             given: held.iter().enumerate().map(|mean| law(mean, DRAWS_HELD, 1.0)).collect(),
             coefficients: coefficients.len() + 1,
             leave_one_out_error: None,

@@ -2,7 +2,7 @@ use super::*;
 use asperity::chaos::distance::kolmogorov_smirnov_to;
 use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
-use asperity::law::{standard_normal_cdf, standard_normal_pdf};
+use asperity::distribution::{standard_normal_cdf, standard_normal_pdf};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random::{standard_normal, stream};
@@ -12,9 +12,9 @@ use asperity::surface::{KarhunenLoeve, ModesRoute, SpectralField};
 const FRESH: usize = 4000;
 
 /// Samples of p(x, η) with standard normal x and noise η.
-fn samples(count: usize, largest_pa: f64, pressure: impl Fn(f64, f64) -> f64) -> Rotated {
+fn samples(count: usize, largest_pa: f64, pressure: impl Fn(f64, f64) -> f64) -> RotatedSamples {
     let xi = standard_normal(&mut stream(7, "surrogate test", 0), 2 * count);
-    Rotated {
+    RotatedSamples {
         rows: xi[..count].iter().map(|x| vec![*x]).collect(),
         pressures_pa: xi[..count].iter().zip(&xi[count..]).map(|(x, eta)| pressure(*x, *eta)).collect(),
         fresh: (0..FRESH).map(|i| standard_normal(&mut stream(7, "surrogate fresh", i as u64), 1)).collect(),
@@ -22,12 +22,12 @@ fn samples(count: usize, largest_pa: f64, pressure: impl Fn(f64, f64) -> f64) ->
     }
 }
 
-fn by_latent(samples: &Rotated) -> Result<Estimate, MethodError> {
-    estimate(&LatentOverlap::new(samples, 3), samples.evidence(), 1)
+fn by_latent(samples: &RotatedSamples) -> Result<Estimate, MethodError> {
+    estimate(&LatentOverlap::new(samples, 3), samples.training(), 1)
 }
 
-fn by_two_parts(samples: &Rotated) -> Result<Estimate, MethodError> {
-    estimate(&TwoPart::new(samples, 3), samples.evidence(), 1)
+fn by_two_parts(samples: &RotatedSamples) -> Result<Estimate, MethodError> {
+    estimate(&TwoPart::new(samples, 3), samples.training(), 1)
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn samples_that_occur_twice_change_the_law_little_and_nothing_breaks() {
     let (first, second) = (by_two_parts(&once).unwrap(), by_two_parts(&twice).unwrap());
     assert!((first.mean_pa - second.mean_pa).abs() < first.mean_se_pa);
     // All the same sample: no function can be told from another.
-    let one = Rotated { rows: vec![vec![0.5]; 60], pressures_pa: vec![2.0; 60], ..once };
+    let one = RotatedSamples { rows: vec![vec![0.5]; 60], pressures_pa: vec![2.0; 60], ..once };
     for found in [by_latent(&one).unwrap(), by_two_parts(&one).unwrap()] {
         assert!((found.mean_pa - 2.0).abs() < 1e-4, "{}", found.mean_pa);
     }
@@ -148,12 +148,12 @@ fn variables_that_are_zero_or_missing_leave_the_law_without_them() {
     let cdf = |p: f64| if p < 0.0 { 0.0 } else { standard_normal_cdf(p - 0.3) };
     let left = |p: f64| if p <= 0.0 { 0.0 } else { cdf(p) };
     for row in [vec![0.0, 0.0], vec![]] {
-        let samples = Rotated { rows: vec![row; 300], ..plain.clone() };
+        let samples = RotatedSamples { rows: vec![row; 300], ..plain.clone() };
         let latent = by_latent(&samples).unwrap();
         assert_eq!(latent.coefficients, Some(2));
         for found in [latent, by_two_parts(&samples).unwrap()] {
             // 99.99 % point of √n D: 2.23.
-            let distance = kolmogorov_smirnov_to(&found.law, cdf, left);
+            let distance = kolmogorov_smirnov_to(&found.distribution, cdf, left);
             assert!(distance < 2.23 / 300.0_f64.sqrt(), "{distance}");
         }
     }
@@ -164,15 +164,19 @@ fn a_pressure_that_does_not_vary_is_an_atom() {
     // Elastic, always the same; and plastic, the hardness in every contact.
     let elastic = samples(60, f64::INFINITY, |_, _| 5e8);
     for found in [by_latent(&elastic).unwrap(), by_two_parts(&elastic).unwrap()] {
-        assert!((found.mean_pa / 5e8 - 1.0).abs() < 1e-4 && found.law.std() < 1e-3 * 5e8, "{}", found.law.std());
+        assert!(
+            (found.mean_pa / 5e8 - 1.0).abs() < 1e-4 && found.distribution.std() < 1e-3 * 5e8,
+            "{}",
+            found.distribution.std()
+        );
     }
     let plastic = samples(200, 2e9, |x, eta| if x + 0.5 * eta > 0.0 { 2e9 } else { 0.0 });
     for found in [by_latent(&plastic).unwrap(), by_two_parts(&plastic).unwrap()] {
         assert!((found.contact_probability - 0.5).abs() < 4.0 * found.contact_probability_se + 0.01);
-        assert!(found.law.quantile(1.0) <= 2e9);
+        assert!(found.distribution.quantile(1.0) <= 2e9);
     }
     // Without an elastic contact the two-part model has nothing between its atoms.
-    assert_eq!(by_two_parts(&plastic).unwrap().law.values(), [0.0, 2e9]);
+    assert_eq!(by_two_parts(&plastic).unwrap().distribution.values(), [0.0, 2e9]);
 }
 
 #[test]
@@ -186,14 +190,14 @@ fn the_two_part_model_has_the_atom_at_the_hardness() {
     let samples = samples(600, hardness, pressure);
     let found = by_two_parts(&samples).unwrap();
     let atom = 1.0 - standard_normal_cdf((2.0 * hardness.ln() - mean) / std);
-    let own = 1.0 - found.law.cdf_left(hardness);
+    let own = 1.0 - found.distribution.cdf_left(hardness);
     // Logistic odds stand in for normal ones; six hundred samples alone have a standard error of .02.
     assert!(atom > 0.2 && (own - atom).abs() < 4.0 * (atom * (1.0 - atom) / 600.0).sqrt(), "{own} {atom}");
     // Just below there is as little as the law has.
     let below = |law: f64| standard_normal_cdf((2.0 * (law * hardness).ln() - mean) / std);
-    let gap = found.law.cdf_left(hardness) - found.law.cdf(0.95 * hardness);
+    let gap = found.distribution.cdf_left(hardness) - found.distribution.cdf(0.95 * hardness);
     assert!((gap - (below(1.0) - below(0.95))).abs() < 0.03, "{gap}");
-    assert_eq!(found.law.quantile(1.0), hardness);
+    assert_eq!(found.distribution.quantile(1.0), hardness);
 }
 
 #[test]
@@ -228,9 +232,16 @@ fn estimates_do_not_depend_on_the_number_of_threads() {
     assert_eq!(on(1), on(2));
 }
 
-fn small_study() -> Study {
-    let study = Study::new(5);
-    Study { fine_solves: 80, reference_samples: 100, variables: 2, degree: 2, surrogate_samples: 1000, ..study }
+fn small_study() -> MethodComparison {
+    let study = MethodComparison::new(5);
+    MethodComparison {
+        fine_solves: 80,
+        reference_samples: 100,
+        variables: 2,
+        degree: 2,
+        surrogate_samples: 1000,
+        ..study
+    }
 }
 
 fn outcome(outcomes: Vec<Outcome>, name: &str) -> Outcome {
@@ -239,14 +250,14 @@ fn outcome(outcomes: Vec<Outcome>, name: &str) -> Outcome {
 
 #[test]
 fn cells_of_a_stationary_periodic_patch_are_pooled_and_every_method_finds_their_contact_probability() {
-    let grid = Grid::covering(12, 12, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(12, 12, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
     let surface = SpectralField::periodic(&covariance, grid);
     let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
     let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.3 }, None).unwrap();
     let outcomes = estimates(&small_study(), &problem, &Silent).unwrap();
-    let reference = Study { seed: 6, ..small_study() }.run(&problem, &Silent).unwrap().reference.estimate;
+    let reference = MethodComparison { seed: 6, ..small_study() }.run(&problem, &Silent).unwrap().reference.estimate;
     let [contact, its_se] = [reference.contact_probability, reference.contact_probability_se];
     assert_eq!(outcomes.len(), Method::ALL.len() + 5);
     for (name, found) in names().into_iter().zip(outcomes) {
@@ -259,12 +270,12 @@ fn cells_of_a_stationary_periodic_patch_are_pooled_and_every_method_finds_their_
 
 #[test]
 fn cells_of_a_free_patch_differ_and_are_not_pooled() {
-    let grid = Grid::covering(12, 12, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(12, 12, 1.0, 1.0).unwrap();
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
     let surface = KarhunenLoeve::new(&covariance, grid, 30, ModesRoute::Separable).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
-    let study = Study { fine_solves: 150, reference_samples: 20, ..small_study() };
+    let study = MethodComparison { fine_solves: 150, reference_samples: 20, ..small_study() };
     let outcomes = estimates(&study, &problem, &Silent).unwrap();
     let refusal = outcome(outcomes, "pooled_sites").unwrap_err().to_string();
     assert!(refusal.contains("cells differ"), "{refusal}");

@@ -11,27 +11,27 @@ use super::newton::{Local, maximise};
 use super::{LEAST_IN_CONTACT, SAMPLES_PER_TERM, golden, rows_but, rows_of};
 use asperity::chaos::{LeastSquares, RegressionError};
 use asperity::pressure::MethodError;
-use asperity::pressure::surrogate::{Atoms, Fitted, Rotated, Surrogate};
+use asperity::pressure::surrogate::{Fitted, PointMasses, RotatedSamples, Surrogate};
 
 /// Penalty ½ λ c² of all coefficients of the log odds but the constant: it keeps them finite where the samples of either
 /// kind are separate.
 const RIDGE: f64 = 1e-2;
-/// Errors drawn for each fresh germ, and for each sample that is held out.
+/// Errors drawn for each fresh ξ, and for each sample that is held out.
 const DRAWS: usize = 5;
 const DRAWS_HELD: usize = 20;
 /// Samples in a group of neighbouring predictions that share one law of errors.
 const GROUP: usize = 50;
 
-/// The parts on the variables of the rotated germ.
+/// The parts on the variables of the rotated ξ.
 #[derive(Debug)]
 pub(crate) struct TwoPart<'a> {
-    samples: &'a Rotated,
+    samples: &'a RotatedSamples,
     degree: usize,
 }
 
 impl<'a> TwoPart<'a> {
     /// Of degrees up to `degree`: that of log odds by Akaike's criterion, that of the pressure by its leave-one-out error.
-    pub(crate) fn new(samples: &'a Rotated, degree: usize) -> Self {
+    pub(crate) fn new(samples: &'a RotatedSamples, degree: usize) -> Self {
         Self { samples, degree }
     }
 }
@@ -51,7 +51,7 @@ impl Surrogate for TwoPart<'_> {
         let touches = Chance::fit(self.samples, samples, self.degree, |p| p > 0.0)?;
         let yields = Chance::fit(self.samples, &contact, self.degree, |p| p >= largest)?;
         let pressed = Elastic::fit(self.samples, &elastic, self.degree)?;
-        let laws = |rows: &[Vec<f64>], draws: usize| -> Vec<Atoms> {
+        let laws = |rows: &[Vec<f64>], draws: usize| -> Vec<PointMasses> {
             let (touches, yields) = (touches.of(rows), yields.of(rows));
             let values = pressed.as_ref().map(|pressed| pressed.functions.predict(rows, &pressed.coefficients));
             let law = |i: usize| {
@@ -73,7 +73,11 @@ impl Surrogate for TwoPart<'_> {
         let fresh = &self.samples.fresh;
         let share = 1.0 / fresh.len() as f64;
         Ok(Fitted {
-            law: laws(fresh, DRAWS).into_iter().flatten().map(|(p, probability)| (p, share * probability)).collect(),
+            distribution: laws(fresh, DRAWS)
+                .into_iter()
+                .flatten()
+                .map(|(p, probability)| (p, share * probability))
+                .collect(),
             given: laws(&rows_but(self.samples, samples), DRAWS_HELD),
             coefficients: touches.coefficients.len()
                 + if yields.varies() { yields.coefficients.len() } else { 0 }
@@ -106,7 +110,7 @@ struct Chance {
 impl Chance {
     /// That `happens` at the pressures of some samples.
     fn fit(
-        samples: &Rotated,
+        samples: &RotatedSamples,
         chosen: &[usize],
         degree: usize,
         happens: impl Fn(f64) -> bool,
@@ -183,7 +187,7 @@ struct Elastic {
 
 impl Elastic {
     /// None without such samples.
-    fn fit(samples: &Rotated, chosen: &[usize], degree: usize) -> Result<Option<Self>, MethodError> {
+    fn fit(samples: &RotatedSamples, chosen: &[usize], degree: usize) -> Result<Option<Self>, MethodError> {
         let rows = rows_of(samples, chosen);
         let values: Vec<f64> = chosen.iter().map(|i| logarithm(samples.pressures_pa[*i], samples.largest_pa)).collect();
         let mut best: Option<(f64, Self)> = None;

@@ -7,7 +7,7 @@ const STEP: f64 = 0.2;
 /// Terms this far below the largest in the exponent are dropped.
 const CUT: f64 = 40.0;
 
-/// ln ∫₀^∞ e^{−x cosh t} cosh(νt) dt = ln K_ν(x) for x > 0, ν ≥ 0.
+/// Returns ln ∫₀^∞ e^{−x cosh t} cosh(νt) dt = ln K_ν(x) for x > 0, ν ≥ 0.
 ///
 /// The integrand is even and analytic and decays doubly exponentially, so the trapezoidal rule converges geometrically;
 /// its step shrinks where the integrand becomes a narrow Gaussian (large x or ν).
@@ -32,7 +32,7 @@ fn ln_bessel_k(nu: f64, x: f64) -> f64 {
     top + (sum * step).ln()
 }
 
-/// 2^{1−ν}/Γ(ν) x^ν K_ν(x), which is 1 at x = 0: the Matérn correlation at the scaled distance x.
+/// Returns 2^{1−ν}/Γ(ν) x^ν K_ν(x), which is 1 at x = 0: the Matérn correlation at the scaled distance x.
 pub(super) fn matern(nu: f64, x: f64) -> f64 {
     if x == 0.0 {
         return 1.0;

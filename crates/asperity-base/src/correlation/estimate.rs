@@ -25,31 +25,31 @@ pub enum EstimateError {
         /// Values needed.
         wanted: usize,
     },
-    /// Maps whose lags differ have no common correlation.
+    /// Pitches of maps that differ, so that the maps have no common correlation.
     #[error(
         "map {map} has a pitch of {:e} × {:e} m, the first of {:e} × {:e} m: lags must be the same",
         .pitch_m.0, .pitch_m.1, .first_pitch_m.0, .first_pitch_m.1
     )]
     Pitch {
-        /// Number of the map, from 0.
+        /// Index of the map, from 0.
         map: usize,
-        /// Its pitch along x and y in metre.
+        /// Pitch of the map along x and y in metre.
         pitch_m: (f64, f64),
-        /// That of the first map.
+        /// Pitch of the first map.
         first_pitch_m: (f64, f64),
     },
-    /// There is nothing to pool.
+    /// No map to combine.
     #[error("no correlation to pool")]
     Nothing,
     /// The distance between values is not a positive finite number.
     #[error("the step is {step_m} m, but must be positive")]
     BadStep {
-        /// Step found in metre.
+        /// Step passed to the function, in metre.
         step_m: f64,
     },
 }
 
-/// Pitches that differ by less are the same: over ten thousand lags the last is off by a hundredth of a pixel.
+/// Largest relative difference of pitches that count as equal: over 10⁴ lags it adds up to a hundredth of a pixel.
 const SAME_PITCH: f64 = 1e-6;
 
 /// A direction of a map.
@@ -70,27 +70,27 @@ impl std::fmt::Display for Axis {
     }
 }
 
-/// Autocovariance of a map, normalised by the number of pairs:
-/// C(k, l) = Σ z(i, j) z(i + l, j + k) / N(k, l) over the N pairs whose both heights are present, z without its mean.
+/// Estimate of the autocovariance of a map, normalised by the number of pairs: C(k, l) = Σ z(i, j) z(i + l, j + k)/N(k,
+/// l) over the N pairs with both heights present, z without its mean.
 ///
-/// It is held for lags up to a reach along x and y, at most half the field unless more was asked for: beyond, few pairs are
-/// left, and the removed mean rules what they say. No height is filled in, so scattered missing points bias nothing.
-/// Removing the sample mean lowers every lag by about the variance of that mean; [`super::MeasuredCovariance`] accounts for it.
-/// Away from zero the estimate is not positive definite by construction.
+/// The lags go up to a maximum along x and y, by default half the field: few pairs are left beyond, and the subtracted
+/// mean dominates them. No height is interpolated, so missing points scattered at random cause no bias. Subtracting the
+/// sample mean lowers every lag by about the variance of that mean; [`super::MeasuredCovariance`] corrects for it. The
+/// estimate is not in general positive definite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Autocorrelation {
     grid: Grid,
     mean_m: f64,
     present: usize,
-    /// Ordered pairs of heights, each with itself as well, that share a mean.
+    /// Number of ordered pairs of heights about a common mean, each height with itself included.
     all_pairs: f64,
     reach_x: usize,
     reach_y: usize,
     /// Rows of the lags −reach_x … reach_x along x, for the lags 0 … reach_y along y.
     covariance_m2: Vec<f64>,
-    /// Laid out alike; `None` of a complete map, whose pairs are (nx − |l|)(ny − |k|).
+    /// In the same layout; `None` for a complete map, with (nx − |l|)(ny − |k|) pairs.
     pairs: Option<Vec<f64>>,
-    /// Mean square of the two heights of a pair, laid out alike, where it was asked for.
+    /// Mean square of the two heights of a pair in the same layout, if requested.
     squares_m2: Option<Vec<f64>>,
 }
 
@@ -104,25 +104,26 @@ impl Autocorrelation {
         Self::within(map, reach_x, reach_y)
     }
 
-    /// Half the points of a grid along x and y, rounded up: the lags of [`Autocorrelation::estimate`].
+    /// Returns half the number of points of a grid along x and y, rounded up: the largest lags of
+    /// [`Autocorrelation::estimate`].
     pub fn half_field(grid: Grid) -> (usize, usize) {
         let half = |points: usize| points.div_ceil(2).min(points - 1);
         (half(grid.nx()), half(grid.ny()))
     }
 
-    /// Estimates the autocovariance of `map` at lags up to `reach_x` and `reach_y` points, by transforms of heights and mask
-    /// continued with as many zeros: exact up to rounding, and the faster the shorter the reach.
+    /// Estimates the autocovariance of `map` at lags up to `reach_x` and `reach_y` points, by transforms of the
+    /// zero-padded heights and mask. The result is exact up to rounding; the cost grows with the lags.
     ///
     /// # Errors
     /// The heights present do not vary.
     ///
     /// # Panics
-    /// If a reach is not less than the points of the map.
+    /// If a lag is not less than the number of points of the map.
     pub fn within(map: &HeightMap, reach_x: usize, reach_y: usize) -> Result<Self, EstimateError> {
-        Self::about(map, &Extent::of(map.values_m()), (reach_x, reach_y))
+        Self::about(map, &Extent::new(map.values_m()), (reach_x, reach_y))
     }
 
-    /// As [`Autocorrelation::within`], the extent of the heights being known.
+    /// Estimates as [`Autocorrelation::within`] with a known extent of the heights.
     #[doc(hidden)]
     pub fn about(map: &HeightMap, extent: &Extent, reach: (usize, usize)) -> Result<Self, EstimateError> {
         let grid = map.grid();
@@ -162,15 +163,16 @@ impl Autocorrelation {
         Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs, squares_m2: None })
     }
 
-    /// The same with the [semivariance](Autocorrelation::semivariance_m2) beside it, from the map it was estimated of.
+    /// Returns the estimate with the [semivariance](Autocorrelation::semivariance_m2), computed from the same map.
     ///
     /// # Panics
-    /// If the map is smaller than the lags reach.
+    /// If the map is smaller than the largest lags.
     #[must_use]
     pub fn and_semivariance(self, map: &HeightMap) -> Self {
         let ((ny, nx), mean_m, variance_m2) = (map.grid().shape(), self.mean_m, self.variance_m2());
         let reach = (self.reach_x, self.reach_y);
-        // With the mask m and the squares s, (m + s) ⋆ (m + s) − (m − s) ⋆ (m − s) is four times the sum over the pairs.
+        // With the mask m and the squares s, (m + s) ⋆ (m + s) − (m − s) ⋆ (m − s) is four times the sum over the
+        // pairs.
         let sums = |sign: f64| {
             autocorrelation_sums((ny, nx), reach, |row, out| {
                 let heights = &map.values_m()[row * nx..(row + 1) * nx];
@@ -188,11 +190,11 @@ impl Autocorrelation {
         Self { squares_m2: Some(squares), ..self }
     }
 
-    /// The autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of all maps,
-    /// over the number of pairs. Each map is about its own mean.
+    /// Creates the autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of
+    /// all maps, divided by the number of pairs. The mean of each map is subtracted from it.
     ///
-    /// Its grid and reach are the smallest along x and y, so that every map has a say at every lag; the share of the
-    /// variance that went with the means is that of the smallest map.
+    /// The grid and the largest lags are the smallest of all maps, so that every map contributes to every lag. The bias
+    /// due to the means is estimated from the smallest map.
     ///
     /// # Errors
     /// Pitches that differ by more than a millionth, or no map.
@@ -238,32 +240,32 @@ impl Autocorrelation {
         Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs: Some(pairs), squares_m2 })
     }
 
-    /// Grid of the map; of pooled maps the smallest.
+    /// Returns the grid of the map, or the smallest grid of several maps.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// Mean of the heights present, which was removed, in metre.
+    /// Returns the subtracted mean of the heights present, in metre.
     pub fn mean_m(&self) -> f64 {
         self.mean_m
     }
 
-    /// Number of heights present.
+    /// Returns the number of heights present.
     pub fn present(&self) -> usize {
         self.present
     }
 
-    /// Ordered pairs of heights of the same map, each height with itself as well.
+    /// Returns the number of ordered pairs of heights of the same map, each height with itself included.
     pub fn all_pairs(&self) -> f64 {
         self.all_pairs
     }
 
-    /// Largest lags along x and y in points.
+    /// Returns the largest lags along x and y in points.
     pub fn reach(&self) -> (usize, usize) {
         (self.reach_x, self.reach_y)
     }
 
-    /// Place of a lag, by the symmetry C(−k, −l) = C(k, l).
+    /// Returns the index of a lag, by the symmetry C(−k, −l) = C(k, l).
     fn place(&self, lag_x: isize, lag_y: isize) -> usize {
         let (lag_x, lag_y) = if lag_y < 0 { (-lag_x, -lag_y) } else { (lag_x, lag_y) };
         let (reach_x, reach_y) = (self.reach_x as isize, self.reach_y as isize);
@@ -274,7 +276,7 @@ impl Autocorrelation {
         (lag_y * (2 * reach_x + 1) + lag_x + reach_x) as usize
     }
 
-    /// Covariance at a lag in points, in m²; NaN where no pair is present.
+    /// Returns the covariance at a lag in points, in m²; NaN where no pair is present.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -282,7 +284,7 @@ impl Autocorrelation {
         self.covariance_m2[self.place(lag_x, lag_y)]
     }
 
-    /// Number of pairs of present heights at a lag in points.
+    /// Returns the number of pairs of present heights at a lag in points.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -291,11 +293,11 @@ impl Autocorrelation {
         self.pairs.as_ref().map_or_else(|| complete_pairs(self.grid, lag_x, lag_y), |pairs| pairs[place])
     }
 
-    /// Semivariance γ(lag) = Σ (z(i, j) − z(i + l, j + k))²/2N over the N pairs at a lag, in m²; NaN where no pair is
-    /// present, `None` without [`Autocorrelation::and_semivariance`].
+    /// Returns the semivariance γ(lag) = Σ (z(i, j) − z(i + l, j + k))²/2N over the N pairs at a lag, in m²; NaN where
+    /// no pair is present, `None` without [`Autocorrelation::and_semivariance`].
     ///
-    /// Near zero C(0) − C(lag) differs from it by what the heights at the edges of the map and of its voids differ from the
-    /// rest, which has a kink at zero; γ is as smooth there as the surface.
+    /// Near zero lag, C(0) − C(lag) differs from it by an edge term of the map and its missing regions, which has a
+    /// kink at zero; γ is as smooth as the surface.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -307,7 +309,7 @@ impl Autocorrelation {
         self.squares_m2.as_ref().map(|squares| squares[place] - self.covariance_m2[place])
     }
 
-    /// Correlation C(lag)/C(0); NaN where no pair is present.
+    /// Returns the correlation C(lag)/C(0); NaN where no pair is present.
     ///
     /// # Panics
     /// If the lag exceeds the reach.
@@ -315,12 +317,12 @@ impl Autocorrelation {
         self.covariance_m2(lag_x, lag_y) / self.variance_m2()
     }
 
-    /// Variance of the heights present, C(0), in m².
+    /// Returns the variance of the heights present, C(0), in m².
     pub fn variance_m2(&self) -> f64 {
         self.covariance_m2(0, 0)
     }
 
-    /// Correlation at the lags 0, 1, 2, … points along an axis, up to its reach.
+    /// Returns the correlation at the lags 0, 1, 2, … points along an axis, up to its reach.
     pub fn along(&self, axis: Axis) -> Vec<f64> {
         match axis {
             Axis::X => (0..=self.reach_x as isize).map(|lag| self.correlation(lag, 0)).collect(),
@@ -328,8 +330,8 @@ impl Autocorrelation {
         }
     }
 
-    /// Distance in metre at which the correlation along an axis first falls to `level`, linear between lags; `None` when
-    /// it does not fall so far within the reach, by default half the field.
+    /// Returns the distance in metre at which the correlation along an axis first falls to `level`, linear between
+    /// lags; `None` when it does not fall so far within the reach, by default half the field.
     pub fn decay_length_m(&self, axis: Axis, level: f64) -> Option<f64> {
         let pitch_m = match axis {
             Axis::X => self.grid.dx_m(),
@@ -338,19 +340,20 @@ impl Autocorrelation {
         first_crossing(&self.along(axis), level).map(|lags| lags * pitch_m)
     }
 
-    /// Distance in metre at which the correlation along an axis first falls to 1/e.
+    /// Returns the distance in metre at which the correlation along an axis first falls to 1/e.
     pub fn correlation_length_m(&self, axis: Axis) -> Option<f64> {
         self.decay_length_m(axis, (-1.0_f64).exp())
     }
 }
 
-/// Correlation of a map along an axis at all its lags 0, 1, … points, pair-normalised as [`Autocorrelation`]; NaN where no
-/// pair is present. Few pairs are left beyond half the field, and what they say is ruled by the mean that was removed.
+/// Returns the correlation of a map along an axis at all its lags 0, 1, … points, pair-normalised as in
+/// [`Autocorrelation`]; NaN where no pair is present. Beyond half the field few pairs are left, and the subtracted mean
+/// dominates them.
 ///
 /// # Errors
 /// The heights present do not vary.
 pub fn axis_correlation(map: &HeightMap, axis: Axis) -> Result<Vec<f64>, EstimateError> {
-    let extent = Extent::of(map.values_m());
+    let extent = Extent::new(map.values_m());
     let mean_m = extent.mean;
     if extent.largest_deviation() <= 4.0 * f64::EPSILON * mean_m.abs() {
         return Err(EstimateError::Constant { present: extent.n });
@@ -363,11 +366,11 @@ pub fn axis_correlation(map: &HeightMap, axis: Axis) -> Result<Vec<f64>, Estimat
     Ok((0..points).map(|lag| covariance(lag) / covariance(0)).collect())
 }
 
-/// Distance in metre at which the correlation of a map along an axis first falls to 1/e, linear between lags, at any lag of
-/// the map; `None` when it does not.
+/// Returns the distance in metre at which the correlation of a map along an axis first falls to 1/e, linear between
+/// lags, at any lag of the map; `None` when it does not.
 ///
-/// Within half the field it is [`Autocorrelation::correlation_length_m`]. A longer one says that the field is too short for
-/// the surface.
+/// Up to half the field it equals [`Autocorrelation::correlation_length_m`]. A larger value means that the field is too
+/// small for the surface.
 ///
 /// # Errors
 /// The heights present do not vary.
@@ -376,12 +379,13 @@ pub fn axis_correlation_length_m(map: &HeightMap, axis: Axis) -> Result<Option<f
     Ok(first_crossing(&axis_correlation(map, axis)?, (-1.0_f64).exp()).map(|lags| lags * pitch_m))
 }
 
-/// Pairs of points of a complete map at a lag.
+/// Returns the number of pairs of points of a complete map at a lag.
 fn complete_pairs(grid: Grid, lag_x: isize, lag_y: isize) -> f64 {
     ((grid.nx() - lag_x.unsigned_abs()) * (grid.ny() - lag_y.unsigned_abs())) as f64
 }
 
-/// Where a sequence that starts above `level` first reaches it, in steps, linear between values. Undefined values end it.
+/// Returns the first crossing of `level` by a sequence that starts above it, in steps, interpolated linearly; `None` if
+/// an undefined value comes first.
 pub(super) fn first_crossing(values: &[f64], level: f64) -> Option<f64> {
     let after = values.iter().position(|value| value.is_nan() || *value <= level)?;
     if after == 0 || values[after].is_nan() {
@@ -398,7 +402,7 @@ mod tests {
     use ndarray::Array2;
     use rand::RngExt;
 
-    /// A white map with a share of its heights missing.
+    /// Returns a white map with a fraction of its heights missing.
     fn masked(nx: usize, ny: usize, missing: f64, seed: u64) -> HeightMap {
         let mut stream = random::stream(seed, "mask", 0);
         let heights = random::standard_normal(&mut stream, nx * ny);
@@ -476,7 +480,7 @@ mod tests {
             assert!((pooled.covariance_m2(lag_x, lag_y as isize) - sum / count).abs() < 1e-12, "({lag_x}, {lag_y})");
         }
         assert_eq!(pooled.present(), maps.iter().map(|map| map.present_m().count()).sum::<usize>());
-        // The same map twice says what it says once.
+        // Two copies of a map give the estimate of one.
         let twice = Autocorrelation::pooled(&[&single[0], &single[0]]).unwrap();
         assert!((twice.correlation(2, -1) - single[0].correlation(2, -1)).abs() < 1e-14);
     }
@@ -492,7 +496,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correlation_along_an_axis_is_that_of_all_lags_on_it() {
+    fn the_correlation_along_an_axis_equals_the_two_dimensional_one() {
         for missing in [0.0, 0.3] {
             let map = masked(13, 9, missing, 3);
             let found = Autocorrelation::within(&map, 12, 8).unwrap();
@@ -520,7 +524,7 @@ mod tests {
 
     #[test]
     fn missing_points_leave_the_correlation_of_the_rest() {
-        // A lay of scratches with a hole: the direction of correlation stays.
+        // A directional texture with a missing region keeps its direction of correlation.
         let grid = Grid::new(64, 64, 1.0, 1.0).unwrap();
         let profile = random::standard_normal(&mut random::stream(4, "lay", 0), 64);
         let map = HeightMap::from_function(grid, |x, y| {
@@ -545,7 +549,7 @@ mod tests {
         assert_eq!(first_crossing(&[1.0, f64::NAN, 0.1], 0.5), None);
     }
 
-    /// Heights less their least-squares plane.
+    /// Returns the residuals of the heights about their least-squares plane.
     fn levelled(map: &HeightMap) -> HeightMap {
         let (ny, nx) = map.grid().shape();
         let basis = |row: usize, column: usize| [1.0, column as f64 / nx as f64 - 0.5, row as f64 / ny as f64 - 0.5];

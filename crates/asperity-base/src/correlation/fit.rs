@@ -1,4 +1,4 @@
-//! Covariance models fitted to the spectrum of a map by likelihood.
+//! Maximum-likelihood fits of covariance models to the spectrum of a map.
 
 use std::fmt;
 
@@ -9,64 +9,65 @@ use super::model::{CorrelationModel, Covariance, CovarianceError};
 use super::spectrum::BlockSpectrum;
 use crate::numeric::{Range, least_squares};
 
-/// Degrees of freedom that a block counts at most: no model describes a surface to better than about 10 %, however many
-/// wavevectors a block has, and the few blocks of long waves would else have no weight.
+/// Limit of the degrees of freedom of a block: model error of about 10 % makes more of them meaningless, and the few
+/// blocks at long wavelengths would otherwise have no weight.
 const MOST_DEGREES: f64 = 200.0;
-/// Blocks below which nothing is fitted.
+/// Least number of blocks of a fit.
 const FEWEST_BLOCKS: usize = 8;
-/// Lengths from which fits start, in geometric steps between the pitch and the map.
+/// Number of initial lengths, in geometric steps between the pitch and the size of the map.
 const STARTS: usize = 3;
-/// A length lies between this many pitches and this many sizes of the map.
+/// Bounds of a length in pitches and in sizes of the map.
 const SHORTEST: f64 = 0.3;
 const LONGEST: f64 = 10.0;
-/// Sizes of a map in lengths below which it is called short.
+/// Ratio of map size to fitted length below which the map counts as short.
 const FEW_LENGTHS: f64 = 10.0;
-/// Correlation of the slopes along x and y from which a lay is called oblique.
+/// Correlation of the slopes along x and y above which the texture counts as oblique.
 const OBLIQUE: f64 = 0.15;
-/// Of models that are the same function, as Matérn and self-affine for ν < 1, the one named first in the list is taken.
+/// Tolerance of the ranking: of models that are the same function, such as Matérn and self-affine for ν < 1, the one
+/// listed first is taken.
 const TIE: f64 = 1e-3;
 
-/// Why no covariance could be fitted.
+/// A failed fit of a covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
-    /// No family of models was named.
+    /// Empty list of model families.
     #[error("no family of covariance models to fit")]
     NoFamily,
-    /// The reliable band of the spectrum holds too few wavevectors.
+    /// Too few wavevectors in the reliable band of the spectrum.
     #[error(
         "the reliable band of the spectrum, {low_rad_per_m:e} to {high_rad_per_m:e} rad/m, holds {blocks} blocks of \
          wavevectors, at least {wanted} are needed: the map is too small, noisy from the longest waves on, or smooth on \
          the scale of its pixels"
     )]
     NoBand {
-        /// Lower end of the band in rad/m.
+        /// Lower limit of the band in rad/m.
         low_rad_per_m: f64,
-        /// Upper end in rad/m.
+        /// Upper limit of the band in rad/m.
         high_rad_per_m: f64,
-        /// Blocks found.
+        /// Number of blocks in the band.
         blocks: usize,
-        /// Blocks needed.
+        /// Least number of blocks.
         wanted: usize,
     },
-    /// A fitted parameter makes no covariance.
+    /// Fitted parameters outside the range of the model.
     #[error(transparent)]
     Covariance(#[from] CovarianceError),
 }
 
-/// What to know before a fit is used.
+/// Warning about the quality of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FitWarning {
-    /// The map is fewer than ten fitted lengths long, so its correlation rests on few independent patches; below two the length is
-    /// extrapolated.
+    /// A map of fewer than ten fitted lengths, so that its correlation rests on few independent patches; below two, the
+    /// length is extrapolated.
     FewLengths {
-        /// Axis along which it happens.
+        /// Axis of the short side.
         axis: Axis,
-        /// Size of the map over the fitted length.
+        /// Ratio of map size to fitted length.
         lengths: f64,
     },
-    /// The lay runs at an angle to the axes, which the models, even in x and y, average away.
+    /// A texture at an angle to the axes; the models are even in x and y and average over it.
     ObliqueLay {
-        /// [`BlockSpectrum::slope_correlation`].
+        /// Value of [`BlockSpectrum::slope_correlation`].
         slope_correlation: f64,
     },
 }
@@ -91,34 +92,34 @@ impl fmt::Display for FitWarning {
 /// One model fitted to a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CovarianceFit {
-    /// The covariance, of the standard deviation that was given.
+    /// Fitted covariance with the given standard deviation.
     pub covariance: Covariance,
     /// Root mean square of ln(measured/fitted spectral density) over the blocks, without its sampling variance.
     pub misfit: f64,
     /// Fitted parameters: two lengths, and ν or H where the model has one.
     pub parameters: usize,
-    /// Twice the negative logarithm of the likelihood relative to a model that meets every block.
+    /// Deviance: minus twice the log likelihood relative to a model that equals the data in every block.
     pub deviance: f64,
 }
 
-/// All models fitted to a map, the best first.
+/// All models fitted to a map, best first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CovarianceFits {
     /// Ranked by deviance plus ln n per parameter, n the number of blocks (Schwarz's criterion).
     pub fits: Vec<CovarianceFit>,
-    /// Whether the lay runs at an angle to the axes; see [`FitWarning::ObliqueLay`].
+    /// Whether the texture is oblique; see [`FitWarning::ObliqueLay`].
     pub oblique: bool,
-    /// What to know before use.
+    /// Warnings about the fit.
     pub warnings: Vec<FitWarning>,
 }
 
 impl CovarianceFits {
-    /// The covariance ranked first.
+    /// Returns the covariance ranked first.
     pub fn best(&self) -> Covariance {
         self.fits[0].covariance
     }
 
-    /// The fit of the model with this name, as in study files.
+    /// Returns the fit of the model with this name, as in study files.
     pub fn named(&self, name: &str) -> Option<&CovarianceFit> {
         self.fits.iter().find(|fit| fit.covariance.model().name() == name)
     }
@@ -139,7 +140,7 @@ crate::choice! {
 }
 
 impl CorrelationFamily {
-    /// Range and start of the shape parameter, if there is one.
+    /// Returns the range and initial value of the shape parameter, if there is one.
     fn shape(self) -> Option<(Range, f64)> {
         match self {
             Self::SquaredExponential | Self::Exponential => None,
@@ -148,7 +149,7 @@ impl CorrelationFamily {
         }
     }
 
-    /// The model of a shape parameter, the third of `parameters`.
+    /// Returns the model with the shape parameter, the third of `parameters`.
     fn model(self, parameters: &[f64]) -> CorrelationModel {
         match (self, parameters.get(2)) {
             (Self::SquaredExponential, _) => CorrelationModel::SquaredExponential,
@@ -161,18 +162,19 @@ impl CorrelationFamily {
 
 /// Fits `families` to the spectra of the maps of one surface, of standard deviation `std_m` in metre, and ranks them.
 ///
-/// The likelihood is Whittle's for means of the periodogram over the blocks of [`BlockSpectrum`]: the mean I of
-/// a block with ν degrees of freedom is the expected density M times χ²_ν/ν, and the deviance Σ ν (I/M − 1 − ln(I/M)) is least
-/// at the fit. M holds what the pixels fold into the band and what the window smooths. The standard deviation is given and not
-/// fitted, because the height of a surface is known better than its longest waves; the lengths and the shape follow the spectrum.
+/// The likelihood is Whittle's for means of the periodogram over the blocks of [`BlockSpectrum`]: the mean I of a block
+/// with ν degrees of freedom is distributed as Mχ²_ν/ν, with M the expected density, and the fit minimises the deviance
+/// Σ ν (I/M − 1 − ln(I/M)). M includes aliasing by the sampling and smoothing by the window. The standard deviation is
+/// prescribed, because the variance of a surface is known better than its longest waves; the lengths and the shape
+/// follow from the spectrum.
 ///
 /// # Errors
 /// No family, or too few wavevectors in the reliable bands.
 ///
 /// # References
-/// Whittle, *Biometrika* **41** (1954) 434, <https://doi.org/10.1093/biomet/41.3-4.434>; Sykulski et al., *Biometrika* **106**
-/// (2019) 251, <https://doi.org/10.1093/biomet/asy071> (expectations with folding and window); Schwarz, *Ann. Stat.* **6**
-/// (1978) 461, <https://doi.org/10.1214/aos/1176344136>.
+/// Whittle, *Biometrika* **41** (1954) 434, <https://doi.org/10.1093/biomet/41.3-4.434>; Sykulski et al., *Biometrika*
+/// **106** (2019) 251, <https://doi.org/10.1093/biomet/asy071> (expectations with folding and window); Schwarz, *Ann.
+/// Stat.* **6** (1978) 461, <https://doi.org/10.1214/aos/1176344136>.
 pub fn fit_covariance(
     spectra: &[&BlockSpectrum],
     std_m: f64,
@@ -223,7 +225,7 @@ pub fn fit_covariance(
     Ok(CovarianceFits { fits, oblique, warnings })
 }
 
-/// About the lags along x and y at which the correlation falls to 1/e.
+/// Rough lags along x and y at which the correlation falls to 1/e.
 fn decay_lengths_m(covariance: Covariance) -> [f64; 2] {
     let scale = match covariance.model() {
         CorrelationModel::SelfAffine { hurst } => (2.0 * hurst).sqrt(),
@@ -238,7 +240,7 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
         (0..2).map(|axis| Range { low: SHORTEST * pitch_m[axis], high: LONGEST * size_m[axis] }).collect();
     ranges.extend(family.shape().map(|(range, _)| range));
     let covariance = |p: &[f64]| Covariance::new(family.model(p), std_m, p[0], p[1]);
-    // Measured over expected density, and the degrees of freedom that count.
+    // Ratios of measured to expected density, and effective degrees of freedom.
     let ratios = |p: &[f64]| -> Vec<(f64, f64)> {
         let Ok(covariance) = covariance(p) else { return vec![] };
         let of = |spectrum: &&BlockSpectrum| {
@@ -260,8 +262,8 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
     };
     let mut best: Option<(Vec<f64>, f64)> = None;
     for start in 0..STARTS {
-        let share = (start as f64 + 1.0) / (STARTS as f64 + 1.0);
-        let length = |axis: usize| pitch_m[axis] * (size_m[axis] / pitch_m[axis]).powf(share);
+        let fraction = (start as f64 + 1.0) / (STARTS as f64 + 1.0);
+        let length = |axis: usize| pitch_m[axis] * (size_m[axis] / pitch_m[axis]).powf(fraction);
         let mut first: Vec<f64> = (0..2).map(length).collect();
         first.extend(family.shape().map(|(_, value)| value));
         let found = least_squares(&residuals, &first, &ranges);
@@ -270,7 +272,7 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
             best = Some(found);
         }
     }
-    // Without a minimum the covariance below is refused.
+    // If there is no minimum, the constructor of the covariance rejects the parameters.
     let (found, deviance) = best.unwrap_or_else(|| (vec![f64::NAN; ranges.len()], f64::NAN));
     let (mut squares, mut weights) = (0.0, 0.0);
     for (ratio, degrees) in ratios(&found) {
@@ -286,7 +288,7 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
     })
 }
 
-/// The largest side along x and y of any map, in metre.
+/// Returns the largest sides of all maps along x and y, in metre.
 fn largest_size_m(spectra: &[&BlockSpectrum]) -> [f64; 2] {
     let mut largest_m = [0.0_f64; 2];
     for spectrum in spectra {
@@ -308,7 +310,7 @@ mod tests {
         let grid = Grid::new(96, 96, 1e-6, 1e-6).unwrap();
         let noise = random::standard_normal(&mut random::stream(1, "noise", 0), grid.points());
         let map = HeightMap::new(grid, ndarray::Array2::from_shape_vec(grid.shape(), noise).unwrap()).unwrap();
-        let fits = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, CorrelationFamily::ALL).unwrap();
+        let fits = fit_covariance(&[&BlockSpectrum::new(&map).unwrap()], 1.0, CorrelationFamily::ALL).unwrap();
         assert!(fits.best().correlation(1e-6, 0.0) < 0.1, "{fits:?}");
         assert!(fits.fits[0].misfit < 0.1, "{fits:?}");
     }
@@ -317,7 +319,7 @@ mod tests {
     fn a_map_without_a_reliable_band_is_refused_with_the_band() {
         let grid = Grid::new(5, 5, 1.0, 1.0).unwrap();
         let map = HeightMap::from_function(grid, |x, y| (7.0 * x).sin() + (3.0 * y).cos()).unwrap();
-        let error = fit_covariance(&[&BlockSpectrum::of(&map).unwrap()], 1.0, CorrelationFamily::ALL).unwrap_err();
+        let error = fit_covariance(&[&BlockSpectrum::new(&map).unwrap()], 1.0, CorrelationFamily::ALL).unwrap_err();
         assert!(matches!(error, FitError::NoBand { wanted: 8, .. }), "{error}");
     }
 }

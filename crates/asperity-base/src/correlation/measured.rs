@@ -1,4 +1,4 @@
-//! The measured covariance itself, without a model.
+//! The covariance of a measured map, without a model.
 
 mod positive;
 mod taper;
@@ -15,84 +15,85 @@ use super::model::StationaryCovariance;
 use crate::fourier::{RealFft2, good_length};
 use crate::map::HeightMap;
 
-/// Independent patches N/Σρ² of a map below which its correlation is not known.
+/// Least number of independent patches N/Σρ² of a map for an estimate of its correlation.
 const FEWEST_PATCHES: f64 = 10.0;
 
-/// Why an autocorrelation makes no covariance.
+/// An autocorrelation that cannot be made a covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeasuredCovarianceError {
-    /// The correlation reaches so far that the map is a sample of a few patches.
+    /// A correlation so long that the map contains only a few independent patches.
     #[error(
         "the correlation reaches so far that the map holds only {patches:.1} independent patches, at least {wanted} are \
          needed: it is too short for its roughness or still has form to remove"
     )]
     FewPatches {
-        /// Points over the sum of squared correlations, N/Σρ².
+        /// Number of independent patches: points over the sum of squared correlations, N/Σρ².
         patches: f64,
-        /// Patches needed.
+        /// Least number of patches.
         wanted: f64,
     },
-    /// The autocorrelation cannot be estimated.
+    /// Failed estimate of the autocorrelation.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
-    /// Lags next to zero rest on no pair of present heights.
+    /// No pair of present heights at a lag next to zero.
     #[error("no two neighbouring heights are present, so the correlation near zero is unknown")]
     NoPairs,
 }
 
-/// What was done to an autocorrelation to make it a covariance. All correlations are over the variance.
+/// Changes that turned an autocorrelation into a covariance; correlations are relative to the variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredReport {
-    /// Share of the variance that went with the map's mean; lags and variance are corrected for it.
-    pub mean_share: f64,
-    /// Standard error of a lag near zero in a field without correlation there, √(Σρ²/N).
+    /// Fraction of the variance lost with the subtracted mean; lags and variance are corrected for it.
+    pub mean_fraction: f64,
+    /// Standard error √(Σρ²/N) of a lag near zero where the field is uncorrelated.
     pub standard_error: f64,
-    /// Largest lag along x, over all directions, up to which the estimate is used as it stands, in metre.
+    /// Largest lag along x, over all directions, with weight 1, in metre.
     pub reliable_x_m: f64,
-    /// Largest lag along y up to which the estimate is used as it stands, in metre.
+    /// Largest lag along y with weight 1, in metre.
     pub reliable_y_m: f64,
-    /// Whether the correlation decays along x within the map. Otherwise the taper shortened it.
+    /// Whether the correlation decays along x within the map; if not, the taper shortens it.
     pub decayed_x: bool,
     /// Whether the correlation decays along y within the map.
     pub decayed_y: bool,
     /// Largest change of a lag by the taper.
     pub taper_change: f64,
-    /// Share of the variance in negative values of the tapered spectrum, which were set to zero.
+    /// Fraction of the variance in negative values of the tapered spectrum, which were set to zero.
     pub clipped_variance: f64,
-    /// Largest change of a lag by the balancing of the spectrum and the end of its factor.
+    /// Largest change of a lag by balancing the spectrum and truncating its square root.
     pub clipping_change: f64,
 }
 
-/// The covariance of a measured map: its own autocorrelation, made a covariance function.
+/// Covariance of a measured map: its own autocorrelation, corrected to a positive semi-definite function.
 ///
-/// Six steps lead from an [`Autocorrelation`] to it, and [`MeasuredReport`] says what they changed:
+/// It is derived from an [`Autocorrelation`] in six steps, whose changes [`MeasuredReport`] lists:
 ///
-/// 1. *Slope.* Near zero the correlation is taken from the semivariance, 1 − γ/σ², whose errors are a share of γ itself; it
-///    gives way to the autocorrelation as the taper falls. The autocorrelation has a kink at zero, of the height of the
-///    squares at the edges against the rest, that would count as roughness (or cancel it) at the shortest wavelengths.
-/// 2. *Mean.* Because the map's mean was removed, the estimate tends to (ρ − β)/(1 − β), β the mean of ρ over all pairs of
-///    points; with lags beyond the taper counted as zero β follows from the estimate itself, and ρ and σ² are put back.
-/// 3. *Taper.* Lags count fully up to half as far again as they stand out of their own standard error √(Σρ²/N), N the
-///    pairs of a lag (Bartlett), and not at all beyond twice that, or beyond half of the map. Distance is measured by the ellipse of the
-///    central lobe ρ > 0.2, so that a lay at any angle is followed. The flat top leaves short lags as they are. Along an
-///    axis on which the lobe reaches beyond a quarter of the map, or on both when nothing falls into noise, as on a periodic
-///    surface, Bohman's window over all the lags estimated takes the place of the flat top: positive semi-definite itself, it
-///    shortens the correlation smoothly instead of cutting it.
-/// 4. *Balancing.* Negative values of the tapered spectrum are set to zero, and paid for by the positive ones of about the same
-///    wavevectors, so that the noise of the estimate, which is as often negative as positive, leaves no floor.
-/// 5. *Factor.* The root of that spectrum is a moving average, cut where the taper ends; the covariance is the correlation
-///    of this finite sequence with itself, so it is positive semi-definite on the whole lattice, and ends at twice the
-///    taper. It is scaled to the variance.
-/// 6. *Interpolation* by cubic B-splines, which pass through the lags. The spline's spectrum is that of the lags times a
-///    positive factor that cuts off beyond their Nyquist wavenumber: it stays positive semi-definite at every pitch, and
-///    invents no roughness on a finer one.
+/// 1. *Slope.* Near zero the correlation is 1 − γ/σ² with the semivariance γ, whose errors are relative to γ; it is
+///    blended into the autocorrelation as the taper falls. The autocorrelation has a kink at zero, due to the heights
+///    at the edges, which would change the roughness at the shortest wavelengths.
+/// 2. *Mean.* With the subtracted mean the expectation of the estimate is (ρ − β)/(1 − β), where β is the mean of ρ
+///    over all pairs of points. β follows from the estimate with zero lags beyond the taper, and corrects ρ and σ².
+/// 3. *Taper.* Lags have full weight up to 1.5 times the range in which they exceed their standard error √(Σρ²/N), N
+///    the pairs of a lag (Bartlett), and no weight beyond twice that, or beyond half of the map. Distance is measured
+///    by the ellipse of the central lobe ρ > 0.2, so that the taper follows a texture at any angle. The flat top leaves
+///    short lags unchanged. Along an axis on which the lobe extends beyond a quarter of the map, or along both if the
+///    correlation does not decay, as on a periodic surface, Bohman's window over all estimated lags replaces it; this
+///    is positive semi-definite and shortens the correlation smoothly.
+/// 4. *Balancing.* Negative values of the tapered spectrum are set to zero and compensated by the positive values at
+///    similar wavevectors, so that the noise of the estimate leaves no floor.
+/// 5. *Square root.* The square root of that spectrum is a moving average, truncated at the end of the taper. The
+///    covariance is the autocorrelation of this finite sequence, scaled to the variance, so it is positive
+///    semi-definite on the infinite lattice and ends at twice the taper.
+/// 6. *Interpolation* by cubic B-splines through the lags. It multiplies the spectrum by a positive factor that falls
+///    off beyond the Nyquist wavenumber, so the covariance is positive semi-definite at every pitch and adds no
+///    roughness at finer ones.
 ///
 /// ρ(−x, −y) = ρ(x, y); ρ(−x, y) may differ.
 ///
 /// # References
 /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>;
-/// Politis, *J. Nonparametr. Stat.* **15** (2003) 517, <https://doi.org/10.1080/10485250310001604659> (flat-top tapers and
-/// where to end them); Unser, *IEEE Signal Process. Mag.* **16** (6) (1999) 22, <https://doi.org/10.1109/79.799930> (splines).
+/// Politis, *J. Nonparametr. Stat.* **15** (2003) 517, <https://doi.org/10.1080/10485250310001604659> (flat-top tapers
+/// and where to end them); Unser, *IEEE Signal Process. Mag.* **16** (6) (1999) 22, <https://doi.org/10.1109/79.799930>
+/// (splines).
 #[derive(Debug, Clone)]
 pub struct MeasuredCovariance {
     std_m: f64,
@@ -103,18 +104,18 @@ pub struct MeasuredCovariance {
 }
 
 impl MeasuredCovariance {
-    /// The covariance of a map, from its autocorrelation at all lags.
+    /// Creates the covariance of a map, from its autocorrelation at all lags.
     ///
     /// # Errors
     /// Heights that do not vary, a map of few independent patches, or no pair of neighbours.
-    pub fn of(map: &HeightMap) -> Result<Self, MeasuredCovarianceError> {
+    pub fn from_map(map: &HeightMap) -> Result<Self, MeasuredCovarianceError> {
         let grid = map.grid();
         Self::new(&Autocorrelation::within(map, grid.nx() - 1, grid.ny() - 1)?.and_semivariance(map))
     }
 
-    /// The covariance of the map from which `estimate` was made, with [`Autocorrelation::and_semivariance`] or without, then
-    /// with the kink at zero that it has. One that reaches over all lags of the map keeps most of a
-    /// correlation that does not decay within it.
+    /// Creates the covariance from an autocorrelation of the map. Without [`Autocorrelation::and_semivariance`] the
+    /// kink at zero lag remains. An estimate at all lags of the map retains most of a correlation that does not decay
+    /// within it.
     ///
     /// # Errors
     /// A map of few independent patches, or no pair of neighbours.
@@ -124,12 +125,12 @@ impl MeasuredCovariance {
         if reach_x.min(reach_y) == 0 || estimate.pairs(1, 0) + estimate.pairs(0, 1) == 0.0 {
             return Err(MeasuredCovarianceError::NoPairs);
         }
-        let taper = Taper::of(estimate);
+        let taper = Taper::new(estimate);
         let patches = taper.standard_error().powi(-2);
         if patches < FEWEST_PATCHES {
             return Err(MeasuredCovarianceError::FewPatches { patches, wanted: FEWEST_PATCHES });
         }
-        let mean_share = mean_share(estimate, &taper);
+        let mean_fraction = mean_fraction(estimate, &taper);
         // Rows are lags 0 … along y, columns all lags along x.
         let (reach_x, reach_y) = taper.reach();
         let mut taper_change = 0.0_f64;
@@ -142,7 +143,7 @@ impl MeasuredCovariance {
             let weight = taper.weight(lag_x, lag_y);
             let semivariance = estimate.semivariance_m2(lag_x, lag_y).map(|gamma| gamma / estimate.variance_m2());
             let near = semivariance.map_or(0.0, |gamma| weight * (1.0 - gamma - estimated));
-            let rho = (1.0 - mean_share) * (estimated + near) + mean_share;
+            let rho = (1.0 - mean_fraction) * (estimated + near) + mean_fraction;
             taper_change = taper_change.max(((1.0 - weight) * rho).abs());
             weight * rho
         });
@@ -151,7 +152,7 @@ impl MeasuredCovariance {
         let (reliable_x_m, reliable_y_m) = taper.reliable_m();
         let (decayed_x, decayed_y) = taper.decayed();
         let report = MeasuredReport {
-            mean_share,
+            mean_fraction,
             standard_error: taper.standard_error(),
             reliable_x_m,
             reliable_y_m,
@@ -161,27 +162,28 @@ impl MeasuredCovariance {
             clipped_variance,
             clipping_change: largest_change,
         };
-        let std_m = (estimate.variance_m2() / (1.0 - mean_share)).sqrt();
+        let std_m = (estimate.variance_m2() / (1.0 - mean_fraction)).sqrt();
         Ok(Self { std_m, spline, dx_m: grid.dx_m(), dy_m: grid.dy_m(), report })
     }
 
-    /// The same correlation with another standard deviation of the heights.
+    /// Returns the same correlation with another standard deviation of the heights.
     #[must_use]
     pub fn with_std(self, std_m: f64) -> Self {
         Self { std_m, ..self }
     }
 
-    /// The same correlation at lags longer by `factor`.
+    /// Returns the same correlation with lags scaled by `factor`.
     #[must_use]
     pub fn stretched(self, factor: f64) -> Self {
         Self { dx_m: factor * self.dx_m, dy_m: factor * self.dy_m, ..self }
     }
 
-    /// The covariance of a Gaussian field that keeps the slopes of this one after a translation with `distortion`, ρ ↦ T(ρ).
+    /// Returns the covariance of a Gaussian field that, after a translation with the correlation distortion ρ ↦ T(ρ) in
+    /// `distortion`, has the slopes of this one.
     ///
-    /// The spectrum is first changed so that the distorted correlation has the spectrum of this one, as nearly as a positive
-    /// spectrum allows. A translation with heavy tails turns long waves into short ones; slopes that are then left over (or are
-    /// missing) are taken out (or put in) by the factor (1 + q²/q₀²)^{−w}, q₀ = `corner_rad_per_m`, with w such that
+    /// The spectrum is first adapted so that the distorted correlation has the spectrum of this one, as closely as a
+    /// positive spectrum permits. A translation with heavy tails turns long waves into short ones; the remaining excess
+    /// or deficit of slope is removed by the factor (1 + q²/q₀²)^{−w}, q₀ = `corner_rad_per_m`, with w such that
     /// `slope_ratio` of the result is 1.
     #[must_use]
     pub fn beneath(
@@ -190,7 +192,7 @@ impl MeasuredCovariance {
         corner_rad_per_m: f64,
         slope_ratio: impl Fn(&Self) -> f64,
     ) -> Self {
-        /// Steps of the search for w, its largest size, and the error of the logarithm of the ratio that ends it.
+        /// Step and bound of the search for w, and the tolerance of the logarithm of the ratio.
         const STEPS: usize = 8;
         const LARGEST: f64 = 4.0;
         const TOLERANCE: f64 = 0.01;
@@ -203,7 +205,7 @@ impl MeasuredCovariance {
             let error = slope_ratio(&found).ln();
             (found, error)
         };
-        // The secant through the last two points; ln r falls with w, by about 1 per unit.
+        // Secant step through the last two points; d ln r/dw is about −1.
         let (mut best, mut error) = with(0.0);
         let (mut w, mut slope) = (0.0, -1.0);
         for _ in 0..STEPS {
@@ -221,15 +223,15 @@ impl MeasuredCovariance {
         best
     }
 
-    /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
+    /// Returns the power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
     ///
-    /// It is that of the lags times the factor of the spline through them, which falls like q⁻⁴ beyond their Nyquist
-    /// wavenumber π/dx, where the map says nothing.
+    /// It equals the spectrum of the lags times the factor of the spline interpolation, which falls as q⁻⁴ beyond their
+    /// Nyquist wavenumber π/dx, where the map contains no information.
     pub fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
         self.profile_psd_m3(q_rad_per_m * self.dx_m, self.spline.reach().0, |k| self.spline.value(k, 0.0)) * self.dx_m
     }
 
-    /// The same of profiles along y.
+    /// Returns the power spectral density of profiles along y; see [`MeasuredCovariance::profile_psd_x_m3`].
     pub fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
         self.profile_psd_m3(q_rad_per_m * self.dy_m, self.spline.reach().1, |k| self.spline.value(0.0, k)) * self.dy_m
     }
@@ -240,8 +242,9 @@ impl MeasuredCovariance {
         self.std_m * self.std_m * (1.0 + lags) * spline_factor(phase)
     }
 
-    /// Mean of the two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴ over the directions, at each of the
-    /// wavenumbers in rad/m: over rings about as wide as the reach of the covariance resolves, linear between them.
+    /// Returns the average of the two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴ over the
+    /// directions, at each of the wavenumbers in rad/m: averages over rings as wide as the spectral resolution of the
+    /// covariance, interpolated linearly.
     pub fn radial_psd_m4(&self, q_rad_per_m: &[f64]) -> Vec<f64> {
         let (reach_x, reach_y) = self.spline.reach();
         let fft = RealFft2::new(good_length(2 * reach_x + 1), good_length(2 * reach_y + 1));
@@ -256,7 +259,7 @@ impl MeasuredCovariance {
         fft.forward(&lags, &mut spectrum, &mut fft.workspace());
         let (step_x, step_y) = (TAU / (nx as f64 * self.dx_m), TAU / (ny as f64 * self.dy_m));
         let width = step_x.max(step_y);
-        // Of every ring the sums of wavenumbers and densities, and the number of wavevectors.
+        // Sums of wavenumbers and densities, and number of wavevectors, of every ring.
         let mut rings: Vec<(f64, f64, f64)> = vec![];
         for (place, value) in spectrum.iter().enumerate() {
             let (kx, ky) = ((place / ny) as f64, signed(place % ny, ny));
@@ -282,17 +285,17 @@ impl MeasuredCovariance {
         q_rad_per_m.iter().map(at).collect()
     }
 
-    /// What was changed on the way.
+    /// Returns the changes made to the autocorrelation.
     pub fn report(&self) -> MeasuredReport {
         self.report
     }
 
-    /// Covariance σ²ρ at the lag (dx, dy) in metre, in m².
+    /// Returns the covariance σ²ρ at the lag (dx, dy) in metre, in m².
     pub fn value_m2(&self, dx_m: f64, dy_m: f64) -> f64 {
         self.std_m * self.std_m * self.correlation(dx_m, dy_m)
     }
 
-    /// Lags along x and y in metre beyond which the covariance is zero.
+    /// Returns the lags along x and y in metre beyond which the covariance is zero.
     pub fn support_m(&self) -> (f64, f64) {
         let (x, y) = self.spline.reach();
         (x as f64 * self.dx_m, y as f64 * self.dy_m)
@@ -309,24 +312,26 @@ impl StationaryCovariance for MeasuredCovariance {
     }
 }
 
-/// Transform of the cubic spline that is one at zero and zero at every other lag, over the pitch, at a phase per lag.
+/// Returns the transform of the cardinal cubic spline (one at zero, zero at every other lag) over the pitch, at a phase
+/// per lag.
 fn spline_factor(phase: f64) -> f64 {
     let half = 0.5 * phase;
     let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
     3.0 * sinc.powi(4) / (2.0 + phase.cos())
 }
 
-/// The mean β of ρ over all pairs of points, from the estimate (ρ − β)/(1 − β) within the taper w and zero beyond it.
+/// Returns the mean β of ρ over all pairs of points, from the estimate (ρ − β)/(1 − β) within the taper w and zero
+/// beyond it.
 ///
 /// With N pairs at a lag, β = Σ N w ((1 − β)ρ̂ + β)/Σ N, which is linear in β.
-fn mean_share(estimate: &Autocorrelation, taper: &Taper) -> f64 {
+fn mean_fraction(estimate: &Autocorrelation, taper: &Taper) -> f64 {
     let (reach_x, reach_y) = estimate.reach();
     let (reach_x, reach_y) = (reach_x as isize, reach_y as isize);
     // Every point makes a pair with every other and with itself.
     let all = estimate.all_pairs();
     let (mut weights, mut products) = (0.0, 0.0);
     for lag_y in 0..=reach_y {
-        // A lag and its opposite.
+        // Count a lag and its opposite.
         let times = if lag_y == 0 { 1.0 } else { 2.0 };
         for lag_x in -reach_x..=reach_x {
             let pairs = times * estimate.pairs(lag_x, lag_y);
@@ -338,6 +343,6 @@ fn mean_share(estimate: &Autocorrelation, taper: &Taper) -> f64 {
         }
     }
     let (weights, products) = (weights / all, products / all);
-    // An oscillating correlation may come out below zero, which no variance of a mean can be.
+    // An oscillating correlation can give a negative value, which is not a variance of a mean.
     (products / (1.0 - weights + products)).max(0.0)
 }

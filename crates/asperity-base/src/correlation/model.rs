@@ -8,22 +8,22 @@ use thiserror::Error;
 
 use super::bessel::matern;
 
-/// Why a covariance could not be made.
+/// A rejected covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CovarianceError {
-    /// A parameter lies outside its range.
+    /// A parameter outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]
     Parameter {
         /// Name of the parameter.
         parameter: &'static str,
-        /// Value found.
+        /// Rejected value.
         value: f64,
-        /// Values allowed.
+        /// Range of the parameter.
         wanted: &'static str,
     },
 }
 
-/// The shape ρ(r) of a stationary correlation at the scaled distance r = √((x/ℓx)² + (y/ℓy)²).
+/// Shape ρ(r) of a stationary correlation at the scaled distance r = √((x/ℓx)² + (y/ℓy)²).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CorrelationModel {
@@ -46,7 +46,7 @@ pub enum CorrelationModel {
 }
 
 impl CorrelationModel {
-    /// Name as in study files.
+    /// Returns the name as in study files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::SquaredExponential => "squared_exponential",
@@ -56,7 +56,7 @@ impl CorrelationModel {
         }
     }
 
-    /// ρ(r) at the scaled distance r ≥ 0; 1 at r = 0.
+    /// Returns ρ(r) at the scaled distance r ≥ 0; 1 at r = 0.
     pub fn correlation(&self, r: f64) -> f64 {
         match *self {
             Self::SquaredExponential => (-r * r).exp(),
@@ -78,7 +78,8 @@ impl CorrelationModel {
         }
     }
 
-    /// Order ν and squared corner κ² of a Matérn spectrum ∝ (κ² + k²)^{−(ν + d/2)}; `None` for the squared exponential.
+    /// Returns the order ν and squared corner κ² of a Matérn spectrum ∝ (κ² + k²)^{−(ν + d/2)}; `None` for the squared
+    /// exponential.
     fn order_and_corner(&self) -> Option<(f64, f64)> {
         match *self {
             Self::SquaredExponential => None,
@@ -88,7 +89,7 @@ impl CorrelationModel {
         }
     }
 
-    /// ∬ ρ(|x|) e^{−ik·x} d²x at the scaled wavenumber k.
+    /// Returns ∬ ρ(|x|) e^{−ik·x} d²x at the scaled wavenumber k.
     fn spectrum_2d(&self, k: f64) -> f64 {
         match self.order_and_corner() {
             None => PI * (-k * k / 4.0).exp(),
@@ -96,7 +97,7 @@ impl CorrelationModel {
         }
     }
 
-    /// ∫ ρ(|x|) e^{−ikx} dx at the scaled wavenumber k.
+    /// Returns ∫ ρ(|x|) e^{−ikx} dx at the scaled wavenumber k.
     fn spectrum_1d(&self, k: f64) -> f64 {
         match self.order_and_corner() {
             None => PI.sqrt() * (-k * k / 4.0).exp(),
@@ -109,7 +110,8 @@ impl CorrelationModel {
 
     fn validate(&self) -> Result<(), CovarianceError> {
         match *self {
-            // Above ν = 100 a Matérn field is a squared exponential to every digit that a map could show.
+            // Largest order ν: above it a Matérn correlation cannot be distinguished from a squared exponential in
+            // practice.
             Self::Matern { nu } if !(nu > 0.0 && nu <= 100.0) => {
                 Err(CovarianceError::Parameter { parameter: "nu", value: nu, wanted: "in (0, 100]" })
             }
@@ -123,16 +125,16 @@ impl CorrelationModel {
 
 /// A stationary covariance of heights.
 ///
-/// Generators ask for no more than this, so a covariance may be a model, a product of profiles, or a table.
+/// The interface that generators need; implemented by models, products of profile correlations and tables.
 pub trait StationaryCovariance: Sync {
-    /// Standard deviation σ in metre.
+    /// Returns the standard deviation σ in metre.
     fn std_m(&self) -> f64;
 
-    /// Correlation ρ at the lag (dx, dy) in metre; 1 at zero, and ρ(−dx, −dy) = ρ(dx, dy).
+    /// Returns the correlation ρ at the lag (dx, dy) in metre; 1 at zero, and ρ(−dx, −dy) = ρ(dx, dy).
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64;
 
-    /// Whether ρ(−dx, dy) = ρ(dx, dy), as without a lay or with one along an axis. Then lags of one quadrant say all, and
-    /// modes are even or odd in x and in y. A covariance that does not say so is taken to be oblique.
+    /// Returns whether ρ(−dx, dy) = ρ(dx, dy), as for a texture along an axis. The lags of one quadrant then suffice,
+    /// and modes are even or odd in x and in y. The default is `false`.
     fn mirror_symmetric(&self) -> bool {
         false
     }
@@ -162,7 +164,7 @@ pub struct Covariance {
     length_y_m: f64,
 }
 
-/// What a file may say, before it is checked.
+/// Fields of a file before validation.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Unchecked {
@@ -181,7 +183,7 @@ impl TryFrom<Unchecked> for Covariance {
 }
 
 impl Covariance {
-    /// A covariance of standard deviation σ and lengths ℓx, ℓy in metre.
+    /// Creates a covariance of standard deviation σ and lengths ℓx, ℓy in metre.
     ///
     /// # Errors
     /// A standard deviation or length that is not positive and finite, ν outside (0, 100], or H outside (0, 1).
@@ -195,40 +197,40 @@ impl Covariance {
         Ok(Self { model, std_m, length_x_m, length_y_m })
     }
 
-    /// A covariance with equal lengths along x and y.
+    /// Creates a covariance with equal lengths along x and y.
     ///
     /// # Errors
-    /// As [`Covariance::new`].
+    /// See [`Covariance::new`].
     pub fn isotropic(model: CorrelationModel, std_m: f64, length_m: f64) -> Result<Self, CovarianceError> {
         Self::new(model, std_m, length_m, length_m)
     }
 
-    /// Shape of the correlation.
+    /// Returns the shape of the correlation.
     pub fn model(&self) -> CorrelationModel {
         self.model
     }
 
-    /// Standard deviation σ in metre.
+    /// Returns the standard deviation σ in metre.
     pub fn std_m(&self) -> f64 {
         self.std_m
     }
 
-    /// Length ℓx in metre.
+    /// Returns the length ℓx in metre.
     pub fn length_x_m(&self) -> f64 {
         self.length_x_m
     }
 
-    /// Length ℓy in metre.
+    /// Returns the length ℓy in metre.
     pub fn length_y_m(&self) -> f64 {
         self.length_y_m
     }
 
-    /// Correlation ρ at the lag (dx, dy) in metre.
+    /// Returns the correlation ρ at the lag (dx, dy) in metre.
     pub fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
         self.model.correlation((dx_m / self.length_x_m).hypot(dy_m / self.length_y_m))
     }
 
-    /// Covariance C = σ²ρ at the lag (dx, dy) in metre, in m².
+    /// Returns the covariance C = σ²ρ at the lag (dx, dy) in metre, in m².
     pub fn value_m2(&self, dx_m: f64, dy_m: f64) -> f64 {
         self.std_m * self.std_m * self.correlation(dx_m, dy_m)
     }
@@ -239,12 +241,13 @@ impl Covariance {
         self.std_m * self.std_m * self.length_x_m * self.length_y_m * self.model.spectrum_2d(k)
     }
 
-    /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
+    /// Returns the power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
     pub fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
         self.std_m * self.std_m * self.length_x_m * self.model.spectrum_1d(q_rad_per_m * self.length_x_m)
     }
 
-    /// Power spectral density of profiles along y in m³, at q in rad/m; see [`Covariance::profile_psd_x_m3`].
+    /// Returns the power spectral density of profiles along y in m³, at q in rad/m; see
+    /// [`Covariance::profile_psd_x_m3`].
     pub fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
         self.std_m * self.std_m * self.length_y_m * self.model.spectrum_1d(q_rad_per_m * self.length_y_m)
     }
@@ -266,8 +269,8 @@ impl StationaryCovariance for Covariance {
 
 /// The product C(x, y) = σ² ρ(|x|/ℓx) ρ(|y|/ℓy) of two profile correlations.
 ///
-/// For the squared exponential this is the elliptic covariance itself. Any other model is changed: the exponential
-/// becomes e^{−|x|/ℓx−|y|/ℓy}, which is not isotropic even for ℓx = ℓy.
+/// For the squared exponential it equals the elliptic covariance. Any other model changes: the exponential becomes
+/// e^{−|x|/ℓx−|y|/ℓy}, which is anisotropic even for ℓx = ℓy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeparableCovariance(pub Covariance);
 
@@ -285,11 +288,11 @@ impl StationaryCovariance for SeparableCovariance {
     }
 }
 
-/// A covariance with its axes turned: a lay at an angle.
+/// Covariance with rotated axes, for a texture at an angle.
 ///
-/// ρ(x, y) = ρ₀(x cos α + y sin α, y cos α − x sin α), so that the first axis of the inner covariance points along
-/// (cos α, sin α) of the map, y running down the rows. Turning keeps a covariance positive definite, but a separable one is
-/// no longer a product of profiles along the map's axes.
+/// ρ(x, y) = ρ₀(x cos α + y sin α, y cos α − x sin α): the first axis of the inner covariance points along (cos α, sin
+/// α) of the map, with y down the rows. A rotation keeps a covariance positive definite, but a separable covariance is
+/// in general no longer a product along the axes of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotated<C> {
     covariance: C,
@@ -299,7 +302,7 @@ pub struct Rotated<C> {
 }
 
 impl<C: StationaryCovariance> Rotated<C> {
-    /// The covariance turned by the angle α in radian, from x towards y.
+    /// Creates the covariance rotated by the angle α in radian, from x towards y.
     ///
     /// # Errors
     /// An angle that is not finite.
@@ -312,12 +315,12 @@ impl<C: StationaryCovariance> Rotated<C> {
         Ok(Self { covariance, angle_rad, sin, cos })
     }
 
-    /// The angle in radian.
+    /// Returns the angle in radian.
     pub fn angle_rad(&self) -> f64 {
         self.angle_rad
     }
 
-    /// The covariance in its own axes.
+    /// Returns the inner covariance.
     pub fn inner(&self) -> &C {
         &self.covariance
     }
@@ -333,7 +336,7 @@ impl<C: StationaryCovariance> StationaryCovariance for Rotated<C> {
     }
 
     fn mirror_symmetric(&self) -> bool {
-        // A quarter turn exchanges the axes; its cosine of 6e-17 is rounding.
+        // A quarter turn exchanges the axes; the computed cosine of 6e-17 is a rounding error.
         self.covariance.mirror_symmetric() && (self.sin * self.cos).abs() < 1e-15
     }
 }
@@ -390,7 +393,8 @@ mod tests {
         assert!((slope + 2.0 * (1.0 + hurst)).abs() < 1e-6, "spectral slope {slope}");
     }
 
-    /// ∫₀^∞ f(u) du by the trapezoidal rule after u = e^{s − e^{−s}}, for smooth f with an algebraic or faster tail.
+    /// Returns ∫₀^∞ f(u) du by the trapezoidal rule after u = e^{s − e^{−s}}, for smooth f with an algebraic or faster
+    /// tail.
     fn half_line(f: impl Fn(f64) -> f64) -> f64 {
         let step = 1.0 / 64.0;
         (-320..3200)

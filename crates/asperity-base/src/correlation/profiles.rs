@@ -7,10 +7,10 @@ use crate::map::HeightMap;
 
 use super::estimate::Axis;
 
-/// Rows that are read at a time for profiles along y.
+/// Rows read at a time for profiles along y.
 const TILE: usize = 8;
 
-/// Number of profiles along `axis`, their points, and their pitch in metre.
+/// Returns the number of profiles along `axis`, the points of each, and their pitch in metre.
 #[doc(hidden)]
 pub fn dimensions(map: &HeightMap, axis: Axis) -> (usize, usize, f64) {
     let grid = map.grid();
@@ -20,10 +20,10 @@ pub fn dimensions(map: &HeightMap, axis: Axis) -> (usize, usize, f64) {
     }
 }
 
-/// Copies neighbouring profiles, one after the other.
+/// Copies a range of profiles, one after the other.
 ///
 /// # Panics
-/// If the range exceeds the map, or `heights_m` does not fit it.
+/// If the range exceeds the map, or the length of `heights_m` differs.
 #[doc(hidden)]
 pub fn copy(map: &HeightMap, axis: Axis, range: Range<usize>, heights_m: &mut [f64]) {
     let width = map.grid().nx();
@@ -32,7 +32,7 @@ pub fn copy(map: &HeightMap, axis: Axis, range: Range<usize>, heights_m: &mut [f
     match axis {
         Axis::X => heights_m.copy_from_slice(&map.values_m()[range.start * width..range.end * width]),
         Axis::Y => {
-            // Eight rows at a time fill a cache line of every profile.
+            // Eight rows fill a cache line of every profile.
             for (tile, rows) in map.values_m().chunks(TILE * width).enumerate() {
                 for (column, out) in range.clone().zip(heights_m.chunks_exact_mut(points)) {
                     let out = &mut out[tile * TILE..];
@@ -43,8 +43,8 @@ pub fn copy(map: &HeightMap, axis: Axis, range: Range<usize>, heights_m: &mut [f
     }
 }
 
-/// Sums of products of `term` of the heights over the pairs of the same profile, at the lags 0 … padded/2. Lags are free of
-/// wrapped pairs up to `padded` less the points of a profile.
+/// Returns the sums of products of `term` of the heights over the pairs of the same profile, at the lags 0 … padded/2.
+/// Lags up to `padded` less the length of a profile contain no wrapped pairs.
 pub(super) fn lag_sums(map: &HeightMap, axis: Axis, padded: usize, term: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let (all, points, _) = dimensions(map, axis);
     let power = summed_power(all, points, padded, |range, out| {
@@ -62,13 +62,13 @@ mod tests {
     #[test]
     fn profiles_are_rows_and_columns() {
         let map = HeightMap::from_function(Grid::new(11, 19, 1.0, 2.0).unwrap(), |x, y| x + 100.0 * y).unwrap();
-        for (axis, lanes, points) in [(Axis::X, 19, 11), (Axis::Y, 11, 19)] {
-            assert_eq!(dimensions(&map, axis).0, lanes);
+        for (axis, profiles, points) in [(Axis::X, 19, 11), (Axis::Y, 11, 19)] {
+            assert_eq!(dimensions(&map, axis).0, profiles);
             let mut out = vec![0.0; 3 * points];
             copy(&map, axis, 4..7, &mut out);
             for (i, z) in out.iter().enumerate() {
-                let (lane, point) = (4 + i / points, i % points);
-                let place = if axis == Axis::X { [lane, point] } else { [point, lane] };
+                let (profile, point) = (4 + i / points, i % points);
+                let place = if axis == Axis::X { [profile, point] } else { [point, profile] };
                 assert_eq!(*z, map.heights_m()[place]);
             }
         }

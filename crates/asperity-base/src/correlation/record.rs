@@ -36,7 +36,7 @@ pub struct RecordCorrelation {
     pub correlation: Vec<f64>,
     /// Pairs at each lag.
     pub pairs: Vec<f64>,
-    /// Mean that was removed, in the unit of the record.
+    /// Subtracted mean, in the unit of the record.
     pub mean: f64,
     /// Variance C(0), in the squared unit of the record.
     pub variance: f64,
@@ -44,24 +44,15 @@ pub struct RecordCorrelation {
 
 impl RecordCorrelation {
     /// Estimates the correlation of `records` up to `largest_lag` steps. NaN is a missing value. The common mean of all
-    /// values present is removed, and products are pooled, so realisations of one process should come together. A sum of products
-    /// is divided by the number of pairs present at its lag: unbiased for a known mean, noisy at long lags.
+    /// values present is subtracted and products are summed over the records, so several realisations of a process
+    /// should be passed together. A sum of products is divided by the number of pairs present at its lag: unbiased for
+    /// a known mean, noisy at long lags.
     ///
     /// # Errors
     /// Fewer than three values present, values that do not vary, or a step that is not positive.
     pub fn estimate(records: &[&[f64]], step_m: f64, largest_lag: usize) -> Result<Self, EstimateError> {
-        if !(step_m > 0.0 && step_m.is_finite()) {
-            return Err(EstimateError::BadStep { step_m });
-        }
-        let values = || records.iter().flat_map(|record| record.iter().copied()).filter(|v| v.is_finite());
-        let present = values().count();
-        if present < 3 {
-            return Err(EstimateError::TooFew { present, wanted: 3 });
-        }
-        let Moments { mean, std, .. } = Moments::of_values(values());
-        if std == 0.0 {
-            return Err(EstimateError::Constant { present });
-        }
+        let values = records.iter().flat_map(|record| record.iter().copied());
+        let Moments { n: present, mean, .. } = checked_moments(values, step_m, 3)?;
         let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
         let lags = largest_lag.min(longest - 1) + 1;
         let (mut sums, mut pairs) = (vec![0.0; lags], vec![0.0; lags]);
@@ -81,21 +72,22 @@ impl RecordCorrelation {
         Ok(Self { step_m, correlation, pairs, mean, variance })
     }
 
-    /// Distance in metre at which the correlation first falls to 1/e, linear between lags; `None` if it does not.
+    /// Returns the distance in metre at which the correlation first falls to 1/e, interpolated linearly; `None` if it
+    /// does not.
     pub fn correlation_length_m(&self) -> Option<f64> {
         first_crossing(&self.correlation, (-1.0_f64).exp()).map(|lags| lags * self.step_m)
     }
 
-    /// Root mean square difference from a model over the lags up to where the correlation first falls to zero, weighted by
-    /// pairs.
+    /// Returns the root mean square difference from a model over the lags up to where the correlation first falls to
+    /// zero, weighted by pairs.
     pub fn misfit(&self, model: &WindowedModel, length_m: f64) -> f64 {
         let square =
             |(lag_m, rho, weight): (f64, f64, f64)| (weight * (model.correlation(lag_m, length_m) - rho)).powi(2);
         self.fitted_lags().into_iter().map(square).sum::<f64>().sqrt()
     }
 
-    /// Lags 1, 2, … that enter a fit: up to where the correlation first falls to zero, at least three, with the root of
-    /// their share of the pairs.
+    /// Returns the lags 1, 2, … used in a fit, up to the first zero of the correlation but at least three, with the
+    /// square root of their fraction of the pairs.
     fn fitted_lags(&self) -> Vec<(f64, f64, f64)> {
         let end = self.correlation.iter().position(|rho| rho.is_nan() || *rho <= 0.0).unwrap_or(self.correlation.len());
         let lags = 1..(end + 1).max(4).min(self.correlation.len());
@@ -106,32 +98,39 @@ impl RecordCorrelation {
     }
 }
 
+/// Returns the moments of the finite values of records.
+///
+/// # Errors
+/// A step that is not positive, fewer than `wanted` values, or values that do not vary.
+fn checked_moments(values: impl Iterator<Item = f64>, step_m: f64, wanted: usize) -> Result<Moments, EstimateError> {
+    if !(step_m > 0.0 && step_m.is_finite()) {
+        return Err(EstimateError::BadStep { step_m });
+    }
+    let moments = Moments::from_values(values.filter(|value| value.is_finite()));
+    match moments.n {
+        present if present < wanted => Err(EstimateError::TooFew { present, wanted }),
+        present if moments.std == 0.0 => Err(EstimateError::Constant { present }),
+        _ => Ok(moments),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random;
+    use crate::testing::autoregressive;
 
     fn of_one(values: &[f64]) -> Result<Vec<f64>, EstimateError> {
         RecordCorrelation::estimate(&[values], 1.0, values.len()).map(|found| found.correlation)
     }
 
-    /// A stationary autoregressive record with correlation φ^lag.
-    fn autoregressive(phi: f64, n: usize, index: u64) -> Vec<f64> {
-        let noise = random::standard_normal(&mut random::stream(31, "ar", index), n);
-        let mut last = noise[0];
-        noise
-            .iter()
-            .enumerate()
-            .map(|(i, e)| {
-                last = if i == 0 { *e } else { phi * last + (1.0 - phi * phi).sqrt() * e };
-                last
-            })
-            .collect()
+    fn record(phi: f64, n: usize, index: u64) -> Vec<f64> {
+        autoregressive(phi, n, &mut random::stream(31, "ar", index))
     }
 
     #[test]
     fn correlations_are_direct_sums_over_the_pairs_present() {
-        let mut record = autoregressive(0.7, 23, 0);
+        let mut record = record(0.7, 23, 0);
         (record[3], record[10], record[11]) = (f64::NAN, f64::NAN, f64::INFINITY);
         let present: Vec<f64> = record.iter().copied().filter(|v| v.is_finite()).collect();
         let mean = present.iter().sum::<f64>() / 20.0;
@@ -147,14 +146,14 @@ mod tests {
         }
     }
 
-    /// The exact correlation of a model at lags of one metre, as if estimated.
+    /// Returns the exact correlation of a model at lags of one metre in place of an estimate.
     fn exact(model: &WindowedModel, length_m: f64, lags: usize) -> RecordCorrelation {
         let correlation = (0..lags).map(|lag| model.correlation(10.0 * lag as f64, length_m)).collect();
         RecordCorrelation { step_m: 10.0, correlation, pairs: vec![100.0; lags], mean: 0.0, variance: 1.0 }
     }
 
     #[test]
-    fn exact_correlations_give_their_length_back_and_no_misfit() {
+    fn exact_correlations_are_fitted_exactly() {
         for model in RecordModel::USUAL {
             let fit = fit_record(&exact(&WindowedModel::new(model, 0.0), 250.0, 400), model).unwrap();
             assert!((fit.length_m / 250.0 - 1.0).abs() < 1e-5 && fit.misfit < 1e-7, "{fit:?}");
@@ -163,7 +162,7 @@ mod tests {
 
     #[test]
     fn an_exponential_fitted_to_the_triangle_of_a_window_finds_a_length_of_the_window() {
-        // W = 600 µm alone returns 322–368 µm, depending on how far the fit reaches.
+        // For W = 600 µm alone the fit gives 322–368 µm, depending on the range of lags.
         let triangle = exact(&WindowedModel::new(RecordModel::Exponential, 600.0), 0.0, 100);
         let fit = fit_record(&triangle, RecordModel::Exponential).unwrap();
         assert!(fit.length_m > 322.0 && fit.length_m < 368.0, "{}", fit.length_m);
@@ -176,8 +175,7 @@ mod tests {
         // φ = e^{−Δ/ℓ} with Δ = 10, ℓ = 250: .9607894392.
         let lengths: Vec<f64> = (0..16)
             .map(|index| {
-                let records: Vec<Vec<f64>> =
-                    (0..4).map(|r| autoregressive(0.960_789_439_2, 5000, 4 * index + r)).collect();
+                let records: Vec<Vec<f64>> = (0..4).map(|r| record(0.960_789_439_2, 5000, 4 * index + r)).collect();
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
                 let found = RecordCorrelation::estimate(&views, 10.0, 400).unwrap();
                 fit_record(&found, RecordModel::Exponential).unwrap().length_m

@@ -1,4 +1,4 @@
-//! Power spectral densities of maps; conventions are those of [`crate::correlation`].
+//! Power spectral densities of maps; see [`crate::correlation`] for the conventions.
 
 mod area;
 mod band;
@@ -20,18 +20,19 @@ pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum
 pub(super) use binned::{bin_of, edges};
 pub use blocks::{Block, BlockSpectrum};
 
-/// How a spectrum was found.
+/// Estimator of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpectrumRoute {
-    /// Periodogram under a Hann window. It spreads a line over ±2 wavenumbers 2π/L.
+    /// Periodogram under a Hann window, with a resolution of ±2 wavenumbers 2π/L.
     Periodogram,
-    /// Transform of the pair-normalised autocovariance under a Parzen lag window that ends at half the map. Used when
-    /// points are missing; it spreads a line over ±4 wavenumbers 2π/L, and noise may make single bins negative.
+    /// Transform of the pair-normalised autocovariance under a Parzen lag window that ends at half the map, for maps
+    /// with missing points. Its resolution is ±4 wavenumbers 2π/L, and noise can make single bins negative.
     MaskedCorrelogram,
 }
 
 impl SpectrumRoute {
-    /// Half the width of a line in wavenumbers 2π/L: closer to zero, the removed mean and plane and the field's edge rule.
+    /// Returns the half width of a spectral line in wavenumbers 2π/L; at lower wavenumbers the subtracted mean and
+    /// plane and the boundary of the field dominate.
     fn resolution(self) -> f64 {
         match self {
             Self::Periodogram => 2.0,
@@ -47,23 +48,23 @@ pub struct ProfileSpectrum {
     pub q_rad_per_m: Vec<f64>,
     /// Two-sided power spectral density P₁(q) in m³: the variance is ∫ P₁ dq/2π over both signs of q.
     pub psd_m3: Vec<f64>,
-    /// How it was found.
+    /// Estimator of the spectrum.
     pub route: SpectrumRoute,
-    /// Profiles averaged.
+    /// Number of profiles averaged.
     pub profiles: usize,
-    /// Profiles left out because a point is missing: of the periodogram, those with missing points, of the correlogram
-    /// those without any point.
+    /// Number of profiles excluded: for the periodogram those with a missing point, for the correlogram those without
+    /// any point.
     pub profiles_left_out: usize,
-    /// Wavenumbers at which the density can be relied on.
+    /// Reliable wavenumbers.
     pub reliable: ReliableBand,
 }
 
-/// The Hann window, sin²(π(i + ½)/n).
+/// Returns the Hann window, sin²(π(i + ½)/n).
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2)).collect()
 }
 
-/// Parzen's lag window, zero from |u| = 1; its transform is non-negative.
+/// Returns Parzen's lag window, zero from |u| = 1; its transform is non-negative.
 fn parzen(u: f64) -> f64 {
     let u = u.abs();
     if u <= 0.5 {
@@ -75,18 +76,19 @@ fn parzen(u: f64) -> f64 {
     }
 }
 
-/// Mean power spectral density of the profiles along `axis`, heights counted from the map's mean.
+/// Returns the mean power spectral density of the profiles along `axis`, relative to the mean of the map.
 ///
-/// When at least half of the profiles are complete it is the mean of their periodograms, |Σ w z e^{−iqx}|² Δ/Σw², w a Hann
-/// window. Otherwise it is the transform Δ Σ w(l) C(l) e^{−iql} of the mean product C(l) over all pairs of present heights
-/// of the same profile, w a Parzen window that ends at half the profile, or where lags without any pair begin. No height is
-/// filled in either way. Both are unbiased where the spectrum is smooth over their resolution, see [`SpectrumRoute`]; the
-/// second scatters about zero where the spectrum falls below the noise of the missing pairs.
+/// If at least half of the profiles are complete, it is the mean of their periodograms, |Σ w z e^{−iqx}|² Δ/Σw² with a
+/// Hann window w. Otherwise it is the transform Δ Σ w(l) C(l) e^{−iql} of the mean product C(l) over all pairs of
+/// present heights of the same profile, with a Parzen window w that ends at half the profile or at the first lag
+/// without a pair. No height is interpolated. Both estimates are unbiased if the spectrum is smooth over their
+/// resolution, see [`SpectrumRoute`]; the second scatters about zero where the spectrum is below the noise of the
+/// missing pairs.
 ///
 /// # Errors
 /// The heights present do not vary.
 pub fn profile_spectrum(map: &HeightMap, axis: Axis) -> Result<ProfileSpectrum, EstimateError> {
-    let extent = Extent::of(map.values_m());
+    let extent = Extent::new(map.values_m());
     if extent.largest_deviation() <= 4.0 * f64::EPSILON * extent.mean.abs() {
         return Err(EstimateError::Constant { present: extent.n });
     }
@@ -101,11 +103,11 @@ pub fn profile_spectrum(map: &HeightMap, axis: Axis) -> Result<ProfileSpectrum, 
     };
     let q_min = TAU / (n as f64 * pitch_m);
     let q_rad_per_m: Vec<f64> = (0..psd_m3.len()).map(|k| k as f64 * q_min).collect();
-    let reliable = ReliableBand::of_profile(&q_rad_per_m, &psd_m3, route.resolution() * q_min, PI / pitch_m);
+    let reliable = ReliableBand::from_profile(&q_rad_per_m, &psd_m3, route.resolution() * q_min, PI / pitch_m);
     Ok(ProfileSpectrum { q_rad_per_m, psd_m3, route, profiles: used, profiles_left_out: all - used, reliable })
 }
 
-/// Missing points of every profile.
+/// Returns the number of missing points of every profile.
 fn missing_per_profile(map: &HeightMap, axis: Axis) -> Vec<usize> {
     let (all, _, _) = profiles::dimensions(map, axis);
     let mut missing = vec![0; all];
@@ -118,7 +120,7 @@ fn missing_per_profile(map: &HeightMap, axis: Axis) -> Vec<usize> {
     missing
 }
 
-/// Mean periodogram of the `complete` profiles; the others count as zeros, which add nothing.
+/// Returns the mean periodogram of the `complete` profiles; the others are set to zero.
 fn periodogram(map: &HeightMap, axis: Axis, complete: usize, mean_m: f64) -> Vec<f64> {
     let (all, n, pitch_m) = profiles::dimensions(map, axis);
     let window = hann(n);
@@ -136,7 +138,7 @@ fn periodogram(map: &HeightMap, axis: Axis, complete: usize, mean_m: f64) -> Vec
     power.into_iter().map(|power| norm * power).collect()
 }
 
-/// Windowed transform of the mean products over pairs of all profiles.
+/// Returns the windowed transform of the mean products over pairs of all profiles.
 fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
     let (_, n, pitch_m) = profiles::dimensions(map, axis);
     let half = (n - 1) / 2;
@@ -153,9 +155,9 @@ fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
     real_transform(&lags).into_iter().map(|value| pitch_m * value).collect()
 }
 
-/// Where Parzen's window ends: at the first lag without any pair of `counts`, at most beyond `half`.
+/// Returns the lag at which Parzen's window ends: the first without a pair in `counts`, at most `half` plus one.
 fn lag_window_end(counts: &[f64], half: usize) -> usize {
-    // Counts are whole numbers but for rounding.
+    // Counts are integers up to rounding.
     (0..=half).find(|lag| counts[*lag] < 0.5).unwrap_or(half + 1)
 }
 
@@ -168,7 +170,8 @@ mod tests {
 
     #[test]
     fn the_power_of_a_cosine_is_half_its_amplitude_squared() {
-        // Parseval under a window: Σ P₁ Δq/2π over both signs is the windowed mean square, A²/2 for whole periods.
+        // Parseval's theorem under a window: Σ P₁ Δq/2π over both signs is the windowed mean square, A²/2 for whole
+        // periods.
         let grid = Grid::new(200, 3, 0.1, 1.0).unwrap();
         let q = TAU * 20.0 / grid.width_m();
         let map = HeightMap::from_function(grid, |x, _| 7.0 + 3.0 * (q * x + 0.4).cos()).unwrap();
@@ -181,14 +184,14 @@ mod tests {
     }
 
     #[test]
-    fn few_profiles_with_missing_points_are_left_out() {
+    fn few_profiles_with_missing_points_are_excluded() {
         let grid = Grid::new(16, 5, 1.0, 1.0).unwrap();
         let map = HeightMap::from_function(grid, |x, y| if y < 1.0 && x < 2.0 { f64::NAN } else { x.sin() }).unwrap();
         let found = profile_spectrum(&map, Axis::X).unwrap();
         assert_eq!((found.profiles, found.profiles_left_out, found.route), (4, 1, SpectrumRoute::Periodogram));
         let found = profile_spectrum(&map, Axis::Y).unwrap();
         assert_eq!((found.profiles, found.profiles_left_out), (14, 2));
-        // The rest is the spectrum of the rest, but for the mean of the whole map.
+        // The spectrum equals that of the other profiles, up to the mean of the whole map.
         let rest = HeightMap::from_function(Grid::new(16, 4, 1.0, 1.0).unwrap(), |x, _| x.sin()).unwrap();
         let (found, rest) = (profile_spectrum(&map, Axis::X).unwrap(), profile_spectrum(&rest, Axis::X).unwrap());
         assert!(found.psd_m3[2..].iter().zip(&rest.psd_m3[2..]).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -202,7 +205,7 @@ mod tests {
         let map = HeightMap::new(grid, Array2::from_shape_vec((6, 21), heights.clone()).unwrap()).unwrap();
         let found = profile_spectrum(&map, Axis::X).unwrap();
         assert_eq!((found.profiles, found.profiles_left_out, found.route), (6, 0, SpectrumRoute::MaskedCorrelogram));
-        let mean = Extent::of(&heights).mean;
+        let mean = Extent::new(&heights).mean;
         for (q, psd) in found.q_rad_per_m.iter().zip(&found.psd_m3) {
             let mut wanted = 0.0;
             for lag in -10_i32..=10 {
@@ -241,9 +244,10 @@ mod tests {
         assert_eq!(found.route, SpectrumRoute::MaskedCorrelogram);
         for k in [6, 12, 24, 48, 96] {
             let wanted = (1.0 - phi * phi) / (1.0 - 2.0 * phi * found.q_rad_per_m[k].cos() + phi * phi);
-            // A Parzen window of half length M = 128 leaves about 3.7 columns/M = 7.4 degrees of freedom per row, so the
-            // relative standard error is √(2/(7.4·400)) = 2.6 %; the missing tenth adds white noise of order
-            // 0.1·√(…) of the variance's density, below it. Four of them, and 2 % for the window's curvature.
+            // A Parzen window of half length M = 128 leaves about 3.7 columns/M = 7.4 degrees of freedom per row, so
+            // the relative standard error is √(2/(7.4·400)) = 2.6 %; the white noise of the missing tenth is of order
+            // 0.1·√(…) of the density of the variance, below it. Four standard errors, and 2 % for the curvature under
+            // the window.
             assert!((found.psd_m3[k] / wanted - 1.0).abs() < 0.13, "{k}: {} {wanted}", found.psd_m3[k]);
         }
     }

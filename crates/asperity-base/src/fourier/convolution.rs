@@ -1,8 +1,8 @@
-//! Convolutions of real maps with even real kernels, in one pass over memory each way.
+//! Convolutions of real maps with even real kernels, with one pass over memory in each direction.
 //!
-//! Two rows make the real and the imaginary part of one complex row, which is transformed whole; their transforms come
-//! apart again while columns are gathered. Columns are transformed, multiplied and transformed back while they are in the
-//! second cache, so the spectrum of the map never goes to memory.
+//! Two real rows form one complex row; their transforms are separated when the columns are gathered. Columns are
+//! transformed, multiplied and transformed back within the level-2 cache, so the spectrum of the map is never written
+//! to memory.
 
 use std::fmt;
 use std::sync::Arc;
@@ -13,34 +13,33 @@ use rayon::prelude::*;
 use super::SHARED_FROM;
 use crate::wide::{Kernel, wide};
 
-/// Columns that are gathered at a time.
+/// Columns gathered per block.
 const BLOCK: usize = 16;
-/// Rows that are finished at a time.
+/// Rows finished per block.
 #[doc(hidden)]
 pub const ROWS_OF_SLAB: usize = 16;
-/// Unused places after every row and column: lengths that are powers of two would have all rows compete for the same places
-/// of the cache.
+/// Padding after every row and column: with lengths that are powers of two, all rows would map to the same cache sets.
 const PAD: usize = 8;
-/// Partial sums kept side by side.
+/// Number of parallel partial sums.
 const LANES: usize = 8;
 
 /// Single or double precision.
 #[doc(hidden)]
 pub trait Real: FftNum + Default {
-    /// Rounded to this precision.
-    fn of(value: f64) -> Self;
-    /// In double precision.
-    fn double(self) -> f64;
-    /// The forward and the inverse transform of a length.
+    /// Rounds to this precision.
+    fn from_double(value: f64) -> Self;
+    /// Converts to double precision.
+    fn to_f64(self) -> f64;
+    /// Returns the plans of the forward and inverse transform of a length.
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
 impl Real for f32 {
-    fn of(value: f64) -> Self {
+    fn from_double(value: f64) -> Self {
         value as Self
     }
 
-    fn double(self) -> f64 {
+    fn to_f64(self) -> f64 {
         f64::from(self)
     }
 
@@ -50,11 +49,11 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
-    fn of(value: f64) -> Self {
+    fn from_double(value: f64) -> Self {
         value
     }
 
-    fn double(self) -> f64 {
+    fn to_f64(self) -> f64 {
         self
     }
 
@@ -63,8 +62,8 @@ impl Real for f64 {
     }
 }
 
-/// A planned convolution of maps of `rows` × `columns` values, continued with zeros to `ny` × `nx`, on a torus of that size.
-/// Cheap to clone and to share between threads.
+/// Plan of convolutions of maps of `rows` × `columns` values, zero-padded to a periodic `ny` × `nx` grid. Cheap to
+/// clone and to share between threads.
 #[derive(Clone)]
 #[doc(hidden)]
 pub struct Convolution<T> {
@@ -82,7 +81,7 @@ impl<T> fmt::Debug for Convolution<T> {
     }
 }
 
-/// Scratch memory of one caller for one [`Convolution`].
+/// Workspace of one caller for a [`Convolution`].
 #[derive(Debug, Clone)]
 #[doc(hidden)]
 pub struct ConvolutionWork<T> {
@@ -90,22 +89,22 @@ pub struct ConvolutionWork<T> {
     pairs: Vec<Complex<T>>,
     /// Columns of half the spectrum, transformed back.
     columns: Vec<Complex<T>>,
-    lane: Lane<T>,
+    scratch: ThreadScratch<T>,
 }
 
-/// Scratch memory of one thread.
+/// Workspace of one thread.
 #[derive(Debug, Clone)]
-struct Lane<T> {
+struct ThreadScratch<T> {
     rows: [Vec<T>; 2],
     slab: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
 }
 
 impl<T: Real> Convolution<T> {
-    /// Plans convolutions of maps of `shape` = (rows, columns) on a torus of `torus` = (ny, nx) points.
+    /// Creates the plan for maps of `shape` = (rows, columns) on a periodic grid of `torus` = (ny, nx) points.
     ///
     /// # Panics
-    /// If the map is larger than the torus.
+    /// If the map is larger than the periodic grid.
     #[doc(hidden)]
     pub fn new(shape: (usize, usize), torus: (usize, usize)) -> Self {
         let ((rows, columns), (ny, nx)) = (shape, torus);
@@ -114,42 +113,42 @@ impl<T: Real> Convolution<T> {
         Self { rows, columns, nx, ny, along_rows, along_columns }
     }
 
-    /// Stored wavenumbers along x: nx/2 + 1.
+    /// Returns the number of stored wavenumbers along x, nx/2 + 1.
     #[doc(hidden)]
     pub fn stored_kx(&self) -> usize {
         self.nx / 2 + 1
     }
 
-    /// Points of the torus along y.
+    /// Returns the number of grid points along y.
     #[doc(hidden)]
     pub fn ny(&self) -> usize {
         self.ny
     }
 
-    /// Points of the torus along x.
+    /// Returns the number of grid points along x.
     #[doc(hidden)]
     pub fn nx(&self) -> usize {
         self.nx
     }
 
-    /// Slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which a result is finished.
+    /// Returns the number of slabs of [`ROWS_OF_SLAB`] rows of a result; the last one may be shorter.
     #[doc(hidden)]
     pub fn slabs(&self) -> usize {
         self.rows.div_ceil(ROWS_OF_SLAB)
     }
 
-    /// The factors `symbol(kx, ky)`, ky being signed, as [`Convolution::forward`] wants them.
+    /// Returns the factors `symbol(kx, ky)`, with signed ky, in the layout of [`Convolution::forward`].
     #[doc(hidden)]
     pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<T> {
         let scale = 1.0 / (self.nx * self.ny) as f64;
         let columns = (0..self.stored_kx()).flat_map(|kx| (0..self.ny).map(move |ky| (kx, ky)));
-        columns.map(|(kx, ky)| T::of(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
+        columns.map(|(kx, ky)| T::from_double(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
     }
 
-    /// One factor for [`Convolution::forward`].
+    /// Returns one factor for [`Convolution::forward`].
     #[doc(hidden)]
     pub fn factor(&self, value: f64) -> T {
-        T::of(value / (self.nx * self.ny) as f64)
+        T::from_double(value / (self.nx * self.ny) as f64)
     }
 
     #[doc(hidden)]
@@ -157,43 +156,43 @@ impl<T: Real> Convolution<T> {
         ConvolutionWork {
             pairs: vec![Complex::default(); self.rows.div_ceil(2) * (self.nx + PAD)],
             columns: vec![Complex::default(); self.stored_kx() * (self.ny + PAD)],
-            lane: self.lane(),
+            scratch: self.thread_scratch(),
         }
     }
 
-    fn lane(&self) -> Lane<T> {
+    fn thread_scratch(&self) -> ThreadScratch<T> {
         let plans = self.along_rows.iter().chain(&self.along_columns);
         let scratch = plans.map(|plan| plan.get_inplace_scratch_len()).max().unwrap_or(0);
-        Lane {
+        ThreadScratch {
             rows: [vec![T::default(); self.columns], vec![T::default(); self.columns]],
             slab: vec![Complex::default(); ROWS_OF_SLAB / 2 * (self.nx + PAD)],
             scratch: vec![Complex::default(); scratch],
         }
     }
 
-    /// Does `work` on the items, shared among threads where the map is large.
-    fn share<I: Send>(
+    /// Applies `work` to the items, over threads if the map is large.
+    fn distribute<I: Send>(
         &self,
-        lane: &mut Lane<T>,
+        thread: &mut ThreadScratch<T>,
         items: impl Iterator<Item = I>,
-        work: impl Fn(&mut Lane<T>, I) + Sync,
+        work: impl Fn(&mut ThreadScratch<T>, I) + Sync,
     ) {
         if self.nx * self.ny < SHARED_FROM || rayon::current_num_threads() == 1 {
-            items.for_each(|item| work(lane, item));
+            items.for_each(|item| work(thread, item));
         } else {
             let items: Vec<I> = items.collect();
-            items.into_par_iter().for_each_init(|| self.lane(), |lane, item| work(lane, item));
+            items.into_par_iter().for_each_init(|| self.thread_scratch(), |thread, item| work(thread, item));
         }
     }
 
-    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], but its constant by `constant`, and
-    /// returns Σ z·(S z), S being the convolution. [`Convolution::backward`] then gives S z itself.
+    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], and its constant term by
+    /// `constant`, and returns Σ z·(S z) with the convolution S. [`Convolution::backward`] then returns S z.
     ///
-    /// There is one of `slabs` for each slab of rows, from which `fill` writes the rows in order into zeros, or says that a
-    /// row is zero by returning false.
+    /// Each of `slabs` corresponds to a slab of rows; `fill` writes the rows in order into zeroed memory and returns
+    /// `false` for a zero row.
     ///
     /// # Panics
-    /// If the symbol or the scratch memory is that of another convolution, or there is not one of `slabs` for each slab.
+    /// If the symbol or the workspace belongs to another convolution, or the number of `slabs` differs.
     #[doc(hidden)]
     pub fn forward<S: Send>(
         &self,
@@ -205,11 +204,11 @@ impl<T: Real> Convolution<T> {
     ) -> f64 {
         assert_eq!(symbol.len(), self.stored_kx() * self.ny, "the symbol has the wrong length");
         assert_eq!(slabs.len(), self.slabs(), "there must be one input for each slab of rows");
-        let ConvolutionWork { pairs, columns, lane } = work;
+        let ConvolutionWork { pairs, columns, scratch } = work;
         let (nx, ny) = (self.nx, self.ny);
         let items = slabs.iter_mut().zip(pairs.chunks_mut(ROWS_OF_SLAB / 2 * (nx + PAD))).enumerate();
-        self.share(lane, items, |lane, (slab, (input, pairs))| {
-            let [even, odd] = &mut lane.rows;
+        self.distribute(scratch, items, |thread, (slab, (input, pairs))| {
+            let [even, odd] = &mut thread.rows;
             for (pair, out) in pairs.chunks_exact_mut(nx + PAD).enumerate() {
                 let row = slab * ROWS_OF_SLAB + 2 * pair;
                 even.fill(T::zero());
@@ -220,7 +219,7 @@ impl<T: Real> Convolution<T> {
                 out[self.columns..].fill(Complex::default());
                 wide::<Join, _>((out, even.as_slice(), odd.as_slice()));
                 if present {
-                    self.along_rows[0].process_with_scratch(out, &mut lane.scratch);
+                    self.along_rows[0].process_with_scratch(out, &mut thread.scratch);
                 }
             }
         });
@@ -229,27 +228,27 @@ impl<T: Real> Convolution<T> {
         let blocks = columns.chunks_mut(BLOCK * (ny + PAD)).zip(symbol.chunks(BLOCK * ny));
         let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
         let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
-        self.share(lane, items, |lane, (block, columns, symbol, energy)| {
+        self.distribute(scratch, items, |thread, (block, columns, symbol, energy)| {
             wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
             for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
-                self.along_columns[0].process_with_scratch(column, &mut lane.scratch);
+                self.along_columns[0].process_with_scratch(column, &mut thread.scratch);
                 let first = if kx == 0 { constant } else { symbol[0] };
-                let sum = (first * column[0].norm_sqr()).double();
+                let sum = (first * column[0].norm_sqr()).to_f64();
                 column[0] = column[0] * first;
                 let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
-                // A stored column stands for its opposite as well.
+                // A stored column also represents its opposite.
                 *energy += if kx == 0 || 2 * kx == nx { sum } else { 2.0 * sum };
-                self.along_columns[1].process_with_scratch(column, &mut lane.scratch);
+                self.along_columns[1].process_with_scratch(column, &mut thread.scratch);
             }
         });
         energies.into_iter().sum()
     }
 
-    /// Transforms what [`Convolution::forward`] left back and hands it over row by row: `take` gets those of a slab in order.
+    /// Transforms the result of [`Convolution::forward`] back row by row; `take` receives the rows of a slab in order.
     ///
     /// # Panics
-    /// If there is not one of `slabs` for each slab of rows.
+    /// If the number of `slabs` differs.
     #[doc(hidden)]
     pub fn backward<S: Send>(
         &self,
@@ -258,11 +257,11 @@ impl<T: Real> Convolution<T> {
         work: &mut ConvolutionWork<T>,
     ) {
         assert_eq!(slabs.len(), self.slabs(), "there must be one output for each slab of rows");
-        let ConvolutionWork { columns, lane, .. } = work;
+        let ConvolutionWork { columns, scratch, .. } = work;
         let columns = &*columns;
         let nx = self.nx;
-        self.share(lane, slabs.iter_mut().enumerate(), |lane, (slab, output)| {
-            let Lane { rows: [even, odd], slab: pairs, scratch } = lane;
+        self.distribute(scratch, slabs.iter_mut().enumerate(), |thread, (slab, output)| {
+            let ThreadScratch { rows: [even, odd], slab: pairs, scratch } = thread;
             let first = slab * ROWS_OF_SLAB;
             let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
             wide::<GatherRows, _>((self, columns, first, count, pairs));
@@ -279,7 +278,7 @@ impl<T: Real> Convolution<T> {
     }
 }
 
-/// Takes columns of half the spectrum, from `first` on, out of the transformed pairs of rows, continued with zeros.
+/// Extracts columns of half the spectrum, from `first` on, from the transformed pairs of rows, zero-padded.
 struct GatherColumns;
 
 impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])> for GatherColumns {
@@ -288,7 +287,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [
     #[inline(always)]
     fn run((plan, pairs, first, to): (&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])) {
         let (nx, stride) = (plan.nx, plan.ny + PAD);
-        let half = T::of(0.5);
+        let half = T::from_double(0.5);
         let width = to.len() / stride;
         // The transform of an even and an odd row, e + io, is e + io at k and the conjugate of e − io at −k.
         let halves = |at: Complex<T>, opposite: Complex<T>| {
@@ -309,7 +308,8 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [
     }
 }
 
-/// Takes `count` pairs of rows of half the spectrum, from the row `first` on, out of its columns, and makes the other half.
+/// Extracts `count` pairs of rows of half the spectrum, from the row `first` on, from its columns, and completes the
+/// other half.
 struct GatherRows;
 
 impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>])> for GatherRows {
@@ -323,7 +323,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'
         for (k, column) in columns.chunks_exact(plan.ny + PAD).enumerate() {
             let column = &column[first..first + 2 * count];
             for ([even, odd], row) in column.as_chunks::<2>().0.iter().zip(to.chunks_exact_mut(nx + PAD)) {
-                // The conjugate of the even row's half of what is at −k makes up the other half.
+                // The other half is the conjugate of the value at −k with separated rows.
                 if k > 0 {
                     row[nx - k] = Complex::new(even.re + odd.im, odd.re - even.im);
                 }
@@ -333,7 +333,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'
     }
 }
 
-/// Makes two real rows one complex row.
+/// Combines two real rows into one complex row.
 struct Join;
 
 impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T], &'a [T])> for Join {
@@ -347,7 +347,7 @@ impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T], &'a [T])> for Join {
     }
 }
 
-/// Makes one complex row two real ones.
+/// Splits one complex row into two real ones.
 struct Part;
 
 impl<'a, T: Real> Kernel<(&'a [Complex<T>], &'a mut [T], &'a mut [T])> for Part {
@@ -379,9 +379,9 @@ impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T])> for Multiply {
                 values[lane] = Complex::new(factor * value.re, factor * value.im);
             }
         }
-        let mut sum: f64 = lanes.into_iter().map(Real::double).sum();
+        let mut sum: f64 = lanes.into_iter().map(Real::to_f64).sum();
         for (value, factor) in rest.iter_mut().zip(rest_of_factors) {
-            sum += (*factor * value.norm_sqr()).double();
+            sum += (*factor * value.norm_sqr()).to_f64();
             *value = *value * *factor;
         }
         sum
@@ -393,7 +393,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// The convolution of a map with the kernel of `symbol` on the torus by its definition.
+    /// Returns the periodic convolution of a map with the kernel of `symbol` by definition.
     fn direct(plan: &Convolution<f64>, symbol: impl Fn(usize, f64) -> f64, map: &[f64]) -> Vec<f64> {
         let (nx, ny) = (plan.nx, plan.ny);
         let turn = |k: f64, n: usize| std::f64::consts::TAU * k / n as f64;
@@ -425,7 +425,7 @@ mod tests {
         let columns = plan.columns;
         let fill = |slab: &mut &[f64], row: usize, out: &mut [T]| {
             let values = &slab[row % ROWS_OF_SLAB * columns..][..columns];
-            out.iter_mut().zip(values).for_each(|(out, z)| *out = T::of(*z));
+            out.iter_mut().zip(values).for_each(|(out, z)| *out = T::from_double(*z));
             values.iter().any(|z| *z != 0.0)
         };
         let mut slabs: Vec<&[f64]> = map.chunks(ROWS_OF_SLAB * columns).collect();
@@ -434,14 +434,14 @@ mod tests {
         let mut slabs: Vec<&mut [f64]> = result.chunks_mut(ROWS_OF_SLAB * columns).collect();
         let take = |out: &mut &mut [f64], row: usize, values: &[T]| {
             let out = &mut out[row % ROWS_OF_SLAB * columns..][..columns];
-            out.iter_mut().zip(values).for_each(|(out, value)| *out = value.double());
+            out.iter_mut().zip(values).for_each(|(out, value)| *out = value.to_f64());
         };
         plan.backward(&mut slabs, take, &mut work);
         (energy, result)
     }
 
     #[test]
-    fn it_is_the_sum_over_the_torus_at_any_size_and_in_either_precision() {
+    fn convolution_equals_the_periodic_sum_at_any_size_and_precision() {
         let symbol = |kx: usize, ky: f64| 1.0 / (1.0 + (kx as f64).powi(2) + 0.3 * ky * ky) + 0.1 * kx as f64;
         for (shape, torus) in [
             ((6, 8), (6, 8)),
@@ -454,7 +454,7 @@ mod tests {
         ] {
             let plan = Convolution::<f64>::new(shape, torus);
             let mut map = random::standard_normal(&mut random::stream(1, "torus", shape.0 as u64), shape.0 * shape.1);
-            // Rows of zeros are skipped.
+            // Zero rows are skipped.
             map.iter_mut().skip(2 * shape.1).take(2 * shape.1).for_each(|z| *z = 0.0);
             let constant = |kx: usize, ky: f64| if kx == 0 && ky == 0.0 { 7.0 } else { symbol(kx, ky) };
             let wanted = direct(&plan, constant, &map);

@@ -1,21 +1,21 @@
-//! Powers and autocorrelations of real maps and lanes: a transform, its squared modulus, and the way back.
+//! Power spectra and autocorrelations of real maps and profiles by the squared modulus of their transforms.
 //!
-//! Columns are transformed in blocks that fit the second cache and reduced at once, so that a whole complex spectrum never
-//! goes to memory.
+//! Columns are transformed in blocks that fit the level-2 cache and reduced immediately, so that the full complex
+//! spectrum is never stored.
 
 use asperity_fft::{complex_f64, real_forward, real_inverse};
 use rayon::prelude::*;
 
-use super::lanes::{BLOCK, TILE, gather, make_real};
+use super::transpose::{BLOCK, TILE, gather, make_real};
 use super::{Complex64, good_length};
 
-/// Lanes whose powers are added before the sums of such blocks are.
-const LANES: usize = 64;
+/// Profiles whose powers are summed per block.
+const PROFILES_PER_BLOCK: usize = 64;
 
-/// Half transforms along x of a map of `rows` × `columns` values continued with zeros to the length `nx`: slabs of [`TILE`]
-/// rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
+/// Returns the half transforms along x of a map of `rows` × `columns` values zero-padded to the length `nx`, as slabs
+/// of [`TILE`] rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
 ///
-/// Each slab has its own memory, which is cheaper to come by than one piece of it all.
+/// Each slab is allocated separately, which is faster than one large allocation.
 fn transformed_rows(
     rows: usize,
     columns: usize,
@@ -43,7 +43,8 @@ fn transformed_rows(
         .collect()
 }
 
-/// |X|² of a map of `ny` × `nx` values, laid out as the spectrum of [`super::RealFft2`]; `fill` writes a row of the map.
+/// Returns |X|² of a map of `ny` × `nx` values, in the layout of the spectrum of [`super::RealFft2`]; `fill` writes a
+/// row of the map.
 #[doc(hidden)]
 pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let transformed = transformed_rows(ny, nx, nx, &fill);
@@ -62,11 +63,11 @@ pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> V
     power
 }
 
-/// Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags k = 0 …
-/// `reach_y` and l = −`reach_x` … `reach_x`, as rows of 2·`reach_x` + 1 values. `fill` writes a row of the map.
+/// Returns Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags
+/// k = 0 … `reach_y` and l = −`reach_x` … `reach_x`, as rows of 2·`reach_x` + 1 values. `fill` writes a row of the map.
 ///
-/// The map is continued with zeros by as much as the lags reach, which keeps the wrapped pairs of the circular correlation
-/// out of them: the sums are exact up to rounding.
+/// The map is zero-padded by the largest lags, which excludes wrapped pairs from the circular correlation: the sums are
+/// exact up to rounding.
 ///
 /// # Panics
 /// If a lag exceeds the map.
@@ -127,27 +128,34 @@ pub fn autocorrelation_sums(
     sums
 }
 
-/// Σ |X|² over `lanes` of `length` values continued with zeros to `padded`, for the wavenumbers 0 … padded/2. `fill` writes
-/// the lanes of a range, one after the other.
+/// Returns Σ |X|² over `profiles` of `length` values zero-padded to `padded`, for the wavenumbers 0 … padded/2. `fill`
+/// writes the profiles of a range, one after the other.
 #[doc(hidden)]
 pub fn summed_power(
-    lanes: usize,
+    profiles: usize,
     length: usize,
     padded: usize,
     fill: impl Fn(std::ops::Range<usize>, &mut [f64]) + Sync,
 ) -> Vec<f64> {
     let plan = real_forward(padded);
-    let blocks: Vec<Vec<f64>> = (0..lanes.div_ceil(LANES))
+    let blocks: Vec<Vec<f64>> = (0..profiles.div_ceil(PROFILES_PER_BLOCK))
         .into_par_iter()
         .map_init(
-            || (vec![0.0; LANES * length], plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec()),
+            || {
+                (
+                    vec![0.0; PROFILES_PER_BLOCK * length],
+                    plan.make_input_vec(),
+                    plan.make_output_vec(),
+                    plan.make_scratch_vec(),
+                )
+            },
             |(values, input, output, scratch), block| {
-                let range = block * LANES..((block + 1) * LANES).min(lanes);
+                let range = block * PROFILES_PER_BLOCK..((block + 1) * PROFILES_PER_BLOCK).min(profiles);
                 let values = &mut values[..range.len() * length];
                 fill(range, values);
                 let mut sums = vec![0.0; padded / 2 + 1];
-                for lane in values.chunks_exact(length) {
-                    input[..length].copy_from_slice(lane);
+                for profile in values.chunks_exact(length) {
+                    input[..length].copy_from_slice(profile);
                     input[length..].fill(0.0);
                     let done = plan.process_with_scratch(input, output, scratch);
                     debug_assert!(done.is_ok());
@@ -164,8 +172,8 @@ pub fn summed_power(
     sums
 }
 
-/// The real sequence, of even `length`, whose transform is the real and even `power`, of length/2 + 1 values: sums of
-/// products at the lags 0 … length/2 of lanes whose [`summed_power`] it is.
+/// Returns the real sequence of even `length` with the real and even transform `power` of length/2 + 1 values: for a
+/// [`summed_power`], the sums of products at the lags 0 … length/2 of the profiles.
 #[doc(hidden)]
 pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
     let plan = real_inverse(length);
@@ -176,7 +184,7 @@ pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
     output.iter().take(length / 2 + 1).map(|value| value / length as f64).collect()
 }
 
-/// Real parts of the transform of a real sequence, for the wavenumbers 0 … length/2.
+/// Returns the real parts of the transform of a real sequence, for the wavenumbers 0 … length/2.
 #[doc(hidden)]
 pub fn real_transform(values: &[f64]) -> Vec<f64> {
     let plan = real_forward(values.len());
@@ -235,16 +243,18 @@ mod tests {
     }
 
     #[test]
-    fn summed_powers_are_those_of_every_lane_and_lead_to_its_products() {
-        let (lanes, length) = (2 * LANES + 3, 10);
-        let z = map(lanes, length);
-        let found = summed_power(lanes, length, 20, |range, out| {
+    fn summed_powers_give_the_sums_of_products_of_profiles() {
+        let (profiles, length) = (2 * PROFILES_PER_BLOCK + 3, 10);
+        let z = map(profiles, length);
+        let found = summed_power(profiles, length, 20, |range, out| {
             out.copy_from_slice(&z[range.start * length..range.end * length]);
         });
         let sums = lag_sums_of_power(&found, 20);
         for lag in 0..length {
-            let direct: f64 =
-                z.chunks(length).flat_map(|lane| (0..length - lag).map(move |i| lane[i] * lane[i + lag])).sum();
+            let direct: f64 = z
+                .chunks(length)
+                .flat_map(|profile| (0..length - lag).map(move |i| profile[i] * profile[i + lag]))
+                .sum();
             assert!((sums[lag] - direct).abs() < 1e-10, "lag {lag}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::solution;
 
-/// A parameter between two positive bounds, searched on a logarithmic scale.
+/// Bounds of a positive parameter, searched on a logarithmic scale.
 #[derive(Debug, Clone, Copy)]
 pub struct Range {
     /// Lower bound.
@@ -17,13 +17,13 @@ impl Range {
     }
 
     fn inverse(&self, value: f64) -> f64 {
-        let share = ((value / self.low).ln() / (self.high / self.low).ln()).clamp(1e-3, 1.0 - 1e-3);
-        (share / (1.0 - share)).ln()
+        let fraction = ((value / self.low).ln() / (self.high / self.low).ln()).clamp(1e-3, 1.0 - 1e-3);
+        (fraction / (1.0 - fraction)).ln()
     }
 }
 
-/// Minimises the sum of squares of `residuals(parameters)` by Levenberg–Marquardt with forward differences, from `start`,
-/// inside `ranges`. Returns the parameters and the sum.
+/// Minimises the sum of squares of `residuals(parameters)` within `ranges` by Levenberg–Marquardt with forward
+/// differences from `start`, and returns the parameters and the sum.
 ///
 /// # References
 /// Marquardt, *J. Soc. Indust. Appl. Math.* **11** (1963) 431, <https://doi.org/10.1137/0111030>.
@@ -54,7 +54,7 @@ pub fn least_squares(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], rang
                 row[p] += damping * row[p].max(1e-12);
             }
             let change = solution(matrix, &gradient);
-            // A step of 2 in the logistic variable crosses a third of the range; more is not a local step.
+            // A step of 2 in the logistic variable is a third of the range; longer steps are not local.
             let trial: Vec<f64> =
                 t.iter().zip(&change).map(|(t, d)| (t + d.clamp(-2.0, 2.0)).clamp(-12.0, 12.0)).collect();
             let after = residuals(&real(&trial));
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exact_data_give_their_parameters_back() {
+    fn exact_data_give_exact_parameters() {
         let model = |p: &[f64], x: f64| p[0] * (-x / p[1]).exp() + p[2];
         let truth = [2.0, 0.7, 0.05];
         let residuals =

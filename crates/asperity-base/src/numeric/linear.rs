@@ -1,8 +1,9 @@
 //! Small dense linear systems.
 
-/// Solves a square system by Gauss's elimination with row pivots; the solutions replace the right-hand sides, one row each.
+/// Solves a square system by Gaussian elimination with row pivoting; the solutions replace the right-hand sides, one
+/// per row.
 ///
-/// A singular direction gets the solution zero.
+/// A singular direction has the solution zero.
 #[inline]
 pub fn solve<R: AsMut<[f64]>, B: AsMut<[f64]>>(matrix: &mut [R], right: &mut [B]) {
     let n = matrix.len();
@@ -41,19 +42,19 @@ pub fn solve<R: AsMut<[f64]>, B: AsMut<[f64]>>(matrix: &mut [R], right: &mut [B]
     }
 }
 
-/// Returns the solution of [`solve`] for one right-hand side.
+/// Returns the solution for one right-hand side; see [`solve`].
 pub fn solution(mut matrix: Vec<Vec<f64>>, right: &[f64]) -> Vec<f64> {
     let mut rows: Vec<[f64; 1]> = right.iter().map(|value| [*value]).collect();
     solve(&mut matrix, &mut rows);
     rows.into_iter().flatten().collect()
 }
 
-/// Solves a symmetric positive definite system in place by Cholesky's factorisation, after scaling its diagonal to one.
+/// Solves a symmetric positive definite system in place by Cholesky factorisation, after scaling its diagonal to one.
 ///
-/// `matrix` holds the rows one after the other. Returns false when a pivot is so small that the system does not determine the
-/// unknowns.
+/// `matrix` contains the rows one after the other. Returns `false` if a pivot is too small for a well-determined
+/// solution.
 pub fn solve_positive_definite(matrix: &mut [f64], right: &mut [f64]) -> bool {
-    /// Least pivot of a unit diagonal.
+    /// Smallest pivot of a unit diagonal.
     const LEAST_PIVOT: f64 = 1e-11;
     let n = right.len();
     let scale: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();
@@ -90,7 +91,7 @@ pub fn solve_positive_definite(matrix: &mut [f64], right: &mut [f64]) -> bool {
     true
 }
 
-/// Returns the inverse of a small symmetric matrix by Gauss and Jordan's elimination; `None` unless all pivots are positive.
+/// Returns the inverse of a small symmetric matrix by Gauss–Jordan elimination; `None` unless all pivots are positive.
 pub fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     let n = matrix.len();
     for pivot in 0..n {

@@ -1,24 +1,24 @@
-//! Minima and maxima without derivatives.
+//! Derivative-free minima and maxima.
 
 /// Result of [`golden_section`].
 #[derive(Debug, Clone, Copy)]
 pub struct GoldenSection {
-    /// Arguments between which the minimum lies.
+    /// Bracket of the minimum.
     pub bracket: [f64; 2],
-    /// The better of the last two arguments that were evaluated.
+    /// The better of the last two arguments evaluated.
     pub place: f64,
-    /// The value there.
+    /// Value at the best argument.
     pub value: f64,
 }
 
 impl GoldenSection {
-    /// The middle of the bracket.
+    /// Returns the centre of the bracket.
     pub fn middle(&self) -> f64 {
         0.5 * (self.bracket[0] + self.bracket[1])
     }
 }
 
-/// Finds the minimum of a function with one minimum between two arguments, to `tolerance` in the argument.
+/// Returns the minimum of a unimodal function between two arguments, to `tolerance` in the argument.
 pub fn golden_section(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 2], tolerance: f64) -> GoldenSection {
     const RATIO: f64 = 0.618_033_988_749_894_8;
     let mut at = |x: f64| [x, f(x)];
@@ -36,8 +36,20 @@ pub fn golden_section(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 
     GoldenSection { bracket: [low, high], place, value }
 }
 
-/// Returns the place and value of a maximum of a function of `D` variables near a start, by the simplex of Nelder and Mead (*Computer J.* **7** (1965)
-/// 308), restarted until a restart gains nothing. −∞ marks forbidden points.
+/// Returns the minimum of a function next to the best of several increasing arguments, to `tolerance` in the argument.
+///
+/// # Panics
+/// Without arguments.
+pub fn scanned_minimum(f: impl Fn(f64) -> f64, arguments: &[f64], tolerance: f64) -> GoldenSection {
+    let values: Vec<f64> = arguments.iter().map(|x| f(*x)).collect();
+    let best = values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index);
+    let ends = [best.saturating_sub(1), (best + 1).min(arguments.len() - 1)];
+    golden_section(f, ends.map(|index| arguments[index]), tolerance)
+}
+
+/// Returns the position and value of a maximum of a function of `D` variables near a start, by the simplex method of
+/// Nelder and Mead (*Computer J.* **7** (1965) 308), restarted until a restart gives no improvement. −∞ marks
+/// infeasible points.
 pub fn simplex<const D: usize>(f: impl Fn([f64; D]) -> f64, start: [f64; D], size: f64) -> ([f64; D], f64) {
     let mut best = (start, f(start));
     for _ in 0..10 {
@@ -112,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_simplex_climbs_a_curved_ridge() {
-        // Rosenbrock's valley, upside down: maximum 0 at (1, 1).
+        // Rosenbrock's function with the sign reversed: maximum 0 at (1, 1).
         let f = |[x, y]: [f64; 2]| -(1.0 - x).powi(2) - 100.0 * (y - x * x).powi(2);
         let ([x, y], height) = simplex(f, [-1.2, 1.0], 0.5);
         assert!((x - 1.0).abs() < 1e-4 && (y - 1.0).abs() < 1e-4 && height > -1e-8, "({x}, {y})");

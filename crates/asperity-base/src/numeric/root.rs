@@ -1,21 +1,21 @@
-//! Roots of a function between two arguments.
+//! Root finding in an interval.
 
 use std::convert::Infallible;
 
-/// Iterations; bisection alone needs about 60.
+/// Largest number of iterations; bisection alone needs about 60.
 const LARGEST_COUNT: usize = 200;
 
-/// Returns the root of a continuous function between `a` and `b`, each given with the function's value there, to the last
-/// digits of the argument; `None` when the signs are equal or a value is not a number.
+/// Returns the root of a continuous function between `a` and `b`, each given with the value of the function, to machine
+/// precision; `None` if the signs are equal or a value is NaN.
 pub fn root_between(f: impl Fn(f64) -> f64, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
     let Ok(root) = try_root_between(|x| Ok::<_, Infallible>(f(x)), a, b, 0.0);
     root
 }
 
-/// As [`root_between`], for a function that may fail, to `tolerance` in the argument. Of a function that jumps through zero
-/// the place of the jump is returned.
+/// Returns as [`root_between`], for a fallible function, to `tolerance` in the argument. For a function that jumps
+/// through zero it is the position of the jump.
 ///
-/// Inverse quadratic interpolation where three points make it safe, bisection elsewhere.
+/// Inverse quadratic interpolation where three points make it safe, otherwise bisection.
 ///
 /// # References
 /// Chandrupatla, *Adv. Eng. Softw.* **28** (1997) 145, <https://doi.org/10.1016/S0965-9978(96)00051-8>.
@@ -34,11 +34,11 @@ pub fn try_root_between<E>(
     if fa.is_nan() || fb.is_nan() || (fa > 0.0) == (fb > 0.0) {
         return Ok(None);
     }
-    // The newest point, one of the other sign, and the one that the newest replaced.
+    // The newest point, one of the opposite sign, and the one replaced by the newest.
     let (mut new, mut other) = ((b, fb), (a, fa));
-    let mut share = 0.5;
+    let mut fraction = 0.5;
     for _ in 0..LARGEST_COUNT {
-        let x = new.0 + share * (other.0 - new.0);
+        let x = new.0 + fraction * (other.0 - new.0);
         let next = (x, f(x)?);
         if next.1.is_nan() {
             return Ok(None);
@@ -57,7 +57,7 @@ pub fn try_root_between<E>(
         if best.1 == 0.0 || width <= resolved {
             return Ok(Some(best.0));
         }
-        // Where the three points lie on a curve whose inverse is monotone, the interpolated root is inside the bracket.
+        // If a monotone inverse passes through the three points, the interpolated root is inside the bracket.
         let place = (new.0 - other.0) / (before.0 - other.0);
         let height = (new.1 - other.1) / (before.1 - other.1);
         let safe = height * height < place && (1.0 - height) * (1.0 - height) < 1.0 - place;
@@ -68,17 +68,17 @@ pub fn try_root_between<E>(
             0.5
         };
         let least = 0.5 * resolved / width;
-        share = wanted.clamp(least, 1.0 - least);
+        fraction = wanted.clamp(least, 1.0 - least);
     }
     let best = if new.1.abs() < other.1.abs() { new } else { other };
     Ok(Some(best.0))
 }
 
-/// Returns the root of a function that gives its value and slope, between `low`, where it is negative, and `high`, where it is
-/// positive; their order is free.
+/// Returns the root of a function with known derivative between `low`, where it is negative, and `high`, where it is
+/// positive, in either order.
 ///
-/// Newton's method from `start`; a step that leaves the bracket or does not halve the value is replaced by a bisection. A
-/// function that jumps through zero has the place of the jump as its answer.
+/// Newton's method from `start`; a step that leaves the bracket or does not halve the value is replaced by bisection.
+/// For a function that jumps through zero it is the position of the jump.
 ///
 /// # Errors
 /// The first error of the function.
@@ -121,8 +121,8 @@ pub fn newton_between<E>(
     Ok(x)
 }
 
-/// Halves the distance between `inside`, where a condition holds, and `outside`, where it does not, until it is at most
-/// `tolerance` or no number lies between them. Returns both, `inside` first; their order is free.
+/// Bisects between `inside`, where a condition is true, and `outside`, where it is false, until their distance is at
+/// most `tolerance` or no number lies between them. Returns both, `inside` first; they may be in either order.
 ///
 /// # Errors
 /// The first error of the condition.
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn newton_s_method_stays_inside_its_bracket() {
-        // From a good start, from one whose first step leaves the bracket, and at a jump.
+        // From a good start, from one with a first step outside the bracket, and at a jump.
         for start in [0.7, 1.99] {
             let root = newton_between(|x: f64| Ok::<_, ()>((x.cos() - x, -x.sin() - 1.0)), 2.0, 0.0, start).unwrap();
             assert!((root - 0.739_085_133_215_160_6).abs() < 1e-15);

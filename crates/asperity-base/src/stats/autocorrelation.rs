@@ -1,41 +1,41 @@
-//! How many independent values a correlated record is worth.
+//! Effective size of a correlated record.
 
 use super::{Moments, StatsError};
 use crate::fourier::{RealFft2, good_length};
 
-/// Sokal's window factor: the sum of correlations stops at the first lag of at least this many correlation times.
+/// Sokal's window factor: the sum of correlations ends at the first lag of at least this many correlation times.
 const WINDOW_FACTOR: f64 = 5.0;
 
-/// The integrated autocorrelation time of a record and what follows from it.
+/// Integrated autocorrelation time of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorrelationTime {
     /// Values present.
     pub n: usize,
     /// τ = 1 + 2 Σ_{k=1}^{window} ρ_k, in sampling steps, at least 1: the mean of n values has the variance σ²τ/n.
     pub steps: f64,
-    /// Lag at which the sum was cut.
+    /// Lag at which the sum ends.
     pub window: usize,
-    /// Whether the cut lag is so short against the record (at most n/10) that τ can be trusted.
+    /// Whether that lag is short compared with the record (at most n/10), so that τ is reliable.
     pub resolved: bool,
 }
 
 impl CorrelationTime {
-    /// Effective number of independent values, n/τ.
+    /// Returns the effective sample size n/τ.
     pub fn effective_size(&self) -> f64 {
         self.n as f64 / self.steps
     }
 }
 
-/// The integrated autocorrelation time of an equally spaced record; NaN are missing values, and lags count pairs of which
-/// both are present.
+/// Returns the integrated autocorrelation time of an equally spaced record; NaN is a missing value, and the pairs at a
+/// lag are those with both values present.
 ///
 /// The window is the least W ≥ 5 τ(W) (Madras & Sokal, *J. Stat. Phys.* **50** (1988) 109,
-/// <https://doi.org/10.1007/BF01022990>). Negative sums are cut at τ = 1, so that the effective size never exceeds n.
+/// <https://doi.org/10.1007/BF01022990>). τ is at least 1, so the effective size never exceeds n.
 ///
 /// # Errors
 /// Fewer than four values, or all equal.
 pub fn correlation_time(record: &[f64]) -> Result<CorrelationTime, StatsError> {
-    let moments = Moments::of(record);
+    let moments = Moments::new(record);
     let statistic = "a correlation time";
     if moments.n < 4 {
         return Err(StatsError::TooFew { statistic, n: moments.n, wanted: 4 });
@@ -57,11 +57,11 @@ pub fn correlation_time(record: &[f64]) -> Result<CorrelationTime, StatsError> {
     Ok(CorrelationTime { n: moments.n, steps: steps.max(1.0), window, resolved })
 }
 
-/// Sums of products of deviations from `mean`, and numbers of pairs, at the lags 0 … `lags` − 1 of a record whose missing
-/// values are not finite, by transforms of the record continued with zeros.
+/// Returns the sums of products of deviations from `mean`, and the numbers of pairs, at the lags 0 … `lags` − 1 of a
+/// record with non-finite missing values, by transforms of the zero-padded record.
 ///
 /// # Panics
-/// If the record is empty or has fewer values than lags.
+/// If the record is empty or shorter than the number of lags.
 #[doc(hidden)]
 pub fn lag_sums(record: &[f64], mean: f64, lags: usize) -> (Vec<f64>, Vec<f64>) {
     assert!(lags <= record.len() && !record.is_empty(), "a record has no more lags than values");
@@ -82,7 +82,7 @@ pub fn lag_sums(record: &[f64], mean: f64, lags: usize) -> (Vec<f64>, Vec<f64>) 
     (products, pairs)
 }
 
-/// ρ_k for k = 0 … n/2 as the mean product over present pairs.
+/// Returns ρ_k for k = 0 … n/2 as the mean product over present pairs.
 fn autocorrelation(record: &[f64], moments: &Moments) -> Vec<f64> {
     let (products, pairs) = lag_sums(record, moments.mean, record.len() / 2 + 1);
     let variance = moments.std * moments.std;
@@ -93,23 +93,19 @@ fn autocorrelation(record: &[f64], moments: &Moments) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::random;
+    use crate::testing::autoregressive;
 
-    fn autoregressive(phi: f64, n: usize) -> Vec<f64> {
-        let noise = random::standard_normal(&mut random::stream(5, "ar1", 0), n);
-        let mut record = vec![noise[0]];
-        for xi in &noise[1..] {
-            record.push(phi * record[record.len() - 1] + (1.0 - phi * phi).sqrt() * xi);
-        }
-        record
+    fn record(phi: f64, n: usize) -> Vec<f64> {
+        autoregressive(phi, n, &mut random::stream(5, "ar1", 0))
     }
 
     #[test]
     fn the_fast_autocorrelation_is_the_mean_of_products_of_present_pairs() {
-        let mut record = autoregressive(0.7, 101);
+        let mut record = record(0.7, 101);
         for gap in [3, 4, 50] {
             record[gap] = f64::NAN;
         }
-        let moments = Moments::of(&record);
+        let moments = Moments::new(&record);
         let fast = autocorrelation(&record, &moments);
         for (lag, rho) in fast.iter().enumerate() {
             let products: Vec<f64> = (0..record.len() - lag)
@@ -126,7 +122,7 @@ mod tests {
         // τ = (1 + φ)/(1 − φ); its relative standard error is √(2(2W + 1)/n) (Madras & Sokal), W ≈ 5τ.
         let n = 200_000;
         for phi in [0.0, 0.5, 0.9] {
-            let (found, wanted) = (correlation_time(&autoregressive(phi, n)).unwrap(), (1.0 + phi) / (1.0 - phi));
+            let (found, wanted) = (correlation_time(&record(phi, n)).unwrap(), (1.0 + phi) / (1.0 - phi));
             let error = (2.0 * (2.0 * found.window as f64 + 1.0) / n as f64).sqrt();
             assert!((found.steps / wanted - 1.0).abs() < 4.0 * error, "φ = {phi}: τ = {}", found.steps);
             assert!(found.resolved);

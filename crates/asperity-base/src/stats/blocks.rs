@@ -1,21 +1,21 @@
-//! Sums over long samples: fixed blocks, shared among threads, added up in order.
+//! Sums over large samples by fixed blocks, distributed over threads and added in order.
 //!
-//! The blocks depend on the sample alone, so the bits of a sum do not depend on the number of threads; adding block by block
-//! also loses fewer digits than adding value by value.
+//! The blocks depend on the sample only, so a sum does not depend on the number of threads; summation by blocks also
+//! reduces rounding errors.
 
 use rayon::prelude::*;
 
 /// Values in a block.
 #[doc(hidden)]
 pub const BLOCK: usize = 4096;
-/// Values from which blocks are worth sharing among threads.
+/// Sample size above which blocks are distributed over threads.
 #[doc(hidden)]
 pub const SHARED_FROM: usize = 1 << 16;
-/// Sums that run side by side, so that the processor can add several values at once.
+/// Number of parallel partial sums, for vectorisation.
 #[doc(hidden)]
 pub const LANES: usize = 8;
 
-/// What `work` makes of every block of `values`, in order.
+/// Returns the results of `work` for every block of `values`, in order.
 #[doc(hidden)]
 pub fn map<R: Send>(values: &[f64], work: impl Fn(&[f64]) -> R + Sync + Send) -> Vec<R> {
     if values.len() < SHARED_FROM {
@@ -25,7 +25,7 @@ pub fn map<R: Send>(values: &[f64], work: impl Fn(&[f64]) -> R + Sync + Send) ->
     }
 }
 
-/// Sums of `terms` over all values. What a missing value, NaN, adds is up to `terms`.
+/// Returns the sums of `terms` over all values; `terms` handles missing values (NaN).
 #[doc(hidden)]
 pub fn sums<const N: usize>(values: &[f64], terms: impl Fn(f64) -> [f64; N] + Sync + Send) -> [f64; N] {
     let blocks = map(values, |block| {
@@ -45,7 +45,7 @@ pub fn sums<const N: usize>(values: &[f64], terms: impl Fn(f64) -> [f64; N] + Sy
     total
 }
 
-/// Sum and number of the values that are not NaN.
+/// Returns the sum and the number of values without NaN.
 #[doc(hidden)]
 pub fn sum_present(values: &[f64]) -> (f64, f64) {
     let [sum, count] = sums(values, |value| if value.is_nan() { [0.0, 0.0] } else { [value, 1.0] });

@@ -1,8 +1,8 @@
-//! Histograms as densities.
+//! Histograms normalised as densities.
 
 use super::{StatsError, quantile_sorted, sorted_present};
 
-/// Most bins a rule may ask for: more than a figure can show.
+/// Largest number of bins.
 const MAX_BINS: usize = 512;
 
 /// Counts of values in bins of equal width.
@@ -15,25 +15,25 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// The histogram of the present values in bins of the width of Freedman and Diaconis, 2·IQR·n^{−1/3}, of which there
-    /// are at most 512. Where half of all values are equal (IQR = 0) Scott's width 3.49·std·n^{−1/3} is taken.
+    /// Creates the histogram of the present values with the bin width of Freedman and Diaconis, 2·IQR·n^{−1/3}, and at
+    /// most 512 bins. If half of all values are equal (IQR = 0), the width is Scott's 3.49·std·n^{−1/3}.
     ///
     /// # References
     /// Freedman & Diaconis, *Z. Wahrscheinlichkeitstheorie* **57** (1981) 453, <https://doi.org/10.1007/BF01025868>.
     ///
     /// # Errors
-    /// No value is present, or all are equal.
-    pub fn of(values: &[f64]) -> Result<Self, StatsError> {
+    /// No value present, or all equal.
+    pub fn new(values: &[f64]) -> Result<Self, StatsError> {
         let sorted = sorted_present(values.iter().copied());
         let (first, last) = ends(&sorted)?;
         let quartile_range = quantile_sorted(&sorted, 0.75) - quantile_sorted(&sorted, 0.25);
-        let spread = if quartile_range > 0.0 { 2.0 * quartile_range } else { 3.49 * super::Moments::of(&sorted).std };
+        let spread = if quartile_range > 0.0 { 2.0 * quartile_range } else { 3.49 * super::Moments::new(&sorted).std };
         let width = spread / (sorted.len() as f64).cbrt();
         let bins = ((last - first) / width).ceil().clamp(1.0, MAX_BINS as f64) as usize;
-        Self::of_sorted(&sorted, bins)
+        Self::from_sorted(&sorted, bins)
     }
 
-    fn of_sorted(sorted: &[f64], bins: usize) -> Result<Self, StatsError> {
+    fn from_sorted(sorted: &[f64], bins: usize) -> Result<Self, StatsError> {
         let (first, last) = ends(sorted)?;
         let edge = |i: usize| if i == bins { last } else { first + (last - first) * (i as f64 / bins as f64) };
         let edges: Vec<f64> = (0..=bins).map(edge).collect();
@@ -44,14 +44,14 @@ impl Histogram {
         Ok(Self { edges, counts })
     }
 
-    /// Density in each bin: share of the values over the bin's width; it integrates to one.
+    /// Returns the density of each bin: fraction of the values over the bin width; its integral is one.
     pub fn density(&self) -> Vec<f64> {
         let total = self.counts.iter().sum::<usize>() as f64;
         let widths = self.edges.windows(2).map(|pair| pair[1] - pair[0]);
         self.counts.iter().zip(widths).map(|(count, width)| *count as f64 / (total * width)).collect()
     }
 
-    /// Bin centres.
+    /// Returns the bin centres.
     pub fn centres(&self) -> Vec<f64> {
         self.edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
     }
@@ -73,25 +73,25 @@ mod tests {
     #[test]
     fn every_value_falls_in_one_bin_and_the_density_integrates_to_one() {
         let values = random::standard_normal(&mut random::stream(3, "histogram", 0), 5000);
-        let histogram = Histogram::of(&values).unwrap();
+        let histogram = Histogram::new(&values).unwrap();
         assert_eq!(histogram.counts.iter().sum::<usize>(), 5000);
         let width = histogram.edges[1] - histogram.edges[0];
-        // IQR of the standard normal law is 1.349; its quartiles' standard error is about 1.36/√n.
+        // The IQR of the standard normal distribution is 1.349; the standard error of its quartiles is about 1.36/√n.
         assert!((width - 2.0 * 1.349 / 5000_f64.cbrt()).abs() < 0.01, "width {width}");
         let integral: f64 = histogram.density().iter().map(|d| d * width).sum();
         assert!((integral - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn edges_belong_to_the_bin_on_their_right_but_the_last() {
-        let histogram = Histogram::of_sorted(&[0.0, 1.0, 2.0, 4.0], 4).unwrap();
+    fn bins_include_their_lower_edge_and_the_last_bin_both() {
+        let histogram = Histogram::from_sorted(&[0.0, 1.0, 2.0, 4.0], 4).unwrap();
         assert_eq!(histogram.counts, [1, 1, 1, 1]);
         assert_eq!(histogram.centres(), [0.5, 1.5, 2.5, 3.5]);
-        assert!(Histogram::of(&[1.0, 1.0]).is_err());
-        assert!(Histogram::of(&[f64::NAN]).is_err());
-        // Heavy ties: the quartile range is 0, an outlier far away must not ask for endless bins.
+        assert!(Histogram::new(&[1.0, 1.0]).is_err());
+        assert!(Histogram::new(&[f64::NAN]).is_err());
+        // Many ties: the interquartile range is 0, and a distant outlier must not cause too many bins.
         let mut ties = vec![0.0; 1000];
         ties.extend([1.0, 1e9]);
-        assert!(Histogram::of(&ties).unwrap().counts.len() <= MAX_BINS);
+        assert!(Histogram::new(&ties).unwrap().counts.len() <= MAX_BINS);
     }
 }

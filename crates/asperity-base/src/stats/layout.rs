@@ -1,49 +1,50 @@
-//! How records lie.
+//! Spatial arrangement of records.
 
-/// How the records of a process lie: whether they go round, and how many *lanes* lie side by side on one strip.
+/// Arrangement of the records of a process: periodic or free, and the number of parallel *tracks* of a strip.
 ///
-/// Strips are independent of each other, lanes of a strip need not be: errors add up over strips. Records come strip by
-/// strip, the lanes of one after another, of equal length and position by position side by side.
+/// Strips are independent; tracks of a strip may be correlated, so errors are summed over strips. Records are listed
+/// strip by strip and track by track; the tracks of a strip have equal length and aligned positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
-    /// Whether a record goes on with its first value after its last.
+    /// Whether records are periodic.
     pub periodic: bool,
     /// Records per strip, at least 1.
-    pub lanes: usize,
+    pub tracks: usize,
 }
 
-/// One record per strip, periodic or not.
+/// Creates the layout of one record per strip, periodic or not.
 impl From<bool> for Layout {
     fn from(periodic: bool) -> Self {
-        Self { periodic, lanes: 1 }
+        Self { periodic, tracks: 1 }
     }
 }
 
 impl Layout {
-    /// Number of strips.
+    /// Returns the number of strips.
     #[doc(hidden)]
     pub fn strips(self, records: usize) -> usize {
-        records.div_ceil(self.lanes)
+        records.div_ceil(self.tracks)
     }
 
-    /// The lanes of each strip.
+    /// Returns the tracks of each strip.
     ///
     /// # Panics
-    /// If a strip lacks a lane, or its lanes differ in length.
+    /// If a strip is incomplete, or its tracks differ in length.
     #[doc(hidden)]
     pub fn by_strip<T: AsRef<[f64]>>(self, records: &[T]) -> impl Iterator<Item = &[T]> {
-        assert!(records.len().is_multiple_of(self.lanes), "{} records of {} lanes", records.len(), self.lanes);
-        let even = |strip: &[T]| strip.iter().all(|lane| lane.as_ref().len() == strip[0].as_ref().len());
-        records.chunks(self.lanes).inspect(move |strip| assert!(even(strip), "lanes of a strip are equally long"))
+        assert!(records.len().is_multiple_of(self.tracks), "{} records of {} tracks", records.len(), self.tracks);
+        let even = |strip: &[T]| strip.iter().all(|track| track.as_ref().len() == strip[0].as_ref().len());
+        records.chunks(self.tracks).inspect(move |strip| assert!(even(strip), "tracks of a strip are equally long"))
     }
 }
 
-/// Sum over the lanes at every position of a function of the values present (finite); NaN where none is.
+/// Returns the sum over the tracks of a function of the values present (finite), at every position; NaN without a
+/// value.
 #[doc(hidden)]
-pub fn sum_of_lanes<T: AsRef<[f64]>>(lanes: &[T], of: impl Fn(f64) -> f64) -> Vec<f64> {
+pub fn sum_of_tracks<T: AsRef<[f64]>>(tracks: &[T], of: impl Fn(f64) -> f64) -> Vec<f64> {
     let at = |place: usize| {
-        let values = lanes.iter().map(|lane| lane.as_ref()[place]).filter(|value| value.is_finite());
+        let values = tracks.iter().map(|track| track.as_ref()[place]).filter(|value| value.is_finite());
         values.map(&of).reduce(|a, b| a + b).unwrap_or(f64::NAN)
     };
-    (0..lanes.first().map_or(0, |lane| lane.as_ref().len())).map(at).collect()
+    (0..tracks.first().map_or(0, |track| track.as_ref().len())).map(at).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::blocks::{self, LANES};
 
-/// Moments of the present (not NaN) values of a sample. Without values all but `n` are NaN; of equal values the standard
+/// Moments of the values of a sample without NaN. Without values all but `n` are NaN; for equal values the standard
 /// deviation is 0 and skewness and kurtosis are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
@@ -10,7 +10,7 @@ pub struct Moments {
     pub n: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard deviation with divisor n: the root mean square about the mean, as Sq. See [`Moments::sample_std`].
+    /// Standard deviation with divisor n, the root mean square about the mean as for Sq. See [`Moments::sample_std`].
     pub std: f64,
     /// Skewness m₃/m₂^{3/2} with central moments of divisor n.
     pub skewness: f64,
@@ -18,22 +18,22 @@ pub struct Moments {
     pub excess_kurtosis: f64,
 }
 
-/// Number, mean and range of the present (not NaN) values of a sample. Without values all but `n` are NaN.
+/// Number, mean and range of the values of a sample without NaN. Without values all but `n` are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     /// Values present.
     pub n: usize,
     /// Mean.
     pub mean: f64,
-    /// Least value.
+    /// Smallest value.
     pub least: f64,
     /// Largest value.
     pub largest: f64,
 }
 
 impl Extent {
-    /// The extent of a sample. The mean is that of the differences from the first value.
-    pub fn of(values: &[f64]) -> Self {
+    /// Creates the extent of a sample, with the mean of the differences from the first value.
+    pub fn new(values: &[f64]) -> Self {
         let Some(origin) = values.iter().copied().find(|v| !v.is_nan()) else {
             return Self { n: 0, mean: f64::NAN, least: f64::NAN, largest: f64::NAN };
         };
@@ -61,28 +61,28 @@ impl Extent {
         Self { n: count as usize, mean: origin + sum / count, least, largest }
     }
 
-    /// Largest distance of a value from the mean.
+    /// Returns the largest distance of a value from the mean.
     pub fn largest_deviation(&self) -> f64 {
         f64::max(self.largest - self.mean, self.mean - self.least)
     }
 }
 
 impl Moments {
-    /// The moments of a slice, NaN skipped.
+    /// Creates the moments of a slice; NaN is skipped.
     ///
     /// Two passes: the mean of the differences from the first value, then powers of the deviations, scaled by the
-    /// largest so that neither squares of nanometres nor large offsets lose digits.
-    pub fn of(values: &[f64]) -> Self {
-        Self::within(&Extent::of(values), values)
+    /// largest to preserve accuracy for nanometres and for large offsets.
+    pub fn new(values: &[f64]) -> Self {
+        Self::with_extent(&Extent::new(values), values)
     }
 
-    /// The moments of a slice whose extent is known.
+    /// Creates the moments of a slice with a known extent.
     #[doc(hidden)]
-    pub fn within(extent: &Extent, values: &[f64]) -> Self {
+    pub fn with_extent(extent: &Extent, values: &[f64]) -> Self {
         Self::with_absolute(extent, values).0
     }
 
-    /// The moments of a slice whose extent is known, and its mean absolute deviation from the mean.
+    /// Returns the moments of a slice with a known extent, and its mean absolute deviation.
     #[doc(hidden)]
     pub fn with_absolute(extent: &Extent, values: &[f64]) -> (Self, f64) {
         let Extent { n, mean, least, largest } = *extent;
@@ -96,7 +96,7 @@ impl Moments {
             let square = deviation * deviation;
             [deviation, square, square * deviation, square * square, deviation.abs()]
         });
-        // What rounding left in the mean is taken out of the higher moments.
+        // Correct the higher moments for the rounding error of the mean.
         let [rest, second, third, fourth, absolute] = sums.map(|sum| sum / n as f64);
         let m2 = second - rest * rest;
         let m3 = third - 3.0 * rest * second + 2.0 * rest.powi(3);
@@ -111,22 +111,23 @@ impl Moments {
         (moments, scale * absolute)
     }
 
-    /// The moments of values that are passed one by one, NaN skipped.
-    pub fn of_values(values: impl Iterator<Item = f64>) -> Self {
-        Self::of(&values.collect::<Vec<f64>>())
+    /// Creates the moments of an iterator of values; NaN is skipped.
+    pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
+        Self::new(&values.collect::<Vec<f64>>())
     }
 
-    /// Standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a single one.
+    /// Returns the standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a
+    /// single value.
     pub fn sample_std(&self) -> f64 {
         if self.n < 2 { f64::NAN } else { self.std * (self.n as f64 / (self.n as f64 - 1.0)).sqrt() }
     }
 
-    /// Standard error of the mean of *independent* values, sample_std/√n.
+    /// Returns the standard error of the mean of *independent* values, sample_std/√n.
     pub fn standard_error(&self) -> f64 {
         self.sample_std() / (self.n as f64).sqrt()
     }
 
-    /// Standard deviation over |mean|.
+    /// Returns the coefficient of variation, standard deviation over |mean|.
     pub fn coefficient_of_variation(&self) -> f64 {
         self.std / self.mean.abs()
     }
@@ -139,7 +140,7 @@ mod tests {
     #[test]
     fn moments_of_four_values_by_hand() {
         // Deviations of 1, 2, 3, 6 from 3: −2, −1, 0, 3; m₂ = 14/4, m₃ = 18/4, m₄ = 98/4.
-        let m = Moments::of(&[1.0, f64::NAN, 2.0, 3.0, 6.0]);
+        let m = Moments::new(&[1.0, f64::NAN, 2.0, 3.0, 6.0]);
         assert_eq!((m.n, m.mean), (4, 3.0));
         assert!((m.std - 3.5_f64.sqrt()).abs() < 1e-15);
         assert!((m.sample_std() - (14.0_f64 / 3.0).sqrt()).abs() < 1e-15);
@@ -148,23 +149,24 @@ mod tests {
     }
 
     #[test]
-    fn nanometres_on_a_large_offset_keep_their_digits() {
-        // Multiples of 2⁻³⁰ m on 1 m are exact in binary, so that the offset costs nothing but the mean's own rounding.
+    fn nanometres_on_a_large_offset_are_accurate() {
+        // Multiples of 2⁻³⁰ m on 1 m are exact in binary, so the offset causes no error except the rounding of the
+        // mean.
         let unit = 2.0_f64.powi(-30);
         let values: Vec<f64> = [1.0, 2.0, 3.0, 6.0].iter().map(|v| 1.0 + v * unit).collect();
-        let (shifted, plain) = (Moments::of(&values), Moments::of(&[1.0, 2.0, 3.0, 6.0]));
+        let (shifted, plain) = (Moments::new(&values), Moments::new(&[1.0, 2.0, 3.0, 6.0]));
         assert!((shifted.std / unit / plain.std - 1.0).abs() < 1e-12);
         assert!((shifted.skewness - plain.skewness).abs() < 1e-7 * plain.skewness);
-        let tiny = Moments::of(&[1e-200, 2e-200, 3e-200, 6e-200]);
+        let tiny = Moments::new(&[1e-200, 2e-200, 3e-200, 6e-200]);
         assert!((tiny.excess_kurtosis - plain.excess_kurtosis).abs() < 1e-13);
     }
 
     #[test]
     fn no_values_and_equal_values_are_not_given_a_shape() {
-        assert!(Moments::of(&[f64::NAN]).mean.is_nan());
-        let equal = Moments::of(&[0.1; 7]);
+        assert!(Moments::new(&[f64::NAN]).mean.is_nan());
+        let equal = Moments::new(&[0.1; 7]);
         assert_eq!((equal.mean, equal.std), (0.1, 0.0));
         assert!(equal.skewness.is_nan() && equal.excess_kurtosis.is_nan());
-        assert!(Moments::of(&[1.0]).sample_std().is_nan());
+        assert!(Moments::new(&[1.0]).sample_std().is_nan());
     }
 }

@@ -1,25 +1,25 @@
-//! Variance of a sum over correlated records.
+//! Variance of sums over correlated records.
 
 use std::borrow::Cow;
 
-use super::{Layout, Spread, flat_top, lag_sums, sum_of_lanes};
+use super::{Layout, Spread, flat_top, lag_sums, sum_of_tracks};
 
-/// The reach of a correlogram is where it falls to this.
+/// Level that defines the reach of a correlogram.
 const FADED: f64 = 0.2;
-/// The window ends at so many reaches, and is flat up to half of that: an exponential correlogram then lies within to 98 %.
+/// Length of the window in reaches, flat up to half of that: it then contains 98 % of an exponential correlogram.
 const REACHES: f64 = 4.65;
-/// A window at least spans so many correlation lengths of the values.
+/// Least length of a window in correlation lengths of the values.
 const LEAST_LENGTHS: f64 = 3.75;
-/// Long records afford a wider window, down to so many blocks.
+/// Number of blocks down to which long records have a wider window.
 const BLOCKS_TO_SPARE: f64 = 40.0;
-/// Largest share of the variance that the fitted means may have taken out of the window.
+/// Largest fraction of the variance in the window removed by the fitted means.
 const LARGEST_FITTED: f64 = 0.5;
-/// Few blocks narrow the window, to so much of its width, and fewer carry no interval.
+/// Few blocks narrow the window, down to this fraction; with fewer there is no interval.
 const WANTED_BLOCKS: f64 = 10.0;
 const NARROWEST: f64 = 0.6;
 const LEAST_BLOCKS: f64 = 5.0;
 
-/// Ordered pairs of values on records of one stationary process, by their lag.
+/// Ordered pairs of values on records of one stationary process, by lag.
 #[derive(Debug, Clone)]
 #[doc(hidden)]
 pub struct RecordSum {
@@ -27,41 +27,42 @@ pub struct RecordSum {
     lengths: Vec<usize>,
     layout: Layout,
     /// Pairs on the same strip at the lags 0, 1, 2, …, over the squared number of values.
-    shares: Vec<f64>,
+    fractions: Vec<f64>,
     /// Distance in steps at which the correlation of the values falls to 1/e.
     length: f64,
 }
 
 impl RecordSum {
-    /// Pairs of the values present (finite) of `records`, across the lanes of a strip too. `mean` is that of the values.
+    /// Counts the pairs of present (finite) values of `records`, including pairs across the tracks of a strip. `mean`
+    /// is the mean of the values.
     ///
     /// # Panics
-    /// If a record is empty, or the lanes of a strip differ in length.
+    /// If a record is empty, or the tracks of a strip differ in length.
     #[doc(hidden)]
     pub fn new(records: &[&[f64]], mean: f64, layout: Layout) -> Self {
-        let lengths: Vec<usize> = layout.by_strip(records).map(|lanes| lanes[0].len()).collect();
+        let lengths: Vec<usize> = layout.by_strip(records).map(|tracks| tracks[0].len()).collect();
         let (products, counts) = pooled(records, mean, layout);
         let present = records.iter().flat_map(|record| record.iter()).filter(|v| v.is_finite()).count() as f64;
-        let mut found = Self { lengths, layout, shares: vec![], length: 0.0 };
+        let mut found = Self { lengths, layout, fractions: vec![], length: 0.0 };
         found.length = crossing(&products, &counts, (-1.0_f64).exp());
-        found.shares = counts.into_iter().map(|count| count / (present * present)).collect();
+        found.fractions = counts.into_iter().map(|count| count / (present * present)).collect();
         found
     }
 
-    /// Pairs at the lags 0, 1, 2, …, over the squared number of values.
+    /// Returns the pairs at the lags 0, 1, 2, …, over the squared number of values.
     #[doc(hidden)]
-    pub fn shares(&self) -> &[f64] {
-        &self.shares
+    pub fn fractions(&self) -> &[f64] {
+        &self.fractions
     }
 
-    /// The spread of a statistic whose error is the sum of its influences (NaN where a value is missing), record after record
-    /// as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for those of the process.
+    /// Returns the spread of a statistic from its influences (NaN for a missing value), record by record as in
+    /// [`RecordSum::new`]. They sum to zero because `fitted` means replace those of the process.
     ///
-    /// The variance is the sum of the products of influences over all pairs within strips, under a window of their lag that
-    /// is flat and then falls to zero. It is corrected for what the fitted means took out, and for the tail of an exponential
-    /// correlogram beyond the window. Where no record is longer than the window it is the scatter between strips.
+    /// The variance is the sum of the products of influences over all pairs within strips under a flat-top lag window,
+    /// corrected for the fitted means and for the tail of an exponential correlogram beyond the window. If no record is
+    /// longer than the window, it is the variance between strips.
     ///
-    /// `None` when fewer than five blocks are left, or the influences do not vary.
+    /// `None` with fewer than five blocks, or if the influences do not vary.
     ///
     /// # References
     /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>.
@@ -69,13 +70,13 @@ impl RecordSum {
     pub fn spread(&self, influence: &[Vec<f64>], fitted: f64) -> Option<Spread> {
         let influence = self.across(influence);
         let views: Vec<&[f64]> = influence.iter().map(Vec::as_slice).collect();
-        let (products, _) = pooled(&views, 0.0, Layout { lanes: 1, ..self.layout });
-        let reach = crossing(&products, &self.shares, FADED);
+        let (products, _) = pooled(&views, 0.0, Layout { tracks: 1, ..self.layout });
+        let reach = crossing(&products, &self.fractions, FADED);
         let least = (REACHES * reach).max(LEAST_LENGTHS * self.length).max(3.0);
-        let spare = 0.75 / (self.shares[0] * BLOCKS_TO_SPARE);
+        let spare = 0.75 / (self.fractions[0] * BLOCKS_TO_SPARE);
         let mut end = spare.clamp(least, 2.0 * least);
-        let taken = |end: f64| self.weighted(end, |share, weight| share * weight);
-        let squares = |end: f64| self.weighted(end, |share, weight| share * weight * weight);
+        let taken = |end: f64| self.weighted(end, |fraction, weight| fraction * weight);
+        let squares = |end: f64| self.weighted(end, |fraction, weight| fraction * weight * weight);
         while end > 2.0 && (fitted * taken(end) > LARGEST_FITTED)
             || (end > NARROWEST * least && squares(end) * WANTED_BLOCKS > 1.0)
         {
@@ -84,12 +85,12 @@ impl RecordSum {
         let squares = squares(end);
         let lags = || products.iter().enumerate();
         let sum: f64 = lags().map(|(lag, product)| flat_top(lag as f64, end) * product).sum();
-        // An exponential correlogram of the same reach.
+        // Exponential correlogram with the same reach.
         let decay = reach / (1.0 / FADED).ln();
         let exponential = |lag: usize| (-(lag as f64) / decay).exp();
-        let whole: f64 = self.shares.iter().enumerate().map(|(lag, share)| share * exponential(lag)).sum();
+        let whole: f64 = self.fractions.iter().enumerate().map(|(lag, fraction)| fraction * exponential(lag)).sum();
         let within: f64 =
-            self.shares.iter().enumerate().map(|(lag, s)| flat_top(lag as f64, end) * s * exponential(lag)).sum();
+            self.fractions.iter().enumerate().map(|(lag, s)| flat_top(lag as f64, end) * s * exponential(lag)).sum();
         let variance = sum / (1.0 - fitted * taken(end)) / (within / whole);
         let (third, fourth, blocks) = self.block_moments(&influence, end.round() as usize);
         let excess = (fourth - 3.0 / blocks).max(0.0);
@@ -98,19 +99,19 @@ impl RecordSum {
         sound.then_some(Spread { variance, blocks: freedom, skewness: third })
     }
 
-    /// Influences added up across the lanes of every strip.
+    /// Returns the influences summed over the tracks of every strip.
     fn across<'a>(&self, influence: &'a [Vec<f64>]) -> Cow<'a, [Vec<f64>]> {
-        match self.layout.lanes {
+        match self.layout.tracks {
             1 => Cow::Borrowed(influence),
-            _ => self.layout.by_strip(influence).map(|lanes| sum_of_lanes(lanes, |value| value)).collect(),
+            _ => self.layout.by_strip(influence).map(|tracks| sum_of_tracks(tracks, |value| value)).collect(),
         }
     }
 
     fn weighted(&self, end: f64, term: impl Fn(f64, f64) -> f64) -> f64 {
-        self.shares.iter().enumerate().map(|(lag, share)| term(*share, flat_top(lag as f64, end))).sum()
+        self.fractions.iter().enumerate().map(|(lag, fraction)| term(*fraction, flat_top(lag as f64, end))).sum()
     }
 
-    /// Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and number of blocks of about `side` values with the sums S.
+    /// Returns Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and the number of blocks of about `side` values with sums S.
     fn block_moments(&self, influence: &[Vec<f64>], side: usize) -> (f64, f64, f64) {
         let mut powers = [0.0; 4];
         for (record, length) in influence.iter().zip(&self.lengths) {
@@ -128,8 +129,8 @@ impl RecordSum {
     }
 }
 
-/// Sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these pairs, at each lag; on
-/// a periodic strip the lag is that of the shorter way round.
+/// Returns the sums of products of deviations from `mean` over ordered pairs on the same strip, and the numbers of
+/// these pairs, at each lag; on a periodic strip the lag is the shorter distance.
 fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>) {
     let periodic = layout.periodic;
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
@@ -139,9 +140,9 @@ fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>)
         let n = strip[0].len();
         let (of_strip, pairs) = match strip {
             [record] => lag_sums(record, mean, n),
-            // A product of sums over lanes is the sum of the products of all pairs of lanes.
-            lanes => {
-                let of = |value: &dyn Fn(f64) -> f64| lag_sums(&sum_of_lanes(lanes, value), 0.0, n).0;
+            // The product of sums over tracks equals the sum of the products over all pairs of tracks.
+            tracks => {
+                let of = |value: &dyn Fn(f64) -> f64| lag_sums(&sum_of_tracks(tracks, value), 0.0, n).0;
                 (of(&|value| value - mean), of(&|_| 1.0).into_iter().map(f64::round).collect())
             }
         };
@@ -155,15 +156,15 @@ fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>)
     (products, counts)
 }
 
-/// Lag at which the mean product first falls to a share of that at lag zero; the longest where it does not.
-fn crossing(products: &[f64], pairs: &[f64], share: f64) -> f64 {
+/// Returns the lag at which the mean product first falls to a fraction of its value at lag zero, or the longest lag.
+fn crossing(products: &[f64], pairs: &[f64], fraction: f64) -> f64 {
     let at = |lag: usize| products[lag] / pairs[lag] * pairs[0] / products[0];
     let mut above = (0, 1.0);
     for lag in 1..products.len() {
         let value = at(lag);
-        if value <= share {
+        if value <= fraction {
             let (near, high) = above;
-            return near as f64 + (high - share) / (high - value) * (lag - near) as f64;
+            return near as f64 + (high - fraction) / (high - value) * (lag - near) as f64;
         }
         if value.is_finite() {
             above = (lag, value);
@@ -177,18 +178,12 @@ mod tests {
     use super::*;
     use crate::random;
     use crate::stats::Moments;
+    use crate::testing::autoregressive;
 
-    /// Records of the correlation φ^lag.
-    fn autoregressive(phi: f64, records: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
-        let record = |index: usize| {
-            let stream = &mut random::stream(41, "record sum", 100 * run + index as u64);
-            let mut values = random::standard_normal(stream, n);
-            for t in 1..n {
-                values[t] = phi * values[t - 1] + (1.0 - phi * phi).sqrt() * values[t];
-            }
-            values
-        };
-        (0..records).map(record).collect()
+    /// Records with correlation φ^lag.
+    fn records(phi: f64, count: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
+        let stream = |index: u64| random::stream(41, "record sum", 100 * run + index);
+        (0..count as u64).map(|index| autoregressive(phi, n, &mut stream(index))).collect()
     }
 
     fn views(records: &[Vec<f64>]) -> Vec<&[f64]> {
@@ -197,7 +192,7 @@ mod tests {
 
     #[test]
     fn pairs_are_counted_one_by_one_also_round_a_circle() {
-        let mut records = autoregressive(0.7, 2, 12, 0);
+        let mut records = records(0.7, 2, 12, 0);
         records[1].truncate(9);
         records[0][4] = f64::NAN;
         for periodic in [false, true] {
@@ -227,8 +222,8 @@ mod tests {
             let runs = 200;
             let (mut means, mut variances, mut blocks) = (vec![], vec![], vec![]);
             for run in 0..runs {
-                let records = autoregressive(0.9, records, n, run + 1);
-                let mean = Moments::of(&records.concat()).mean;
+                let records = super::tests::records(0.9, records, n, run + 1);
+                let mean = Moments::new(&records.concat()).mean;
                 let sum = RecordSum::new(&views(&records), mean, false.into());
                 let influence: Vec<Vec<f64>> =
                     records.iter().map(|record| record.iter().map(|x| (x - mean) / 2000.0).collect()).collect();
@@ -237,22 +232,25 @@ mod tests {
                 variances.push(spread.variance);
                 blocks.push(spread.blocks);
             }
-            let found = Moments::of(&variances);
-            let ratio = found.mean / Moments::of(&means).std.powi(2);
-            println!("{records} × {n}: {ratio} {:?} {:?}", found.std / found.mean, Moments::of(&blocks).mean);
-            // A variance over 200 runs has a standard error of 10 %, the mean of 200 variances on 15 blocks one of 3 %.
+            let found = Moments::new(&variances);
+            let ratio = found.mean / Moments::new(&means).std.powi(2);
+            println!("{records} × {n}: {ratio} {:?} {:?}", found.std / found.mean, Moments::new(&blocks).mean);
+            // A variance over 200 runs has a standard error of 10 %, the mean of 200 variances on 15 blocks 3 %.
             assert!((ratio - 1.0).abs() < 4.0 * 0.105, "{records} records: {ratio}");
-            // Degrees of freedom are those of the estimate's own scatter, within what they are known to themselves.
+            // The degrees of freedom match the variance of the estimate, within their own standard error.
             let freedom = 2.0 * (found.mean / found.std).powi(2);
-            let told = Moments::of(&blocks).mean;
-            assert!(told / freedom < 1.8 && freedom / told < 1.8, "{records} records: {told} for {freedom}");
+            let estimated = Moments::new(&blocks).mean;
+            assert!(
+                estimated / freedom < 1.8 && freedom / estimated < 1.8,
+                "{records} records: {estimated} for {freedom}"
+            );
         }
     }
 
     #[test]
     fn too_few_blocks_carry_no_spread() {
-        let records = autoregressive(0.99, 1, 300, 9);
-        let mean = Moments::of(&records[0]).mean;
+        let records = records(0.99, 1, 300, 9);
+        let mean = Moments::new(&records[0]).mean;
         let influence = vec![records[0].iter().map(|x| (x - mean) / 300.0).collect()];
         assert!(RecordSum::new(&views(&records), mean, false.into()).spread(&influence, 1.0).is_none());
     }

@@ -1,16 +1,16 @@
-//! Sorting large samples on all threads.
+//! Parallel sorting of large samples.
 
 use rayon::prelude::*;
 
-/// Values from which a sample is sorted in buckets.
+/// Sample size above which buckets are used.
 const LARGE: usize = 1 << 16;
-/// Values in a chunk that is dealt into buckets at a time; it stays in the second cache.
+/// Values per chunk distributed to buckets; fits the level-2 cache.
 const CHUNK: usize = 1 << 16;
-/// Values in a bucket, on average; it stays in the first cache.
+/// Mean number of values per bucket; fits the level-1 cache.
 const BUCKET: usize = 1024;
-/// Most buckets: a bucket's index must fit its type.
+/// Largest number of buckets, limited by the type of the index.
 const MAX_BUCKETS: usize = 1 << 14;
-/// Values sampled per bucket to find where buckets end, and cells of the table that finds a value's bucket.
+/// Values sampled per bucket to determine its limits, and cells of the lookup table per bucket.
 const SAMPLED: usize = 8;
 const CELLS: usize = 4096;
 
@@ -22,14 +22,14 @@ pub enum Order {
     Descending,
 }
 
-/// The present (not NaN) values less `origin`, sorted.
+/// Returns the sorted values without NaN, less `origin`.
 ///
-/// Large samples are dealt into buckets whose ends are quantiles of a part of the sample, and the buckets are sorted apart.
-/// However the values are distributed, the result is that of sorting them all; unforeseen clusters cost time alone.
+/// Large samples are distributed to buckets bounded by quantiles of a subsample, and the buckets are sorted separately.
+/// The result is exact for every distribution; clusters only cost time.
 #[doc(hidden)]
 pub fn sorted(values: &[f64], origin: f64, order: Order) -> Vec<f64> {
     if values.len() >= LARGE
-        && let Some(dealer) = Dealer::of(values)
+        && let Some(dealer) = Dealer::new(values)
     {
         return dealer.sorted(values, origin, order);
     }
@@ -38,17 +38,17 @@ pub fn sorted(values: &[f64], origin: f64, order: Order) -> Vec<f64> {
     keys.into_iter().map(|key| value(key, order) - origin).collect()
 }
 
-/// An integer that is ordered as [`f64::total_cmp`] orders, or the other way round. Integers are twice as fast to sort.
+/// Returns an integer with the order of [`f64::total_cmp`], or the reverse. Integers sort twice as fast.
 fn key(value: f64, order: Order) -> i64 {
     flipped(flip(value.to_bits() as i64), order)
 }
 
-/// The value of a [`key`].
+/// Returns the value of a [`key`].
 fn value(key: i64, order: Order) -> f64 {
     f64::from_bits(flip(flipped(key, order)) as u64)
 }
 
-/// Reverses the bits below the sign of negative numbers, which sorts them as integers; its own inverse.
+/// Inverts the bits below the sign of negative numbers, which then sort as integers; self-inverse.
 fn flip(bits: i64) -> i64 {
     bits ^ ((bits >> 63) as u64 >> 1) as i64
 }
@@ -60,25 +60,26 @@ fn flipped(key: i64, order: Order) -> i64 {
     }
 }
 
-/// Assigns values to buckets: their rank among a sample, linear between the cells of an even table, never decreasing.
+/// Map from values to buckets: the rank in a subsample, interpolated between the cells of a uniform table,
+/// non-decreasing.
 struct Dealer {
     low: f64,
     cells_per_unit: f64,
-    /// Rank at every cell's lower end, in buckets.
+    /// Rank at the lower end of every cell, in buckets.
     ranks: Vec<f64>,
     buckets: usize,
 }
 
-/// A chunk's values, one bucket after the other.
+/// Values of a chunk, bucket by bucket.
 struct Dealt {
     keys: Vec<i64>,
-    /// Where each bucket starts, and where the last one ends.
+    /// Start of each bucket, and end of the last.
     starts: Vec<u32>,
 }
 
 impl Dealer {
-    /// `None` when nearly all values are equal or missing: nothing to deal.
-    fn of(values: &[f64]) -> Option<Self> {
+    /// `None` if nearly all values are equal or missing.
+    fn new(values: &[f64]) -> Option<Self> {
         let buckets = (values.len() / BUCKET).clamp(2, MAX_BUCKETS);
         let mut sample: Vec<f64> =
             values.iter().step_by(values.len() / (SAMPLED * buckets)).copied().filter(|v| v.is_finite()).collect();
@@ -96,16 +97,16 @@ impl Dealer {
     }
 
     fn bucket(&self, value: f64) -> usize {
-        // Conversion to integers saturates, so values beyond the sample fall into the first or last cell.
+        // Conversion to integers saturates, so values beyond the subsample fall into the first or last cell.
         let position = (value - self.low) * self.cells_per_unit;
         let cell = (position as usize).min(CELLS - 1);
         let (below, above) = (self.ranks[cell], self.ranks[cell + 1]);
         let along = (position - cell as f64).clamp(0.0, 1.0);
-        // Rounding must not lift a value above the start of the next cell.
+        // Rounding must not raise a value above the start of the next cell.
         ((below + along * (above - below)).min(above) as usize).min(self.buckets - 1)
     }
 
-    /// Values of one chunk by bucket, missing ones dropped.
+    /// Returns the values of a chunk by bucket, without missing ones.
     fn deal(&self, chunk: &[f64], order: Order) -> Dealt {
         let missing = self.buckets;
         let places: Vec<u16> = chunk
@@ -163,7 +164,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Samples that are smooth, spiked, tied, in two narrow clusters, of huge range, or infinite in part.
+    /// Returns samples that are smooth, peaked, tied, in two narrow clusters, of huge range, or partly infinite.
     fn samples() -> Vec<Vec<f64>> {
         let normal = random::standard_normal(&mut random::stream(9, "sorting", 0), 3 * LARGE + 77);
         let of = |f: &dyn Fn(usize, f64) -> f64| normal.iter().enumerate().map(|(i, z)| f(i, *z)).collect::<Vec<f64>>();
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn buckets_sort_as_sorting_does() {
+    fn bucket_sort_equals_plain_sort() {
         for (number, sample) in samples().into_iter().enumerate() {
             let mut wanted: Vec<f64> = sample.iter().copied().filter(|v| !v.is_nan()).collect();
             wanted.sort_by(f64::total_cmp);

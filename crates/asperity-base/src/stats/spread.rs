@@ -1,33 +1,33 @@
-//! How a statistic spreads, as far as one sample tells.
+//! Variance of a statistic estimated from one sample.
 
 use super::student_quantile;
 
-/// The variance of a statistic, and how well it is known.
+/// Variance of a statistic and its degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(hidden)]
 pub struct Spread {
     /// Variance.
     #[doc(hidden)]
     pub variance: f64,
-    /// Independent blocks on which the variance rests: its degrees of freedom.
+    /// Effective number of independent blocks: the degrees of freedom of the variance.
     #[doc(hidden)]
     pub blocks: f64,
-    /// Skewness, from blocks.
+    /// Skewness, estimated from blocks.
     #[doc(hidden)]
     pub skewness: f64,
 }
 
 impl Spread {
-    /// The spread of the statistic times a factor.
+    /// Returns the spread of the statistic scaled by a factor.
     #[doc(hidden)]
     pub fn scaled(self, factor: f64) -> Self {
         Self { variance: factor * factor * self.variance, ..self }
     }
 
-    /// Values of (estimate − truth)/√variance that leave `tail` on the lower and on the upper side.
+    /// Returns the lower and upper quantiles of (estimate − truth)/√variance with probability `tail` beyond each.
     ///
-    /// Student's quantiles on as many degrees of freedom as there are blocks, bent by Hall's cubic for the skewness of the
-    /// studentised sum.
+    /// Student's quantiles with the number of blocks as degrees of freedom, transformed by Hall's cubic for the
+    /// skewness of the studentised sum.
     ///
     /// # References
     /// Hall, *J. R. Stat. Soc. B* **54** (1992) 221, <https://doi.org/10.1111/j.2517-6161.1992.tb01876.x>.
@@ -37,14 +37,14 @@ impl Spread {
         (self.unbent(-student), self.unbent(student))
     }
 
-    /// The studentised distance from a supposed truth over its limit: beyond ±1 the truth is refused.
+    /// Returns the studentised distance from a hypothetical value relative to its limit; beyond ±1 it is rejected.
     #[doc(hidden)]
     pub fn distance(&self, difference: f64, tail: f64) -> f64 {
         let (t, skew) = (difference / self.variance.sqrt(), self.skewness);
         (t + skew * t * t / 3.0 + skew * skew * t.powi(3) / 27.0 + skew / 6.0) / self.student(tail)
     }
 
-    /// Student's upper quantile.
+    /// Returns the upper quantile of Student's distribution.
     #[doc(hidden)]
     pub fn student(&self, tail: f64) -> f64 {
         student_quantile(1.0 - tail, self.blocks)
@@ -56,7 +56,7 @@ impl Spread {
     }
 }
 
-/// 1 up to half of `end`, then falling to 0 there: the weight of pairs of values this far apart.
+/// Returns the flat-top lag window: 1 up to half of `end`, then decreasing to 0 at `end`.
 ///
 /// # References
 /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>.

@@ -2,16 +2,16 @@ use super::*;
 use crate::{Design, Family, MultiIndexSet, SamplingMethod, Truncation};
 use std::f64::consts::PI;
 
-/// The expansion of f over a Sobol' design, f a function of the standard variables.
+/// Returns the expansion of f over a Sobol' design, where f is a function of the standard variables.
 fn expand(families: &[Family], degree: usize, samples: usize, f: impl Fn(&[f64]) -> f64) -> (Expansion, Fit) {
     let set = MultiIndexSet::total_degree(families.len(), degree).unwrap();
     let basis = Basis::new(set, families.to_vec()).unwrap();
     let design = Design::new(SamplingMethod::Sobol, 3, "expansion", samples, families.len()).unwrap();
-    let germs: Vec<Vec<f64>> = (0..samples)
+    let xi_samples: Vec<Vec<f64>> = (0..samples)
         .map(|i| design.unit(i).iter().zip(families).map(|(u, family)| family.from_unit(*u)).collect())
         .collect();
-    let response: Vec<f64> = germs.iter().map(|xi| f(xi)).collect();
-    Expansion::fit(basis, &germs, &response).unwrap()
+    let response: Vec<f64> = xi_samples.iter().map(|xi| f(xi)).collect();
+    Expansion::fit(basis, &xi_samples, &response).unwrap()
 }
 
 #[test]
@@ -29,11 +29,11 @@ fn a_polynomial_is_recovered_with_its_moments_and_indices() {
 }
 
 #[test]
-fn many_germs_give_what_each_gives_alone() {
+fn many_xi_samples_give_the_values_of_single_ones() {
     let (expansion, _) = expand(&[Family::Hermite; 3], 3, 80, |x| (x[0] + 0.3 * x[1]).sin() + x[2]);
-    let germs: Vec<[f64; 3]> = (0..50).map(|i| [0.1 * f64::from(i), -0.03 * f64::from(i), 0.5]).collect();
-    let alone: Vec<f64> = germs.iter().map(|g| expansion.evaluate(g)).collect();
-    assert_eq!(expansion.evaluate_many(&germs), alone);
+    let xi_samples: Vec<[f64; 3]> = (0..50).map(|i| [0.1 * f64::from(i), -0.03 * f64::from(i), 0.5]).collect();
+    let alone: Vec<f64> = xi_samples.iter().map(|g| expansion.evaluate(g)).collect();
+    assert_eq!(expansion.evaluate_many(&xi_samples), alone);
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn ishigami_has_its_published_indices() {
         let [x1, x2, x3] = [x[0], x[1], x[2]].map(|x| PI * x);
         x1.sin() + a * x2.sin().powi(2) + b * x3.powi(4) * x1.sin()
     });
-    // The least smooth part, 7 sin² πx = 3.5 − 3.5 cos 2πx, leaves a variance share of 2e-5 beyond degree 12.
+    // The least smooth part, 7 sin² πx = 3.5 − 3.5 cos 2πx, leaves a variance fraction of 2e-5 beyond degree 12.
     assert!(fit.leave_one_out.relative_error.unwrap() < 1e-3);
     assert!((expansion.variance() / 13.844_587_940_719_254 - 1.0).abs() < 1e-3, "{}", expansion.variance());
     let first = expansion.first_order_indices();
@@ -93,8 +93,8 @@ fn the_borehole_has_its_published_moments_and_indices() {
 
 #[test]
 fn the_sobol_g_function_comes_within_its_known_truncation() {
-    // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, 99.4 %, and of products less; the variables
-    // with a = 99 hold a share of 3e-4 and are left out.
+    // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, which is 99.4 %, and less of products. The
+    // variables with a = 99 contribute a fraction of 3e-4 and are left out.
     let a = [0.0, 1.0, 4.5, 9.0];
     let (expansion, _) = expand(&[Family::Legendre; 4], 6, 2000, |x| {
         x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product()
@@ -109,22 +109,22 @@ fn the_sobol_g_function_comes_within_its_known_truncation() {
 #[test]
 fn fewer_samples_than_coefficients_are_refused() {
     let basis = Basis::hermite(8, 3).unwrap();
-    let germs = vec![vec![0.0; 8]; 165];
-    let error = Expansion::fit(basis, &germs, &[0.0; 165]).unwrap_err();
+    let xi_samples = vec![vec![0.0; 8]; 165];
+    let error = Expansion::fit(basis, &xi_samples, &[0.0; 165]).unwrap_err();
     assert_eq!(error, RegressionError::TooFewSamples { samples: 165, coefficients: 165 });
 }
 
-fn normal_germs(points: usize, variables: usize) -> Vec<Vec<f64>> {
+fn normal_xi_samples(points: usize, variables: usize) -> Vec<Vec<f64>> {
     let design = Design::new(SamplingMethod::MonteCarlo, 8, "germs", points, variables).unwrap();
-    (0..points).map(|i| design.germ(i)).collect()
+    (0..points).map(|i| design.xi(i)).collect()
 }
 
-/// Coefficients between −1 and 1, every third of them zero.
+/// Returns coefficients between −1 and 1; every third one is zero.
 fn coefficients(count: usize) -> Vec<f64> {
     (0..count).map(|k| if k % 3 == 1 { 0.0 } else { (1.7 * k as f64 + 0.3).sin() }).collect()
 }
 
-/// Values of sets of all kinds, against the sum over `Basis::fill`.
+/// Compares values of expansions on several kinds of sets with the sum over `Basis::fill`.
 #[test]
 fn nested_sums_are_the_sums_of_all_terms() {
     let families = |variables: usize| -> Vec<Family> {
@@ -142,9 +142,9 @@ fn nested_sums_are_the_sums_of_all_terms() {
     for set in sets {
         let basis = Basis::new(set.clone(), families(set.variables())).unwrap();
         let c = coefficients(basis.len());
-        let germs = normal_germs(37, set.variables());
-        let matrix = basis.design_matrix(&germs);
-        let values = Expansion::new(basis, c.clone()).evaluate_many(&germs);
+        let xi_samples = normal_xi_samples(37, set.variables());
+        let matrix = basis.design_matrix(&xi_samples);
+        let values = Expansion::new(basis, c.clone()).evaluate_many(&xi_samples);
         for (row, value) in matrix.rows().into_iter().zip(values) {
             let terms = || row.iter().zip(&c).map(|(psi, c)| psi * c);
             let (wanted, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
@@ -154,21 +154,21 @@ fn nested_sums_are_the_sums_of_all_terms() {
 }
 
 #[test]
-fn a_value_depends_on_its_germ_alone() {
+fn a_value_depends_only_on_its_xi() {
     let basis = Basis::hermite(5, 4).unwrap();
     let c = coefficients(basis.len());
     let expansion = Expansion::new(basis, c);
-    let germs = normal_germs(3000, 5);
+    let xi_samples = normal_xi_samples(3000, 5);
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let values = pool(1).install(|| expansion.evaluate_many(&germs));
-    assert_eq!(pool(3).install(|| expansion.evaluate_many(&germs)), values);
-    assert_eq!(germs.iter().map(|germ| expansion.evaluate(germ)).collect::<Vec<_>>(), values);
+    let values = pool(1).install(|| expansion.evaluate_many(&xi_samples));
+    assert_eq!(pool(3).install(|| expansion.evaluate_many(&xi_samples)), values);
+    assert_eq!(xi_samples.iter().map(|xi| expansion.evaluate(xi)).collect::<Vec<_>>(), values);
     assert!(expansion.evaluate_many::<[f64; 5]>(&[]).is_empty());
 }
 
 #[test]
-#[should_panic(expected = "4 germ values for 5 variables")]
-fn a_germ_that_is_too_short_is_a_mistake() {
+#[should_panic(expected = "4 normal variables for 5 variables")]
+fn a_xi_that_is_too_short_is_a_mistake() {
     Expansion::new(Basis::hermite(5, 0).unwrap(), vec![1.0]).evaluate_many(&[vec![0.0; 5], vec![0.0; 4]]);
 }
 

@@ -6,7 +6,7 @@ fn rows(set: &MultiIndexSet) -> Vec<Vec<u16>> {
     (0..set.len()).map(|term| set.at(term)).collect()
 }
 
-/// All rows with degrees up to `degree` that `belongs` admits.
+/// Returns all rows with degrees up to `degree` that satisfy `belongs`.
 fn brute(variables: usize, degree: u16, belongs: impl Fn(&[u16]) -> bool) -> HashSet<Vec<u16>> {
     let side = usize::from(degree) + 1;
     (0..side.pow(variables as u32))
@@ -42,7 +42,7 @@ fn each_term_occurs_once_and_follows_from_an_earlier_one() {
 }
 
 #[test]
-fn truncations_hold_what_their_definitions_say() {
+fn truncations_contain_the_indices_of_their_definitions() {
     for (q, order, limits) in [
         (0.5, None, None),
         (0.75, None, None),
@@ -75,7 +75,7 @@ fn multi_indices_on_the_border_of_a_q_norm_belong_to_the_set() {
         let truncation = Truncation { q, ..Truncation::total_degree(degree) };
         rows(&MultiIndexSet::truncated(row.len(), &truncation).unwrap()).iter().any(|found| found == row)
     };
-    // Powers of one variable lie on the border for every q, though (5^¾)^{4/3} > 5 in double precision.
+    // Powers of one variable lie on the border for every q, although (5^¾)^{4/3} > 5 in double precision.
     for q in [0.3, 0.5, 0.6, 0.75, 0.9, 1.0] {
         for degree in 1..=20_u16 {
             assert!(holds(q, usize::from(degree), &[0, degree]), "q {q}, degree {degree}");
@@ -99,7 +99,7 @@ fn sets_of_many_variables_are_small() {
 }
 
 #[test]
-fn a_list_need_not_hold_what_its_terms_are_multiples_of() {
+fn a_list_need_not_be_downward_closed() {
     let set = MultiIndexSet::from_rows(3, [[0, 0, 0], [2, 1, 3], [0, 1, 0]]).unwrap();
     assert_eq!((set.len(), set.degree(), set.largest_power()), (3, 6, 3));
     assert_eq!((set.at(1), set.parent(1), set.parent(2)), (vec![2, 1, 3], None, Some(0)));

@@ -1,93 +1,93 @@
-//! Uncertain parameters.
+//! Distributions of uncertain parameters.
 
 use crate::Family;
-use asperity_base::law::{LawError, Marginal};
+use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::stats::{Interval, NORMAL_95};
 
-/// An uncertain parameter, independent of all others.
+/// Uncertain parameter that is independent of all others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     name: String,
-    law: Marginal,
+    marginal: Marginal,
     family: Family,
 }
 
 impl Parameter {
-    /// A normal parameter.
+    /// Creates a normal parameter.
     ///
     /// # Errors
-    /// A standard deviation that is not positive, or a number that is not finite; so are those of the other laws.
-    pub fn normal(name: &str, mean: f64, std: f64) -> Result<Self, LawError> {
-        Ok(Self { name: name.into(), law: Marginal::normal(mean, std)?, family: Family::Hermite })
+    /// The standard deviation is not positive, or a number is not finite.
+    pub fn normal(name: &str, mean: f64, std: f64) -> Result<Self, DistributionError> {
+        Ok(Self { name: name.into(), marginal: Marginal::normal(mean, std)?, family: Family::Hermite })
     }
 
-    /// A lognormal parameter of this mean and standard deviation.
+    /// Creates a lognormal parameter with the given mean and standard deviation.
     ///
     /// # Errors
-    /// A mean or a standard deviation that is not positive.
-    pub fn lognormal(name: &str, mean: f64, std: f64) -> Result<Self, LawError> {
+    /// The mean or the standard deviation is not positive.
+    pub fn lognormal(name: &str, mean: f64, std: f64) -> Result<Self, DistributionError> {
         let sigma = (std / mean).powi(2).ln_1p().sqrt();
         positive("mean", mean)?;
         positive("std", std)?;
-        let law = Marginal::lognormal(mean.ln() - 0.5 * sigma * sigma, sigma, 0.0)?;
-        Ok(Self { name: name.into(), law, family: Family::Hermite })
+        let marginal = Marginal::lognormal(mean.ln() - 0.5 * sigma * sigma, sigma, 0.0)?;
+        Ok(Self { name: name.into(), marginal, family: Family::Hermite })
     }
 
-    /// A parameter that is uniform between two values.
+    /// Creates a parameter that is uniform between two values.
     ///
     /// # Errors
-    /// Values that do not rise.
-    pub fn uniform(name: &str, low: f64, high: f64) -> Result<Self, LawError> {
-        Ok(Self { name: name.into(), law: Marginal::beta(1.0, 1.0, low, high)?, family: Family::Legendre })
+    /// `high` is not above `low`.
+    pub fn uniform(name: &str, low: f64, high: f64) -> Result<Self, DistributionError> {
+        Ok(Self { name: name.into(), marginal: Marginal::beta(1.0, 1.0, low, high)?, family: Family::Legendre })
     }
 
-    /// A normal parameter that lies in an interval with 95 %.
+    /// Creates a normal parameter that lies in the interval with 95 % probability.
     ///
     /// # Errors
-    /// An interval without width.
-    pub fn normal_within(name: &str, interval: Interval) -> Result<Self, LawError> {
+    /// The interval has no width.
+    pub fn normal_within(name: &str, interval: Interval) -> Result<Self, DistributionError> {
         let Interval { low, high } = interval;
         Self::normal(name, 0.5 * (low + high), 0.5 * (high - low) / NORMAL_95)
     }
 
-    /// A lognormal parameter that lies in a positive interval with 95 %.
+    /// Creates a lognormal parameter that lies in a positive interval with 95 % probability.
     ///
     /// # Errors
-    /// An interval without width, or one that reaches zero.
-    pub fn lognormal_within(name: &str, interval: Interval) -> Result<Self, LawError> {
+    /// The interval has no width or reaches zero.
+    pub fn lognormal_within(name: &str, interval: Interval) -> Result<Self, DistributionError> {
         positive("low", interval.low)?;
         let (low, high) = (interval.low.ln(), interval.high.ln());
-        let law = Marginal::lognormal(0.5 * (low + high), 0.5 * (high - low) / NORMAL_95, 0.0)?;
-        Ok(Self { name: name.into(), law, family: Family::Hermite })
+        let marginal = Marginal::lognormal(0.5 * (low + high), 0.5 * (high - low) / NORMAL_95, 0.0)?;
+        Ok(Self { name: name.into(), marginal, family: Family::Hermite })
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its law.
-    pub fn law(&self) -> &Marginal {
-        &self.law
+    /// Returns the distribution.
+    pub fn marginal(&self) -> &Marginal {
+        &self.marginal
     }
 
-    /// The family of the standard variable that it is a function of.
+    /// Returns the polynomial family of the standard variable ξ.
     pub(super) fn family(&self) -> Family {
         self.family
     }
 
-    /// Its value where the standard variable is `xi`.
+    /// Returns the parameter value at the standard variable `xi`.
     pub(super) fn at(&self, xi: f64) -> f64 {
         match self.family {
-            Family::Hermite => self.law.translate(xi),
-            Family::Legendre => self.law.quantile(0.5 * (1.0 + xi)),
+            Family::Hermite => self.marginal.translate(xi),
+            Family::Legendre => self.marginal.quantile(0.5 * (1.0 + xi)),
         }
     }
 }
 
-fn positive(parameter: &'static str, value: f64) -> Result<(), LawError> {
+fn positive(parameter: &'static str, value: f64) -> Result<(), DistributionError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(LawError::Parameter { law: "lognormal", parameter, value, wanted: "positive and finite" })
+    Err(DistributionError::Parameter { distribution: "lognormal", parameter, value, wanted: "positive and finite" })
 }

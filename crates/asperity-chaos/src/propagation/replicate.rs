@@ -1,4 +1,4 @@
-//! How well moments and indices are known: the choice of the points, and the noise of the samples.
+//! Bootstrap of moments and indices over the choice of points and the noise of the samples.
 
 use rayon::prelude::*;
 
@@ -6,23 +6,23 @@ use super::{NoIndices, Noise, Observed, ParameterIndices};
 use crate::{Estimate, Expansion, RegressionError, Resamples};
 use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
 
-/// Share of the resamples that must have an expansion.
-const FITTED_SHARE: f64 = 0.95;
+/// Smallest fraction of resamples that must have an expansion.
+const FITTED_FRACTION: f64 = 0.95;
 const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
 const POSITIVE: Interval = Interval { low: 0.0, high: f64::INFINITY };
-const SHARE: Interval = Interval { low: 0.0, high: 1.0 };
+const FRACTION: Interval = Interval { low: 0.0, high: 1.0 };
 
-/// Points with a response, and what each random sample adds to it.
+/// Points with a response, and the influence of each random sample.
 pub(super) struct Samples<'a> {
-    pub(super) germs: Vec<&'a [f64]>,
+    pub(super) xi_samples: Vec<&'a [f64]>,
     pub(super) values: Vec<f64>,
-    /// For each sample r and point k, (R − 1)(mean of y₍₋ᵣ₎ over r − y₍₋ᵣ₎): y moves by 1/R of it when the sample counts once
-    /// more.
+    /// For each sample r and point k, (R − 1)(mean of y₍₋ᵣ₎ over r − y₍₋ᵣ₎). Counting the sample once more changes y by
+    /// 1/R of it.
     influences: Vec<Vec<f64>>,
 }
 
 impl<'a> Samples<'a> {
-    pub(super) fn new(germs: &[&'a [f64]], observed: &Observed<'_>, kept: &[usize]) -> Self {
+    pub(super) fn new(xi_samples: &[&'a [f64]], observed: &Observed<'_>, kept: &[usize]) -> Self {
         let values: Vec<f64> = kept.iter().map(|&k| observed.values[k]).collect();
         let count = observed.without.len() as f64;
         let replaced = |without: &[f64], k: usize| {
@@ -34,21 +34,21 @@ impl<'a> Samples<'a> {
             kept.iter().zip(&means).map(|(&k, mean)| (count - 1.0) * (mean - replaced(without, k))).collect()
         };
         let influences = if count < 2.0 { Vec::new() } else { observed.without.iter().map(influence).collect() };
-        Self { germs: germs.to_vec(), values, influences }
+        Self { xi_samples: xi_samples.to_vec(), values, influences }
     }
 
     pub(super) fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// What noise does to the mean over the points and to their `variance`.
+    /// Estimates the effect of noise on the mean over the points and on their `variance`.
     ///
     /// With the jackknife covariance Σ of the responses, the mean over K points has the variance 1ᵀΣ1/K², and their sample
     /// variance is larger by (tr Σ − 1ᵀΣ1/K)/(K − 1) on average.
     pub(super) fn noise(&self, variance: f64) -> Noise {
         let (samples, points) = (self.influences.len() as f64, self.len() as f64);
         if self.influences.is_empty() {
-            return Noise { standard_error: 0.0, variance_share: 0.0 };
+            return Noise { standard_error: 0.0, variance_fraction: 0.0 };
         }
         let scale = 1.0 / (samples * (samples - 1.0));
         let (mut trace, mut whole) = (0.0, 0.0);
@@ -59,11 +59,11 @@ impl<'a> Samples<'a> {
         let own = (scale * (trace - whole / points) / (points - 1.0)).max(0.0);
         Noise {
             standard_error: (scale * whole).sqrt() / points,
-            variance_share: if own > 0.0 { own / variance } else { 0.0 },
+            variance_fraction: if own > 0.0 { own / variance } else { 0.0 },
         }
     }
 
-    /// Points and values of resample `index`.
+    /// Returns the points and values of resample `index`.
     fn resample(&self, resamples: &Resamples, index: usize) -> (Vec<usize>, Vec<f64>) {
         let count = self.influences.len();
         if count == 0 {
@@ -76,25 +76,25 @@ impl<'a> Samples<'a> {
         let mut times = vec![-1.0; count];
         samples.iter().for_each(|&r| times[r] += 1.0);
         let n = count as f64;
-        // The bootstrap's variance falls short by (R − 1)/R, and so few samples spread as Student's law.
+        // The variance of the bootstrap is too small by (R − 1)/R, and few samples follow Student's distribution.
         let spread = (n / (n - 1.0)).sqrt() * student_quantile(0.975, n - 1.0) / NORMAL_95 / n;
         let shift = |k: usize| spread * times.iter().zip(&self.influences).map(|(t, u)| t * u[k]).sum::<f64>();
         let values = points.iter().map(|&k| self.values[k] + shift(k)).collect();
         (points, values)
     }
 
-    /// Mean and standard deviation of the points.
+    /// Returns the mean and standard deviation of the points.
     pub(super) fn moments(&self, resamples: &Resamples) -> (Estimate, Estimate) {
-        let moments = Moments::of(&self.values);
+        let moments = Moments::new(&self.values);
         let drawn: Vec<Moments> =
-            (0..resamples.count).into_par_iter().map(|i| Moments::of(&self.resample(resamples, i).1)).collect();
+            (0..resamples.count).into_par_iter().map(|i| Moments::new(&self.resample(resamples, i).1)).collect();
         (
             resamples.estimate(moments.mean, drawn.iter().map(|m| m.mean).collect(), ANY),
             resamples.estimate(moments.sample_std(), drawn.iter().map(Moments::sample_std).collect(), POSITIVE),
         )
     }
 
-    /// Mean, standard deviation and indices of an expansion of relative leave-one-out error `error`.
+    /// Returns the mean, standard deviation and indices of an expansion of relative leave-one-out error `error`.
     pub(super) fn estimates(
         &self,
         expansion: &Expansion,
@@ -110,8 +110,8 @@ impl<'a> Samples<'a> {
         };
         let replicate = |index: usize| -> Result<Vec<f64>, RegressionError> {
             let (points, values) = self.resample(resamples, index);
-            let germs: Vec<&[f64]> = points.iter().map(|&k| self.germs[k]).collect();
-            Expansion::fit(expansion.basis().clone(), &germs, &values).map(|(expansion, _)| numbers(&expansion))
+            let xi_samples: Vec<&[f64]> = points.iter().map(|&k| self.xi_samples[k]).collect();
+            Expansion::fit(expansion.basis().clone(), &xi_samples, &values).map(|(expansion, _)| numbers(&expansion))
         };
         let found: Vec<Vec<f64>> =
             (0..resamples.count).into_par_iter().filter_map(|index| replicate(index).ok()).collect();
@@ -120,14 +120,14 @@ impl<'a> Samples<'a> {
             .into_iter()
             .enumerate()
             .map(|(place, value)| {
-                let range = [ANY, POSITIVE].get(place).copied().unwrap_or(SHARE);
+                let range = [ANY, POSITIVE].get(place).copied().unwrap_or(FRACTION);
                 let list: Vec<f64> = found.iter().map(|n| n[place]).filter(|value| value.is_finite()).collect();
                 let estimate = resamples.estimate(value, list, range);
                 if place < 2 { estimate } else { widened(estimate, error) }
             })
             .collect();
         let (mean, std) = (estimates[0], estimates[1]);
-        if found.len() as f64 <= FITTED_SHARE * resamples.count as f64 {
+        if found.len() as f64 <= FITTED_FRACTION * resamples.count as f64 {
             return (mean, std, Err(NoIndices::TooManyFailures { failed, resamples: resamples.count }));
         }
         let (first_order, total) = estimates[2..].split_at(variables);
@@ -135,7 +135,7 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// A variance share that the terms leave out moves an index by at most itself.
+/// Widens an interval by the variance fraction that the terms leave out, which bounds its effect on an index.
 fn widened(estimate: Estimate, error: f64) -> Estimate {
     let Interval { low, high } = estimate.interval;
     Estimate { interval: Interval { low: (low - error).max(0.0), high: (high + error).min(1.0) }, ..estimate }

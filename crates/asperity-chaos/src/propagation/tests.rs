@@ -11,7 +11,7 @@ fn evaluated(propagation: &Propagation, f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
 
 #[test]
 fn a_product_of_lognormal_parameters_has_its_closed_moments_and_indices() {
-    // y = a²/b with ln a, ln b normal: squared coefficients of variation multiply as (1 + c₁²)(1 + c₂²) − 1.
+    // Squared coefficients of variation combine as (1 + c₁²)(1 + c₂²) − 1 for y = a²/b with normal ln a, ln b.
     let (a, b) = (0.05, 0.1);
     let parameters = vec![
         Parameter::lognormal("a", 2e-6, a * 2e-6).unwrap(),
@@ -33,20 +33,20 @@ fn a_product_of_lognormal_parameters_has_its_closed_moments_and_indices() {
     assert!(found.std.interval.contains(mean * variation), "{:?}", found.std);
     let indices = found.indices.unwrap();
     let whole = (va + vb).exp_m1();
-    for (variable, share) in [va, vb, 0.0].into_iter().enumerate() {
-        let first = share.exp_m1() / whole;
-        let total = 1.0 - (va + vb - share).exp_m1() / whole;
+    for (variable, fraction) in [va, vb, 0.0].into_iter().enumerate() {
+        let first = fraction.exp_m1() / whole;
+        let total = 1.0 - (va + vb - fraction).exp_m1() / whole;
         assert!(indices.first_order[variable].interval.contains(first), "{variable}: {first} {indices:?}");
         assert!(indices.total[variable].interval.contains(total), "{variable}: {total} {indices:?}");
         assert!((indices.total[variable].value - total).abs() < 0.01);
     }
     assert!(found.leave_one_out < 0.01, "{}", found.leave_one_out);
-    assert_eq!((found.noise.standard_error, found.noise.variance_share), (0.0, 0.0));
+    assert_eq!((found.noise.standard_error, found.noise.variance_fraction), (0.0, 0.0));
 }
 
 #[test]
-fn the_band_is_that_of_the_law() {
-    // ln y normal: quantiles e^{±1.96σ}; a uniform parameter: y = x.
+fn the_band_is_that_of_the_distribution() {
+    // Quantiles are e^{±1.96σ} for normal ln y; a uniform parameter gives y = x.
     let propagation = Propagation::new(vec![Parameter::lognormal("a", 1.0, 0.1).unwrap()], 16, 1).unwrap();
     let values = evaluated(&propagation, |x| x[0]);
     let band = propagation.respond(&Observed::exact(&values), &resamples()).unwrap().band();
@@ -62,17 +62,18 @@ fn the_band_is_that_of_the_law() {
 }
 
 #[test]
-fn intervals_of_95_percent_become_laws() {
+fn intervals_of_95_percent_become_distributions() {
     let interval = Interval { low: 0.8, high: 1.25 };
     for parameter in [Parameter::normal_within("n", interval), Parameter::lognormal_within("l", interval)] {
-        let law = parameter.unwrap().law().clone();
-        assert!((law.cdf(0.8) - 0.025).abs() < 1e-9 && (law.cdf(1.25) - 0.975).abs() < 1e-9);
+        let marginal = parameter.unwrap().marginal().clone();
+        assert!((marginal.cdf(0.8) - 0.025).abs() < 1e-9 && (marginal.cdf(1.25) - 0.975).abs() < 1e-9);
     }
     assert!(Parameter::lognormal_within("l", Interval { low: 0.0, high: 1.0 }).is_err());
     assert!(Parameter::lognormal("l", 1.0, -0.1).is_err());
 }
 
-/// y_k = x_k plus the mean over samples of what is common to all points and what is each point's own.
+/// Returns y_k = x_k plus the mean over samples of noise common to all points and noise of each point, also without
+/// each sample.
 fn noisy(propagation: &Propagation, samples: usize, common: f64, own: f64, seed: u64) -> (Vec<f64>, Vec<Vec<f64>>) {
     let points = propagation.points();
     let draws = random::standard_normal(&mut random::stream(seed, "noise", 0), samples * (points + 1));
@@ -91,24 +92,24 @@ fn noisy(propagation: &Propagation, samples: usize, common: f64, own: f64, seed:
 fn common_noise_moves_the_mean_and_own_noise_the_variance() {
     let propagation = Propagation::new(vec![Parameter::normal("x", 0.0, 1.0).unwrap()], 32, 2).unwrap();
     let runs = 40;
-    let (mut share, mut error) = (0.0, 0.0);
+    let (mut fraction, mut error) = (0.0, 0.0);
     for seed in 0..runs {
-        // Variances of the mean of eight samples: 2² common and 0.5 of each point, beside 1 of the parameter.
+        // Variances of the mean of eight samples: 2² common and 0.5 per point, besides 1 from the parameter.
         let (values, without) = noisy(&propagation, 8, 2.0 * 8.0_f64.sqrt(), 2.0, seed);
         let found = propagation
             .respond(&Observed { values: &values, without: &without, resolution: 0.0 }, &resamples())
             .unwrap();
-        share += found.noise.variance_share / runs as f64;
+        fraction += found.noise.variance_fraction / runs as f64;
         error += found.noise.standard_error.powi(2) / runs as f64;
     }
-    // Of a variance of 1 + 0.5; the mean of a quotient differs by some per cent. The variance of the mean is 4 + 0.5/32, known
-    // from seven degrees of freedom forty times: ±12 %.
-    assert!((share - 1.0 / 3.0).abs() < 0.04, "{share}");
+    // The total variance is 1 + 0.5; the mean of a quotient differs by a few per cent. The variance of the mean is 4 +
+    // 0.5/32, estimated with seven degrees of freedom forty times: ±12 %.
+    assert!((fraction - 1.0 / 3.0).abs() < 0.04, "{fraction}");
     assert!((error / (4.0 + 0.5 / 32.0) - 1.0).abs() < 0.36, "{error}");
 }
 
 #[test]
-fn intervals_under_common_noise_hold_the_truth() {
+fn intervals_under_common_noise_cover_the_true_indices() {
     let parameters = vec![Parameter::normal("x", 0.0, 1.0).unwrap(), Parameter::normal("y", 0.0, 0.5).unwrap()];
     let propagation = Propagation::new(parameters, 24, 2).unwrap();
     let runs = 60;
@@ -138,16 +139,16 @@ fn noise_alone_is_called_noise() {
     let (values, without) = noisy(&propagation, 10, 1.0, 1.0, 11);
     let found =
         propagation.respond(&Observed { values: &values, without: &without, resolution: 0.0 }, &resamples()).unwrap();
-    assert!((found.noise.variance_share - 1.0).abs() < 0.5, "{:?}", found.noise);
+    assert!((found.noise.variance_fraction - 1.0).abs() < 0.5, "{:?}", found.noise);
     match found.indices {
         Err(NoIndices::NothingPredicts { error }) => assert!(error >= 1.0),
-        // By chance an expansion predicts a little; its index then says that anything may be.
+        // By chance an expansion may predict a little; the interval of its index is then wide.
         other => assert!(found.leave_one_out > 0.7, "{other:?}"),
     }
 }
 
 #[test]
-fn a_constant_has_no_indices_and_failures_are_told() {
+fn a_constant_has_no_indices_and_failures_are_reported() {
     let propagation = Propagation::new(vec![Parameter::normal("x", 1.0, 0.1).unwrap()], 20, 1).unwrap();
     let mut values = vec![0.25; 20];
     let found = propagation.respond(&Observed::exact(&values), &resamples()).unwrap();

@@ -1,4 +1,4 @@
-//! One factorisation, many right-hand sides.
+//! Least squares with one factorisation and many right-hand sides.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -7,10 +7,10 @@ use rayon::prelude::*;
 
 use super::{LeastSquares, RegressionError};
 
-/// Right-hand sides that are solved together.
+/// Number of right-hand sides that are solved together.
 const BLOCK: usize = 256;
 
-/// Coefficients of many right-hand sides, and how well they predict.
+/// Coefficients of many right-hand sides with their leave-one-out errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fits {
     /// Shape `[coefficients P, responses R]`.
@@ -20,19 +20,19 @@ pub struct Fits {
 }
 
 impl LeastSquares {
-    /// Coefficients of many responses, shape `[samples K, responses R]` in any layout; the result has shape
-    /// `[coefficients P, responses R]`. The same bits for any number of threads.
+    /// Solves for many responses, shape `[samples K, responses R]` in any layout; the result has shape `[coefficients
+    /// P, responses R]`. The result is bit-identical for any number of threads.
     ///
     /// # Errors
-    /// Another number of values, or one that is not finite.
+    /// The number of values is wrong, or a value is not finite.
     pub fn solve_many(&self, responses: ArrayView2<'_, f64>) -> Result<Array2<f64>, RegressionError> {
         Ok(self.solve_blocks(responses, false)?.coefficients)
     }
 
-    /// [`LeastSquares::solve_many`] with the leave-one-out error of each response, at twice the cost.
+    /// Solves as [`LeastSquares::solve_many`] and computes the leave-one-out error of each response, at twice the cost.
     ///
     /// # Errors
-    /// As [`LeastSquares::solve_many`].
+    /// See [`LeastSquares::solve_many`].
     pub fn fit_many(&self, responses: ArrayView2<'_, f64>) -> Result<Fits, RegressionError> {
         self.solve_blocks(responses, true)
     }
@@ -57,7 +57,8 @@ impl LeastSquares {
             }
             relative_errors.extend(errors);
         }
-        // A value that is not finite spoils all coefficients of its response, so the responses need not be searched first.
+        // A value that is not finite spoils all coefficients of its response, so the responses need not be searched
+        // first.
         if coefficients.iter().any(|c| !c.is_finite())
             && let Some(sample) = responses.rows().into_iter().position(|row| row.iter().any(|y| !y.is_finite()))
         {
@@ -74,13 +75,13 @@ impl LeastSquares {
         (solution, errors)
     }
 
-    /// Relative leave-one-out errors of responses with the projections Qᵀy.
+    /// Returns the relative leave-one-out errors of responses with the projections Qᵀy.
     fn relative_errors(&self, responses: MatRef<'_, f64>, projections: &Mat<f64>) -> Vec<Option<f64>> {
         let n = self.samples() as f64;
         let weights: Option<Vec<f64>> =
             self.leverages.iter().map(|h| super::is_determined(*h, n).then(|| 1.0 / (1.0 - h))).collect();
         let Some(weights) = weights else { return vec![None; responses.ncols()] };
-        // Transposed, so that the sums run over rows that lie side by side.
+        // Transposed, so that the sums run over contiguous rows.
         let mut residuals = responses.transpose().to_owned();
         let mut means = vec![0.0; responses.ncols()];
         for column in residuals.col_iter() {
@@ -100,7 +101,7 @@ impl LeastSquares {
     }
 }
 
-/// The array itself where its rows or its columns lie side by side, and a copy otherwise.
+/// Returns the array itself if its rows or columns are contiguous, and a copy otherwise.
 fn contiguous(array: ArrayView2<'_, f64>) -> CowArray<'_, f64, Ix2> {
     if array.is_standard_layout() || array.t().is_standard_layout() {
         CowArray::from(array)
@@ -109,7 +110,7 @@ fn contiguous(array: ArrayView2<'_, f64>) -> CowArray<'_, f64, Ix2> {
     }
 }
 
-/// A contiguous array as a matrix.
+/// Views a contiguous array as a matrix.
 fn matrix<'a>(array: &'a CowArray<'_, f64, Ix2>) -> MatRef<'a, f64> {
     let (rows, columns) = array.dim();
     match (array.as_slice(), array.as_slice_memory_order()) {

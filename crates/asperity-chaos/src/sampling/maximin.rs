@@ -1,21 +1,21 @@
-//! Latin hypercubes whose points keep their distance.
+//! Maximin Latin hypercubes.
 
 use rand::Rng;
 
 use asperity_base::random::Stream;
 
-/// Most samples: the table of distances then holds two million.
+/// Maximum number of samples; the table of distances then has two million entries.
 pub(super) const MAX_SAMPLES: usize = 2000;
-/// Exchanges that are tried for each sample, and at most.
+/// Number of exchanges tried per sample, and in total.
 const EXCHANGES_PER_SAMPLE: usize = 100;
 const MAX_EXCHANGES: usize = 20_000;
 
-/// The strata of each sample in each dimension, sample by sample: a random Latin hypercube after the exchanges that lowered
-/// φ = Σ_{i<j} d_ij^{−16}.
+/// Returns the strata of each sample in each dimension, sample by sample: a random Latin hypercube after the exchanges
+/// that reduce φ = Σ_{i<j} d_ij^{−16}.
 pub(super) fn maximin_strata(samples: usize, dimensions: usize, stream: &mut Stream) -> Vec<u16> {
     assert!(samples <= MAX_SAMPLES, "{samples} samples; the table of distances is made for {MAX_SAMPLES}");
     let mut search = Search::new(samples, dimensions, stream);
-    // In one dimension all hypercubes are alike, and of one or two points there are no better ones.
+    // All hypercubes in one dimension are equivalent, and one or two points cannot be improved.
     if dimensions > 1 && samples > 2 {
         for _ in 0..MAX_EXCHANGES.min(EXCHANGES_PER_SAMPLE * samples) {
             let dimension = below(dimensions, stream);
@@ -27,7 +27,7 @@ pub(super) fn maximin_strata(samples: usize, dimensions: usize, stream: &mut Str
     search.strata
 }
 
-/// An integer below `n`, uniform up to one part in 2⁵⁰.
+/// Returns an integer below `n`, uniform up to one part in 2⁵⁰.
 fn below(n: usize, stream: &mut Stream) -> usize {
     ((u128::from(stream.next_u64()) * n as u128) >> 64) as usize
 }
@@ -36,11 +36,11 @@ struct Search {
     samples: usize,
     dimensions: usize,
     strata: Vec<u16>,
-    /// Squared distances in strata, a whole matrix with infinity on its diagonal.
+    /// Squared distances in strata: a full matrix with infinity on its diagonal.
     squares: Vec<f64>,
-    /// The least of each row.
+    /// Smallest entry of each row.
     least: Vec<f64>,
-    /// A pair whose distance is least.
+    /// Pair of points with the smallest distance.
     nearest: [usize; 2],
     /// New squared distances of the two points of an exchange.
     trial: [Vec<f64>; 2],
@@ -79,7 +79,7 @@ impl Search {
         self.nearest = [first, position_of_least(&self.squares[first * self.samples..][..self.samples])];
     }
 
-    /// Exchanges the strata of points a and b in one dimension if that lowers φ.
+    /// Exchanges the strata of points a and b in one dimension if this reduces φ.
     fn exchange(&mut self, a: usize, b: usize, dimension: usize) {
         let n = self.samples;
         let stratum = |sample: usize| f64::from(self.strata[sample * self.dimensions + dimension]);
@@ -89,7 +89,7 @@ impl Search {
             let (own, x) = ((j == a) | (j == b), stratum(j));
             let moved = (of_b - x).powi(2) - (of_a - x).powi(2);
             let (before_a, before_b) = (self.squares[a * n + j], self.squares[b * n + j]);
-            // The distance of the two stays as it is.
+            // The distance between the two points does not change.
             let moved = if own { 0.0 } else { moved };
             let (after_a, after_b) = (before_a + moved, before_b - moved);
             (self.trial[0][j], self.trial[1][j]) = (after_a, after_b);
@@ -123,7 +123,7 @@ fn position_of_least(values: &[f64]) -> usize {
     (0..values.len()).fold(0, |best, i| if values[i] < values[best] { i } else { best })
 }
 
-/// d^{−16} of a squared distance.
+/// Returns d^{−16} from a squared distance.
 fn energy(square: f64) -> f64 {
     let inverse = 1.0 / square;
     let second = inverse * inverse;

@@ -1,14 +1,14 @@
-//! Keyed permutations whose value at one index costs no table.
+//! Keyed permutations that are evaluated at one index without a table.
 
 use rand::Rng;
 
 use asperity_base::random::{Stream, hash};
 
-/// A pseudo-random permutation of 0 … n−1, by the swap-or-not shuffle.
+/// Pseudo-random permutation of 0 … n−1 by the swap-or-not shuffle.
 ///
-/// In each round the elements x and K − x (mod n) are partners, and a keyed bit of the pair says whether they swap. With
-/// 6⌈log₂ n⌉ + 32 rounds the published bound on telling the image of one index from a uniform one is below 2⁻⁹ for
-/// n ≥ 64.
+/// In each round the elements x and K − x (mod n) are partners, and a keyed bit of the pair decides whether they swap.
+/// With 6⌈log₂ n⌉ + 32 rounds, the published bound on the advantage of distinguishing the image of one index from a
+/// uniform one is below 2⁻⁹ for n ≥ 64.
 ///
 /// # References
 /// Hoang, Morris & Rogaway, *CRYPTO* (2012) 1, <https://doi.org/10.1007/978-3-642-32009-5_1>.
@@ -20,7 +20,7 @@ pub(super) struct Permutation {
 }
 
 impl Permutation {
-    /// The permutation of `n` elements whose keys come from `stream`.
+    /// Creates the permutation of `n` elements whose keys come from `stream`.
     pub(super) fn new(n: u64, stream: &mut Stream) -> Self {
         assert!(n > 0, "a permutation needs elements");
         let bits = u64::BITS - (n - 1).leading_zeros();
@@ -30,7 +30,7 @@ impl Permutation {
         Self { n, rounds }
     }
 
-    /// The image of `index`.
+    /// Returns the image of `index`.
     pub(super) fn at(&self, index: u64) -> u64 {
         assert!(index < self.n, "index {index} of {} elements", self.n);
         let mut x = index;

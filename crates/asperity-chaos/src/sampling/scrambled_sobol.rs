@@ -1,7 +1,7 @@
 //! Sobol' points with Owen's nested uniform scrambling.
 //!
-//! Dimension 0 is the van der Corput sequence. The primitive polynomials and initial direction numbers of the further ones are
-//! the table of Joe and Kuo for criterion D(6), which keeps the t-values of two-dimensional projections small.
+//! Dimension 0 is the van der Corput sequence. The other dimensions use the primitive polynomials and initial direction
+//! numbers of Joe and Kuo's table for criterion D(6), which keeps the t-values of two-dimensional projections small.
 //!
 //! # References
 //! Sobol', *USSR Comput. Math. Math. Phys.* **7** (1967) 86, <https://doi.org/10.1016/0041-5553(67)90144-9>.
@@ -12,14 +12,14 @@ use rand::Rng;
 
 use asperity_base::random::{hash, stream};
 
-/// Binary digits of a coordinate, and of a sample index.
+/// Number of binary digits of a coordinate, and of a sample index.
 const DIGITS: usize = 32;
-/// Dimensions of [`TABLE`] and the van der Corput sequence.
+/// Number of dimensions: those of [`TABLE`] and the van der Corput sequence.
 pub(super) const MAX_DIMENSIONS: usize = 1867;
-/// Primitive polynomials and initial direction numbers; its first lines describe the format.
+/// Primitive polynomials and initial direction numbers. The first lines of the table describe its format.
 const TABLE: &str = include_str!("joe_kuo.txt");
 
-/// The first 2³² points of a scrambled sequence.
+/// First 2³² points of a scrambled sequence.
 #[derive(Debug, Clone)]
 pub(super) struct ScrambledSobol {
     columns: Vec<[u32; DIGITS]>,
@@ -27,13 +27,13 @@ pub(super) struct ScrambledSobol {
 }
 
 impl ScrambledSobol {
-    /// The sequence of `dimensions` ≤ [`MAX_DIMENSIONS`] coordinates, scrambled by (seed, stage).
+    /// Creates the sequence of `dimensions` ≤ [`MAX_DIMENSIONS`] coordinates, scrambled by (seed, stage).
     pub(super) fn new(seed: u64, stage: &str, dimensions: usize) -> Self {
         let keys = (0..dimensions as u64).map(|dimension| stream(seed, stage, dimension).next_u64()).collect();
         Self { columns: generator_columns(dimensions), keys }
     }
 
-    /// The leading 32 binary digits of a coordinate of point `index`, scrambled.
+    /// Returns the leading 32 binary digits of a coordinate of point `index`, scrambled.
     pub(super) fn digits(&self, index: u32, dimension: usize) -> u32 {
         scramble(self.unscrambled(index, dimension), self.keys[dimension])
     }
@@ -47,7 +47,7 @@ impl ScrambledSobol {
 /// Flips each digit by a keyed bit of all digits before it.
 fn scramble(x: u32, key: u64) -> u32 {
     (0..DIGITS).fold(0, |scrambled, digit| {
-        // The node of the binary tree that the digits before this one lead to.
+        // Node of the binary tree for the digits before this one.
         let node = (1_u64 << digit) | (u64::from(x) >> (DIGITS - digit));
         let flip = (hash(key, node) >> 63) as u32;
         let position = DIGITS - 1 - digit;
@@ -55,7 +55,7 @@ fn scramble(x: u32, key: u64) -> u32 {
     })
 }
 
-/// The columns of the generator matrices: bit 31−i of column k is the matrix element (i, k).
+/// Returns the columns of the generator matrices: bit 31−i of column k is the matrix element (i, k).
 fn generator_columns(dimensions: usize) -> Vec<[u32; DIGITS]> {
     assert!(dimensions <= MAX_DIMENSIONS, "{dimensions} dimensions; the table has {MAX_DIMENSIONS}");
     let van_der_corput = std::array::from_fn(|k| 1 << (DIGITS - 1 - k));
@@ -64,8 +64,10 @@ fn generator_columns(dimensions: usize) -> Vec<[u32; DIGITS]> {
     std::iter::once(van_der_corput).chain(packed.map(columns_of)).take(dimensions).collect()
 }
 
-/// Columns of one dimension: initial numbers m₁ … m_s odd with m_k < 2^k, then Sobol's recurrence
-/// m_k = 2a₁m_{k−1} ⊕ … ⊕ 2^s m_{k−s} ⊕ m_{k−s}.
+/// Returns the columns of one dimension.
+///
+/// The initial numbers m₁ … m_s are odd with m_k < 2^k; the others follow from Sobol's recurrence m_k = 2a₁m_{k−1} ⊕ …
+/// ⊕ 2^s m_{k−s} ⊕ m_{k−s}.
 ///
 /// `packed` has the s + 1 coefficients of the polynomial in its highest bits, then the k − 1 free bits of each m_k.
 fn columns_of(packed: u128) -> [u32; DIGITS] {
@@ -91,16 +93,16 @@ fn columns_of(packed: u128) -> [u32; DIGITS] {
 mod tests {
     use super::*;
 
-    /// Rows of the generator matrix: bit k of row i is the matrix element (i, k).
+    /// Returns the rows of the generator matrix: bit k of row i is the matrix element (i, k).
     fn transposed(columns: &[u32; DIGITS]) -> [u32; DIGITS] {
         std::array::from_fn(|i| (0..DIGITS).fold(0, |row, k| row | ((columns[k] >> (DIGITS - 1 - i) & 1) << k)))
     }
 
-    /// The quality parameter t of the first 2^m points in two dimensions: every elementary box of volume 2^{t−m} holds
-    /// exactly 2^t of them.
+    /// Returns the quality parameter t of the first 2^m points in two dimensions: every elementary box of volume
+    /// 2^{t−m} contains exactly 2^t points.
     ///
-    /// For each number of leading rows of `a` those of `b` are counted that are independent of them and of each other. The
-    /// least total is m − t. Whether `from_a` rows of `a` alone are independent ends the search.
+    /// For each number of leading rows of `a`, the leading rows of `b` that are independent of them and of each other
+    /// are counted. The smallest total is m − t. The search ends at the first dependent row of `a`.
     fn pair_t_value(a: &[u32; DIGITS], b: &[u32; DIGITS], m: usize) -> usize {
         let mask = (1_u32 << m) - 1;
         let mut of_a = Echelon::default();
@@ -109,7 +111,7 @@ mod tests {
             if from_a > 0 && !of_a.insert(a[from_a - 1] & mask) {
                 return m - independent.min(from_a - 1);
             }
-            // More rows of b than the least so far needs cannot lower it.
+            // More rows of b than the current minimum requires cannot reduce it.
             let enough = independent.saturating_sub(from_a).min(m - from_a);
             let mut both = of_a;
             let from_b = (0..enough).take_while(|&i| both.insert(b[i] & mask)).count();
@@ -118,14 +120,14 @@ mod tests {
         m - independent
     }
 
-    /// Independent vectors over GF(2), by their leading bits.
+    /// Independent vectors over GF(2), indexed by their leading bits.
     #[derive(Clone, Copy, Default)]
     struct Echelon {
         by_leading_bit: [u32; 16],
     }
 
     impl Echelon {
-        /// Adds a vector of at most 16 bits; false when it depends on those before.
+        /// Adds a vector of at most 16 bits; returns false if it depends on the previous ones.
         fn insert(&mut self, mut vector: u32) -> bool {
             while vector != 0 {
                 let place = &mut self.by_leading_bit[(vector.ilog2() & 15) as usize];
@@ -139,7 +141,7 @@ mod tests {
         }
     }
 
-    /// All primitive polynomials of one degree over GF(2), in increasing order.
+    /// Returns all primitive polynomials of one degree over GF(2), in increasing order.
     fn primitive_polynomials(degree: u32) -> impl Iterator<Item = u32> {
         let order = (1_u32 << degree) - 1;
         let divisors: Vec<u32> =
@@ -163,7 +165,7 @@ mod tests {
         })
     }
 
-    /// m₁ … m_s of a dimension of this degree s.
+    /// Returns m₁ … m_s of a dimension of degree s.
     fn initial_numbers(columns: &[u32; DIGITS], degree: usize) -> Vec<u32> {
         (0..degree).map(|k| columns[k] >> (DIGITS - 1 - k)).collect()
     }
@@ -220,7 +222,7 @@ mod tests {
 
     #[test]
     fn the_first_two_dimensions_are_a_perfect_net() {
-        // Sobol's dimensions 0 and 1 have t = 0 whatever the initial numbers.
+        // Sobol's dimensions 0 and 1 have t = 0 for any initial numbers.
         let rows: Vec<_> = generator_columns(2).iter().map(transposed).collect();
         for m in 1..=14 {
             assert_eq!(pair_t_value(&rows[0], &rows[1], m), 0, "m = {m}");
@@ -228,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn the_t_value_is_what_counting_points_in_boxes_says() {
+    fn the_t_value_agrees_with_counting_points_in_boxes() {
         let sobol = ScrambledSobol::new(1, "test", 9);
         let m = 6;
         for (first, second) in [(0, 1), (1, 4), (3, 8), (6, 7)] {
@@ -253,8 +255,8 @@ mod tests {
 
     #[test]
     fn pairs_of_early_dimensions_have_small_t_values() {
-        // From SciPy's copy of the table, by an independent program: at most 6 at 2^10 points. Initial numbers at random have up
-        // to 9.
+        // Computed from SciPy's copy of the table by an independent program: at most 6 at 2^10 points. Random initial
+        // numbers have up to 9.
         let rows: Vec<_> = generator_columns(50).iter().map(transposed).collect();
         let pairs = (1..rows.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let largest = pairs.map(|(i, j)| pair_t_value(&rows[i], &rows[j], 10)).max();
@@ -263,7 +265,7 @@ mod tests {
 
     #[test]
     fn every_matrix_is_upper_triangular_with_a_unit_diagonal() {
-        // That makes each dyadic prefix a permutation of its strata, in all dimensions.
+        // Each dyadic prefix is then a permutation of its strata in all dimensions.
         for columns in generator_columns(MAX_DIMENSIONS) {
             for (k, column) in columns.iter().enumerate() {
                 assert_eq!(column.trailing_zeros() as usize, DIGITS - 1 - k);
@@ -272,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn scrambling_keeps_which_points_share_leading_digits() {
+    fn scrambling_keeps_which_points_fraction_leading_digits() {
         for (x, y) in [(0x1234_5678_u32, 0x1234_5679_u32), (0xffff_0000, 0xff00_0000), (0, u32::MAX)] {
             let shared = |a: u32, b: u32| (a ^ b).leading_zeros();
             assert_eq!(shared(scramble(x, 77), scramble(y, 77)), shared(x, y));

@@ -38,17 +38,17 @@ fn every_dyadic_prefix_of_sobol_points_is_stratified_in_every_variable() {
 }
 
 #[test]
-fn germs_have_the_moments_of_independent_standard_normals() {
+fn xi_samples_have_the_moments_of_independent_standard_normals() {
     let (samples, dimensions) = (2000, 12);
     for method in METHODS {
         let design = Design::new(method, 11, "moments", samples, dimensions).unwrap();
-        let germs: Vec<Vec<f64>> = (0..samples).map(|i| design.germ(i)).collect();
+        let xi_samples: Vec<Vec<f64>> = (0..samples).map(|i| design.xi(i)).collect();
         let n = samples as f64;
         for a in 0..dimensions {
-            let mean = germs.iter().map(|g| g[a]).sum::<f64>() / n;
+            let mean = xi_samples.iter().map(|g| g[a]).sum::<f64>() / n;
             assert!(mean.abs() < 4.5 / n.sqrt(), "{method:?}: mean {mean}");
             for b in 0..=a {
-                let product = germs.iter().map(|g| g[a] * g[b]).sum::<f64>() / n;
+                let product = xi_samples.iter().map(|g| g[a] * g[b]).sum::<f64>() / n;
                 let (wanted, variance) = if a == b { (1.0, 2.0) } else { (0.0, 1.0) };
                 let bound = 4.5 * f64::sqrt(variance / n);
                 assert!((product - wanted).abs() < bound, "{method:?}: E ξ{a} ξ{b} = {product}");
@@ -58,9 +58,9 @@ fn germs_have_the_moments_of_independent_standard_normals() {
 }
 
 #[test]
-fn a_point_depends_on_seed_stage_index_and_sample_size_alone() {
+fn a_point_depends_only_on_seed_stage_index_and_sample_size() {
     for method in METHODS {
-        let point = |seed, stage, index| Design::new(method, seed, stage, 100, 5).unwrap().germ(index);
+        let point = |seed, stage, index| Design::new(method, seed, stage, 100, 5).unwrap().xi(index);
         assert_eq!(point(1, "a", 17), point(1, "a", 17));
         assert_ne!(point(1, "a", 17), point(1, "a", 18));
         assert_ne!(point(1, "a", 17), point(2, "a", 17));
@@ -77,7 +77,7 @@ fn a_longer_monte_carlo_or_sobol_design_starts_with_the_shorter_one() {
     }
 }
 
-/// Root-mean-square error of the sample mean of f over 40 designs; E f = 0.
+/// Returns the root-mean-square error of the sample mean of f over 40 designs; E f = 0.
 fn rms_error(method: SamplingMethod, samples: usize, f: impl Fn(&[f64]) -> f64) -> f64 {
     let squares: f64 = (0..40)
         .map(|seed| {
@@ -90,7 +90,7 @@ fn rms_error(method: SamplingMethod, samples: usize, f: impl Fn(&[f64]) -> f64) 
 }
 
 #[test]
-fn stratified_designs_integrate_what_they_promise() {
+fn stratified_designs_integrate_with_the_expected_accuracy() {
     let n: usize = 256;
     let additive = |u: &[f64]| u.iter().map(|x| x - 0.5).sum::<f64>();
     // Variance 3/12 for independent points; Latin hypercube variance 3/(12 n³) exactly.
@@ -177,7 +177,7 @@ fn replicates_are_independent_and_their_spread_is_the_standard_error() {
                 .collect();
             let mean = means.iter().sum::<f64>() / 10.0;
             let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 9.0;
-            // The 97.5 % point of Student's law with 9 degrees of freedom.
+            // The 97.5 % point of Student's distribution with 9 degrees of freedom.
             beyond += usize::from(mean.abs() > 2.262 * (variance / 10.0).sqrt());
             squares += means.iter().map(|m| m * m).sum::<f64>();
             neighbours += means.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
@@ -193,8 +193,8 @@ fn replicates_are_independent_and_their_spread_is_the_standard_error() {
 fn the_first_replicate_is_the_design() {
     for method in METHODS {
         let design = Design::new(method, 4, "same", 30, 3).unwrap();
-        assert_eq!(design.replicate(0).unwrap().germ(7), design.germ(7));
-        assert_ne!(design.replicate(1).unwrap().germ(7), design.germ(7));
-        assert_eq!(design.replicate(1).unwrap().germ(7), design.replicate(1).unwrap().germ(7));
+        assert_eq!(design.replicate(0).unwrap().xi(7), design.xi(7));
+        assert_ne!(design.replicate(1).unwrap().xi(7), design.xi(7));
+        assert_eq!(design.replicate(1).unwrap().xi(7), design.replicate(1).unwrap().xi(7));
     }
 }

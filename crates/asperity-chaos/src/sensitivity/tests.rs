@@ -3,31 +3,37 @@ use std::f64::consts::PI;
 use super::*;
 use crate::{Basis, Design, Family, MultiIndexSet, RegressionError, SamplingMethod};
 
-/// Rows of a Monte Carlo design and the function's values there.
+/// Returns the rows of a Monte Carlo design and the values of the function there.
 fn sampled(families: &[Family], samples: usize, seed: u64, f: impl Fn(&[f64]) -> f64) -> (Vec<Vec<f64>>, Vec<f64>) {
     let design = Design::new(SamplingMethod::MonteCarlo, seed, "indices", samples, families.len()).unwrap();
-    let germs: Vec<Vec<f64>> = (0..samples)
+    let xi_samples: Vec<Vec<f64>> = (0..samples)
         .map(|i| design.unit(i).iter().zip(families).map(|(u, family)| family.from_unit(*u)).collect())
         .collect();
-    let values = germs.iter().map(|xi| f(xi)).collect();
-    (germs, values)
+    let values = xi_samples.iter().map(|xi| f(xi)).collect();
+    (xi_samples, values)
 }
 
-fn fitted(basis: &Basis, germs: &[Vec<f64>], values: &[f64], rows: &[usize]) -> Result<Expansion, RegressionError> {
-    let germs: Vec<&[f64]> = rows.iter().map(|&row| germs[row].as_slice()).collect();
+fn fitted(
+    basis: &Basis,
+    xi_samples: &[Vec<f64>],
+    values: &[f64],
+    rows: &[usize],
+) -> Result<Expansion, RegressionError> {
+    let xi_samples: Vec<&[f64]> = rows.iter().map(|&row| xi_samples[row].as_slice()).collect();
     let values: Vec<f64> = rows.iter().map(|&row| values[row]).collect();
-    Expansion::fit(basis.clone(), &germs, &values).map(|(expansion, _)| expansion)
+    Expansion::fit(basis.clone(), &xi_samples, &values).map(|(expansion, _)| expansion)
 }
 
-/// Indices with 99 % intervals, and the relative leave-one-out error.
-fn estimated(basis: &Basis, germs: &[Vec<f64>], values: &[f64], closed: &[&[usize]]) -> (IndexEstimates, f64) {
+/// Returns indices with 99 % intervals, and the relative leave-one-out error.
+fn estimated(basis: &Basis, xi_samples: &[Vec<f64>], values: &[f64], closed: &[&[usize]]) -> (IndexEstimates, f64) {
     let resamples = Resamples { count: 200, level: 0.99, seed: 4 };
-    let estimates = resamples.sobol_indices(values.len(), closed, |rows| fitted(basis, germs, values, rows)).unwrap();
-    let (_, fit) = Expansion::fit(basis.clone(), germs, values).unwrap();
+    let estimates =
+        resamples.sobol_indices(values.len(), closed, |rows| fitted(basis, xi_samples, values, rows)).unwrap();
+    let (_, fit) = Expansion::fit(basis.clone(), xi_samples, values).unwrap();
     (estimates, fit.leave_one_out.relative_error.unwrap())
 }
 
-/// Whether a value lies within an interval widened by the share of the variance that the terms leave out.
+/// Asserts that a value lies within an interval widened by the variance fraction that the terms leave out.
 fn assert_held(name: &str, estimates: &[Estimate], truths: &[f64], truncation: f64) {
     for (variable, (estimate, truth)) in estimates.iter().zip(truths).enumerate() {
         let Interval { low, high } = estimate.interval;
@@ -37,25 +43,25 @@ fn assert_held(name: &str, estimates: &[Estimate], truths: &[f64], truncation: f
 }
 
 #[test]
-fn ishigami_lies_within_its_intervals() {
+fn intervals_cover_the_ishigami_indices() {
     // Terms of x₁ and x₃ up to degrees 9 and 4, and of x₂ up to 12.
     let rows = (0..10).flat_map(|a| (0..5).map(move |c| [a, 0, c])).chain((1..13).map(|b| [0, b, 0]));
     let basis = Basis::new(MultiIndexSet::from_rows(3, rows).unwrap(), vec![Family::Legendre; 3]).unwrap();
-    let (germs, values) = sampled(&[Family::Legendre; 3], 250, 1, |x| {
+    let (xi_samples, values) = sampled(&[Family::Legendre; 3], 250, 1, |x| {
         (PI * x[0]).sin() + 7.0 * (PI * x[1]).sin().powi(2) + 0.1 * (PI * x[2]).powi(4) * (PI * x[0]).sin()
     });
-    let (estimates, truncation) = estimated(&basis, &germs, &values, &[&[0, 2]]);
+    let (estimates, truncation) = estimated(&basis, &xi_samples, &values, &[&[0, 2]]);
     assert!(truncation < 1e-3, "{truncation}");
     assert_held("first", &estimates.first_order, &[0.313_905_19, 0.442_411_14, 0.0], truncation);
     assert_held("total", &estimates.total, &[0.557_588_86, 0.442_411_14, 0.243_683_66], truncation);
     assert_held("closed", &estimates.closed, &[0.557_588_86], truncation);
 }
 
-/// V_u/V of the Sobol' g function, for terms of total degree 4 alone or for all of it.
+/// Returns V_u/V of the Sobol' g function, for terms of total degree 4 alone or for the whole function.
 ///
-/// Of the variance 1/3 of 2|x| − 1 the Legendre polynomials of degree 2 and 4 hold 15/16 and 3/64.
+/// The Legendre polynomials of degree 2 and 4 contain 15/16 and 3/64 of the variance 1/3 of 2|x| − 1.
 fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
-    let shares = [(0_usize, 1.0), (2, 15.0 / 16.0 / 3.0), (4, 3.0 / 64.0 / 3.0)];
+    let fractions = [(0_usize, 1.0), (2, 15.0 / 16.0 / 3.0), (4, 3.0 / 64.0 / 3.0)];
     let part = {
         let a = a.to_vec();
         move |subset: usize| -> f64 {
@@ -65,7 +71,7 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
                 return active.iter().map(|w| w / 3.0).product();
             }
             (0..3_usize.pow(active.len() as u32))
-                .map(|code| (0..active.len()).map(|k| shares[code / 3_usize.pow(k as u32) % 3]).collect::<Vec<_>>())
+                .map(|code| (0..active.len()).map(|k| fractions[code / 3_usize.pow(k as u32) % 3]).collect::<Vec<_>>())
                 .filter(|choice| choice.iter().all(|s| s.0 > 0) && choice.iter().map(|s| s.0).sum::<usize>() <= 4)
                 .map(|choice| choice.iter().zip(&active).map(|(s, w)| s.1 * w).product::<f64>())
                 .sum()
@@ -77,18 +83,19 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
 
 #[test]
 #[ignore = "slow"]
-fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
+fn intervals_cover_the_sobol_g_indices_at_their_level() {
     let a = [0.0, 1.0, 4.5, 9.0];
     let (exact, projected) = (sobol_g_parts(&a, false), sobol_g_parts(&a, true));
-    // Without the four variables of a = 99, which hold 3e-4.
+    // Without the four variables of a = 99, which contribute 3e-4.
     assert!((exact(1) - 0.716_192_169).abs() < 5e-4 && (exact(2) - 0.179_048_042).abs() < 5e-4);
     let basis = Basis::new(MultiIndexSet::total_degree(4, 4).unwrap(), vec![Family::Legendre; 4]).unwrap();
     let g = |x: &[f64]| x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product();
     let (mut held, datasets) = (0, 25);
     for seed in 0..datasets {
-        let (germs, values) = sampled(&[Family::Legendre; 4], 400, seed, g);
+        let (xi_samples, values) = sampled(&[Family::Legendre; 4], 400, seed, g);
         let resamples = Resamples { count: 100, level: 0.95, seed };
-        let estimates = resamples.sobol_indices(400, &[&[0, 1]], |rows| fitted(&basis, &germs, &values, rows)).unwrap();
+        let estimates =
+            resamples.sobol_indices(400, &[&[0, 1]], |rows| fitted(&basis, &xi_samples, &values, rows)).unwrap();
         for (variable, estimate) in estimates.first_order.iter().enumerate() {
             held += usize::from(estimate.interval.contains(projected(1 << variable)));
             let truncation = (projected(1 << variable) - exact(1 << variable)).abs();
@@ -97,17 +104,17 @@ fn sobol_g_lies_within_its_intervals_as_often_as_they_promise() {
         }
         held += usize::from(estimates.closed[0].interval.contains(projected(1) + projected(2) + projected(3)));
     }
-    // 125 intervals, those of a data set dependent; 119 expected.
-    assert!(held >= 106, "{held} of 125 intervals hold the index of the truncated function");
+    // 125 intervals, dependent within a data set; 119 are expected to contain the truth.
+    assert!(held >= 106, "{held} of 125 intervals contain the index of the truncated function");
 }
 
 #[test]
-fn the_borehole_lies_within_its_intervals() {
+fn intervals_cover_the_borehole_indices() {
     let mut families = [Family::Legendre; 8];
     families[0] = Family::Hermite;
     families[1] = Family::Hermite;
     let basis = Basis::new(MultiIndexSet::total_degree(8, 2).unwrap(), families.to_vec()).unwrap();
-    let (germs, values) = sampled(&families, 250, 2, |x| {
+    let (xi_samples, values) = sampled(&families, 250, 2, |x| {
         let between = |x: f64, low: f64, high: f64| low + (high - low) * (x + 1.0) / 2.0;
         let rw = 0.10 + 0.016_181_2 * x[0];
         let log_ratio = (7.71 + 1.0056 * x[1]) - rw.ln();
@@ -116,7 +123,7 @@ fn the_borehole_lies_within_its_intervals() {
         let (l, kw) = (between(x[6], 1120.0, 1680.0), between(x[7], 9855.0, 12_045.0));
         2.0 * PI * tu * (hu - hl) / (log_ratio * (1.0 + 2.0 * l * tu / (log_ratio * rw * rw * kw) + tu / tl))
     });
-    let (estimates, truncation) = estimated(&basis, &germs, &values, &[]);
+    let (estimates, truncation) = estimated(&basis, &xi_samples, &values, &[]);
     assert!(truncation < 5e-3, "{truncation}");
     let first = [0.6637, 0.0, 0.0, 0.0949, 1e-5, 0.0949, 0.0907, 0.0219];
     let total = [0.6942, 0.0, 0.0, 0.1061, 1e-5, 0.1062, 0.1028, 0.0251];
@@ -125,11 +132,11 @@ fn the_borehole_lies_within_its_intervals() {
 }
 
 #[test]
-fn what_has_no_intervals_says_why() {
+fn missing_intervals_have_a_reason() {
     let basis = Basis::hermite(2, 3).unwrap();
-    let (germs, values) = sampled(&[Family::Hermite; 2], 11, 3, |x| x[0]);
+    let (xi_samples, values) = sampled(&[Family::Hermite; 2], 11, 3, |x| x[0]);
     let resamples = Resamples { count: 40, ..Resamples::new(1) };
-    let indices = |values: &[f64]| resamples.sobol_indices(11, &[], |rows| fitted(&basis, &germs, values, rows));
+    let indices = |values: &[f64]| resamples.sobol_indices(11, &[], |rows| fitted(&basis, &xi_samples, values, rows));
     assert!(matches!(indices(&values), Err(IndexError::TooManyFailures { resamples: 40, .. })));
     let error = resamples.sobol_indices(1, &[], |_| Err(())).unwrap_err();
     assert_eq!(error, IndexError::Resamples(ResamplesError::Samples { samples: 1 }));

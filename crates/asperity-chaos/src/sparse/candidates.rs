@@ -6,36 +6,36 @@ use rayon::prelude::*;
 use super::SparseError;
 use asperity_base::wide::{Kernel, wide};
 
-/// Share of a length that is taken as rounding.
+/// Fraction of a length that counts as rounding.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Columns whose products are summed together: they stay in the nearest cache.
+/// Number of columns whose products are summed together; they stay in the first-level cache.
 const BLOCK: usize = 2048;
 
-/// Rows that are added at a time.
+/// Number of rows that are added at a time.
 const ROWS: usize = 8;
 
-/// Columns from which terms are selected, shape `[samples K, candidates P]`, P > K allowed, and their means and lengths.
+/// Candidate columns, shape `[samples K, candidates P]`, with their means and lengths. P > K is allowed.
 ///
-/// A column that is the same in all samples, and not zero, is the constant: it belongs to every model, and candidates
-/// are compared after their means are taken off. Without one nothing is taken off. Columns without variation are never selected,
-/// and of columns that span the same the first to enter stays alone. Rows may repeat, but leave-one-out errors are too
-/// small then: what is left out is still there.
+/// A column that is constant and non-zero on all samples belongs to every model, and candidates are compared after
+/// subtracting their means. Without such a column nothing is subtracted. Columns without variation are never selected,
+/// and of linearly dependent columns only the first enters. Rows may be repeated, but leave-one-out errors are then too
+/// small because a copy of the left-out row remains.
 #[derive(Debug)]
 pub struct Candidates<'a> {
-    /// In rows.
+    /// Row-major.
     design: CowArray<'a, f64, Ix2>,
     means: Vec<f64>,
-    /// Lengths after the mean is taken off, zero for what cannot be selected.
+    /// Lengths after subtracting the mean; zero for columns that cannot be selected.
     norms: Vec<f64>,
     constant: Option<usize>,
 }
 
 impl<'a> Candidates<'a> {
-    /// Borrows a matrix in standard layout, and copies one in any other.
+    /// Borrows a matrix in standard layout, and copies a matrix in any other layout.
     ///
     /// # Errors
-    /// Fewer than three samples, or a value that is not finite.
+    /// There are fewer than three samples, or a value is not finite.
     pub fn new(design: ArrayView2<'a, f64>) -> Result<Self, SparseError> {
         let (samples, columns) = design.dim();
         if samples < 3 {
@@ -73,32 +73,32 @@ impl<'a> Candidates<'a> {
         Ok(Self { design, means, norms, constant })
     }
 
-    /// Number of samples K.
+    /// Returns the number of samples K.
     pub fn samples(&self) -> usize {
         self.design.nrows()
     }
 
-    /// Number of columns P.
+    /// Returns the number of columns P.
     pub fn columns(&self) -> usize {
         self.design.ncols()
     }
 
-    /// The constant column.
+    /// Returns the constant column.
     pub fn constant(&self) -> Option<usize> {
         self.constant
     }
 
-    /// The matrix.
+    /// Returns the matrix.
     pub(super) fn design(&self) -> ArrayView2<'_, f64> {
         self.design.view()
     }
 
-    /// Number of columns that can be selected.
+    /// Returns the number of columns that can be selected.
     pub(super) fn selectable(&self) -> usize {
         self.norms.iter().filter(|norm| **norm > 0.0).count()
     }
 
-    /// Length of a column, less its mean where there is a constant; zero for what cannot be selected.
+    /// Returns the length of a column, less its mean if there is a constant; zero for columns that cannot be selected.
     pub(super) fn norm(&self, column: usize) -> f64 {
         self.norms[column]
     }
@@ -108,10 +108,10 @@ impl<'a> Candidates<'a> {
         values.iter_mut().zip(self.design.column(column)).for_each(|(value, a)| *value = *a);
     }
 
-    /// Products of all standardised columns with a vector: (x_j − x̄_j)ᵀv/‖x_j − x̄_j‖, zero for what cannot be selected.
+    /// Computes (x_j − x̄_j)ᵀv/‖x_j − x̄_j‖ for all columns and a vector v; zero for columns that cannot be selected.
     pub(super) fn correlate(&self, vector: &[f64], products: &mut [f64]) {
         let columns = self.columns();
-        // The rows lie side by side: the layout was made so.
+        // `new` makes the rows contiguous.
         let Some(design) = self.design.as_slice() else { return };
         let block = |(number, part): (usize, &mut [f64])| {
             wide::<Accumulate, _>((design, columns, number * BLOCK, vector, part));
@@ -128,7 +128,7 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// Sums of rows of a matrix with weights, for the columns from `first` on.
+/// Kernel that sums weighted rows of a matrix over the columns from `first` on.
 struct Accumulate;
 
 impl<'a> Kernel<(&'a [f64], usize, usize, &'a [f64], &'a mut [f64])> for Accumulate {

@@ -1,4 +1,4 @@
-//! Errors of choosing and fitting together.
+//! Selection of the number of terms by cross-validation.
 
 use ndarray::Axis;
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use super::{
 };
 use asperity_base::random::{standard_normal, stream};
 
-/// The model whose number of terms has the least error by cross-validation.
+/// Returns the model whose number of terms has the smallest cross-validation error.
 pub(super) fn select(
     regression: &SparseRegression,
     candidates: &Candidates<'_>,
@@ -20,7 +20,7 @@ pub(super) fn select(
 ) -> Result<SparseFit, SparseError> {
     let samples = response.len();
     let folds = folds.clamp(2, samples);
-    // As many terms as every part leaves samples for.
+    // No more terms than every part can determine.
     let limit = limit.min((samples - samples.div_ceil(folds)).saturating_sub(1));
     let constant = usize::from(candidates.constant().is_some());
     let sizes: Vec<usize> = match regression.method {
@@ -45,10 +45,10 @@ pub(super) fn select(
     let start = GrowingFit::new(candidates, response);
     let mut search = match regression.method {
         SparseMethod::SubspacePursuit => {
-            let fit = if terms > constant { subspace_pursuit::of_size(start, terms) } else { start };
-            Search::of_one(fit)
+            let fit = if terms > constant { subspace_pursuit::with_terms(start, terms) } else { start };
+            Search::from_single(fit)
         }
-        // To the end, without early stop.
+        // The whole path, without early stopping.
         _ => regression.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
     };
     search.best = search.fit.terms().len().min(terms);
@@ -57,7 +57,7 @@ pub(super) fn select(
         .iter()
         .zip(squares)
         .map(|(&terms, error)| {
-            // Fewer terms may have entered: then the last model stands for all larger ones.
+            // If fewer terms entered, the last model represents all larger ones.
             let last = tried.last().filter(|last| last.terms < terms && last.terms == search.best);
             let known = tried.iter().find(|attempt| attempt.terms == terms).or(last);
             let (leave_one_out, corrected) = known.map_or((None, None), |known| (known.leave_one_out, known.corrected));
@@ -67,11 +67,11 @@ pub(super) fn select(
     search.finish(response, of_the_mean)
 }
 
-/// Squared errors at the samples left out.
+/// Squared errors at the left-out samples.
 struct Part {
-    /// Of each number of terms.
+    /// Squared error of each number of terms.
     squares: Vec<f64>,
-    /// Of the mean of the others.
+    /// Squared error of the mean of the other samples.
     of_the_mean: f64,
 }
 
@@ -98,12 +98,13 @@ impl Part {
         };
         let of_the_mean: f64 = out.iter().map(|&sample| (response[sample] - mean).powi(2)).sum();
         let start = GrowingFit::new(&fewer, &values);
-        // A path may end early, with nothing left to explain or nothing left to enter.
+        // A path may end early when nothing is left to explain or to enter.
         let last = |squares: &[f64]| squares.last().copied().unwrap_or(of_the_mean);
         let squares = match regression.method {
-            SparseMethod::SubspacePursuit => {
-                sizes.iter().map(|&size| last(&squares_of(&subspace_pursuit::of_size(start.clone(), size)))).collect()
-            }
+            SparseMethod::SubspacePursuit => sizes
+                .iter()
+                .map(|&size| last(&squares_of(&subspace_pursuit::with_terms(start.clone(), size))))
+                .collect(),
             _ => {
                 let limit = sizes.last().copied().unwrap_or(0);
                 let squares = squares_of(&regression.search(start, limit, usize::MAX / 2).fit);
@@ -114,7 +115,7 @@ impl Part {
     }
 }
 
-/// The part of each sample: a random partition that is a function of the numbers alone.
+/// Returns the part of each sample, a random partition that depends on the two numbers alone.
 fn partition(samples: usize, folds: usize) -> Vec<usize> {
     let keys = standard_normal(&mut stream(0, "parts of a cross-validation", samples as u64), samples);
     let mut order: Vec<usize> = (0..samples).collect();

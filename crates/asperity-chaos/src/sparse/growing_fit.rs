@@ -1,4 +1,4 @@
-//! Least squares that gains one column at a time, with its leave-one-out error.
+//! Least squares that adds one column at a time and updates its leave-one-out error.
 
 use faer::Mat;
 use ndarray::ArrayView1;
@@ -8,23 +8,24 @@ use super::{Attempt, mean_and_spread};
 use crate::regression::is_determined;
 use asperity_base::wide::{Kernel, wide};
 
-/// A column is spanned by the others when this share of its length, or less, is left beside them.
+/// Remaining fraction of its length below which a column counts as linearly dependent.
 const DEPENDENT: f64 = 1e-7;
 
-/// A residual of so many roundings of the response is none.
+/// Relative residual that counts as rounding.
 const EXACT: f64 = 16.0 * f64::EPSILON;
 
-/// Least squares on the terms that have entered: A = QR by Gram–Schmidt with a second pass, and what follows from it at
-/// O(K) for each term: residual, leverages, and tr (AᵀA)⁻¹ = ‖R⁻¹‖².
+/// Least-squares fit of the terms entered so far.
+///
+/// A = QR by Gram–Schmidt with a second pass. Residual, leverages and tr (AᵀA)⁻¹ = ‖R⁻¹‖² are updated in O(K) per term.
 #[derive(Debug, Clone)]
 pub(super) struct GrowingFit<'a, 'c> {
     candidates: &'a Candidates<'c>,
     terms: Vec<usize>,
-    /// Orthonormal columns, one after the other.
+    /// Orthonormal columns, concatenated.
     q: Vec<f64>,
     /// Upper triangle, column by column.
     r: Vec<f64>,
-    /// Qᵀ of the response.
+    /// Qᵀ times the response.
     projections: Vec<f64>,
     inverse_trace: f64,
     leverages: Vec<f64>,
@@ -35,7 +36,7 @@ pub(super) struct GrowingFit<'a, 'c> {
 }
 
 impl<'a, 'c> GrowingFit<'a, 'c> {
-    /// The fit by the constant alone, where there is one, and by nothing otherwise.
+    /// Creates the fit by the constant if there is one, and the empty fit otherwise.
     pub(super) fn new(candidates: &'a Candidates<'c>, response: &[f64]) -> Self {
         let (_, spread) = mean_and_spread(response);
         let mut fit = Self {
@@ -68,31 +69,31 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         &self.residual
     }
 
-    /// Qᵀ of the response.
+    /// Returns Qᵀ times the response.
     pub(super) fn projections(&self) -> &[f64] {
         &self.projections
     }
 
-    /// The last orthonormal column.
+    /// Returns the last orthonormal column.
     pub(super) fn last_direction(&self) -> &[f64] {
         &self.q[self.q.len() - self.residual.len()..]
     }
 
-    /// Column `term` of R, its diagonal last.
+    /// Returns column `term` of R, diagonal last.
     pub(super) fn triangle_column(&self, term: usize) -> &[f64] {
         &self.r[term * (term + 1) / 2..][..=term]
     }
 
-    /// Adds a term; `false`, and no change, when the others span its column.
+    /// Adds a term. Returns `false` without a change if the other terms span its column.
     pub(super) fn enter(&mut self, column: usize) -> bool {
         let (samples, count) = (self.residual.len(), self.terms.len());
         let mut direction = vec![0.0; samples];
         self.candidates.fill_column(column, &mut direction);
         let full = self.candidates.norm(column);
         let full = if full > 0.0 { full } else { length(&direction) };
-        let mut shares = vec![0.0; count];
-        wide::<Orthogonalise, _>((&self.q[..], &mut direction[..], &mut shares[..]));
-        wide::<Orthogonalise, _>((&self.q[..], &mut direction[..], &mut shares[..]));
+        let mut fractions = vec![0.0; count];
+        wide::<Orthogonalise, _>((&self.q[..], &mut direction[..], &mut fractions[..]));
+        wide::<Orthogonalise, _>((&self.q[..], &mut direction[..], &mut fractions[..]));
         let left = length(&direction);
         if left.is_nan() || left <= DEPENDENT * full {
             return false;
@@ -107,14 +108,14 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         self.projections.push(projection);
         self.q.extend_from_slice(&direction);
         self.terms.push(column);
-        self.r.extend_from_slice(&shares);
+        self.r.extend_from_slice(&fractions);
         self.r.push(left);
-        self.solve_triangle(&mut shares);
-        self.inverse_trace += (1.0 + shares.iter().map(|x| x * x).sum::<f64>()) / (left * left);
+        self.solve_triangle(&mut fractions);
+        self.inverse_trace += (1.0 + fractions.iter().map(|x| x * x).sum::<f64>()) / (left * left);
         true
     }
 
-    /// Solves R x = b with the leading triangle of the length of b.
+    /// Solves R x = b with the leading triangle of the size of b.
     fn solve_triangle(&self, b: &mut [f64]) {
         for i in (0..b.len()).rev() {
             let column = self.triangle_column(i);
@@ -124,12 +125,12 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         }
     }
 
-    /// Whether the residual is rounding.
+    /// Returns whether the residual is at the level of rounding.
     pub(super) fn is_exact(&self) -> bool {
         length(&self.residual) <= EXACT * self.length
     }
 
-    /// The errors of the model as it stands.
+    /// Returns the errors of the current model.
     pub(super) fn assess(&self) -> Attempt {
         let (n, terms) = (self.residual.len() as f64, self.terms.len());
         let sum = self
@@ -143,7 +144,7 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         Attempt { terms, leave_one_out, corrected: leave_one_out.map(|error| error * factor), cross_validated: None }
     }
 
-    /// Residuals and leverages of the model of the leading terms.
+    /// Returns residuals and leverages of the model of the leading terms.
     pub(super) fn residuals_and_leverages(&self, response: &[f64], terms: usize) -> (Vec<f64>, Vec<f64>) {
         let mut residuals = response.to_vec();
         let mut leverages = vec![0.0; response.len()];
@@ -156,7 +157,8 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         (residuals, leverages)
     }
 
-    /// Errors at a row that was not fitted, of the models of 1, 2, … leading terms: the row's part of Q follows from R.
+    /// Returns the errors at a row that was not fitted, for the models of 1, 2, … leading terms. The row of Q follows
+    /// from R.
     pub(super) fn errors_at(&self, row: ArrayView1<'_, f64>, value: f64) -> Vec<f64> {
         let mut directions: Vec<f64> = Vec::with_capacity(self.terms.len());
         let mut error = value;
@@ -172,14 +174,14 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         errors
     }
 
-    /// Coefficients of the model of the leading terms.
+    /// Returns the coefficients of the model of the leading terms.
     pub(super) fn coefficients(&self, terms: usize) -> Vec<f64> {
         let mut solution = self.projections[..terms].to_vec();
         self.solve_triangle(&mut solution);
         solution
     }
 
-    /// Condition number of the columns of the leading terms; infinite when it cannot be computed.
+    /// Returns the condition number of the columns of the leading terms; infinite if it cannot be computed.
     pub(super) fn condition(&self, terms: usize) -> f64 {
         let triangle = Mat::from_fn(terms, terms, |i, j| if i <= j { self.triangle_column(j)[i] } else { 0.0 });
         match triangle.singular_values() {
@@ -196,19 +198,19 @@ fn length(values: &[f64]) -> f64 {
     values.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Partial sums of a product, which hide the time of an addition.
+/// Number of partial sums of a product, which hide the latency of an addition.
 const LANES: usize = 16;
 
-/// Takes from a vector its share along each of the columns, and adds these shares to a list.
+/// Kernel that subtracts from a vector its projections on the columns and adds the coefficients to a list.
 struct Orthogonalise;
 
 impl<'a> Kernel<(&'a [f64], &'a mut [f64], &'a mut [f64])> for Orthogonalise {
     type Output = ();
 
     #[inline(always)]
-    fn run((columns, vector, shares): (&'a [f64], &'a mut [f64], &'a mut [f64])) {
+    fn run((columns, vector, fractions): (&'a [f64], &'a mut [f64], &'a mut [f64])) {
         let n = vector.len();
-        for (column, share) in columns.chunks_exact(n).zip(shares) {
+        for (column, fraction) in columns.chunks_exact(n).zip(fractions) {
             let mut sums = [0.0; LANES];
             let ((q, q_rest), (v, v_rest)) = (column.as_chunks::<LANES>(), vector.as_chunks::<LANES>());
             for (q, v) in q.iter().zip(v) {
@@ -220,7 +222,7 @@ impl<'a> Kernel<(&'a [f64], &'a mut [f64], &'a mut [f64])> for Orthogonalise {
             for (q, v) in q_rest.iter().zip(v_rest) {
                 product += q * v;
             }
-            *share += product;
+            *fraction += product;
             for (v, q) in vector.iter_mut().zip(column) {
                 *v -= product * q;
             }

@@ -4,16 +4,16 @@ use super::growing_fit::GrowingFit;
 use super::path::Path;
 use super::{Search, StopReason};
 
-/// Terms enter in the order of least-angle regression.
+/// Adds terms in the order of least-angle regression.
 ///
-/// All terms keep the same absolute correlation C with the residual of the least-angle fit while it moves along u, whose
-/// product with each standardised term is the sign s of its correlation. With A = QR and u = Qt this is Rᵀt = (s_j‖x_j‖): a
-/// new term appends one entry to t and leaves the others, so that the products with all columns follow from those with the
-/// last direction alone.
+/// All terms keep the same absolute correlation C with the residual of the least-angle fit while it moves along u. The
+/// product of u with each standardised term is the sign s of its correlation. With A = QR and u = Qt this is Rᵀt =
+/// (s_j‖x_j‖). A new term appends one entry to t and leaves the others unchanged, so the products with all columns
+/// follow from the products with the last direction.
 pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize, patience: usize) -> Search<'a, 'c> {
     let mut path = Path::new(start, limit, patience);
     let mut correlations = path.correlations();
-    // The constant has no part in u.
+    // The constant does not contribute to u.
     let mut t = vec![0.0; path.fit.terms().len()];
     let mut slopes = vec![0.0; correlations.len()];
     if t.len() >= limit {
@@ -48,7 +48,7 @@ pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize, patience: 
     path.end(StopReason::Exhausted)
 }
 
-/// How far the fit moves until a correlation c − γ·slope has the absolute value `level` − γ.
+/// Returns the distance that the fit moves until a correlation c − γ·slope has the absolute value `level` − γ.
 fn meets(level: f64, correlation: f64, slope: f64) -> f64 {
     let when = |gap: f64, closing: f64| if closing > 0.0 { gap.max(0.0) / closing } else { f64::INFINITY };
     when(level - correlation, 1.0 - slope).min(when(level + correlation, 1.0 + slope))

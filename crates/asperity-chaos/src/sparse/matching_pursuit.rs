@@ -4,9 +4,9 @@ use super::growing_fit::GrowingFit;
 use super::path::Path;
 use super::{Search, StopReason};
 
-/// The column most correlated with the residual enters, one after the other.
+/// Adds the column most correlated with the residual, one after the other.
 ///
-/// The residual loses q qᵀy with the new direction q, so that the correlations follow from the products with q.
+/// A new direction q removes q qᵀy from the residual, so the correlations follow from the products with q.
 pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize, patience: usize) -> Search<'a, 'c> {
     let mut path = Path::new(start, limit, patience);
     let mut correlations = path.correlations();

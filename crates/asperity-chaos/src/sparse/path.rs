@@ -1,17 +1,18 @@
-//! What paths that gain one term at a time have in common.
+//! Paths that add one term at a time.
 
 use super::growing_fit::GrowingFit;
 use super::{Attempt, Search, StopReason};
 
-/// Squared share of a standardised column beside the terms at which it is rounding.
+/// Squared remaining fraction of a standardised column that counts as rounding.
 const SPANNED: f64 = 1e-13;
 
-/// A fit that grows until its corrected leave-one-out error has risen for long enough.
+/// Fit that grows until its corrected leave-one-out error has risen for the required number of terms.
 pub(super) struct Path<'a, 'c> {
     pub(super) fit: GrowingFit<'a, 'c>,
     /// Products of all standardised columns with the last orthonormal direction.
     pub(super) products: Vec<f64>,
-    /// Squared length of each standardised column beside the terms; negative for what may not enter.
+    /// Squared length of the part of each standardised column outside the span of the terms; negative for columns that
+    /// may not enter.
     beside: Vec<f64>,
     attempts: Vec<Attempt>,
     best: usize,
@@ -29,19 +30,19 @@ impl<'a, 'c> Path<'a, 'c> {
         Self { fit, products, beside, attempts: Vec::new(), best: 0, least: f64::INFINITY, limit, patience }
     }
 
-    /// Products of the standardised columns with the residual.
+    /// Returns the products of the standardised columns with the residual.
     pub(super) fn correlations(&self) -> Vec<f64> {
         let mut correlations = vec![0.0; self.products.len()];
         self.fit.candidates().correlate(self.fit.residual(), &mut correlations);
         correlations
     }
 
-    /// The columns that may enter.
+    /// Returns the columns that may enter.
     pub(super) fn open(&self) -> impl Iterator<Item = usize> + '_ {
         self.beside.iter().enumerate().filter(|(_, beside)| **beside > 0.0).map(|(column, _)| column)
     }
 
-    /// The open column with the largest absolute value, the first of equal ones.
+    /// Returns the open column with the largest absolute value, the first of equal ones.
     pub(super) fn largest(&self, values: &[f64]) -> Option<usize> {
         let mut best: Option<usize> = None;
         for column in self.open() {
@@ -52,7 +53,7 @@ impl<'a, 'c> Path<'a, 'c> {
         best
     }
 
-    /// Adds a term and forms the products with its direction; `false` when the others span it.
+    /// Adds a term and computes the products with its direction. Returns `false` if the other terms span its column.
     pub(super) fn enter(&mut self, column: usize) -> bool {
         self.beside[column] = -1.0;
         if !self.fit.enter(column) {
@@ -68,7 +69,7 @@ impl<'a, 'c> Path<'a, 'c> {
         true
     }
 
-    /// Notes the errors of the model, and whether the path ends with it.
+    /// Records the errors of the model. Returns the reason if the path ends with it.
     pub(super) fn note(&mut self) -> Option<StopReason> {
         let attempt = self.fit.assess();
         self.attempts.push(attempt);

@@ -8,14 +8,14 @@ use super::candidates::Candidates;
 use super::growing_fit::GrowingFit;
 use super::{Attempt, Search, StopReason};
 
-/// Numbers of terms tried first, spaced evenly in their logarithm, and then around the best.
+/// Numbers of terms tried first, logarithmically spaced, and then around the best.
 const COARSE: usize = 24;
 const FINE: usize = 8;
 
-/// Exchanges for one number of terms.
+/// Maximum number of exchanges for one number of terms.
 const MAX_EXCHANGES: usize = 50;
 
-/// Subspace pursuit for numbers of terms up to half of the samples; the best of them all.
+/// Tries subspace pursuit for numbers of terms up to half of the samples, and returns the best model.
 pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<'a, 'c> {
     let candidates = start.candidates();
     let constant = start.terms().len();
@@ -34,7 +34,7 @@ pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<
     let mut tried: Vec<(usize, Attempt)> = Vec::new();
     let mut best: Option<(Attempt, GrowingFit<'a, 'c>)> = None;
     let mut keep = |found: Vec<(usize, Attempt, GrowingFit<'a, 'c>)>, tried: &mut Vec<(usize, Attempt)>| {
-        // Nothing is correlated with the response, or all of it spanned: no model beside the constant.
+        // The response is uncorrelated with all columns or already spanned: there is no model besides the constant.
         for (count, attempt, fit) in found.into_iter().filter(|(_, attempt, _)| attempt.terms > constant) {
             tried.push((count, attempt));
             if best.as_ref().is_none_or(|(least, _)| attempt.error() < least.error()) {
@@ -57,25 +57,26 @@ pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<
     Search { best: fit.terms().len(), fit, path, stop_reason }
 }
 
-/// Most terms beside the constant: twice as many columns are fitted at once, and a sample has to be left.
+/// Returns the maximum number of terms besides the constant. Twice as many columns are fitted at once, and one sample
+/// must remain.
 fn most(candidates: &Candidates<'_>, limit: usize, constant: usize) -> usize {
     limit.min(candidates.samples().div_ceil(2)).saturating_sub(constant).min(candidates.selectable())
 }
 
-/// Numbers of terms, the constant included, that are tried first.
+/// Returns the numbers of terms, including the constant, that are tried first.
 pub(super) fn sizes(candidates: &Candidates<'_>, limit: usize) -> Vec<usize> {
     let constant = usize::from(candidates.constant().is_some());
     spaced(1, most(candidates, limit, constant), COARSE).into_iter().map(|count| count + constant).collect()
 }
 
-/// The model of so many terms, the constant included.
-pub(super) fn of_size<'a, 'c>(start: GrowingFit<'a, 'c>, terms: usize) -> GrowingFit<'a, 'c> {
+/// Returns the model with the given number of terms, including the constant.
+pub(super) fn with_terms<'a, 'c>(start: GrowingFit<'a, 'c>, terms: usize) -> GrowingFit<'a, 'c> {
     let mut correlations = vec![0.0; start.candidates().columns()];
     start.candidates().correlate(start.residual(), &mut correlations);
     pursue(&start, &correlations, terms.saturating_sub(start.terms().len()))
 }
 
-/// Whole numbers between two, ends included, evenly spaced in their logarithm.
+/// Returns logarithmically spaced integers between two numbers, both included.
 fn spaced(from: usize, to: usize, count: usize) -> Vec<usize> {
     if to < from || from == 0 {
         return Vec::new();
@@ -87,7 +88,7 @@ fn spaced(from: usize, to: usize, count: usize) -> Vec<usize> {
     numbers
 }
 
-/// The set of `count` terms beside the constant that exchanges no longer improve.
+/// Returns the set of `count` terms besides the constant that exchanges cannot improve.
 fn pursue<'a, 'c>(start: &GrowingFit<'a, 'c>, correlations: &[f64], count: usize) -> GrowingFit<'a, 'c> {
     let candidates = start.candidates();
     let mut fit = grown(start, &largest(correlations, count));
@@ -118,7 +119,7 @@ fn pursue<'a, 'c>(start: &GrowingFit<'a, 'c>, correlations: &[f64], count: usize
     fit
 }
 
-/// The fit with further terms; those that the others span are left out.
+/// Adds further terms to a fit; linearly dependent terms are left out.
 fn grown<'a, 'c>(start: &GrowingFit<'a, 'c>, terms: &[usize]) -> GrowingFit<'a, 'c> {
     let mut fit = start.clone();
     for &term in terms {
@@ -127,7 +128,7 @@ fn grown<'a, 'c>(start: &GrowingFit<'a, 'c>, terms: &[usize]) -> GrowingFit<'a, 
     fit
 }
 
-/// Places of the largest absolute values that are not zero, largest first.
+/// Returns the positions of the largest non-zero absolute values, largest first.
 fn largest(values: &[f64], count: usize) -> Vec<usize> {
     let order = |&a: &usize, &b: &usize| -> Ordering { values[b].abs().total_cmp(&values[a].abs()).then(a.cmp(&b)) };
     let mut places: Vec<usize> = (0..values.len()).filter(|&place| values[place] != 0.0).collect();

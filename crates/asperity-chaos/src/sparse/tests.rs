@@ -14,7 +14,7 @@ const METHODS: [SparseMethod; 3] =
 const CRITERIA: [SizeCriterion; 2] =
     [SizeCriterion::CorrectedLeaveOneOut, SizeCriterion::CrossValidation { folds: 10 }];
 
-/// The whole path of a method.
+/// Returns the whole path of a method.
 fn whole(method: SparseMethod) -> SparseRegression {
     SparseRegression { patience: 1.0, ..by_leave_one_out(method) }
 }
@@ -27,7 +27,7 @@ fn by_cross_validation(method: SparseMethod) -> SparseRegression {
     SparseRegression { method, ..SparseRegression::default() }
 }
 
-/// A constant column and independent standard normal ones.
+/// Returns a constant column and independent standard normal columns.
 fn normal_design(seed: u64, samples: usize, columns: usize) -> Array2<f64> {
     let values = standard_normal(&mut stream(seed, "sparse design", 0), samples * columns);
     let mut design = Array2::from_shape_vec((samples, columns), values).unwrap();
@@ -35,12 +35,12 @@ fn normal_design(seed: u64, samples: usize, columns: usize) -> Array2<f64> {
     design
 }
 
-/// Σ c_j x_j.
+/// Returns Σ c_j x_j.
 fn combination(design: &Array2<f64>, terms: &[(usize, f64)]) -> Vec<f64> {
     design.rows().into_iter().map(|row| terms.iter().map(|&(j, c)| c * row[j]).sum()).collect()
 }
 
-/// A few large terms and noise.
+/// Returns a response with a few large terms and noise.
 fn noisy_response(design: &Array2<f64>, noise: f64) -> Vec<f64> {
     let signal = combination(design, &[(0, 3.0), (4, 2.0), (9, -1.5), (17, 1.0), (30, 0.7)]);
     let errors = standard_normal(&mut stream(3, "sparse noise", 0), signal.len());

@@ -2,9 +2,9 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::Boundary;
-use asperity_base::fourier::{RealFft2, signed_index};
-use asperity_base::map::{Grid, HeightMap};
+use asperity_base::map::Grid;
 use asperity_base::random;
+use asperity_testing::{AlwaysCancelled, self_affine};
 
 const SOLVER: Solver = Solver { tolerance: 1e-10, max_iterations: 5000 };
 
@@ -12,29 +12,13 @@ fn load(newton: f64) -> Control {
     Control::Load { newton }
 }
 
-/// Returns a random map of about unit slope whose spectrum falls as q^{-3.6}.
+/// Returns a random map of about unit slope.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
-    let fft = RealFft2::new(n, n);
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    let white = random::standard_normal(&mut random::stream(5, "cycle", sample), n * n);
-    fft.forward(&white, &mut spectrum, &mut work);
-    for kx in 0..fft.stored_kx() {
-        for ky in 0..n {
-            let q = (kx as f64).hypot(signed_index(ky, n));
-            spectrum[kx * n + ky] *= if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(2.0).powf(-1.8) };
-        }
-    }
-    let mut heights = vec![0.0; n * n];
-    fft.inverse(&mut spectrum, &mut heights, &mut work);
-    Array2::from_shape_vec((n, n), heights).unwrap()
+    self_affine(n, 2.0, &mut random::stream(5, "cycle", sample))
 }
 
-/// Returns a paraboloid of radius 1 on a square.
 fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
-    let c = 0.5 * side_m;
-    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - c).powi(2) + (y - c).powi(2))).unwrap();
-    (grid, map.heights_m().clone())
+    asperity_testing::paraboloid(n, side_m, 0.0)
 }
 
 fn largest_difference(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
@@ -238,17 +222,10 @@ fn invalid_paths_are_refused() {
 
 #[test]
 fn a_cancelled_load_leaves_no_imprint() {
-    struct Stop;
-    impl Monitor for Stop {
-        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
     let (grid, heights) = paraboloid(32, 1.0);
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let mut path = LoadPath::new(&half_space, &heights, Some(0.05)).unwrap();
-    let steps = path.follow(&[load(1e-3), load(2e-3)], &SOLVER, &Stop).unwrap();
+    let steps = path.follow(&[load(1e-3), load(2e-3)], &SOLVER, &AlwaysCancelled).unwrap();
     assert_eq!(steps.len(), 1);
     assert!(!steps[0].converged());
     assert_eq!(path.residual_heights_m(), &heights);

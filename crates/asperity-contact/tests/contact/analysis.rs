@@ -2,9 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_base::fourier::{RealFft2, signed_index};
 use asperity_base::map::{Grid, HeightMap};
-use asperity_base::monitor::Monitor;
 use asperity_base::random;
 use asperity_base::stats::{quantile_sorted, sorted_present};
 use asperity_contact::exact::{Hertz, PerssonPressure, Westergaard};
@@ -12,6 +10,7 @@ use asperity_contact::{
     Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Motion, Neighbours, Orientation, Pair,
     Problem, Solution, Solver, StiffnessSolver, composite, spectral_rms_gradient,
 };
+use asperity_testing::{AlwaysCancelled, self_affine};
 use ndarray::Array2;
 
 const PERIODIC: Boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
@@ -27,17 +26,6 @@ fn solved(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, har
     solution
 }
 
-/// A monitor that cancels at once.
-struct Stop;
-
-impl Monitor for Stop {
-    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
-
-    fn cancelled(&self) -> bool {
-        true
-    }
-}
-
 fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
     let stiffness = StiffnessSolver::default().solve(half_space, solution).unwrap();
     assert!(stiffness.converged, "{stiffness:?}");
@@ -46,28 +34,14 @@ fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
 
 /// Returns a paraboloid of radius 1, its summit in a cell centre, on an elastic square of E* = 1.
 fn paraboloid(n: usize, side_m: f64) -> (HalfSpace, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
-    let centre = 0.5 * (side_m + grid.dx_m());
-    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - centre).powi(2) + (y - centre).powi(2))).unwrap();
-    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
+    let (grid, heights_m) = asperity_testing::paraboloid(n, side_m, 0.5);
+    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), heights_m)
 }
 
-/// Returns a normal random map, self-affine (Hurst exponent 0.8) from a third of the width down to 4 cells, scaled to a
-/// spectral rms gradient of 1 on the unit square.
+/// Returns a self-affine map scaled to a spectral rms gradient of 1 on the unit square.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
-    let fft = RealFft2::new(n, n);
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    fft.forward(&random::standard_normal(&mut random::stream(5, "rough", sample), n * n), &mut spectrum, &mut work);
-    for kx in 0..fft.stored_kx() {
-        for ky in 0..n {
-            let q = (kx as f64).hypot(signed_index(ky, n));
-            spectrum[kx * n + ky] *= if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(3.0).powf(-1.8) };
-        }
-    }
-    let mut heights = vec![0.0; n * n];
-    fft.inverse(&mut spectrum, &mut heights, &mut work);
-    let heights = Array2::from_shape_vec((n, n), heights).unwrap();
-    let gradient = spectral_rms_gradient(&heights, Grid::covering(n, n, 1.0, 1.0).unwrap());
+    let heights = self_affine(n, 3.0, &mut random::stream(5, "rough", sample));
+    let gradient = spectral_rms_gradient(&heights, Grid::with_size(n, n, 1.0, 1.0).unwrap());
     heights / gradient
 }
 
@@ -119,7 +93,7 @@ fn the_gaps_around_a_hertz_contact_have_their_closed_form() {
 #[test]
 fn in_complete_contact_persson_is_exact() {
     let n = 128;
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 2.0, PERIODIC).unwrap();
     let heights = rough(n, 0);
     let solution = solved(&heights, &half_space, Control::MeanPressure { pascal: 6.0 }, None);
@@ -140,7 +114,7 @@ fn in_complete_contact_persson_is_exact() {
 fn pressures_in_partial_contact_are_close_to_perssons_distribution() {
     // Not an identity: the theory is approximate in partial contact and underestimates the area.
     let n = 256;
-    let half_space = HalfSpace::new(Grid::covering(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
+    let half_space = HalfSpace::new(Grid::with_size(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
     for (mean_pressure, hardness_pa) in [(0.1, None), (0.4, None), (0.1, Some(1.0)), (0.4, Some(1.0))] {
         let control = Control::MeanPressure { pascal: mean_pressure };
         let solution = solved(&rough(n, 20), &half_space, control, hardness_pa);
@@ -191,7 +165,7 @@ fn the_work_of_loading_is_elastic_energy_plus_plastic_work() {
     let p0 = Hertz::new(1.0, 1.0, Hertz::load_n(1.0, 1.0, DELTA_M)).max_pressure_pa;
     let (free, sphere) = paraboloid(48, 4.0 * RADIUS_M);
     let soft = Boundary::Periodic { mean_compliance_m_per_pa: 0.2 };
-    let periodic = HalfSpace::new(Grid::covering(48, 48, 1.0, 1.0).unwrap(), 1.0, soft).unwrap();
+    let periodic = HalfSpace::new(Grid::with_size(48, 48, 1.0, 1.0).unwrap(), 1.0, soft).unwrap();
     for (half_space, heights, depth_m, hardness_pa) in [
         (&free, &sphere, DELTA_M, Some(0.4 * p0)),
         (&free, &sphere, DELTA_M, None),
@@ -228,7 +202,7 @@ fn a_hertz_contact_has_the_stiffness_of_its_circle() {
 
 /// Returns a punch of height 1 on the cells where `inside` is true for (x, y), counted from the centre.
 fn punch(n: usize, side_m: f64, inside: impl Fn(f64, f64) -> bool) -> (HalfSpace, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
+    let grid = Grid::with_size(n, n, side_m, side_m).unwrap();
     let centre = 0.5 * side_m;
     let map = HeightMap::from_function(grid, |x, y| f64::from(u8::from(inside(x - centre, y - centre)))).unwrap();
     (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
@@ -310,7 +284,7 @@ fn stiffness_by_elimination(half_space: &HalfSpace, solution: &Solution, moves: 
 #[test]
 fn the_stiffness_equals_dense_algebra() {
     let n = 20;
-    let grid = Grid::covering(n, n, 1.0, 0.7).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 0.7).unwrap();
     let heights = rough(n, 7);
     for boundary in [Boundary::Free, PERIODIC] {
         let half_space = HalfSpace::new(grid, 2.0, boundary).unwrap();
@@ -336,7 +310,7 @@ fn the_stiffness_equals_dense_algebra() {
 #[test]
 fn the_stiffness_is_the_slope_of_load_over_approach() {
     let n = 64;
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let heights = rough(n, 11);
     for (boundary, hardness_pa) in
         [(Boundary::Free, None), (Boundary::Free, Some(0.5)), (PERIODIC, None), (PERIODIC, Some(0.5))]
@@ -362,7 +336,7 @@ fn the_stiffness_of_a_rough_contact_grows_with_its_load() {
     // Lett. 106 (2011) 204301, https://doi.org/10.1103/PhysRevLett.106.204301), within the variability of one small
     // map.
     let n = 256;
-    let half_space = HalfSpace::new(Grid::covering(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
+    let half_space = HalfSpace::new(Grid::with_size(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
     let heights = rough(n, 1);
     let rms_height_m = heights.mapv(|z| z * z).mean().unwrap().sqrt();
     for pascal in [0.002, 0.008, 0.03] {
@@ -377,7 +351,7 @@ fn the_stiffness_of_a_rough_contact_grows_with_its_load() {
 #[test]
 fn complete_contact_has_infinite_stiffness_and_no_contact_has_none() {
     let n = 64;
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, PERIODIC).unwrap();
     let heights = rough(n, 2);
     let at = |half_space: &HalfSpace, control, hardness| solved(&heights, half_space, control, hardness);
@@ -407,21 +381,21 @@ fn complete_contact_has_infinite_stiffness_and_no_contact_has_none() {
     let ratio = stiffness(&free, &complete).newton_per_m / (2.0 / PI.sqrt());
     println!("square: {ratio:.4}");
     assert!((ratio / 1.012 - 1.0).abs() < 0.01, "{ratio}");
-    let other = HalfSpace::new(Grid::covering(32, 64, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
+    let other = HalfSpace::new(Grid::with_size(32, 64, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
     let error = StiffnessSolver::default().solve(&other, &complete).unwrap_err();
     assert_eq!(error, ContactError::Shape { rows: 64, columns: 64, ny: 64, nx: 32 });
     let useless = StiffnessSolver { tolerance: 0.0, ..StiffnessSolver::default() };
     assert!(matches!(useless.solve(&free, &complete), Err(ContactError::Parameter { parameter: "tolerance", .. })));
     let hasty = StiffnessSolver { max_iterations: 1, ..StiffnessSolver::default() };
     assert!(!hasty.solve(&free, &complete).unwrap().converged);
-    let stopped = StiffnessSolver::default().solve_with(&free, &complete, &Stop).unwrap();
+    let stopped = StiffnessSolver::default().solve_with(&free, &complete, &AlwaysCancelled).unwrap();
     assert!(!stopped.converged && stopped.iterations == 0);
 }
 
 #[test]
 fn two_spheres_touch_like_one_of_their_combined_curvature() {
     let (n, side) = (128, 0.25);
-    let grid = Grid::covering(n, n, side, side).unwrap();
+    let grid = Grid::with_size(n, n, side, side).unwrap();
     let (lower_radius, upper_radius) = (1.5, 3.0);
     // The upper summit is off the middle, so its position over the lower one depends on the orientation.
     let shift = 8.0 * grid.dx_m();
@@ -461,7 +435,7 @@ fn two_spheres_touch_like_one_of_their_combined_curvature() {
 #[test]
 fn a_map_and_its_cast_conform_completely() {
     let n = 32;
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let map = HeightMap::new(grid, rough(n, 1)).unwrap();
     // A cast has valleys in place of summits and, seen from outside, its right on the left.
     let cast = Array2::from_shape_fn((n, n), |(row, column)| -map.heights_m()[[row, n - 1 - column]]);

@@ -1,17 +1,17 @@
 //! The contact solver against closed forms and against dense algebra.
 
 use std::f64::consts::PI;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asperity_base::fourier::{RealFft2, signed_index};
 use asperity_base::map::{Grid, HeightMap};
-use asperity_base::monitor::{Monitor, Silent};
+use asperity_base::monitor::Silent;
 use asperity_base::random;
 use asperity_contact::exact::{Hertz, Westergaard, persson_contact_fraction};
 use asperity_contact::{
     Base, Boundary, ContactError, Control, Elastic, HalfSpace, Layer, Problem, Solution, Solver, StopReason, Substrate,
     Workspace, love_coefficient,
 };
+use asperity_testing::{CancelAfter, self_affine};
 use ndarray::Array2;
 
 fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
@@ -23,28 +23,12 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
 
 /// Returns a paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
 fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
-    let centre = 0.5 * side_m + offset * grid.dx_m();
-    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - centre).powi(2) + (y - centre).powi(2))).unwrap();
-    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
+    let (grid, heights_m) = asperity_testing::paraboloid(n, side_m, offset);
+    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), heights_m)
 }
 
-/// Returns a random map whose spectrum falls as q^{-2(1+hurst)} beyond a roll-off.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
-    let fft = RealFft2::new(n, n);
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    let white = random::standard_normal(&mut random::stream(5, "rough", sample), n * n);
-    fft.forward(&white, &mut spectrum, &mut work);
-    for kx in 0..fft.stored_kx() {
-        for ky in 0..n {
-            let q = (kx as f64).hypot(signed_index(ky, n));
-            let amplitude = if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(3.0).powf(-1.8) };
-            spectrum[kx * n + ky] *= amplitude;
-        }
-    }
-    let mut heights = vec![0.0; n * n];
-    fft.inverse(&mut spectrum, &mut heights, &mut work);
-    Array2::from_shape_vec((n, n), heights).unwrap()
+    self_affine(n, 3.0, &mut random::stream(5, "rough", sample))
 }
 
 #[test]
@@ -157,7 +141,7 @@ fn one_wave_has_the_westergaard_width() {
 #[test]
 fn a_double_sinusoid_has_its_small_load_and_near_full_limits() {
     let (n, h) = (256, 0.01);
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let map = HeightMap::from_function(grid, |x, y| h * (2.0 * PI * x).cos() * (2.0 * PI * y).cos()).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
     let full = 2.0_f64.sqrt() * PI * h;
@@ -328,29 +312,6 @@ fn rms_slope(heights: &Array2<f64>) -> f64 {
     (sum / heights.len() as f64).sqrt()
 }
 
-/// A monitor that cancels at the nth query and counts progress reports.
-struct Impatient {
-    patience: AtomicUsize,
-    done: AtomicUsize,
-}
-
-impl Impatient {
-    fn after(patience: usize) -> Self {
-        Self { patience: AtomicUsize::new(patience), done: AtomicUsize::new(0) }
-    }
-}
-
-impl Monitor for Impatient {
-    fn progress(&self, _what: &str, _done: usize, _total: usize) {
-        self.done.fetch_add(1, Ordering::Relaxed);
-    }
-
-    fn cancelled(&self) -> bool {
-        let left = self.patience.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_sub(1)));
-        left == Ok(0)
-    }
-}
-
 #[test]
 fn a_cancelled_solve_reports_it_and_returns_its_state() {
     let n = 64;
@@ -363,7 +324,7 @@ fn a_cancelled_solve_reports_it_and_returns_its_state() {
     let other = HalfSpace::new(half_space.grid(), 1.0, periodic).unwrap();
     let problem = Problem::new(&other, &heights, Control::MeanGap { metre }, Some(10.0 * pascal)).unwrap();
     for patience in [3, 8, 14] {
-        let watch = Impatient::after(patience);
+        let watch = CancelAfter::new(patience);
         let solution = Solver::default().solve_from(&problem, None, &mut other.workspace(), &watch).unwrap();
         assert_eq!(solution.stop_reason(), StopReason::Cancelled);
         assert!(solution.load_n() > 0.0, "after {patience} questions");
@@ -372,7 +333,7 @@ fn a_cancelled_solve_reports_it_and_returns_its_state() {
     {
         let problem = Problem::new(&half_space, &heights, control, None).unwrap();
         let solution =
-            Solver::default().solve_from(&problem, None, &mut half_space.workspace(), &Impatient::after(3)).unwrap();
+            Solver::default().solve_from(&problem, None, &mut half_space.workspace(), &CancelAfter::new(3)).unwrap();
         assert_eq!(solution.stop_reason(), StopReason::Cancelled, "{control:?}");
         assert!(!solution.converged() && solution.pressure_pa().iter().all(|p| *p >= 0.0 && p.is_finite()));
         if control == (Control::MeanPressure { pascal }) {
@@ -482,7 +443,7 @@ fn a_rigid_plastic_solid_under_load_yields_at_its_highest_points() {
 #[test]
 fn rough_contact_lies_between_persson_and_the_asperity_models() {
     let n = 256;
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
     let heights = rough(n, 20);
     let mut slope2 = 0.0;
@@ -509,7 +470,7 @@ fn a_large_map_is_solved_equally_on_any_number_of_threads_and_by_another_operato
     // Enough cells for the solver to use several threads, in rows that do not fill the last slab.
     let n = 270;
     let heights = rough(n, 3);
-    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(n, n, 1.0, 1.0).unwrap();
     for (boundary, control, hardness_pa) in [
         (Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }, Control::MeanPressure { pascal: 0.02 }, None),
         (Boundary::Free, Control::Percentile { percent: 10.0 }, Some(0.3)),

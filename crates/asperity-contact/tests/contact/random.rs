@@ -1,31 +1,12 @@
 //! The contact solver on random problems; each solution is checked from its pressure alone.
 
-use asperity_base::fourier::{RealFft2, signed_index};
 use asperity_base::map::Grid;
 use asperity_base::random;
 use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, StopReason};
+use asperity_testing::{Choices, filtered_noise};
 use ndarray::Array2;
-use rand::RngExt;
 
 use crate::contact_check::{Operator, energy, evaluate};
-
-/// A generator of uniform choices.
-struct Draw(random::Stream);
-
-impl Draw {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.random::<f64>()
-    }
-
-    /// Draws a number uniform in the logarithm between 10^low and 10^high.
-    fn decades(&mut self, low: f64, high: f64) -> f64 {
-        10.0_f64.powf(self.between(low, high))
-    }
-
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[(self.0.random::<f64>() * choices.len() as f64) as usize]
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
@@ -56,33 +37,19 @@ const KINDS: [Kind; 11] = [
     Kind::Pit,
 ];
 
-/// Returns white noise whose amplitude at `cycles` per longer side is multiplied by `filter(cycles)`.
-fn filtered(draw: &mut Draw, grid: Grid, filter: impl Fn(f64) -> f64) -> Vec<f64> {
-    let fft = RealFft2::new(grid.nx(), grid.ny());
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    let mut map = random::standard_normal(&mut draw.0, grid.points());
-    fft.forward(&map, &mut spectrum, &mut work);
-    let longest = grid.width_m().max(grid.height_m());
-    for (i, value) in spectrum.iter_mut().enumerate() {
-        let wave_x = (i / grid.ny()) as f64 / grid.width_m();
-        let wave_y = signed_index(i % grid.ny(), grid.ny()) / grid.height_m();
-        *value *= if i == 0 { 0.0 } else { filter(longest * wave_x.hypot(wave_y)) };
-    }
-    fft.inverse(&mut spectrum, &mut map, &mut work);
-    map
-}
-
 /// Returns heights of unit standard deviation.
-fn surface(draw: &mut Draw, kind: Kind, grid: Grid) -> Array2<f64> {
+fn surface(choices: &mut Choices, kind: Kind, grid: Grid) -> Array2<f64> {
     let (nx, ny) = (grid.nx(), grid.ny());
-    let (x0, y0, waves) = (draw.between(0.2, 0.8), draw.between(0.2, 0.8), draw.one_of(&[1.0, 2.0, 5.0]));
-    let hurst = draw.between(0.3, 0.9);
+    let (x0, y0, waves) = (choices.between(0.2, 0.8), choices.between(0.2, 0.8), choices.one_of(&[1.0, 2.0, 5.0]));
+    let hurst = choices.between(0.3, 0.9);
     let at = |i: usize| ((i % nx) as f64 / nx as f64, (i / nx) as f64 / ny as f64);
     let bump = |i: usize| -((at(i).0 - x0).powi(2) + (at(i).1 - y0).powi(2));
-    let white = random::standard_normal(&mut draw.0, grid.points());
+    let white = random::standard_normal(&mut choices.stream, grid.points());
     let mut z: Vec<f64> = match kind {
-        Kind::SelfAffine => filtered(draw, grid, |q| q.max(2.0).powf(-1.0 - hurst)),
-        Kind::Gaussian => filtered(draw, grid, |q| (-(q / 12.0).powi(2)).exp()),
+        Kind::SelfAffine => {
+            filtered_noise(grid, &mut choices.stream, |qx, qy| qx.hypot(qy).max(2.0).powf(-1.0 - hurst))
+        }
+        Kind::Gaussian => filtered_noise(grid, &mut choices.stream, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
         Kind::Bump => (0..grid.points()).map(bump).collect(),
         Kind::RoughBump => (0..grid.points()).map(|i| bump(i) + 0.02 * white[i]).collect(),
         Kind::Sinusoid => {
@@ -121,28 +88,29 @@ const SIZES: [(usize, usize); 16] = [
 ];
 
 /// Returns a half-space, heights, control and hardness. Lengths, heights and moduli have different scales.
-fn random_problem(draw: &mut Draw, kind: Kind) -> (HalfSpace, Array2<f64>, Control, Option<f64>) {
-    let (nx, ny) = draw.one_of(&SIZES);
-    let aspect = draw.one_of(&[1.0, 1.0, 1.0, 2.0, 0.3, 8.0, 64.0, 1.0 / 64.0]);
-    let (pitch, modulus, rms) = (draw.decades(-7.0, 0.0), draw.decades(0.0, 12.0), draw.decades(-9.0, 1.0));
+fn random_problem(choices: &mut Choices, kind: Kind) -> (HalfSpace, Array2<f64>, Control, Option<f64>) {
+    let (nx, ny) = choices.one_of(&SIZES);
+    let aspect = choices.one_of(&[1.0, 1.0, 1.0, 2.0, 0.3, 8.0, 64.0, 1.0 / 64.0]);
+    let (pitch, modulus, rms) = (choices.decades(-7.0, 0.0), choices.decades(0.0, 12.0), choices.decades(-9.0, 1.0));
     let grid = Grid::new(nx, ny, pitch, pitch * aspect).unwrap();
-    let offset = draw.one_of(&[0.0, 0.0, 1.0, -1e3]);
-    let heights = surface(draw, kind, grid).mapv(|z| rms * (z + offset));
+    let offset = choices.one_of(&[0.0, 0.0, 1.0, -1e3]);
+    let heights = surface(choices, kind, grid).mapv(|z| rms * (z + offset));
     // Approximate pressure that flattens a wave with the surface's curvature.
     let full = modulus * rms / grid.dx_m().min(grid.dy_m()) / 8.0;
-    let free = draw.one_of(&[true, false]);
-    let control = match draw.one_of(&[0, 0, 0, 1, 2, 3, 4]) {
-        0 => Control::MeanPressure { pascal: full * draw.decades(-4.0, 0.5) },
-        1 => Control::Load { newton: full * draw.decades(-3.0, 0.0) * grid.area_m2() },
-        2 => Control::Penetration { metre: rms * draw.decades(-2.0, 0.7) },
-        3 => Control::Percentile { percent: draw.between(0.1, 80.0) },
-        _ => Control::MeanGap { metre: rms * draw.decades(-2.0, 0.6) },
+    let free = choices.one_of(&[true, false]);
+    let control = match choices.one_of(&[0, 0, 0, 1, 2, 3, 4]) {
+        0 => Control::MeanPressure { pascal: full * choices.decades(-4.0, 0.5) },
+        1 => Control::Load { newton: full * choices.decades(-3.0, 0.0) * grid.area_m2() },
+        2 => Control::Penetration { metre: rms * choices.decades(-2.0, 0.7) },
+        3 => Control::Percentile { percent: choices.between(0.1, 80.0) },
+        _ => Control::MeanGap { metre: rms * choices.decades(-2.0, 0.6) },
     };
     let boundary = if free {
         Boundary::Free
     } else {
         let usual = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus);
-        let ratio = if control.prescribes_plane() { draw.decades(-2.0, 2.0) } else { draw.one_of(&[0.0, 0.0, 1.0]) };
+        let ratio =
+            if control.prescribes_plane() { choices.decades(-2.0, 2.0) } else { choices.one_of(&[0.0, 0.0, 1.0]) };
         Boundary::Periodic { mean_compliance_m_per_pa: ratio * usual }
     };
     let mean = match control {
@@ -150,10 +118,10 @@ fn random_problem(draw: &mut Draw, kind: Kind) -> (HalfSpace, Array2<f64>, Contr
         Control::Load { newton } => Some(newton / grid.area_m2()),
         _ => None,
     };
-    let hardness = match (draw.one_of(&[0, 0, 1]), mean) {
+    let hardness = match (choices.one_of(&[0, 0, 1]), mean) {
         (0, _) => None,
-        (_, Some(mean)) => Some(mean * (1.0 + draw.decades(-6.0, 4.0))),
-        (_, None) => Some(full * draw.decades(-5.0, 2.0)),
+        (_, Some(mean)) => Some(mean * (1.0 + choices.decades(-6.0, 4.0))),
+        (_, None) => Some(full * choices.decades(-5.0, 2.0)),
     };
     (HalfSpace::new(grid, modulus, boundary).unwrap(), heights, control, hardness)
 }
@@ -165,9 +133,9 @@ fn solve_random(
     solver: Solver,
     check: impl FnOnce(&Problem<'_>, &Solution, &Operator, &str),
 ) {
-    let mut draw = Draw(random::stream(11, stage, sample));
+    let mut choices = Choices::new(11, stage, sample);
     let kind = KINDS[sample as usize % KINDS.len()];
-    let (half_space, heights, control, hardness) = random_problem(&mut draw, kind);
+    let (half_space, heights, control, hardness) = random_problem(&mut choices, kind);
     let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
     let solution = solver.solve(&problem).unwrap();
     let operator = Operator::new(half_space.grid(), half_space.modulus_pa(), half_space.boundary());
@@ -235,31 +203,31 @@ fn reported_convergence_is_correct_even_if_rounding_prevents_it() {
     // solver may give up and must then report it.
     let mut stops = [0_usize; 3];
     for sample in 0..220 {
-        let mut draw = Draw(random::stream(12, "extreme", sample));
+        let mut choices = Choices::new(12, "extreme", sample);
         let kind = KINDS[sample as usize % KINDS.len()];
-        let (nx, ny) = draw.one_of(&[(8, 8), (9, 15), (32, 16), (64, 4)]);
-        let grid = Grid::new(nx, ny, 1.0, draw.one_of(&[1.0, 64.0])).unwrap();
-        let offset = draw.one_of(&[0.0, 1e6, 1e12]);
-        let heights = surface(&mut draw, kind, grid).mapv(|z| z + offset);
-        let control = match draw.one_of(&[0, 1, 2]) {
-            0 => Control::MeanPressure { pascal: draw.decades(-20.0, 14.0) },
-            1 => Control::Penetration { metre: draw.decades(-14.0, 14.0) },
-            _ => Control::MeanGap { metre: draw.decades(-18.0, 14.0) },
+        let (nx, ny) = choices.one_of(&[(8, 8), (9, 15), (32, 16), (64, 4)]);
+        let grid = Grid::new(nx, ny, 1.0, choices.one_of(&[1.0, 64.0])).unwrap();
+        let offset = choices.one_of(&[0.0, 1e6, 1e12]);
+        let heights = surface(&mut choices, kind, grid).mapv(|z| z + offset);
+        let control = match choices.one_of(&[0, 1, 2]) {
+            0 => Control::MeanPressure { pascal: choices.decades(-20.0, 14.0) },
+            1 => Control::Penetration { metre: choices.decades(-14.0, 14.0) },
+            _ => Control::MeanGap { metre: choices.decades(-18.0, 14.0) },
         };
-        let boundary = match draw.one_of(&[true, false]) {
+        let boundary = match choices.one_of(&[true, false]) {
             true => Boundary::Free,
-            false => Boundary::Periodic { mean_compliance_m_per_pa: draw.decades(-12.0, 12.0) },
+            false => Boundary::Periodic { mean_compliance_m_per_pa: choices.decades(-12.0, 12.0) },
         };
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
-        let hardness = match (draw.one_of(&[true, false]), control) {
+        let hardness = match (choices.one_of(&[true, false]), control) {
             (true, _) => None,
-            (false, Control::MeanPressure { pascal }) => Some(pascal * (1.0 + draw.decades(-15.0, 15.0))),
-            (false, _) => Some(draw.decades(-15.0, 15.0)),
+            (false, Control::MeanPressure { pascal }) => Some(pascal * (1.0 + choices.decades(-15.0, 15.0))),
+            (false, _) => Some(choices.decades(-15.0, 15.0)),
         };
         let Ok(problem) = Problem::new(&half_space, &heights, control, hardness) else {
             continue;
         };
-        let tolerance = draw.one_of(&[1e-6, 1e-10, 1e-16]);
+        let tolerance = choices.one_of(&[1e-6, 1e-10, 1e-16]);
         let solution = Solver { tolerance, max_iterations: 400 }.solve(&problem).unwrap();
         let name = format!("{sample}: {kind:?} {boundary:?} {control:?} H {hardness:?} offset {offset}, {solution:?}");
         let upper = hardness.unwrap_or(f64::INFINITY);
@@ -287,8 +255,9 @@ fn reported_convergence_is_correct_even_if_rounding_prevents_it() {
 #[test]
 fn scaling_by_powers_of_two_changes_only_exponents() {
     for sample in 0..66 {
-        let mut draw = Draw(random::stream(13, "units", sample));
-        let (half_space, heights, control, hardness) = random_problem(&mut draw, KINDS[sample as usize % KINDS.len()]);
+        let mut choices = Choices::new(13, "units", sample);
+        let (half_space, heights, control, hardness) =
+            random_problem(&mut choices, KINDS[sample as usize % KINDS.len()]);
         let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
         let solution = Solver::default().solve(&problem).unwrap();
         // Heights times s, lengths times l, moduli times t: pressures scale as ts/l.
@@ -327,8 +296,9 @@ fn mirrored_transposed_and_shifted_surfaces_have_the_same_contact() {
     let tolerance = 1e-11;
     let solver = Solver { tolerance, max_iterations: 2000 };
     for sample in 0..33 {
-        let mut draw = Draw(random::stream(14, "symmetry", sample));
-        let (half_space, heights, control, hardness) = random_problem(&mut draw, KINDS[sample as usize % KINDS.len()]);
+        let mut choices = Choices::new(14, "symmetry", sample);
+        let (half_space, heights, control, hardness) =
+            random_problem(&mut choices, KINDS[sample as usize % KINDS.len()]);
         let solve = |half_space: &HalfSpace, heights: &Array2<f64>| {
             let problem = Problem::new(half_space, heights, control, hardness).unwrap();
             solver.solve(&problem).unwrap()
@@ -365,7 +335,7 @@ fn mirrored_transposed_and_shifted_surfaces_have_the_same_contact() {
 fn a_contact_without_elastic_cells_is_solved() {
     // The load is that of exactly k cells at the hardness on a rigid-plastic solid, so no cell is between the bounds.
     let grid = Grid::new(16, 16, 1.0, 1.0).unwrap();
-    let heights = surface(&mut Draw(random::stream(15, "plastic", 0)), Kind::WhiteNoise, grid);
+    let heights = surface(&mut Choices::new(15, "plastic", 0), Kind::WhiteNoise, grid);
     let mut sorted: Vec<f64> = heights.iter().copied().collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
     let hardness = 2.0_f64.powi(-40);
@@ -401,7 +371,7 @@ fn a_contact_without_elastic_cells_is_solved() {
 #[test]
 fn a_tolerance_or_a_gap_below_rounding_stops_at_the_precision_limit() {
     let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
-    let heights = surface(&mut Draw(random::stream(16, "precision", 0)), Kind::SelfAffine, grid);
+    let heights = surface(&mut Choices::new(16, "precision", 0), Kind::SelfAffine, grid);
     for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }] {
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
         for hardness in [None, Some(2.0)] {
@@ -425,7 +395,7 @@ fn a_tolerance_or_a_gap_below_rounding_stops_at_the_precision_limit() {
 #[test]
 fn a_mean_gap_above_the_highest_point_is_reached_without_contact() {
     let grid = Grid::new(12, 9, 1.0, 1.0).unwrap();
-    let heights = surface(&mut Draw(random::stream(17, "gap", 0)), Kind::WhiteNoise, grid).mapv(|z| z + 100.0);
+    let heights = surface(&mut Choices::new(17, "gap", 0), Kind::WhiteNoise, grid).mapv(|z| z + 100.0);
     let mean = heights.sum() / heights.len() as f64;
     for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 1.0 }] {
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();

@@ -41,7 +41,7 @@ fn compare(folder: &Path, case: &Value) -> bool {
     let name = case["case"].as_str().unwrap();
     let heights = map(folder, &case["surface"]);
     let n = heights.nrows();
-    let grid = Grid::covering(n, n, number("L"), number("L")).unwrap();
+    let grid = Grid::with_size(n, n, number("L"), number("L")).unwrap();
     let boundary = match case["bc"].as_str().unwrap() {
         "free" => Boundary::Free,
         _ => Boundary::Periodic { mean_compliance_m_per_pa: 0.0 },

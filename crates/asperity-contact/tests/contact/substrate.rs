@@ -2,13 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_base::fourier::{RealFft2, signed_index};
-use asperity_base::map::{Grid, HeightMap};
+use asperity_base::map::Grid;
 use asperity_base::random;
 use asperity_contact::exact::Hertz;
 use asperity_contact::{
     Base, Boundary, Control, Elastic, HalfSpace, Layer, Problem, Solution, Solver, StopReason, Substrate,
 };
+use asperity_testing::{paraboloid, self_affine};
 use ndarray::Array2;
 
 const PERIODIC: Boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
@@ -34,29 +34,8 @@ fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hard
     solution
 }
 
-/// Returns a paraboloid of radius 1 in the middle of a square.
-fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
-    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
-    let c = 0.5 * side_m;
-    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - c).powi(2) + (y - c).powi(2))).unwrap();
-    (grid, map.heights_m().clone())
-}
-
-/// Returns a random map whose spectrum falls as q^{-3.6} beyond a roll-off.
 fn rough(n: usize, sample: u64) -> Array2<f64> {
-    let fft = RealFft2::new(n, n);
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    let white = random::standard_normal(&mut random::stream(5, "layers", sample), n * n);
-    fft.forward(&white, &mut spectrum, &mut work);
-    for kx in 0..fft.stored_kx() {
-        for ky in 0..n {
-            let q = (kx as f64).hypot(signed_index(ky, n));
-            spectrum[kx * n + ky] *= if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(3.0).powf(-1.8) };
-        }
-    }
-    let mut heights = vec![0.0; n * n];
-    fft.inverse(&mut spectrum, &mut heights, &mut work);
-    Array2::from_shape_vec((n, n), heights).unwrap()
+    self_affine(n, 3.0, &mut random::stream(5, "layers", sample))
 }
 
 #[test]
@@ -232,7 +211,7 @@ fn rough_contacts_on_layers_have_small_residuals() {
 fn a_thick_layer_has_the_contact_of_hertz() {
     let delta = 0.01;
     let radius = f64::sqrt(delta);
-    let (grid, heights) = paraboloid(128, 2.5 * radius);
+    let (grid, heights) = paraboloid(128, 2.5 * radius, 0.0);
     let load_n = Hertz::load_n(1.0 / 0.91, 1.0, delta);
     let plain = solve(
         &heights,
@@ -259,7 +238,7 @@ fn a_thin_layer_is_a_bed_of_springs() {
     // p = M(δ − r²/2R)/h with M = E(1−ν)/((1+ν)(1−2ν)): F = πMRδ²/h (Johnson, Contact Mechanics, §5.8).
     let delta = 0.01;
     let a = f64::sqrt(2.0 * delta);
-    let (grid, heights) = paraboloid(128, 2.4 * a);
+    let (grid, heights) = paraboloid(128, 2.4 * a, 0.0);
     let plane = Control::Plane { height_m: -delta };
     let errors = [0.1, 0.05, 0.025].map(|ratio| {
         let substrate = layer(ratio * a, 0.2, Base::Rigid);

@@ -68,7 +68,7 @@ mod tests {
     /// Returns uniform numbers in (0, 1).
     fn uniform(count: usize, run: u64) -> Vec<f64> {
         let xi = random::standard_normal(&mut random::stream(5, "heavy tail", run), count);
-        xi.iter().map(|xi| asperity_base::law::standard_normal_cdf(*xi)).collect()
+        xi.iter().map(|xi| asperity_base::distribution::standard_normal_cdf(*xi)).collect()
     }
 
     #[test]

@@ -11,7 +11,7 @@
 
 use std::convert::Infallible;
 
-use asperity_base::law::fit::{Family, Fit};
+use asperity_base::distribution::fit::{Family, Fit};
 use asperity_base::numeric::{bisect, golden_section};
 use asperity_base::stats::{Interval, NORMAL_95, correlation_time, quantile_sorted, sorted_present};
 
@@ -118,12 +118,12 @@ impl Tail {
         });
         let distributions = fits.iter().map(|fit| {
             // The ratio of clusters above x to clusters above the threshold equals the same ratio of windows.
-            let clusters = |x: f64| clusters_per_m * fit.law.survival(x) / fraction;
+            let clusters = |x: f64| clusters_per_m * fit.marginal.survival(x) / fraction;
             DistributionTail {
                 family: fit.family,
                 larger: -(-clusters(largest) * distance_m / alike).exp_m1(),
                 return_levels: distances()
-                    .map(|distance_m| fit.law.quantile(1.0 - fraction / (clusters_per_m * distance_m)))
+                    .map(|distance_m| fit.marginal.quantile(1.0 - fraction / (clusters_per_m * distance_m)))
                     .collect(),
             }
         });
@@ -290,13 +290,13 @@ fn maximum(f: impl Fn(f64) -> f64, [low, high]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::law::Marginal;
+    use asperity_base::distribution::Marginal;
     use asperity_base::random;
 
     /// Returns independent values with a tail of shape ξ: (U^{−ξ} − 1)/ξ.
     fn pareto(shape: f64, n: usize, run: u64) -> Vec<f64> {
         let xi = random::standard_normal(&mut random::stream(23, "tail", run), n);
-        let exponential = |g: &f64| -asperity_base::law::standard_normal_cdf(*g).ln();
+        let exponential = |g: &f64| -asperity_base::distribution::standard_normal_cdf(*g).ln();
         xi.iter().map(exponential).map(|e| if shape == 0.0 { e } else { (shape * e).exp_m1() / shape }).collect()
     }
 
@@ -338,13 +338,13 @@ mod tests {
     fn a_correct_distribution_expects_the_largest_value_and_a_lighter_one_does_not() {
         let values = pareto(0.3, 4000, 1);
         let records: Vec<&[f64]> = values.chunks(1000).collect();
-        let fit = |law: Marginal| Fit {
+        let fit = |marginal: Marginal| Fit {
             family: Family::Normal,
-            law,
+            marginal,
             n: 4000,
             log_likelihood: 0.0,
-            low_end: asperity_base::law::fit::End::Given,
-            high_end: asperity_base::law::fit::End::Given,
+            low_end: asperity_base::distribution::fit::End::Given,
+            high_end: asperity_base::distribution::fit::End::Given,
         };
         // For the true distribution the number of values above the threshold is as observed. The normal distribution of
         // the same mean and standard deviation has almost no values as large as the largest.

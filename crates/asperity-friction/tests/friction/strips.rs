@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use asperity_base::correlation::{CorrelationModel, Covariance, RecordCorrelation};
-use asperity_base::law::Marginal;
-use asperity_base::law::fit::Family;
+use asperity_base::distribution::Marginal;
+use asperity_base::distribution::fit::Family;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::Silent;
 use asperity_base::random;
@@ -18,6 +18,7 @@ use asperity_friction::window::{Window, WindowContact, WindowError};
 use asperity_friction::window_study::WindowStudy;
 use asperity_friction::{FrictionError, StripSums};
 use asperity_surface::{RandomSurface, SpectralField};
+use asperity_testing::autoregressive;
 use ndarray::Array2;
 
 const MODULUS_PA: f64 = 230e9;
@@ -358,10 +359,7 @@ fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
     let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
     let phi = (-0.1_f64).exp();
     let strip = |strip: usize| {
-        let mut g = random::standard_normal(&mut random::stream(seed, "beta strips", strip as u64), steps);
-        for t in 1..steps {
-            g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
-        }
+        let g = autoregressive(phi, steps, &mut random::stream(seed, "beta strips", strip as u64));
         let friction: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
         record(friction, vec![1.0; steps])
     };
@@ -393,8 +391,10 @@ fn statistics_of_a_simulated_process_are_recovered() {
         assert!(estimate.interval.contains(estimate.value));
     }
     let (place, beta) = (found.marginals.place().unwrap(), found.beta.as_ref().unwrap());
-    println!("{} {:?}", found.marginal().unwrap().law, found.marginals.goodness[place]);
-    assert!((beta.law.mean() / law.mean() - 1.0).abs() < 0.01 && (beta.law.std() / law.std() - 1.0).abs() < 0.05);
+    println!("{} {:?}", found.marginal().unwrap().marginal, found.marginals.goodness[place]);
+    assert!(
+        (beta.marginal.mean() / law.mean() - 1.0).abs() < 0.01 && (beta.marginal.std() / law.std() - 1.0).abs() < 0.05
+    );
     assert_eq!(found.parameters.len(), found.marginals.fits.len());
     let normal = found.marginals.fits.iter().position(|fit| fit.family == Family::Normal).unwrap();
     let p = |place: usize| found.marginals.goodness[place].anderson_darling.unwrap().p_value;
@@ -430,7 +430,7 @@ fn the_standard_error_at_the_mean_load_agrees_with_a_jackknife_over_strips() {
         Record::at_mean_load(&kept).0
     };
     let left: Vec<f64> = (0..40).map(without).collect();
-    let jackknife = Moments::of(&left).std * 39.0_f64.sqrt();
+    let jackknife = Moments::new(&left).std * 39.0_f64.sqrt();
     // Each standard error is accurate to 1/√(2·40), the quotient to √2 times that.
     assert!((found.standard_error / jackknife).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{found:?} {jackknife}");
     // For ΣF/ΣN, loads determine half of the force. The quotients themselves vary far more.

@@ -4,11 +4,11 @@ use asperity_base::correlation::{
     LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordModel, Stationarity, WindowedRecords,
     cross_correlation, fit_length, fit_record, fitted_length_interval, rank_lengths, record_spectrum,
 };
-use asperity_base::law::Marginal;
-use asperity_base::law::fit::{Family, fit};
-use asperity_base::law::goodness::ProcessNull;
+use asperity_base::distribution::Marginal;
+use asperity_base::distribution::fit::{Family, fit};
+use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::random;
-use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
+use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, fraction_above};
 use asperity_friction::statistics::FrictionStatistics;
 use asperity_friction::strip::Record;
 
@@ -66,7 +66,7 @@ fn same_estimate(a: Option<Estimate>, b: Option<Estimate>, what: &str) {
 }
 
 fn layout(periodic: bool) -> Layout {
-    Layout { periodic, lanes: TRACKS }
+    Layout { periodic, tracks: TRACKS }
 }
 
 #[test]
@@ -74,14 +74,14 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
     for (strips, periodic) in [(1, false), (4, true), (24, false)] {
         let (single, copies) = copied(strips, 2400 / strips, strips as u64);
         let (single, copies) = (views(&single), views(&copies));
-        let (a, b) = (ProcessMoments::of(&single, periodic), ProcessMoments::of(&copies, layout(periodic)));
+        let (a, b) = (ProcessMoments::new(&single, periodic), ProcessMoments::new(&copies, layout(periodic)));
         same_estimate(a.mean, b.mean, "mean");
         same_estimate(a.std, b.std, "std");
         same_estimate(a.coefficient_of_variation, b.coefficient_of_variation, "CoV");
         same_estimate(a.skewness, b.skewness, "skewness");
         same_estimate(a.excess_kurtosis, b.excess_kurtosis, "kurtosis");
         close(a.effective_size, b.effective_size, "effective size");
-        let share = |records: &[&[f64]], layout: Layout| share_above(records, 0.5, layout).1;
+        let share = |records: &[&[f64]], layout: Layout| fraction_above(records, 0.5, layout).1;
         same_estimate(share(&single, periodic.into()), share(&copies, layout(periodic)), "share");
         let family = Family::Beta { low: 0.0, high: 1.0 };
         let parameters =
@@ -101,7 +101,7 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
             cross_correlation(&pairs, tracks, 1.0, 0).unwrap().interval
         };
         same(cross(&single, 1), cross(&copies, TRACKS), "cross-correlation");
-        let (a, b) = (Stationarity::of(&single, 1, 1.0).unwrap(), Stationarity::of(&copies, TRACKS, 1.0).unwrap());
+        let (a, b) = (Stationarity::new(&single, 1, 1.0).unwrap(), Stationarity::new(&copies, TRACKS, 1.0).unwrap());
         close(a.trend.p_value, b.trend.p_value, "trend");
         close(a.variance_change.p_value, b.variance_change.p_value, "variance");
         let spectrum =
@@ -115,7 +115,7 @@ fn copies_side_by_side_have_the_statistics_of_one_of_them() {
 }
 
 fn length(records: &[Vec<f64>], tracks: usize, ends: RecordEnds) -> LengthFit {
-    let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: tracks, records: views(records) };
+    let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks, records: views(records) };
     fit_length(&[channel], RecordModel::Exponential, LengthSettings { ends, ..LengthSettings::default() }).unwrap()
 }
 
@@ -131,11 +131,10 @@ fn the_length_of_copies_side_by_side_has_the_interval_of_one_of_them() {
         let (a, b) = (length(&single, 1, ends), length(&copies, TRACKS, ends));
         close(a.length_m, b.length_m, "length");
         same(a.interval, b.interval, "length");
-        assert_eq!((a.pieces, a.lanes_alike), (b.pieces, 1.0));
-        close(b.lanes_alike, TRACKS as f64, "lanes alike");
+        assert_eq!((a.pieces, a.track_redundancy), (b.pieces, 1.0));
+        close(b.track_redundancy, TRACKS as f64, "track redundancy");
         let ranked = |records: &[Vec<f64>], tracks: usize| {
-            let channel =
-                WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: tracks, records: views(records) };
+            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks, records: views(records) };
             rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings { ends, ..LengthSettings::default() }).unwrap()
         };
         for (a, b) in ranked(&single, 1).iter().zip(ranked(&copies, TRACKS)) {
@@ -155,8 +154,7 @@ fn independent_tracks_count_as_strips() {
             (0..8 * tracks as u64).map(|index| record("normal:3,1", 400, 5000 + 100 * run + index, false)).collect();
         let first: Vec<Vec<f64>> = all.iter().step_by(tracks).cloned().collect();
         let (one, four) = (views(&first), views(&all));
-        let of =
-            |records: &[&[f64]], tracks: usize| ProcessMoments::of(records, Layout { periodic: false, lanes: tracks });
+        let of = |records: &[&[f64]], tracks: usize| ProcessMoments::new(records, Layout { periodic: false, tracks });
         let (a, b) = (of(&one, 1), of(&four, tracks));
         mean.push(b.mean.unwrap().standard_error / a.mean.unwrap().standard_error);
         std.push(b.std.unwrap().standard_error / a.std.unwrap().standard_error);
@@ -173,7 +171,7 @@ fn independent_tracks_count_as_strips() {
     for (what, ratios, scatter) in [("mean", mean, 0.2), ("std", std, 0.2), ("ℓ", fitted, 0.2), ("curve", curve, 0.3)]
     {
         let logarithms: Vec<f64> = ratios.iter().map(|ratio: &f64| ratio.ln()).collect();
-        let found = Moments::of(&logarithms);
+        let found = Moments::new(&logarithms);
         println!("{what}: {} ± {}", found.mean.exp(), found.std);
         // A standard error from some thirty blocks has an error of 1/√60 = 13 %, a quotient of two 18 %. For jackknives
         // from twenty parts of correlated curves it is some 30 %. The bound is four errors of the mean of 20
@@ -200,7 +198,7 @@ fn the_tail_and_the_distributions_of_copies_equal_those_of_one_of_them() {
     let (single, copies) = copied(20, 1000, 300);
     let statistics = |records: Vec<Vec<f64>>, tracks: usize| {
         let records: Vec<Record> = records.into_iter().map(of_values).collect();
-        FrictionStatistics::new(&records, 1e-3, Layout { periodic: false, lanes: tracks }, 1).unwrap()
+        FrictionStatistics::new(&records, 1e-3, Layout { periodic: false, tracks }, 1).unwrap()
     };
     let (a, b) = (statistics(single, 1), statistics(copies, TRACKS));
     for (a, b) in a.marginals.fits.iter().zip(&b.marginals.fits) {
@@ -237,7 +235,7 @@ fn p_values_of_a_correct_distribution_are_uniform_on_periodic_strips_and_on_copi
                 let of = |strip: usize| record("normal:3,1", n, 100_000 * seed + 100 * run + strip as u64, periodic);
                 let records: Vec<Vec<f64>> = (0..strips).flat_map(|strip| vec![of(strip); tracks]).collect();
                 let values = records.concat();
-                let null = ProcessNull::of(&views(&records), known, 99, run).unwrap();
+                let null = ProcessNull::new(&views(&records), known, 99, run).unwrap();
                 let found = null.goodness(&fit(Family::Normal, &values).unwrap(), &values).unwrap();
                 [found.kolmogorov_smirnov.p_value, found.anderson_darling.unwrap().p_value]
             })
@@ -247,7 +245,7 @@ fn p_values_of_a_correct_distribution_are_uniform_on_periodic_strips_and_on_copi
     // The 99.9 % quantile of Kolmogorov's distribution, plus the step of p-values of 99 draws.
     let allowed = 1.95 / (runs as f64).sqrt() + 0.01;
     let periodic = distances(&p(1, 8, 120, true, 1, true.into()));
-    let copies = distances(&p(2, 6, 200, true, TRACKS, Layout { periodic: true, lanes: TRACKS }));
+    let copies = distances(&p(2, 6, 200, true, TRACKS, Layout { periodic: true, tracks: TRACKS }));
     println!("{periodic:?} {copies:?} of {allowed}");
     assert!(periodic.iter().chain(&copies).all(|distance| *distance < allowed), "{periodic:?} {copies:?}");
     // Copies that count as strips are rejected far too often.

@@ -1,6 +1,6 @@
 //! Transition distribution of the Jacobi diffusion as a spectral sum.
 
-use asperity_base::law::{Marginal, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use asperity_base::distribution::{Marginal, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 
 /// Negative logarithm of the size below which terms are dropped.
 const NEGLIGIBLE: f64 = 39.0;

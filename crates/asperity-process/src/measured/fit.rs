@@ -10,9 +10,9 @@ use crate::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKi
 use asperity_base::correlation::{
     LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
 };
-use asperity_base::law::Marginal;
-use asperity_base::law::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
-use asperity_base::law::goodness::ProcessNull;
+use asperity_base::distribution::Marginal;
+use asperity_base::distribution::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
+use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::stats::{
     Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present,
 };
@@ -129,7 +129,7 @@ fn law(choice: DistributionChoice, values: &[f64], effective_size: f64) -> Resul
         Marginal::empirical(quantiles.collect())?
     } else {
         match (ranking.chosen(), ranking.failed.first()) {
-            (Some(fit), _) => fit.law.clone(),
+            (Some(fit), _) => fit.marginal.clone(),
             (None, Some((_, error))) => return Err(error.clone().into()),
             (None, None) => return Err(MeasuredError::TooFew { present: 0, what: "are there", wanted: 10 }),
         }
@@ -145,27 +145,27 @@ fn correlate(
 ) -> Result<(RecordCorrelation, ObservedLengths), MeasuredError> {
     let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
     let found = RecordCorrelation::estimate(pieces, step_m, longest / 2)?;
-    Ok((found, ObservedLengths::of(pieces, step_m, history)?))
+    Ok((found, ObservedLengths::fit(pieces, step_m, history)?))
 }
 
 /// Returns the standard deviation of the process over the one of the values, which excludes noise and the effect of
 /// averaging.
 fn std_ratio(fit: &LengthFit) -> f64 {
-    let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
+    let window = WindowedModel::new(fit.model, fit.window_m).with_cells(fit.cell_m);
     let left = if fit.length_m > 0.0 { window.covariance(0.0, fit.length_m) } else { 1.0 };
-    ((1.0 - fit.noise_share) / left).sqrt()
+    ((1.0 - fit.noise_fraction) / left).sqrt()
 }
 
 /// Returns moments whose intervals account for the fitted correlation if the record is short.
 fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthFit) -> ProcessMoments {
-    let moments = ProcessMoments::of(pieces, false);
+    let moments = ProcessMoments::new(pieces, false);
     let lengths = moments.moments.n as f64 * step_m / fit.length_m;
     // A filter that removes slow waves changes the correlation.
     if moments.mean.is_some() && lengths > SHORT || history.band.high_pass_m.is_some() || fit.length_m == 0.0 {
         return moments;
     }
-    let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
-    let fraction = 1.0 - fit.noise_share;
+    let window = WindowedModel::new(fit.model, fit.window_m).with_cells(fit.cell_m);
+    let fraction = 1.0 - fit.noise_fraction;
     let rho = |lag: usize| match lag {
         0 => 1.0,
         _ => fraction * window.correlation(lag as f64 * step_m, fit.length_m),
@@ -187,12 +187,12 @@ impl FittedRecord {
         if present < 10 {
             return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
         }
-        if Moments::of(values).std == 0.0 {
+        if Moments::new(values).std == 0.0 {
             return Err(StatsError::Constant { statistic: "the distribution of friction", n: present }.into());
         }
         // The correlation of a slow curve is meaningless.
         let rest: Vec<f64> = values.iter().zip(polynomial(values, SLOW_DEGREE)).map(|(mu, curve)| mu - curve).collect();
-        if Moments::of(&rest).std.powi(2) < SLOW_REST * Moments::of(values).std.powi(2) {
+        if Moments::new(&rest).std.powi(2) < SLOW_REST * Moments::new(values).std.powi(2) {
             let effective = SLOW_DEGREE as f64 + 1.0;
             return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
@@ -206,10 +206,10 @@ impl FittedRecord {
         let moments = moments(&pieces, record.step_m, prepared.history, &best);
         let effective_size = moments.effective_size.max(LEAST_INDEPENDENT);
         let (mut laws, marginal) = law(choice, values, effective_size)?;
-        if let Ok(null) = ProcessNull::of(&pieces, false, DRAWS, SEED) {
+        if let Ok(null) = ProcessNull::new(&pieces, false, DRAWS, SEED) {
             laws.assess(&null, values);
         }
-        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
+        let goodness = laws.fits.iter().position(|fit| fit.marginal == marginal).and_then(|place| laws.distance(place));
         // With a narrowed band, the fitted noise is not the noise of the values.
         let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
         let (shape, length_m) =
@@ -312,7 +312,7 @@ impl FittedRecord {
     }
 
     fn histogram(&self, prepared: &Prepared) -> Option<Series> {
-        let histogram = Histogram::of(&prepared.record.friction).ok()?;
+        let histogram = Histogram::new(&prepared.record.friction).ok()?;
         let centres = histogram.centres();
         let chosen = self.process.marginal.as_ref();
         let density = |law: &Marginal| centres.iter().map(|mu| law.pdf(*mu)).collect::<Vec<f64>>();
@@ -324,8 +324,8 @@ impl FittedRecord {
                 .map(|law| ("fitted_density".into(), density(law))),
         );
         let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
-        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen).filter(smooth);
-        columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
+        let others = self.laws.fits.iter().filter(|fit| Some(&fit.marginal) != chosen).filter(smooth);
+        columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.marginal))));
         Some(columns)
     }
 
@@ -358,10 +358,10 @@ fn notes_on(
 ) -> Vec<String> {
     let mut notes = Vec::new();
     let whole = narrowed_to_per_m.is_none();
-    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_share > 0.0) {
+    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_fraction > 0.0) {
         notes.push(format!(
             "white noise is {:.2} % ({:.2} to {:.2} %) of the variance; the correlation length excludes it",
-            100.0 * fit.noise_share,
+            100.0 * fit.noise_fraction,
             100.0 * interval.low,
             100.0 * interval.high
         ));

@@ -135,11 +135,11 @@ impl Preparation {
         let measured = record.friction.clone();
         let mut removed = Vec::new();
         let mut taken = |step, before: &[f64], after: &[f64]| {
-            let [before, after] = [before, after].map(|values| Moments::of(values).std.powi(2));
+            let [before, after] = [before, after].map(|values| Moments::new(values).std.powi(2));
             let variance_share = if before > 0.0 { 1.0 - after / before } else { 0.0 };
             removed.push(Removal { step, variance_share });
         };
-        let mean = Moments::of(&measured).mean;
+        let mean = Moments::new(&measured).mean;
         let trend = match self.detrend {
             Detrend::None => vec![mean; measured.len()],
             Detrend::Polynomial(degree) if degree <= HIGHEST_DEGREE => polynomial(&measured, degree),
@@ -157,7 +157,7 @@ impl Preparation {
         if !matches!(self.detrend, Detrend::None | Detrend::Polynomial(0)) {
             let rest: Vec<f64> = measured.iter().zip(&trend).map(|(mu, trend)| mu - trend).collect();
             // A filter removes a small part of the mean; the mean of the record is restored exactly.
-            let shift = mean - Moments::of(&rest).mean;
+            let shift = mean - Moments::new(&rest).mean;
             record.friction = rest.into_iter().map(|mu| mu + shift).collect();
             taken("trend", &measured, &record.friction);
         }
@@ -262,10 +262,10 @@ mod tests {
     #[test]
     fn a_removed_line_keeps_the_mean_and_reports_its_fraction() {
         let values = waves(2001);
-        let before = Moments::of(&values);
+        let before = Moments::new(&values);
         let prepared = Preparation { detrend: Detrend::Polynomial(1), ..Preparation::default() };
         let prepared = prepared.apply(&record(values)).unwrap();
-        let after = Moments::of(&prepared.record.friction);
+        let after = Moments::new(&prepared.record.friction);
         assert!((after.mean - before.mean).abs() < 1e-12);
         // The line has the variance (3e-5)²(n² − 1)/12, the wave 1e-4/2.
         let line = 9e-10 * (2001.0_f64.powi(2) - 1.0) / 12.0;
@@ -278,7 +278,7 @@ mod tests {
         // Waves of 4π = 12.6 steps, 1.26 mm.
         let of = |preparation: Preparation| {
             let prepared = preparation.apply(&record(waves(4000))).unwrap();
-            Moments::of(&prepared.record.friction[500..3500]).std / 5e-5_f64.sqrt()
+            Moments::new(&prepared.record.friction[500..3500]).std / 5e-5_f64.sqrt()
         };
         let high = |cutoff_m| of(Preparation { detrend: Detrend::HighPass { cutoff_m }, ..Preparation::default() });
         assert!((high(20e-3) - 1.0).abs() < 0.01, "{}", high(20e-3));

@@ -108,14 +108,10 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
 mod tests {
     use super::*;
     use asperity_base::random;
+    use asperity_testing::autoregressive;
 
     fn noise(n: usize, index: u64) -> Vec<f64> {
-        let phi = (-1.0_f64 / 10.0).exp();
-        let mut g = random::standard_normal(&mut random::stream(53, "strokes", index), n);
-        for t in 1..n {
-            g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
-        }
-        g
+        autoregressive((-0.1_f64).exp(), n, &mut random::stream(53, "strokes", index))
     }
 
     #[test]

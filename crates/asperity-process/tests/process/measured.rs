@@ -1,7 +1,7 @@
 //! Measured friction records: recovers a known process from the files of a tribometer.
 use std::fmt::Write;
 
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::measured::{
     Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,

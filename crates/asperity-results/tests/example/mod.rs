@@ -291,7 +291,7 @@ fn sensitivities() -> Vec<SensitivityEntry> {
         SensitivityEntry {
             quantity: "contact_fraction".into(),
             variables: "local".into(),
-            failure: Some("the germ is too long for variables around the cell".into()),
+            failure: Some("too many normal variables to rotate them to the cell".into()),
             ..SensitivityEntry::default()
         },
         entry("contact_fraction", "global", modes(), 0.61),

@@ -155,8 +155,11 @@ mod tests {
             let mut stream = random::stream(16, "hybrid", nx as u64);
             let mut heights = random::standard_normal(&mut stream, nx * ny);
             let holes = random::standard_normal(&mut stream, nx * ny);
-            let cut =
-                if missing > 0.0 { asperity_base::law::standard_normal_quantile(missing) } else { f64::NEG_INFINITY };
+            let cut = if missing > 0.0 {
+                asperity_base::distribution::standard_normal_quantile(missing)
+            } else {
+                f64::NEG_INFINITY
+            };
             heights.iter_mut().zip(holes).filter(|(_, hole)| *hole < cut).for_each(|(z, _)| *z = f64::NAN);
             let grid = Grid::new(nx, ny, 0.8, 1.7).unwrap();
             let map = HeightMap::new(grid, Array2::from_shape_vec((ny, nx), heights).unwrap()).unwrap();

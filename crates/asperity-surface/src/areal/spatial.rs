@@ -40,7 +40,7 @@ impl Decay {
 /// # Errors
 /// All heights are equal.
 pub fn decay(map: &HeightMap, level: f64) -> Result<Decay, EstimateError> {
-    Ok(decay_and_correlation(map, &Extent::of(map.values_m()), level)?.0)
+    Ok(decay_and_correlation(map, &Extent::new(map.values_m()), level)?.0)
 }
 
 /// Computes [`decay`], and returns the autocorrelation. It reaches as far as the rays, so the correlation along
@@ -188,7 +188,7 @@ mod tests {
                 heights.slice_mut(ndarray::s![20..50, 30..70]).fill(f64::NAN);
             }
             let map = HeightMap::new(grid, heights).unwrap();
-            let (found, used) = decay_and_correlation(&map, &Extent::of(map.values_m()), 0.2).unwrap();
+            let (found, used) = decay_and_correlation(&map, &Extent::new(map.values_m()), 0.2).unwrap();
             let whole = Autocorrelation::estimate(&map).unwrap();
             let rays: Vec<Ray> =
                 (0..RAYS).map(|ray| along(&whole, std::f64::consts::PI * ray as f64 / RAYS as f64, 0.2)).collect();

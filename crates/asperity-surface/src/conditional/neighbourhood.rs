@@ -22,7 +22,7 @@ use super::{ConditionalError, Standardised, check, map, places, scores};
 use crate::gaussian::check_xi;
 use crate::{RandomSurface, SpectralField};
 use asperity_base::correlation::StationaryCovariance;
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 

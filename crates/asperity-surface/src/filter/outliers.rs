@@ -39,7 +39,7 @@ pub fn reject_outliers(map: &HeightMap, standard_deviations: f64) -> Result<Filt
     let median_m = quantile_sorted(&sorted_present(map.present_m()), 0.5);
     let mad_m = quantile_sorted(&sorted_present(map.present_m().map(|z| (z - median_m).abs())), 0.5);
     let scale_m =
-        if mad_m > 0.0 { STD_OVER_MAD * mad_m } else { Moments::of_values(map.heights_m().iter().copied()).std };
+        if mad_m > 0.0 { STD_OVER_MAD * mad_m } else { Moments::from_values(map.heights_m().iter().copied()).std };
     let limit_m = standard_deviations * scale_m;
     let heights_m = map.heights_m().mapv(|z| if (z - median_m).abs() > limit_m { f64::NAN } else { z });
     let left = HeightMap::new(map.grid(), heights_m)?;

@@ -50,7 +50,7 @@ impl<'a> Respaced<'a> {
     /// The finer pitch is out of range.
     pub fn with_half_the_pitch(surface: &'a dyn RandomSurface, edges: Edges) -> Result<Self, MapError> {
         let own = surface.grid();
-        let grid = Grid::covering(2 * own.nx(), 2 * own.ny(), own.width_m(), own.height_m())?;
+        let grid = Grid::with_size(2 * own.nx(), 2 * own.ny(), own.width_m(), own.height_m())?;
         Ok(Self { surface, grid, edges, change: Change::HalvePitch })
     }
 

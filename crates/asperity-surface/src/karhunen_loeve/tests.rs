@@ -96,7 +96,7 @@ fn the_separable_exponential_has_its_published_spectrum_on_the_unit_square() {
 #[test]
 fn a_hundred_and_one_modes_by_iteration_equal_those_of_the_dense_problem() {
     // A constant start vector, or a single one, would return pairs of equal eigenvalues twice or once too few.
-    let grid = Grid::covering(64, 64, 1.0, 1.0).unwrap();
+    let grid = Grid::with_size(64, 64, 1.0, 1.0).unwrap();
     for covariance in
         [unit(CorrelationModel::Exponential, 0.2, 0.2), unit(CorrelationModel::Matern { nu: 1.5 }, 0.2, 0.2)]
     {

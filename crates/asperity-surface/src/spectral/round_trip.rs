@@ -18,7 +18,7 @@ fn sample(covariance: &Covariance, grid: Grid, missing: f64, index: u64) -> Heig
     let mut stream = random::stream(21, "fit", index);
     let xi = random::standard_normal(&mut stream, field.xi_len());
     let mask = random::standard_normal(&mut stream, grid.points());
-    let cut = asperity_base::law::standard_normal_quantile(missing);
+    let cut = asperity_base::distribution::standard_normal_quantile(missing);
     let mut heights = field.generate(&xi).heights_m().clone();
     heights.iter_mut().zip(mask).filter(|(_, m)| *m < cut).for_each(|(z, _)| *z = f64::NAN);
     HeightMap::new(grid, heights).unwrap()
@@ -26,7 +26,7 @@ fn sample(covariance: &Covariance, grid: Grid, missing: f64, index: u64) -> Heig
 
 /// Fits models to the spectrum of a map of this standard deviation.
 fn fitted(map: &HeightMap, std_m: f64, families: &[CorrelationFamily]) -> CovarianceFits {
-    fit_covariance(&[&BlockSpectrum::of(map).unwrap()], std_m, families).unwrap()
+    fit_covariance(&[&BlockSpectrum::new(map).unwrap()], std_m, families).unwrap()
 }
 
 /// Returns the mean and standard error of a list.
@@ -144,7 +144,7 @@ fn against_model(missing_fraction: f64) {
             let mut stream = random::stream(11, "radial", index);
             let xi = random::standard_normal(&mut stream, field.xi_len());
             let mask = random::standard_normal(&mut stream, grid.points());
-            let cut = asperity_base::law::standard_normal_quantile(missing_fraction);
+            let cut = asperity_base::distribution::standard_normal_quantile(missing_fraction);
             let mut heights = field.generate(&xi).heights_m().clone();
             heights.iter_mut().zip(mask).filter(|(_, m)| *m < cut).for_each(|(z, _)| *z = f64::NAN);
             radial_spectrum(&HeightMap::new(grid, heights).unwrap()).unwrap()

@@ -11,8 +11,8 @@ use super::{Predistorted, TranslationError, TranslationReport};
 use crate::spectral::WrappedSpectrum;
 use crate::{GeneratorError, SpectralField};
 use asperity_base::correlation::StationaryCovariance;
+use asperity_base::distribution::{Marginal, translation::Translation};
 use asperity_base::fourier::{Workspace, good_length};
-use asperity_base::law::{Marginal, translation::Translation};
 use asperity_base::map::Grid;
 
 /// Fraction of negative variance that counts as rounding.

@@ -1,6 +1,6 @@
 //! Tabulated map g ↦ F⁻¹(Φ(g)), fast enough for whole maps.
 
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 
 /// Nodes per unit of the table, and its reach.
 const NODES_PER_UNIT: f64 = 128.0;

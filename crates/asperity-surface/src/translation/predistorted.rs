@@ -1,7 +1,7 @@
 //! Gaussian correlation whose translation is a given correlation.
 
 use asperity_base::correlation::StationaryCovariance;
-use asperity_base::law::{LawError, Marginal, translation::Translation};
+use asperity_base::distribution::{DistributionError, Marginal, translation::Translation};
 
 /// Gaussian correlation that a translation converts into the correlation of `target`: ρ_G = T⁻¹(ρ_X).
 ///
@@ -22,7 +22,7 @@ impl<C: StationaryCovariance> Predistorted<C> {
     ///
     /// # Errors
     /// A distribution with a parameter outside its range.
-    pub fn new(target: C, marginal: &Marginal) -> Result<Self, LawError> {
+    pub fn new(target: C, marginal: &Marginal) -> Result<Self, DistributionError> {
         let translation = Translation::new(marginal)?;
         let least = translation.least_correlation();
         Ok(Self { target, translation, least })

@@ -39,7 +39,7 @@ pub(super) fn core(
     let replicates = classes.replicates(cells, draws);
     let std = |k: usize| {
         let values: Vec<f64> = replicates.iter().map(|r| r[k]).collect();
-        Moments::of(&values).sample_std()
+        Moments::new(&values).sample_std()
     };
     let wider = spread.variance.sqrt() / (std(3) / classes.mean_size(&total_of(&classes.counts, cells)));
     let of = |k: usize, value: f64| {

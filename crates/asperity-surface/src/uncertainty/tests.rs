@@ -3,7 +3,7 @@ use crate::areal::parameters;
 use crate::level::remove_form;
 use crate::{RandomSurface, SpectralField, Translated};
 use asperity_base::correlation::{CorrelationModel, Covariance};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 use asperity_base::map::Grid;
 use asperity_base::random;
 use ndarray::{Array2, s};
@@ -43,7 +43,7 @@ fn estimates(map: &HeightMap) -> Estimates {
 
 /// Returns the values that take little time.
 fn quick_values(map: &HeightMap) -> Values {
-    let moments = Moments::of_values(map.heights_m().iter().copied());
+    let moments = Moments::from_values(map.heights_m().iter().copied());
     let correlation = Autocorrelation::estimate(map).unwrap();
     Values {
         sa_m: 0.8 * moments.std,
@@ -100,7 +100,7 @@ fn intervals_of_normal_surfaces_have_95_percent_coverage() {
 #[ignore = "slow"]
 fn intervals_of_skewed_surfaces_with_missing_heights_have_95_percent_coverage() {
     let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
-    let translation = asperity_base::law::translation::Translation::new(&marginal).unwrap();
+    let translation = asperity_base::distribution::translation::Translation::new(&marginal).unwrap();
     let model = CorrelationModel::Exponential;
     // The length at which the translated correlation falls to 1/e.
     let length_m = POINTS as f64 * -translation.normal_correlation((-1.0_f64).exp()).unwrap().ln();
@@ -179,7 +179,7 @@ fn standard_errors_of_normal_surfaces_equal_bartletts() {
         let (square, decay) = bartlett(model, 30 * POINTS);
         let (mut sq, mut length) = (0.0, 0.0);
         for map in maps(model, &normal(), 30, 60) {
-            let moments = Moments::of_values(map.heights_m().iter().copied());
+            let moments = Moments::from_values(map.heights_m().iter().copied());
             let cells = Cells::cut(&map, moments.mean, moments.std, [Some(POINTS as f64); 2]).unwrap();
             let sums = HeightSums::of(&cells);
             let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.fraction);
@@ -208,8 +208,8 @@ fn standard_errors_equal_the_spread_over_maps() {
     for (k, (name, _)) in all[0].named().into_iter().enumerate() {
         let of: Vec<Estimate> = all.iter().filter_map(|e| e.named()[k].1).collect();
         assert!(of.len() >= 78, "{name} of {}", of.len());
-        let spread = Moments::of(&of.iter().map(|e| e.surface).collect::<Vec<_>>()).sample_std();
-        let told = Moments::of(&of.iter().map(|e| e.standard_error).collect::<Vec<_>>()).mean;
+        let spread = Moments::new(&of.iter().map(|e| e.surface).collect::<Vec<_>>()).sample_std();
+        let told = Moments::new(&of.iter().map(|e| e.standard_error).collect::<Vec<_>>()).mean;
         // The spread of 80 values has an error of 8 %. The error of Sal is that of one direction; that of the shortest
         // is smaller.
         assert!((told / spread - 1.0).abs() < 0.3, "{name}: {told} for {spread}");
@@ -220,7 +220,7 @@ fn standard_errors_equal_the_spread_over_maps() {
 fn influences_are_derivatives_of_the_statistics() {
     // Heights of one cell have the weight 1 + ε: the statistic changes by ε times the cell's influence.
     let map = maps(CorrelationModel::Exponential, &Marginal::lognormal(0.0, 0.4, 0.0).unwrap(), 10, 1).next().unwrap();
-    let moments = Moments::of_values(map.heights_m().iter().copied());
+    let moments = Moments::from_values(map.heights_m().iter().copied());
     let cells = Cells::cut(&map, moments.mean, moments.std, [Some(4.0); 2]).unwrap();
     let sums = HeightSums::of(&cells);
     let place = cells.columns + 3;

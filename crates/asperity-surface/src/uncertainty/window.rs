@@ -287,13 +287,13 @@ mod tests {
                 })
                 .collect();
             let wanted = points * points * fraction[0];
-            let found = Moments::of(&spreads.iter().map(|s| s.variance).collect::<Vec<_>>());
+            let found = Moments::new(&spreads.iter().map(|s| s.variance).collect::<Vec<_>>());
             let error = found.standard_error();
             // The allowance for an exponential tail is at most 5 % where there is none; edges remove up to 2·2/48.
             let ratio = found.mean / wanted;
             assert!(ratio > 0.91 - 3.0 * error / wanted && ratio < 1.06 + 3.0 * error / wanted, "{radius}: {ratio}");
             // The variance varies like χ² with the number of blocks as degrees of freedom.
-            let blocks = Moments::of(&spreads.iter().map(|s| s.blocks).collect::<Vec<_>>()).mean;
+            let blocks = Moments::new(&spreads.iter().map(|s| s.blocks).collect::<Vec<_>>()).mean;
             let scatter = found.std / found.mean * (0.5 * blocks).sqrt();
             assert!(scatter > 0.7 && scatter < 1.4, "{radius}: {scatter}");
         }

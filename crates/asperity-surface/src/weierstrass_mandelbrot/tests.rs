@@ -184,7 +184,7 @@ fn a_map_is_the_sum_of_its_cosines() {
 #[test]
 fn a_corrugation_is_the_profile_of_equation_one() {
     // With a width of 2π the wavenumbers are γ^0, γ^1, …
-    let grid = Grid::covering(64, 2, TAU, 1.0).unwrap();
+    let grid = Grid::with_size(64, 2, TAU, 1.0).unwrap();
     let surface = WeierstrassMandelbrot::corrugation(grid, 1.3, 1.5, 0.7, WeierstrassForm::Convergent).unwrap();
     let last = surface.xi_len() as i32 - 1;
     let profile = WeierstrassProfile::new(1.3, 1.5, 0.7, 0, last, WeierstrassForm::Convergent).unwrap();

@@ -17,7 +17,7 @@ fn the_expected_density_equals_the_mean_density_of_maps() {
         let maps: Vec<BlockSpectrum> = (0..24)
             .map(|index| {
                 let xi = random::standard_normal(&mut random::stream(3, "blocks", index), field.xi_len());
-                BlockSpectrum::of(&field.generate(&xi)).unwrap()
+                BlockSpectrum::new(&field.generate(&xi)).unwrap()
             })
             .collect();
         let (mut squares, mut compared) = (0.0, 0.0);

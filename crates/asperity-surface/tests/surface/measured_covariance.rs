@@ -4,7 +4,7 @@ use asperity_base::correlation::{
     Autocorrelation, BlockSpectrum, CorrelationFamily, CorrelationModel, Covariance, MeasuredCovariance,
     MeasuredCovarianceError, Rotated, SeparableCovariance, StationaryCovariance, fit_covariance,
 };
-use asperity_base::law::standard_normal_quantile;
+use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 use asperity_surface::{GaussianSurface, KarhunenLoeve, ModesRoute, RandomSurface, SpectralField};
@@ -62,12 +62,12 @@ fn ridge() -> Rotated<Covariance> {
 fn reliable_lags_equal_the_estimate_except_for_the_mean_and_the_clipping() {
     let (estimate, measured) = measure(&sample(&ridge(), unit_grid(192, 160), 0));
     let report = measured.report();
-    assert!(report.decayed_x && report.decayed_y && report.clipping_change < 0.03 && report.mean_share < 0.05);
+    assert!(report.decayed_x && report.decayed_y && report.clipping_change < 0.03 && report.mean_fraction < 0.05);
     // Within the ellipse of the reliable lags: a disc that fits into it.
     let reach = 0.4 * report.reliable_x_m.min(report.reliable_y_m);
     assert!(reach > 4.0, "{report:?}");
     for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1), (-1, 1), (3, 2), (-3, 2), (4, -1)] {
-        let before = (1.0 - report.mean_share) * estimate.correlation(x, y) + report.mean_share;
+        let before = (1.0 - report.mean_fraction) * estimate.correlation(x, y) + report.mean_fraction;
         let found = measured.correlation(x as f64, y as f64);
         assert!((found - before).abs() <= report.clipping_change + 1e-9, "({x}, {y}): {found} {before}");
         assert!((found - measured.correlation(-x as f64, -y as f64)).abs() < 1e-12);
@@ -150,7 +150,7 @@ fn a_smooth_map_stays_smooth() {
                 let (estimate, measured) = measure(&HeightMap::new(map.grid(), heights).unwrap());
                 let own = (estimate.semivariance_m2(1, 0).unwrap() + estimate.semivariance_m2(0, 1).unwrap())
                     / estimate.variance_m2();
-                let fraction = 1.0 - measured.report().mean_share;
+                let fraction = 1.0 - measured.report().mean_fraction;
                 ratios.push((slopes(|x, y| measured.correlation(x, y)) / (2.0 * fraction * own)).sqrt());
             }
             let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
@@ -179,7 +179,7 @@ fn scattered_voids_leave_a_smooth_map_nearly_smooth() {
 fn a_mixture_that_no_model_fits_is_reproduced_where_the_fitted_model_is_not() {
     let map = sample(&Mixture, unit_grid(320, 256), 3);
     let (_, measured) = measure(&map);
-    let spectrum = BlockSpectrum::of(&map).unwrap();
+    let spectrum = BlockSpectrum::new(&map).unwrap();
     let fitted = fit_covariance(&[&spectrum], measured.std_m(), CorrelationFamily::ALL).unwrap().best();
     // The standard error of one lag of one map where the correlation is small; it is less where the correlation is
     // large.
@@ -278,7 +278,7 @@ fn a_lay_that_does_not_decay_is_reported_and_its_covariance_stays_valid() {
 fn an_estimate_of_fewer_lags_gives_a_shorter_covariance() {
     let long = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 150.0).unwrap();
     let map = sample(&SeparableCovariance(long), unit_grid(128, 128), 8);
-    let all = MeasuredCovariance::of(&map).unwrap();
+    let all = MeasuredCovariance::from_map(&map).unwrap();
     for (reach_x, reach_y) in [(64, 64), (5, 9), (1, 1)] {
         let few = MeasuredCovariance::new(&Autocorrelation::within(&map, reach_x, reach_y).unwrap()).unwrap();
         // The correlation of the moving average ends at twice the taper; its spline has tails of sixteen lags.

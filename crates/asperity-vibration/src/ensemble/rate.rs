@@ -8,7 +8,7 @@ use super::super::MotionKind;
 use super::super::sample_distribution::RunningMoments;
 use super::Count;
 use super::passage::{KINDS, Passage};
-use asperity_base::law::Marginal;
+use asperity_base::distribution::Marginal;
 use asperity_base::stats::wilson_interval;
 
 /// Least fraction of the second half of the time in vibration at which vibration counts as sustained.

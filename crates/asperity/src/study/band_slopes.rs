@@ -1,7 +1,7 @@
 //! Slopes of a scan within its reliable band, and those that random surfaces will have there.
 
 use crate::correlation::{BlockSpectrum, StationaryCovariance};
-use crate::law::translation::Translation;
+use crate::distribution::translation::Translation;
 use crate::map::HeightMap;
 use crate::study::StudyError;
 use crate::surface::filter::GaussianFilter;
@@ -23,7 +23,7 @@ pub(super) struct Roughness {
 impl Roughness {
     /// Of maps of one surface with one pitch.
     pub(super) fn of(maps: &[&HeightMap]) -> Result<Self, StudyError> {
-        let spectra = maps.iter().map(|map| BlockSpectrum::of(map)).collect::<Result<Vec<BlockSpectrum>, _>>()?;
+        let spectra = maps.iter().map(|map| BlockSpectrum::new(map)).collect::<Result<Vec<BlockSpectrum>, _>>()?;
         let end = spectra.iter().map(|spectrum| spectrum.reliable().high_rad_per_m).fold(f64::INFINITY, f64::min);
         let slopes = BandSlopes::of(maps, end)?;
         Ok(Self { spectra, slopes })
@@ -135,7 +135,7 @@ impl BandSlopes {
 mod tests {
     use super::*;
     use crate::correlation::{CorrelationModel, Covariance};
-    use crate::law::Marginal;
+    use crate::distribution::Marginal;
     use crate::map::Grid;
     use crate::random;
     use crate::surface::{RandomSurface, SpectralField, Translated};
@@ -163,8 +163,8 @@ mod tests {
             let field = Translated::new(SpectralField::free(&covariance, grid).unwrap(), law).unwrap();
             let maps: Vec<HeightMap> = (0..12)
                 .map(|index| {
-                    let germ = random::standard_normal(&mut random::stream(4, "slopes", index), field.xi_len());
-                    field.generate(&germ)
+                    let xi = random::standard_normal(&mut random::stream(4, "slopes", index), field.xi_len());
+                    field.generate(&xi)
                 })
                 .collect();
             let slopes = BandSlopes::of(&maps.iter().collect::<Vec<_>>(), 1e6).unwrap().unwrap();

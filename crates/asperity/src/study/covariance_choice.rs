@@ -4,8 +4,8 @@ use crate::correlation::{
     CorrelationFamily, Covariance, CovarianceFit, CovarianceFits, FitError, FitWarning, MeasuredCovariance,
     StationaryCovariance, fit_covariance,
 };
-use crate::law::Marginal;
-use crate::law::translation::Translation;
+use crate::distribution::Marginal;
+use crate::distribution::translation::Translation;
 use crate::study::band_slopes::Roughness;
 use crate::study::file::SurfaceSection;
 use crate::study::measured::Measured;
@@ -184,7 +184,7 @@ impl Chosen {
 fn own_covariance(measured: &Measured, std_m: f64) -> Result<SurfaceCovariance, StudyError> {
     let covariance = match &measured.part {
         Some(part) => MeasuredCovariance::new(&part.correlation)?,
-        None => MeasuredCovariance::of(&measured.map)?,
+        None => MeasuredCovariance::from_map(&measured.map)?,
     };
     Ok(SurfaceCovariance::Empirical(Box::new(covariance.with_std(std_m))))
 }

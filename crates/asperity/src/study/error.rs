@@ -6,10 +6,10 @@ use thiserror::Error;
 use crate::chaos::PropagationError;
 use crate::contact::ContactError;
 use crate::correlation::{CovarianceError, EstimateError, FitError, MeasuredCovarianceError};
+use crate::distribution::DistributionError;
 use crate::friction::FrictionError;
 use crate::friction::process::ProcessError;
 use crate::friction::window::WindowError;
-use crate::law::LawError;
 use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
@@ -104,7 +104,7 @@ pub enum StudyError {
     Covariance(#[from] CovarianceError),
     /// A law is not one.
     #[error("{0}")]
-    Law(#[from] LawError),
+    Law(#[from] DistributionError),
     /// A random surface cannot be made.
     #[error("random surface: {0}")]
     Generator(#[from] GeneratorError),

@@ -58,7 +58,7 @@ pub struct StageEstimate {
 impl Study {
     /// The rough cost of every stage that the study has, with `threads` threads. Nothing is read or computed.
     pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
-        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, germ: usize| {
+        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, xi: usize| {
             let cells = points[0] as f64 * points[1] as f64;
             let per_cell = if boundary == BoundaryKind::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
             StageEstimate {
@@ -68,7 +68,7 @@ impl Study {
                 trajectories: 0,
                 core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
                 memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
-                    + DOUBLE_BYTES * germ as f64 * (cells + solutions as f64),
+                    + DOUBLE_BYTES * xi as f64 * (cells + solutions as f64),
             }
         };
         let mut stages = Vec::new();
@@ -96,7 +96,7 @@ impl Study {
             let plan = cutoff::Plan::new(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
-            // On every thread a solver, a germ, a map and its transform.
+            // On every thread a solver, a ξ, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
                 let cells = nx.saturating_mul(ny);
                 threads as f64 * (memory_bytes(cells) + cells as f64 * 4.0 * DOUBLE_BYTES)
@@ -169,8 +169,8 @@ fn record_bytes(section: &FrictionSection) -> f64 {
         .filter(|cells| *cells >= 4.0 || section.window.0 >= section.strip[0].0)
         .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
         .sum();
-    let lanes = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
-    lanes * positions * 12.0 * DOUBLE_BYTES
+    let tracks = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
+    tracks * positions * 12.0 * DOUBLE_BYTES
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub(super) fn of_level(
         mean_interval: process.estimates.mean.map(|mean| pair(mean.interval)).filter(|_| varies),
         std: process.moments.std,
         std_interval: process.estimates.std.map(|std| pair(std.interval)).filter(|_| varies),
-        marginal: process.marginal().filter(|_| varies).map(|fit| fit.law.clone()),
+        marginal: process.marginal().filter(|_| varies).map(|fit| fit.marginal.clone()),
         correlation: match correlation {
             Ok(correlation) => Some(correlation).filter(|_| varies),
             Err(_) if !varies => None,

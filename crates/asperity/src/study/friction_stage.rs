@@ -64,7 +64,7 @@ impl SolvedLevel {
         seed: u64,
     ) -> Result<Self, StudyError> {
         let failed = |error| StudyError::Friction { level: control.name(), error };
-        let (lanes, layout) = (level.tracks, Layout { periodic, lanes: level.tracks });
+        let (tracks, layout) = (level.tracks, Layout { periodic, tracks: level.tracks });
         let statistics = FrictionStatistics::new(&level.records, window.step_m(), layout, seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
         let process = FrictionStatistics::new(&at_mean_load, window.step_m(), layout, seed).map_err(failed)?;
@@ -77,7 +77,7 @@ impl SolvedLevel {
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with_models(&windows, lanes, &MODELS, settings).ok();
+        let study = || WindowStudy::with_models(&windows, tracks, &MODELS, settings).ok();
         let window_study = if varies { study() } else { None };
         let analysis = ProcessAnalysis::new(&at_mean_load, window, layout, strip_m);
         let heavy_tail = statistics.heavy_tail();
@@ -130,7 +130,7 @@ impl SolvedLevel {
 /// Contact area over nominal area, with the relative error of the mean contact area of the windows.
 fn contact_fraction(level: &Level, layout: Layout) -> (f64, Option<Interval>) {
     let areas_m2: Vec<&[f64]> = level.records.iter().map(|record| record.area_m2.as_slice()).collect();
-    let moments = ProcessMoments::of(&areas_m2, layout);
+    let moments = ProcessMoments::new(&areas_m2, layout);
     let share = level.contact_fraction / moments.moments.mean;
     let interval =
         moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
@@ -168,7 +168,7 @@ pub(super) struct Setup {
 impl Setup {
     pub(super) fn new(section: &FrictionSection, material: &MaterialSection) -> Result<Self, StudyError> {
         let [nx, ny] = section.points;
-        let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
+        let grid = Grid::with_size(nx, ny, section.strip[0].0, section.strip[1].0)
             .map_err(|error| StudyError::Grid { section: "friction", error })?;
         let compliance = section.mean_compliance.map(|c| c.0);
         let modulus_pa = contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);

@@ -108,9 +108,9 @@ pub(super) fn run(
     output.assumptions.push(words(&propagation, &uncertain, &controls, realisations));
     let parameters = propagation.parameters().iter().map(|parameter| UncertainParameter {
         name: parameter.name().to_owned(),
-        mean: parameter.law().mean(),
-        std: parameter.law().std(),
-        law: law_result(parameter.law()),
+        mean: parameter.marginal().mean(),
+        std: parameter.marginal().std(),
+        law: law_result(parameter.marginal()),
     });
     let result = UncertaintyResult {
         points: propagation.points(),
@@ -217,7 +217,7 @@ fn response(name: &'static str, propagation: &Propagation, found: &Propagated) -
         interval: Some(pair(found.band())),
         loo_error: Some(found.leave_one_out),
         noise_standard_error: Some(found.noise.standard_error),
-        noise_share: Some(found.noise.variance_share.min(1.0)),
+        noise_share: Some(found.noise.variance_fraction.min(1.0)),
         sobol,
         reason: found.indices.as_ref().err().map(ToString::to_string),
     }
@@ -276,7 +276,7 @@ fn words(
         .parameters()
         .iter()
         .map(|parameter| {
-            let (mean, std) = (parameter.law().mean(), parameter.law().std());
+            let (mean, std) = (parameter.marginal().mean(), parameter.marginal().std());
             match parameter.name() {
                 "skewness" => format!("skewness {} ± {}", sentence::digits(mean), sentence::digits(std)),
                 name => {
@@ -304,7 +304,7 @@ fn words(
     };
     format!(
         "Parameters of the surface are taken as independent: {} (standard deviations). {} surfaces with {realisations} strips \
-         each of the same germs were solved, and the moments of friction expanded in the parameters; {}.{law}",
+         each of the same xi_samples were solved, and the moments of friction expanded in the parameters; {}.{law}",
         parameters.join(", "),
         propagation.points(),
         held.join("; "),

@@ -1,8 +1,8 @@
 //! Laws fitted to the heights of a scan, and how much a scan says about them.
 
 use crate::correlation::Autocorrelation;
-use crate::law::Marginal;
-use crate::law::fit::{Family, Ranking, rank_by_aic};
+use crate::distribution::Marginal;
+use crate::distribution::fit::{Family, Ranking, rank_by_aic};
 use crate::stats::{Histogram, Moments, sorted_present};
 use crate::study::{StudyError, Table};
 
@@ -86,15 +86,15 @@ impl HeightFits {
     /// Table `height_pdf`: the histogram with the normal law of equal moments, the best fits in columns named after their
     /// laws, and `fitted`: the law that the study states, or the best fit where it uses the measured heights.
     pub(super) fn densities(&self, marginal: &Marginal) -> Result<Table, StudyError> {
-        let histogram = Histogram::of(&self.sorted_m).map_err(StudyError::Heights)?;
-        let moments = Moments::of(&self.sorted_m);
+        let histogram = Histogram::new(&self.sorted_m).map_err(StudyError::Heights)?;
+        let moments = Moments::new(&self.sorted_m);
         let normal = Marginal::normal(moments.mean, moments.std)?;
         let stated = (!matches!(marginal, Marginal::Empirical { .. })).then_some(marginal);
         let centres = histogram.centres();
         let density = |law: Option<&Marginal>| -> Vec<f64> {
             centres.iter().map(|z| law.map_or(f64::NAN, |law| law.pdf(*z))).collect()
         };
-        let best = self.ranking.fits.first().map(|fit| &fit.law);
+        let best = self.ranking.fits.first().map(|fit| &fit.marginal);
         let mut columns = vec![
             ("height_m".to_owned(), centres.clone()),
             ("density_per_m".to_owned(), histogram.density()),
@@ -103,7 +103,8 @@ impl HeightFits {
         ];
         columns.extend(stated.map(|law| ("study_density_per_m".to_owned(), density(Some(law)))));
         let drawn = self.ranking.fits.iter().take(DRAWN).filter(|fit| fit.family != Family::Normal);
-        columns.extend(drawn.map(|fit| (format!("{}_density_per_m", fit.law.name()), density(Some(&fit.law)))));
+        columns
+            .extend(drawn.map(|fit| (format!("{}_density_per_m", fit.marginal.name()), density(Some(&fit.marginal)))));
         Ok(Table::new(columns))
     }
 
@@ -127,8 +128,8 @@ impl HeightFits {
             ("effective_heights".to_owned(), vec![*effective_size; fits.len()]),
         ];
         for (row, fit) in fits.iter().enumerate() {
-            for (parameter, value) in fit.law.parameters() {
-                let name = format!("{}_{parameter}{}", fit.law.name(), unit_suffix(parameter));
+            for (parameter, value) in fit.marginal.parameters() {
+                let name = format!("{}_{parameter}{}", fit.marginal.name(), unit_suffix(parameter));
                 let values = rows.clone().map(|i| if i == row { value } else { f64::NAN }).collect();
                 columns.push((name, values));
             }

@@ -1,7 +1,7 @@
 //! What is prescribed at a level of the friction stage.
 
 use crate::contact::Control;
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::study::file::FrictionSection;
 use crate::study::pressure_stage::plane;
 use crate::study::result::Prescribed;

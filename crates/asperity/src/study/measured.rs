@@ -3,7 +3,7 @@
 use crate::correlation::{
     Autocorrelation, Axis, ProfileSpectrum, StationaryCovariance, axis_correlation_length_m, profile_spectrum,
 };
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::HeightMap;
 use crate::stats::Interval;
 use crate::study::band_slopes::Roughness;

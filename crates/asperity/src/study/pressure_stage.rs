@@ -6,11 +6,11 @@ mod maps;
 mod tables;
 
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::pressure::{Problem, Study as Sizes};
+use crate::pressure::{MethodComparison, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::level_control::LevelControl;
@@ -77,13 +77,13 @@ pub(super) fn run(
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
     let (row, column) = study.cell;
     let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);
-    let sizes = Sizes {
+    let sizes = MethodComparison {
         fine_solves: study.fine_solves,
         reference_samples: study.reference_samples,
         variables: study.variables.min(surface.xi_len()),
         degree: study.degree,
         stiffness: study.stiffness,
-        ..Sizes::new(seed)
+        ..MethodComparison::new(seed)
     };
     let results = sizes.run(&problem, monitor)?;
     let separation_m = match control {
@@ -160,10 +160,10 @@ fn patch_sentence(
 }
 
 fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> String {
-    let germ = surface.xi_len();
-    let variables = study.variables.min(germ);
+    let xi = surface.xi_len();
+    let variables = study.variables.min(xi);
     format!(
-        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {germ} variables at total degree {}.",
+        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {xi} variables at total degree {}.",
         study.degree
     )
 }
@@ -177,8 +177,8 @@ fn sample_fields(
     solver: Solver,
     seed: u64,
 ) -> Result<Vec<(&'static str, Field)>, StudyError> {
-    let germ = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
-    let map = surface.generate(&germ);
+    let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
+    let map = surface.generate(&xi);
     let posed = |error| StudyError::Contact { section: "pressure", error };
     let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(posed)?;
     let solution = solver.solve(&problem).map_err(posed)?;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 pub use asperity_results::*;
 
+use crate::distribution::Marginal;
 use crate::friction::process::FittedProcess;
-use crate::law::Marginal;
 use crate::stats::Interval;
 use crate::study::{Field, Table};
 

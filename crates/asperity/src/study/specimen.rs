@@ -58,7 +58,7 @@ impl Specimen {
 
     /// Memory in byte that its generator and a map need, roughly.
     pub fn memory_bytes(&self) -> f64 {
-        // The covariance embedded in twice the width and height, in complex numbers, and the map with its germ.
+        // The covariance embedded in twice the width and height, in complex numbers, and the map with its ξ.
         const BYTES_PER_POINT: f64 = 4.0 * 16.0 + 3.0 * 8.0;
         BYTES_PER_POINT * self.points[0] as f64 * self.points[1] as f64
     }
@@ -69,7 +69,7 @@ impl Specimen {
     /// The scan cannot be read or has no texture, the model is not valid, or the grid is not one.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
         let [width, height] = self.size;
-        let grid = Grid::covering(self.points[0], self.points[1], width.0, height.0)
+        let grid = Grid::with_size(self.points[0], self.points[1], width.0, height.0)
             .map_err(|error| StudyError::Grid { section: "size and points", error })?;
         let names = self.surface.files().iter().map(|file| file.to_string_lossy().into_owned());
         let scans = names.zip(self.surface.read_scans(folder)?).collect();

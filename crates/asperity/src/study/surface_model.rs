@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::correlation::{CorrelationModel, Covariance, MeasuredCovariance, StationaryCovariance};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::Grid;
 use crate::study::StudyError;
 use crate::study::result::KarhunenLoeveResult;
@@ -116,9 +116,9 @@ impl StationaryCovariance for SurfaceCovariance {
     }
 }
 
-/// In which order a germ stands for the waves of a spectral field.
+/// In which order a ξ stands for the waves of a spectral field.
 #[derive(Debug, Clone, Copy)]
-enum GermOrder {
+enum XiOrder {
     /// From the greatest variance.
     Variance,
     /// The same for all covariances.
@@ -193,7 +193,7 @@ impl SurfaceModel {
                 self.all_fourier_modes(covariance, translation, expansion, needed, grid, periodic)
             }
             Texture::Translated { ref covariance, translation, expansion: None } => {
-                self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)
+                self.spectral(covariance, translation, XiOrder::Variance, grid, periodic)
             }
             Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
@@ -240,7 +240,7 @@ impl SurfaceModel {
         if expansion.rescale.is_some() || !expansion.mean_mode {
             return self.expanded(covariance, translation, expansion, MOST_MODES, grid, periodic);
         }
-        let generated = self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)?;
+        let generated = self.spectral(covariance, translation, XiOrder::Variance, grid, periodic)?;
         let told = format!(
             "A Karhunen–Loève expansion of a patch of {} would need {} terms or more to hold {} % of the slope variance, so that \
              its surfaces have all Fourier modes of the grid instead; state `modes` to have an expansion.",
@@ -255,15 +255,15 @@ impl SurfaceModel {
     /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
     /// place.
     pub(super) fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        self.strip_in(GermOrder::Variance, grid, periodic)
+        self.strip_in(XiOrder::Variance, grid, periodic)
     }
 
-    /// The same with a germ that means the same waves for every covariance, where the grid is periodic.
+    /// The same with a ξ that means the same waves for every covariance, where the grid is periodic.
     pub(super) fn comparable_strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        self.strip_in(GermOrder::Wavevector, grid, periodic)
+        self.strip_in(XiOrder::Wavevector, grid, periodic)
     }
 
-    fn strip_in(&self, order: GermOrder, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+    fn strip_in(&self, order: XiOrder, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         match self.texture {
             Texture::Translated { ref covariance, translation, .. } => {
                 self.spectral(covariance, translation, order, grid, periodic)
@@ -337,7 +337,7 @@ impl SurfaceModel {
         &self,
         covariance: &SurfaceCovariance,
         translation: TranslationKind,
-        order: GermOrder,
+        order: XiOrder,
         grid: Grid,
         periodic: bool,
     ) -> Result<Generated, StudyError> {
@@ -386,8 +386,8 @@ impl SurfaceModel {
         let clipped_variance = field.clipped_variance();
         Ok(Generated {
             surface: self.translated(match order {
-                GermOrder::Variance => field,
-                GermOrder::Wavevector => field.by_wavevector(),
+                XiOrder::Variance => field,
+                XiOrder::Wavevector => field.by_wavevector(),
             })?,
             karhunen_loeve: None,
             std_share: 1.0,

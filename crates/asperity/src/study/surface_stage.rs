@@ -3,7 +3,7 @@
 use asperity_formats::Scan;
 
 use crate::correlation::{CorrelationFamily, CorrelationModel, MeasuredReport, StationaryCovariance};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::HeightMap;
 use crate::study::contact_check::contact_warning;
 use crate::study::covariance_choice::{Chosen, choose, stated};
@@ -346,7 +346,7 @@ pub(super) fn covariance_result(chosen: &Chosen) -> CovarianceResult {
 
 fn empirical_result(report: MeasuredReport) -> EmpiricalCovariance {
     EmpiricalCovariance {
-        mean_share: report.mean_share,
+        mean_share: report.mean_fraction,
         standard_error: report.standard_error,
         reliable_x_m: report.reliable_x_m,
         reliable_y_m: report.reliable_y_m,

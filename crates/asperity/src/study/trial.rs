@@ -72,7 +72,7 @@ impl Trial {
 mod tests {
     use super::*;
     use crate::correlation::{CorrelationModel, Covariance};
-    use crate::law::Marginal;
+    use crate::distribution::Marginal;
     use crate::study::surface_model::{SurfaceCovariance, Texture};
     use crate::translation::TranslationKind;
 

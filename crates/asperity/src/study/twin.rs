@@ -13,10 +13,9 @@ mod tests;
 
 use asperity_formats::Scan;
 use rayon::prelude::*;
-use serde::Serialize;
 use thiserror::Error;
 
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::monitor::{Cancelled, Monitor};

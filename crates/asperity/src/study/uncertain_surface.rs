@@ -2,7 +2,7 @@
 
 use crate::chaos::Parameter;
 use crate::correlation::Covariance;
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::stats::Interval;
 use crate::study::StudyError;
 use crate::study::file::UncertaintySection;

@@ -16,8 +16,8 @@ pub use self::tables::{cloud_table, points_table, portrait_table, survival_table
 
 use asperity_base::choice::Choice;
 
+use crate::distribution::Marginal;
 use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
-use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::Upscaling;

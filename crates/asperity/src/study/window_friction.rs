@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::distribution::Marginal;
 use crate::friction::process::{CorrelationShape, FittedProcess, Generator, TranslationKind};
 use crate::friction::upscaling::{exponential, variance_reduction};
-use crate::law::Marginal;
 use crate::study::StudyError;
 use crate::study::check::{StatedFriction, VibrationStudy};
 use crate::study::file::FrictionSection;
@@ -61,7 +61,7 @@ impl WindowFriction {
                 strips.window.length_m()
             }
         };
-        let marginal = process.marginal().map(|fit| fit.law.clone()).unwrap_or_else(|| {
+        let marginal = process.marginal().map(|fit| fit.marginal.clone()).unwrap_or_else(|| {
             if varies {
                 warnings.push("no law could be fitted to friction; the normal one is taken".into());
             }

@@ -198,7 +198,7 @@ fn a_study_chooses_law_and_window() {
     // The same strips: narrower windows scatter more about the same mean.
     let (narrow, words) = level("window_width = \"8 um\"\n");
     assert!(words.contains("60 µm × 8 µm, 4 side by side"), "{words}");
-    // Four lanes add up to the wide window but for the least area N/H of each, which can only add.
+    // Four tracks add up to the wide window but for the least area N/H of each, which can only add.
     let more = narrow.at_mean_load.mean / sheared.at_mean_load.mean - 1.0;
     assert!((-1e-12..5e-3).contains(&more), "{more:e}");
     assert!(narrow.at_mean_load.std > 1.3 * sheared.at_mean_load.std);

@@ -77,7 +77,7 @@ fn case_c_has_its_known_contact_probability_mean_and_spread() {
 
 #[test]
 fn heights_that_are_left_lower_press_less_than_those_scaled_to_the_whole_variance() {
-    // Everything is proportional to the heights, so the ratio is known: √(captured variance), on the same germs.
+    // Everything is proportional to the heights, so the ratio is known: √(captured variance), on the same samples of ξ.
     let scaled = run(&reduced("pressure_case_c.toml", 20, 20));
     let left = run(&reduced("pressure_case_c.toml", 20, 20).replace("rescale = true ", "rescale = false"));
     let (scaled_pa, left_pa) = (scaled.results.pressure.unwrap().mean_pa, left.results.pressure.unwrap().mean_pa);

@@ -89,8 +89,8 @@ fn rough(nx: usize, ny: usize, length_m: f64) -> Array2<f64> {
     let grid = Grid::new(nx, ny, 2e-6, 2e-6).unwrap();
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, length_m).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    let germ = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
-    field.generate(&germ).heights_m().clone()
+    let xi = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
+    field.generate(&xi).heights_m().clone()
 }
 
 fn folder_with(heights_m: Array2<f64>) -> tempfile::TempDir {
@@ -677,7 +677,7 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
     // The fraction of Beta(2.1, 5) with standard deviation 0.15 below −0.9 times the least kinetic coefficient, which is
     // 0.2/(1 + 4.2 (V + 0.2 + m)) at the fastest slip, V = 0.003 and m the fluctuation that one value in 10,000 exceeds. The law
     // has the mean .295775 and the standard deviation .160359.
-    let beta: asperity::law::Marginal = "beta:2.1,5".parse().unwrap();
+    let beta: asperity::distribution::Marginal = "beta:2.1,5".parse().unwrap();
     let largest = 0.15 * (beta.quantile(0.9999) - 0.295_775) / 0.160_359;
     let kinetic = 0.2 / (1.0 + 4.2 * (0.003 + 0.2 + largest));
     let fraction = beta.cdf(0.295_775 - 0.9 * kinetic / 0.15 * 0.160_359);

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
-use asperity::monitor::{Monitor, Silent};
+use asperity::monitor::Silent;
 use asperity::random;
 use asperity::study::{
     FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes, provenance, write_run,
 };
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
+use asperity_testing::AlwaysCancelled;
 
 const STUDY: &str = r#"
 seed = 7
@@ -54,8 +55,8 @@ fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
     let grid = Grid::new(128, 128, 2e-6, 2e-6).unwrap();
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, rms_m, length_m).unwrap();
     let field = SpectralField::periodic(&covariance, grid);
-    let germ = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
-    let mut heights = field.generate(&germ).heights_m().clone();
+    let xi = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
+    let mut heights = field.generate(&xi).heights_m().clone();
     heights.indexed_iter_mut().for_each(|((row, column), z)| *z += 1e-9 * column as f64 - 2e-9 * row as f64);
     heights[[5, 7]] = f64::NAN;
     asperity_formats::write(&Scan::new(heights, Some((2e-6, 2e-6))), &folder.join("scan.x3p")).unwrap();
@@ -344,16 +345,9 @@ fn a_missing_or_flat_or_tiny_scan_is_unusable_input() {
 
 #[test]
 fn a_cancelled_run_says_so() {
-    struct Impatient;
-    impl Monitor for Impatient {
-        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
-    let error = Study::parse(STUDY, "study.toml").unwrap().run(folder.path(), None, &Impatient).unwrap_err();
+    let error = Study::parse(STUDY, "study.toml").unwrap().run(folder.path(), None, &AlwaysCancelled).unwrap_err();
     assert_eq!(error.kind(), FailureKind::Cancelled, "{error}");
 }
 

@@ -1,7 +1,7 @@
 //! The synthetic scan itself.
 
 use asperity::correlation::{CorrelationModel, Covariance};
-use asperity::law::Marginal;
+use asperity::distribution::Marginal;
 use asperity::map::Grid;
 use asperity::random::{self, Stream};
 use asperity::surface::{RandomSurface, SpectralField};

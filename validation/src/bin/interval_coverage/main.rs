@@ -11,8 +11,8 @@
 #![expect(clippy::print_stdout, reason = "tables for people")]
 
 use asperity::correlation::{Autocorrelation, CorrelationModel, Covariance, StationaryCovariance};
-use asperity::law::Marginal;
-use asperity::law::translation::Translation;
+use asperity::distribution::Marginal;
+use asperity::distribution::translation::Translation;
 use asperity::map::{Grid, HeightMap};
 use asperity::random;
 use asperity::stats::{Interval, Moments};
@@ -149,7 +149,7 @@ impl Case {
         let count = 2_000_000;
         let quantile = |i: i32| law.quantile((f64::from(i) + 0.5) / f64::from(count));
         let heights: Vec<f64> = (0..count).map(quantile).collect();
-        let moments = Moments::of(&heights);
+        let moments = Moments::new(&heights);
         let sa = heights.iter().map(|z| (z - moments.mean).abs()).sum::<f64>() / f64::from(count);
         let core = MaterialRatio::of(&heights).core(EquivalentLine::LeastSquares);
         let translation = Translation::new(&law)?;
@@ -187,7 +187,7 @@ fn main() -> Result<(), Failure> {
             let found: Vec<Estimate> = maps.iter().filter_map(|(m, _)| m.named()[k].1).collect();
             let share =
                 |of: &dyn Fn(&Estimate) -> bool| found.iter().filter(|e| of(e)).count() as f64 / found.len() as f64;
-            let spread = Moments::of(&found.iter().map(|e| e.surface).collect::<Vec<f64>>());
+            let spread = Moments::new(&found.iter().map(|e| e.surface).collect::<Vec<f64>>());
             let mean = |of: &dyn Fn(&Estimate) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
             let covered = share(&|e| e.interval.contains(truth));
             println!(

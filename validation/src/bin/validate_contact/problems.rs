@@ -3,11 +3,10 @@
 use std::error::Error;
 
 use asperity::contact::{Boundary, ContactError, Control, HalfSpace, Problem, rms_gradient, spectral_rms_gradient};
-use asperity::fourier::{RealFft2, signed_index};
 use asperity::map::Grid;
 use asperity::random;
+use asperity_testing::{Choices, filtered_noise};
 use ndarray::{Array2, s};
-use rand::RngExt;
 
 const SEED: u64 = 2016;
 /// Columns and rows: even, odd, prime and eight times as long as wide.
@@ -92,86 +91,58 @@ impl Posed {
     }
 }
 
-/// A generator of uniform choices.
-struct Draw(random::Stream);
-
-impl Draw {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.random::<f64>()
-    }
-
-    /// Uniform in the logarithm between 10^low and 10^high.
-    fn decades(&mut self, low: f64, high: f64) -> f64 {
-        10.0_f64.powf(self.between(low, high))
-    }
-
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[(self.0.random::<f64>() * choices.len() as f64) as usize]
-    }
-}
-
 /// The problem of a number. Kinds of surface, boundaries and controls take turns; all else is drawn.
 pub(crate) fn draw(number: u64) -> Result<Posed, Box<dyn Error>> {
-    let mut draw = Draw(random::stream(SEED, "contact validation", number));
+    let mut choices = Choices::new(SEED, "contact validation", number);
     let kind = KINDS[number as usize % KINDS.len()];
-    let (nx, ny) = draw.one_of(&SIZES);
-    let (pitch_m, modulus_pa, rms_m) = (draw.decades(-8.0, -4.0), draw.decades(6.0, 12.0), draw.decades(-9.0, -5.0));
-    let grid = Grid::new(nx, ny, pitch_m, pitch_m * draw.one_of(&ASPECTS))?;
-    let heights_m = standardised(heights(&mut draw, kind, grid)).mapv(|z| rms_m * z);
+    let (nx, ny) = choices.one_of(&SIZES);
+    let (pitch_m, modulus_pa, rms_m) =
+        (choices.decades(-8.0, -4.0), choices.decades(6.0, 12.0), choices.decades(-9.0, -5.0));
+    let grid = Grid::new(nx, ny, pitch_m, pitch_m * choices.one_of(&ASPECTS))?;
+    let heights_m = standardised(heights(&mut choices, kind, grid)).mapv(|z| rms_m * z);
     let heights_m = Array2::from_shape_vec((ny, nx), heights_m.into_raw_vec_and_offset().0)?;
     let unit_pa = modulus_pa * rms_gradient(&heights_m, grid, Boundary::Free);
-    let mean_pa = unit_pa * draw.decades(-3.3, 0.2);
+    let mean_pa = unit_pa * choices.decades(-3.3, 0.2);
     let control = match number % 5 {
         0 => Control::MeanPressure { pascal: mean_pa },
         1 => Control::Load { newton: mean_pa * grid.area_m2() },
-        2 => Control::Penetration { metre: rms_m * draw.decades(-1.0, 0.7) },
-        3 => Control::Percentile { percent: 100.0 * draw.decades(-2.5, -0.05) },
-        _ => Control::MeanGap { metre: rms_m * draw.decades(-1.5, 0.3) },
+        2 => Control::Penetration { metre: rms_m * choices.decades(-1.0, 0.7) },
+        3 => Control::Percentile { percent: 100.0 * choices.decades(-2.5, -0.05) },
+        _ => Control::MeanGap { metre: rms_m * choices.decades(-1.5, 0.3) },
     };
     let boundary = if (number / 5).is_multiple_of(2) {
         Boundary::Free
     } else {
         let usual = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa);
-        let ratio = draw.one_of(if control.prescribes_plane() { &[0.3, 1.0, 3.0] } else { &[0.0, 0.0, 1.0] });
+        let ratio = choices.one_of(if control.prescribes_plane() { &[0.3, 1.0, 3.0] } else { &[0.0, 0.0, 1.0] });
         Boundary::Periodic { mean_compliance_m_per_pa: ratio * usual }
     };
-    let hardness_pa = match (draw.one_of(&[false, true]), control) {
+    let hardness_pa = match (choices.one_of(&[false, true]), control) {
         (false, _) => None,
-        (true, Control::MeanPressure { .. } | Control::Load { .. }) => Some(mean_pa * (1.0 + draw.decades(-2.0, 2.5))),
-        (true, _) => Some(unit_pa * draw.decades(-1.5, 0.7)),
+        (true, Control::MeanPressure { .. } | Control::Load { .. }) => {
+            Some(mean_pa * (1.0 + choices.decades(-2.0, 2.5)))
+        }
+        (true, _) => Some(unit_pa * choices.decades(-1.5, 0.7)),
     };
     Ok(Posed { kind, half_space: HalfSpace::new(grid, modulus_pa, boundary)?, heights_m, control, hardness_pa })
 }
 
-/// White noise whose amplitude at the given cycles per longer side along x and y is multiplied by `filter`.
-fn filtered(stream: &mut random::Stream, grid: Grid, filter: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+fn heights(choices: &mut Choices, kind: Kind, grid: Grid) -> Vec<f64> {
     let (nx, ny) = (grid.nx(), grid.ny());
-    let fft = RealFft2::new(nx, ny);
-    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-    let mut map = random::standard_normal(stream, grid.points());
-    fft.forward(&map, &mut spectrum, &mut work);
-    let longest_m = grid.width_m().max(grid.height_m());
-    for (i, value) in spectrum.iter_mut().enumerate() {
-        let along_x = longest_m * (i / ny) as f64 / grid.width_m();
-        let along_y = longest_m * signed_index(i % ny, ny) / grid.height_m();
-        *value *= if i == 0 { 0.0 } else { filter(along_x, along_y) };
-    }
-    fft.inverse(&mut spectrum, &mut map, &mut work);
-    map
-}
-
-fn heights(draw: &mut Draw, kind: Kind, grid: Grid) -> Vec<f64> {
-    let (nx, ny) = (grid.nx(), grid.ny());
-    let (x0, y0, waves) = (draw.between(0.3, 0.7), draw.between(0.3, 0.7), draw.one_of(&[1.0, 2.0, 5.0]));
-    let hurst = draw.between(0.3, 0.9);
+    let (x0, y0, waves) = (choices.between(0.3, 0.7), choices.between(0.3, 0.7), choices.one_of(&[1.0, 2.0, 5.0]));
+    let hurst = choices.between(0.3, 0.9);
     let at = |i: usize| ((i % nx) as f64 / nx as f64, (i / nx) as f64 / ny as f64);
     let bump = |i: usize| -((at(i).0 - x0).powi(2) + (at(i).1 - y0).powi(2));
-    let noise = random::standard_normal(&mut draw.0, grid.points());
+    let noise = random::standard_normal(&mut choices.stream, grid.points());
     let of = |height: &dyn Fn(usize) -> f64| (0..grid.points()).map(height).collect();
     match kind {
-        Kind::SelfAffine => filtered(&mut draw.0, grid, |qx, qy| qx.hypot(qy).max(2.0).powf(-1.0 - hurst)),
-        Kind::Smooth => filtered(&mut draw.0, grid, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
-        Kind::Lay => filtered(&mut draw.0, grid, |qx, qy| (qx / 16.0).hypot(qy / 2.0).max(0.5).powf(-1.0 - hurst)),
+        Kind::SelfAffine => {
+            filtered_noise(grid, &mut choices.stream, |qx, qy| qx.hypot(qy).max(2.0).powf(-1.0 - hurst))
+        }
+        Kind::Smooth => filtered_noise(grid, &mut choices.stream, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
+        Kind::Lay => {
+            filtered_noise(grid, &mut choices.stream, |qx, qy| (qx / 16.0).hypot(qy / 2.0).max(0.5).powf(-1.0 - hurst))
+        }
         Kind::Bump => of(&bump),
         Kind::RoughBump => of(&|i| bump(i) + 0.02 * noise[i]),
         Kind::Wave => of(&|i| (std::f64::consts::TAU * (waves * at(i).0 + at(i).1)).cos()),
@@ -193,12 +164,12 @@ fn standardised(heights: Vec<f64>) -> ndarray::Array1<f64> {
 /// Periodic heights over the unit square, self-affine with H = 0.8 between four cycles and `cutoff` cycles per side and flat
 /// below, with an rms gradient of 1; known at `points` × `points` places, of which every `stride`-th is kept.
 pub(crate) fn rough(points: usize, cutoff: f64, stride: usize) -> Result<Array2<f64>, Box<dyn Error>> {
-    let grid = Grid::covering(points, points, 1.0, 1.0)?;
+    let grid = Grid::with_size(points, points, 1.0, 1.0)?;
     let filter = |qx: f64, qy: f64| match qx.hypot(qy) {
         q if q > cutoff => 0.0,
         q => q.max(4.0).powf(-1.8),
     };
-    let heights = filtered(&mut random::stream(SEED, "rough", cutoff as u64), grid, filter);
+    let heights = filtered_noise(grid, &mut random::stream(SEED, "rough", cutoff as u64), filter);
     let heights = Array2::from_shape_vec((points, points), heights)?;
     let gradient = spectral_rms_gradient(&heights, grid);
     Ok(heights.slice(s![..;stride, ..;stride]).mapv(|z| z / gradient))

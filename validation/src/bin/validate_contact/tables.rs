@@ -36,7 +36,7 @@ const STATES: [State; 6] = [
 
 impl State {
     fn solve(self, heights: &Array2<f64>, solver: Solver) -> Result<Solution> {
-        let grid = Grid::covering(heights.ncols(), heights.nrows(), 1.0, 1.0)?;
+        let grid = Grid::with_size(heights.ncols(), heights.nrows(), 1.0, 1.0)?;
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 })?;
         let control = Control::MeanPressure { pascal: self.load };
         Ok(solver.solve(&Problem::new(&half_space, heights, control, self.hardness)?)?)

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use asperity::correlation::{
     LengthFit, LengthSettings, RecordEnds, RecordModel, Stationarity, WindowedRecords, cross_correlation, fit_length,
 };
-use asperity::law::Marginal;
+use asperity::distribution::Marginal;
 use asperity::random;
 use asperity::stats::wilson_interval;
 use rayon::prelude::*;
@@ -74,7 +74,7 @@ fn lengths(runs: usize) -> Result<String> {
                     window_m: 25e-6,
                     step_m: 25e-6 / 16.0,
                     cell_m: CELL_M,
-                    lanes: 1,
+                    tracks: 1,
                     records: records.iter().map(Vec::as_slice).collect(),
                 };
                 Ok(fit_length(
@@ -154,7 +154,7 @@ fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
             window_m: *window as f64 * CELL_M,
             step_m: *step as f64 * CELL_M,
             cell_m: CELL_M,
-            lanes: 1,
+            tracks: 1,
             records: records.iter().map(Vec::as_slice).collect(),
         })
         .collect();
@@ -196,7 +196,7 @@ fn drifts(runs: usize) -> Result<String> {
                 };
                 let records: Vec<Vec<f64>> = (0..strips).map(of).collect();
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-                Ok(Stationarity::of(&views, 1, CELL_M * LENGTH as f64 / 40.0)?)
+                Ok(Stationarity::new(&views, 1, CELL_M * LENGTH as f64 / 40.0)?)
             })?;
             let rate = |called: &dyn Fn(&Stationarity) -> bool| {
                 100.0 * found.iter().filter(|tests| called(tests)).count() as f64 / runs as f64

@@ -1,8 +1,8 @@
 //! Synthetic processes of known correlation and marginal law on cells, and windows that slide over them.
 
+use asperity::distribution::Marginal;
+use asperity::distribution::translation::Translation;
 use asperity::fourier::{Complex64, RealFft2};
-use asperity::law::Marginal;
-use asperity::law::translation::Translation;
 use asperity::random;
 
 use super::Result;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use asperity::law::fit::{Family, Fit, fit};
-use asperity::law::goodness::ProcessNull;
+use asperity::distribution::fit::{Family, Fit, fit};
+use asperity::distribution::goodness::ProcessNull;
 use asperity::stats::Moments;
 use rayon::prelude::*;
 
@@ -83,12 +83,12 @@ fn parameters(text: &mut String, planted: Planted, family: Family, truth: &[f64]
         })
         .collect();
     for (k, truth) in truth.iter().enumerate() {
-        let values = Moments::of_values(found.iter().map(|p| p[k].value));
+        let values = Moments::from_values(found.iter().map(|p| p[k].value));
         let with: Vec<_> = found.iter().filter_map(|p| p[k].estimate).collect();
         let share = |f: &dyn Fn(f64, f64) -> bool| {
             100.0 * with.iter().filter(|e| f(e.interval.low, e.interval.high)).count() as f64 / with.len() as f64
         };
-        let se = Moments::of_values(with.iter().map(|e| e.standard_error.powi(2))).mean.sqrt();
+        let se = Moments::from_values(with.iter().map(|e| e.standard_error.powi(2))).mean.sqrt();
         let _ = writeln!(
             text,
             "| {} | {} | {} | {:.0} % of {} | {:.1} % (↑{:.1} ↓{:.1}) | {:+.2} | {:.2} |",
@@ -111,7 +111,7 @@ fn level(text: &mut String, planted: Planted, family: Family, runs: usize) {
         .into_par_iter()
         .filter_map(|run| {
             let (records, fit) = fitted(planted, family, run);
-            let null = ProcessNull::of(&views(&records), planted.periodic, DRAWS, run).ok()?;
+            let null = ProcessNull::new(&views(&records), planted.periodic, DRAWS, run).ok()?;
             let goodness = null.goodness(&fit?, &records.concat()).ok()?;
             let darling = goodness.anderson_darling.map_or(1.0, |a| a.p_value);
             Some([goodness.kolmogorov_smirnov.p_value, darling, null.order() as f64])

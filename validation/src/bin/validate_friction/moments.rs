@@ -66,7 +66,7 @@ fn held(intervals: &[Interval], truth: f64) -> String {
 fn estimates(planted: Planted, run: u64) -> [Option<Estimate>; 5] {
     let records = planted.records(run);
     let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-    let found = ProcessMoments::of(&views, planted.periodic);
+    let found = ProcessMoments::new(&views, planted.periodic);
     [found.mean, found.std, found.coefficient_of_variation, found.skewness, found.excess_kurtosis]
 }
 
@@ -77,7 +77,7 @@ fn truth(planted: Planted) -> [f64; 5] {
     }
     let long = Planted { lengths: 20_000, strips: 1, periodic: false, ..planted };
     let values: Vec<f64> = (0..20).into_par_iter().flat_map(|run| long.records(1_000_000 + run).concat()).collect();
-    let m = Moments::of(&values);
+    let m = Moments::new(&values);
     [m.mean, m.std, m.coefficient_of_variation(), m.skewness, m.excess_kurtosis]
 }
 
@@ -101,7 +101,7 @@ fn moving_blocks(records: &[&[f64]], block: usize, seed: u64, statistic: fn(Mome
             }
         }
         drawn.truncate(total);
-        statistic(Moments::of(&drawn))
+        statistic(Moments::new(&drawn))
     };
     let replicates = sorted_present((0..200).map(resample));
     let end = |probability: f64| quantile_sorted(&replicates, probability);

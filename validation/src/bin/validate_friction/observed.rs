@@ -9,6 +9,7 @@ use asperity::correlation::{
 use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, Preparation};
 use asperity::random;
 use asperity::stats::wilson_interval;
+use asperity_testing::autoregressive;
 use rayon::prelude::*;
 
 use super::Result;
@@ -29,12 +30,7 @@ pub(crate) fn section(runs: usize) -> Result<String> {
 
 /// A stationary record of the correlation e^{−lag/ℓ}.
 fn exponential(length: f64, values: usize, name: &str, run: usize) -> Vec<f64> {
-    let phi = (-1.0 / length).exp();
-    let mut record = random::standard_normal(&mut random::stream(79, name, run as u64), values);
-    for t in 1..values {
-        record[t] = phi * record[t - 1] + (1.0 - phi * phi).sqrt() * record[t];
-    }
-    record
+    autoregressive((-1.0 / length).exp(), values, &mut random::stream(79, name, run as u64))
 }
 
 fn means(values: &[f64], count: usize) -> Vec<f64> {
@@ -126,9 +122,9 @@ fn lengths(runs: usize) -> Result<String> {
         let found = all(runs, |run| {
             let values = record(run);
             let channel =
-                WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values.as_slice()] };
+                WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, tracks: 1, records: vec![values.as_slice()] };
             let naive = fit_length(&[channel], RecordModel::Exponential, Default::default())?;
-            Ok((ObservedLengths::of(&[&values], step_m, history)?, naive.length_m))
+            Ok((ObservedLengths::fit(&[&values], step_m, history)?, naive.length_m))
         })?;
         let mean = |value: &dyn Fn(&ObservedLengths) -> f64| {
             found.iter().map(|(found, _)| value(found)).sum::<f64>() / runs as f64
@@ -145,8 +141,8 @@ fn lengths(runs: usize) -> Result<String> {
             100.0 * (length / LENGTH - 1.0),
             100.0 * sd / LENGTH,
             100.0 * (naive / LENGTH - 1.0),
-            percent(&|found| found.chosen.noise_share > 0.0),
-            100.0 * mean(&|found| found.chosen.noise_share),
+            percent(&|found| found.chosen.noise_fraction > 0.0),
+            100.0 * mean(&|found| found.chosen.noise_fraction),
             percent(&|found| found.observation != Observation::Points),
             percent(&|found| found.narrowed_to_per_m.is_some()),
             percent(&|found| found.chosen.lack_of_fit.is_some_and(|test| test.significant())),
@@ -174,8 +170,12 @@ fn short(runs: usize) -> Result<String> {
                 warnings: Vec::new(),
             };
             let prepared = Preparation::default().apply(&record)?;
-            Ok(FittedRecord::new(&prepared, DistributionChoice::One(asperity::law::fit::Family::Normal), "planted")
-                .ok())
+            Ok(FittedRecord::new(
+                &prepared,
+                DistributionChoice::One(asperity::distribution::fit::Family::Normal),
+                "planted",
+            )
+            .ok())
         })?;
         let accepted: Vec<&FittedRecord> = found.iter().flatten().collect();
         let covered = |of: &dyn Fn(&FittedRecord) -> Option<[f64; 2]>, truth: f64| {

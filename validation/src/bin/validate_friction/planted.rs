@@ -2,8 +2,9 @@
 
 #![expect(clippy::expect_used, reason = "the laws are written in this program")]
 
-use asperity::law::Marginal;
+use asperity::distribution::Marginal;
 use asperity::random;
+use asperity_testing::autoregressive;
 
 /// Steps to a correlation length.
 pub(crate) const STEPS: usize = 10;
@@ -59,12 +60,7 @@ fn phi() -> f64 {
 }
 
 fn line(n: usize, index: u64) -> Vec<f64> {
-    let phi = phi();
-    let mut noise = random::standard_normal(&mut random::stream(7, "planted", index), n);
-    for i in 1..n {
-        noise[i] = phi * noise[i - 1] + (1.0 - phi * phi).sqrt() * noise[i];
-    }
-    noise
+    autoregressive(phi(), n, &mut random::stream(7, "planted", index))
 }
 
 /// The same going round: correlation (φᵏ + φⁿ⁻ᵏ)/(1 + φⁿ).

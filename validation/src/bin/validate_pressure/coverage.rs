@@ -4,7 +4,7 @@ use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Estimate, Problem, Study};
+use asperity::pressure::{Estimate, MethodComparison, Problem};
 use asperity::surface::KarhunenLoeve;
 use asperity_validation::methods::{estimates, names};
 
@@ -56,12 +56,12 @@ impl Count {
         tell(0, contact.map(|interval| interval.contains(truth.contact_probability)));
         tell(1, mean.map(|interval| interval.contains(truth.mean_pa)));
         for (place, probability) in QUANTILES.into_iter().enumerate() {
-            let wanted = truth.law.quantile(probability);
+            let wanted = truth.distribution.quantile(probability);
             tell(2 + place, found.quantile_interval_pa(probability).map(|interval| interval.contains(wanted)));
         }
         let holds = |band: &asperity::pressure::Band| {
             band.values.iter().enumerate().all(|(i, value)| {
-                let ([low, high], cdf) = (band.simultaneous(i), truth.law.cdf(*value));
+                let ([low, high], cdf) = (band.simultaneous(i), truth.distribution.cdf(*value));
                 low <= cdf && cdf <= high
             })
         };
@@ -92,14 +92,14 @@ impl Count {
 /// Prints a table for each world.
 pub(crate) fn print(replicates: u64) -> Result<()> {
     println!(
-        "\n# Intervals\n\nShare in percent of 95 % intervals that hold the truth, over {replicates} studies of a small patch: {POINTS}² points \
-         on 1 m, the surface and the half-space of case C. Its own error is √(.95 · .05/{replicates}) = {:.1} %. The truth is that of \
+        "\n# Intervals\n\nShare in percent of 95 % intervals that contain the true value, over {replicates} studies of a small patch: {POINTS}² points \
+         on 1 m, the surface and the half-space of case C. Its own error is √(.95 · .05/{replicates}) = {:.1} %. The true value is estimated by \
          {TRUTH} solutions with 256 cells each. Beside them the mean error (bias) of P(contact) and of the mean in pascal, the root \
-         mean square error, and the mean half width of the intervals. Expansions have 3 variables, degree 2, and 2,000 fresh germs.",
+         mean square error, and the mean half width of the intervals. Expansions have 3 variables, degree 2, and 2,000 fresh samples.",
         (95.0 * 5.0 / replicates as f64).sqrt()
     );
     for world in &WORLDS {
-        let grid = Grid::covering(POINTS, POINTS, 1.0, 1.0)?;
+        let grid = Grid::with_size(POINTS, POINTS, 1.0, 1.0)?;
         let length_m = 0.15 * std::f64::consts::SQRT_2;
         let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 1.0, length_m)?;
         let surface = KarhunenLoeve::periodic_without_constant(&covariance, grid, 8)?.rescaled();
@@ -107,13 +107,13 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
         let half_space = HalfSpace::new(grid, 1.0, boundary)?;
         let control = Control::Plane { height_m: world.plane_m };
         let problem = Problem::new(&surface, &half_space, control, world.hardness_pa)?;
-        let sizes = Study { fine_solves: 20, reference_samples: TRUTH, ..Study::new(1) };
+        let sizes = MethodComparison { fine_solves: 20, reference_samples: TRUTH, ..MethodComparison::new(1) };
         let truth = sizes.run(&problem, &Silent)?.reference.estimate;
         let capped = world.hardness_pa.map_or_else(String::new, |hardness_pa| {
-            let atom = 1.0 - truth.law.cdf_left(hardness_pa);
+            let atom = 1.0 - truth.distribution.cdf_left(hardness_pa);
             format!(", capped at {hardness_pa} Pa, which {:.1} % of the pressures are", 100.0 * atom)
         });
-        let quantiles: Vec<String> = QUANTILES.map(|p| format!("{:.3}", truth.law.quantile(p))).into();
+        let quantiles: Vec<String> = QUANTILES.map(|p| format!("{:.3}", truth.distribution.quantile(p))).into();
         println!(
             "\n## Small patch, {}: {} fine solves\n\nThe plane at {} m{capped}: P(contact) {:.4}, mean {:.4} Pa, quantiles {} Pa. A quantile within an \
              atom is always held.\n",
@@ -125,8 +125,12 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
             quantiles.join(", ")
         );
         let found = each(replicates, world.name, |seed| {
-            let sizes = Study { fine_solves: world.fine_solves, reference_samples: 2, ..Study::new(seed) };
-            let study = Study { variables: 3, degree: 2, surrogate_samples: 2000, ..sizes };
+            let sizes = MethodComparison {
+                fine_solves: world.fine_solves,
+                reference_samples: 2,
+                ..MethodComparison::new(seed)
+            };
+            let study = MethodComparison { variables: 3, degree: 2, surrogate_samples: 2000, ..sizes };
             let outcomes = estimates(&study, &problem, &Silent)?;
             let mut counts = vec![Count::default(); outcomes.len()];
             for (count, outcome) in counts.iter_mut().zip(&outcomes) {

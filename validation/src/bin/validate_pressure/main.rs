@@ -15,13 +15,13 @@ mod parallel;
 use std::error::Error;
 use std::time::Instant;
 
-use asperity::chaos::StepLaw;
+use asperity::chaos::DiscreteDistribution;
 use asperity::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
 use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Estimate, Problem, Sampling, Study, solve};
+use asperity::pressure::{Estimate, MethodComparison, Problem, Sampling, solve};
 use asperity::stats::{Interval, NORMAL_95, wilson_interval};
 use asperity::surface::{KarhunenLoeve, ModesRoute};
 
@@ -103,7 +103,7 @@ struct Errors {
 
 /// One estimate and the seconds that it took.
 struct Timed {
-    law: StepLaw,
+    distribution: DiscreteDistribution,
     contact: Known,
     mean: Known,
     seconds: f64,
@@ -131,10 +131,10 @@ impl Known {
 
 impl Errors {
     fn add(&mut self, found: &Timed, reference: &Estimate) {
-        let Timed { law, contact, mean, seconds } = found;
+        let Timed { distribution, contact, mean, seconds } = found;
         self.count += 1.0;
-        self.ks += kolmogorov_smirnov(law, &reference.law);
-        self.wasserstein += wasserstein_1(law, &reference.law) / reference.law.std();
+        self.ks += kolmogorov_smirnov(distribution, &reference.distribution);
+        self.wasserstein += wasserstein_1(distribution, &reference.distribution) / reference.distribution.std();
         self.probability += (contact.value - reference.contact_probability).powi(2);
         self.probability_se += contact.se.powi(2);
         self.mean += (mean.value - reference.mean_pa).powi(2);
@@ -189,7 +189,7 @@ fn main() -> Result<()> {
 }
 
 fn compare(case: &Case, replicates: u64) -> Result<()> {
-    let grid = Grid::covering(POINTS, POINTS, 1.0, 1.0)?;
+    let grid = Grid::with_size(POINTS, POINTS, 1.0, 1.0)?;
     let length_m = case.spread_m * std::f64::consts::SQRT_2;
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 1.0, length_m)?;
     let surface = if case.free {
@@ -203,7 +203,11 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
     let solver = Solver { tolerance: 1e-6, ..Solver::default() };
     let control = Control::Plane { height_m: 0.0 };
     let problem = Problem::new(&surface, &half_space, control, case.hardness_pa)?.with_solver(solver);
-    let sizes = Study { fine_solves: 20, reference_samples: if case.free { SINGLE } else { POOLED }, ..Study::new(1) };
+    let sizes = MethodComparison {
+        fine_solves: 20,
+        reference_samples: if case.free { SINGLE } else { POOLED },
+        ..MethodComparison::new(1)
+    };
     let start = Instant::now();
     let reference = sizes.run(&problem, &Silent)?.reference.estimate;
     eprintln!("{}: reference in {:.0} s", case.name, start.elapsed().as_secs_f64());
@@ -214,10 +218,10 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         reference.contact_probability_se,
         reference.mean_pa,
         reference.mean_se_pa,
-        reference.law.std()
+        reference.distribution.std()
     );
     if let Some(hardness_pa) = case.hardness_pa {
-        let plastic = (1.0 - reference.law.cdf_left(hardness_pa)) / reference.contact_probability;
+        let plastic = (1.0 - reference.distribution.cdf_left(hardness_pa)) / reference.contact_probability;
         println!("Of the contacts {:.1} % are plastic.", 100.0 * plastic);
     }
     println!(
@@ -225,28 +229,28 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
     );
     for fine_solves in case.sizes.iter().copied() {
         let found = each(replicates, &format!("{}, {fine_solves}", case.name), |seed| {
-            let study = Study { fine_solves, ..Study::new(seed) };
+            let study = MethodComparison { fine_solves, ..MethodComparison::new(seed) };
             let start = Instant::now();
-            let sampling = Sampling::monte_carlo(seed, "validation", fine_solves, study.valid_share);
+            let sampling = Sampling::monte_carlo(seed, "validation", fine_solves, study.valid_fraction);
             let samples = solve(&problem, sampling, &Silent)?;
-            let (law, n) = (samples.law()?, samples.len() as f64);
-            let (p, mean) = (samples.contact_probability(), law.mean());
-            let [p_se, mean_se] = [(p * (1.0 - p) / n).sqrt(), law.std() / n.sqrt()];
+            let (distribution, n) = (samples.distribution()?, samples.len() as f64);
+            let (p, mean) = (samples.contact_probability(), distribution.mean());
+            let [p_se, mean_se] = [(p * (1.0 - p) / n).sqrt(), distribution.std() / n.sqrt()];
             let half = NORMAL_95 * mean_se;
             let monte_carlo = Timed {
                 seconds: start.elapsed().as_secs_f64(),
                 contact: Known::new(p, p_se, Some(wilson_interval(samples.in_contact(), samples.len()))),
                 mean: Known::new(mean, mean_se, Some(Interval { low: mean - half, high: mean + half })),
-                law,
+                distribution,
             };
             let start = Instant::now();
-            let (found, solves) = study.law(&problem, &Silent)?;
+            let (found, solves) = study.estimate_default(&problem, &Silent)?;
             let (p, p_se) = (found.contact_probability, found.contact_probability_se);
             let default = Timed {
                 seconds: start.elapsed().as_secs_f64(),
                 contact: Known::new(p, p_se, found.contact_probability_interval),
                 mean: Known::new(found.mean_pa, found.mean_se_pa, found.mean_interval_pa()),
-                law: found.law,
+                distribution: found.distribution,
             };
             let told = solves.iter().map(|s| format!("{} on {}²", s.solves, s.shape.1)).collect::<Vec<_>>();
             Ok((monte_carlo, default, told.join(", ")))
@@ -259,7 +263,7 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         let coarse = found.last().map_or("", |(_, _, coarse)| coarse.as_str());
         monte_carlo.row(&format!("Monte Carlo, {fine_solves}"));
         default.row(&format!("default, {fine_solves} ({coarse})"));
-        // Monte Carlo's variance at the default's seconds, from its law and not from the few replicates, over the default's: the larger
+        // Monte Carlo's variance at the default's seconds, from its distribution rather than the few replicates, over the default's: the larger
         // one of that found and that told.
         let time = default.seconds() / monte_carlo.seconds();
         let p = reference.contact_probability;
@@ -267,7 +271,7 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         println!(
             "| *Monte Carlo at the default's time: mean square error* | | | *× {:.1}* | | *× {:.0}* | | |",
             p * (1.0 - p) / n / (default.probability.max(default.probability_se) / default.count),
-            reference.law.std().powi(2) / n / (default.mean.max(default.mean_se) / default.count)
+            reference.distribution.std().powi(2) / n / (default.mean.max(default.mean_se) / default.count)
         );
     }
     Ok(())

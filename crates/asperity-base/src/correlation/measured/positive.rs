@@ -1,4 +1,4 @@
-//! Positive semi-definite sequences and their splines.
+//! Positive semi-definite sequences and their spline interpolation.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,30 +6,31 @@ use ndarray::Array2;
 
 use crate::fourier::{Complex64, RealFft2, good_length, signed_index};
 
-/// Lags kept beyond the end of a correlation for the tails of its spline, which fall by 0.27 from lag to lag.
+/// Number of lags kept beyond the end of a correlation for the tails of its spline, which fall by 0.27 per lag.
 const TAIL: usize = 16;
 
-/// A correlation that is positive semi-definite, and how far it lies from what it was made of.
+/// Positive semi-definite correlation, and its difference from the given sequence.
 pub(super) struct PositiveCorrelation {
     pub(super) spline: Spline,
-    /// Share of the variance in negative values of the spectrum.
+    /// Fraction of the variance in negative values of the spectrum.
     pub(super) clipped_variance: f64,
-    /// Largest difference at any lag.
+    /// Largest absolute difference of a lag.
     pub(super) largest_change: f64,
 }
 
-/// The correlation k ⋆ k of the finite moving average k cut from the root of the [balanced](Rings::balance) spectrum of `lags`,
-/// which is positive semi-definite on the whole lattice.
+/// Returns the correlation k ⋆ k of a finite moving average k, which is positive semi-definite on the infinite lattice.
+/// k is the truncated square root of the [balanced](Rings::balance) spectrum of `lags`.
 ///
-/// Rows of `lags` are the lags 0 … R along y, columns −R … R along x, those of the other half plane being equal. `wavevector`
-/// takes a wavevector in radian per lag to where the rings within which amounts are balanced are circles of unit width.
+/// Rows of `lags` are the lags 0 … R along y, columns −R … R along x; the other half plane follows by symmetry.
+/// `wavevector` maps a wavevector in radian per lag to coordinates in which the rings of the balance are circles of
+/// unit width.
 pub(super) fn made_positive(lags: &Array2<f64>, wavevector: impl Fn(f64, f64) -> (f64, f64)) -> PositiveCorrelation {
     let (reach_y, reach_x) = (lags.nrows() as isize - 1, lags.ncols() as isize / 2);
     let given = |x: isize, y: isize| {
         let (x, y) = if y < 0 { (-x, -y) } else { (x, y) };
         if x.abs() <= reach_x && y <= reach_y { lags[[y as usize, (x + reach_x) as usize]] } else { 0.0 }
     };
-    // Room for k ⋆ k without wrapping.
+    // Space for k ⋆ k without periodic wrapping.
     let torus = Torus::new(4 * reach_x as usize + 1, 4 * reach_y as usize + 1);
     let mut spectrum = torus.spectrum(reach_x, reach_y, given);
     let negative = torus.sum(&spectrum, |value| (-value.re).max(0.0));
@@ -51,20 +52,21 @@ pub(super) fn made_positive(lags: &Array2<f64>, wavevector: impl Fn(f64, f64) ->
     PositiveCorrelation { spline, clipped_variance, largest_change }
 }
 
-/// Iterations towards the spectrum beneath a distortion.
+/// Largest number of iterations.
 const ITERATIONS: usize = 10;
-/// Steps of the table of a distortion over [−1, 1].
+/// Number of table intervals of a distortion over [−1, 1].
 const TABLE: usize = 1 << 14;
-/// Largest factor on a spectral density in one iteration.
+/// Largest factor of a spectral density per iteration.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Spectrum of a correlation that, distorted lag by lag, has the spectrum of `wanted` as nearly as possible, with the torus it
-/// is given on.
+/// Returns the spectrum of the correlation whose values, mapped by `distortion`, have a spectrum as close as possible
+/// to that of `wanted`, with the periodic grid of the spectrum.
 ///
-/// Each iteration multiplies the spectrum by the ratio of wanted and met densities, which stays positive.
+/// Each iteration multiplies the spectrum by the ratio of required and present densities, so it stays positive.
 ///
 /// # References
-/// Shields, Deodatis & Bocchini, *Prob. Eng. Mech.* **26** (2011) 511, <https://doi.org/10.1016/j.probengmech.2011.04.003>.
+/// Shields, Deodatis & Bocchini, *Prob. Eng. Mech.* **26** (2011) 511,
+/// <https://doi.org/10.1016/j.probengmech.2011.04.003>.
 pub(super) struct Beneath {
     torus: Torus,
     spectrum: Vec<f64>,
@@ -77,7 +79,7 @@ impl Beneath {
         let torus = Torus::new(2 * reach_x as usize + 1, 2 * reach_y as usize + 1);
         let real = |spectrum: Vec<Complex64>| spectrum.into_iter().map(|value| value.re).collect::<Vec<f64>>();
         let target = real(torus.spectrum(reach_x, reach_y, |x, y| wanted.value(x as f64, y as f64)));
-        // Rounding leaves values about zero, where nothing is wanted.
+        // Rounding leaves small values of both signs where the required density is zero.
         let least = 1e-12 * target.iter().fold(0.0_f64, |most, value| most.max(*value));
         let target: Vec<f64> = target.into_iter().map(|value| value.max(least)).collect();
         let table: Vec<f64> =
@@ -107,7 +109,7 @@ impl Beneath {
         self.torus.values(self.spectrum.iter().map(|value| (*value).into()).collect())
     }
 
-    /// Scales the variance to one.
+    /// Normalises the variance to one.
     fn normalise(&mut self) {
         let torus = &self.torus;
         let weighted = self.spectrum.iter().enumerate().map(|(place, value)| torus.multiplicity(place) * value);
@@ -115,16 +117,16 @@ impl Beneath {
         self.spectrum.iter_mut().for_each(|value| *value /= variance);
     }
 
-    /// The correlation whose spectrum is multiplied by `factor` of the wavevector in radian per lag.
+    /// Returns the correlation with its spectrum multiplied by `factor` of the wavevector in radian per lag.
     ///
-    /// The spectrum is that of a periodic sequence. Cut at the end of the lags it would not be positive semi-definite, so its root
-    /// is cut at half of them, as in [`made_positive`].
+    /// The spectrum belongs to a periodic sequence. Truncating the correlation would not keep it positive
+    /// semi-definite, so its square root is truncated at half the lags, as in [`made_positive`].
     pub(super) fn spline(&self, factor: impl Fn(f64, f64) -> f64) -> Spline {
         let root = |(place, value): (usize, &f64)| {
             let (x, y) = self.torus.wavevector(place, |x, y| (x, y));
             (value * factor(x, y)).sqrt().into()
         };
-        // A spline has its tail beyond the lags.
+        // Allow for the tail of the spline beyond the lags.
         let half = |reach: isize| (reach - TAIL as isize) / 2;
         let (half_x, half_y) = (half(self.reach.0), half(self.reach.1));
         let spectrum = self.torus.factored(self.spectrum.iter().enumerate().map(root).collect(), half_x, half_y);
@@ -132,24 +134,24 @@ impl Beneath {
     }
 }
 
-/// Sectors into which a ring of wavevectors is divided.
+/// Number of sectors of a ring of wavevectors.
 const SECTORS: usize = 4;
 
-/// Wavevectors of a spectrum, as places, by wavenumber and direction.
+/// Wavevectors of a spectrum, by index, grouped into rings and sectors.
 struct Rings<'a> {
     torus: &'a Torus,
-    /// Wavenumber of every place in widths of a ring, and the field of its ring and sector, ring by ring.
+    /// For every index the wavenumber in ring widths, and the bin of its ring and sector, ring by ring.
     wavenumbers: Vec<f32>,
     fields: Vec<u32>,
     count: usize,
 }
 
 impl<'a> Rings<'a> {
-    /// `wavevector` takes a wavevector in radian per lag to where rings are circles, in widths of a ring.
+    /// `wavevector` maps a wavevector in radian per lag to coordinates in which rings are circles, in ring widths.
     fn new(torus: &'a Torus, wavevector: impl Fn(f64, f64) -> (f64, f64)) -> Self {
         let vectors = || (0..torus.fft.spectrum_len()).map(|place| torus.wavevector(place, &wavevector));
         let wavenumbers: Vec<f32> = vectors().map(|(x, y)| x.hypot(y) as f32).collect();
-        // Sectors are centred on the axes and between; opposite ones are one.
+        // Sectors are centred on the axes and on the diagonals; opposite sectors are identified.
         let sector = |(x, y): (f64, f64)| (y.atan2(x) / PI * SECTORS as f64).round() as i32;
         let fields = vectors()
             .zip(&wavenumbers)
@@ -159,7 +161,7 @@ impl<'a> Rings<'a> {
         Self { torus, wavenumbers, fields, count }
     }
 
-    /// Sums over the fields of a function of the wavenumber and the value.
+    /// Returns the sums over each bin of a function of the wavenumber and the value.
     fn sums(&self, spectrum: &[Complex64], part: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.count * SECTORS];
         for (place, (value, field)) in spectrum.iter().zip(&self.fields).enumerate() {
@@ -169,13 +171,12 @@ impl<'a> Rings<'a> {
         sums
     }
 
-    /// Sets negative values of a spectrum to zero and takes what they amount to from the positive ones of the same ring and
-    /// sector, all by the same factor; what these cannot pay falls to the next ones inward.
+    /// Sets negative values of a spectrum to zero and scales the positive ones of the same ring and sector down by the
+    /// same amount; what exceeds them is passed on to the next ring inward.
     ///
-    /// Amounts are counted in squared slopes q²P, so that the roughness of the map is kept at every wavelength and in every
-    /// direction: where the spectrum is nothing but noise about zero, half of that noise would else stay as a floor of
-    /// roughness that the map has not. What then is missing of the variance is put back at the long waves, which hold half
-    /// of it.
+    /// Amounts are measured in squared slopes q²P, so that the roughness of the map is preserved at every wavelength
+    /// and in every direction. Otherwise half of the noise about zero would remain as a spurious noise floor. The
+    /// deficit of the variance is restored at the long waves, which carry half of it.
     fn balance(&self, spectrum: &mut [Complex64]) {
         let variance: f64 = self.sums(spectrum, |_, value| value).iter().sum();
         let slopes = self.sums(spectrum, |k, value| k * k * value);
@@ -210,13 +211,13 @@ impl<'a> Rings<'a> {
     }
 }
 
-/// Sequences over lags that are closed at a distance.
+/// Periodic grid of lags.
 struct Torus {
     fft: RealFft2,
 }
 
 impl Torus {
-    /// A torus on which `lags_x` × `lags_y` lags and the tails of their spline do not meet.
+    /// Creates a grid large enough for `lags_x` × `lags_y` lags and the tails of their spline.
     fn new(lags_x: usize, lags_y: usize) -> Self {
         Self { fft: RealFft2::new(good_length(lags_x + 2 * TAIL), good_length(lags_y + 2 * TAIL)) }
     }
@@ -226,7 +227,7 @@ impl Torus {
         (y.rem_euclid(ny) * nx + x.rem_euclid(nx)) as usize
     }
 
-    /// Spectrum of a sequence on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
+    /// Returns the spectrum of a sequence on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
     fn spectrum(&self, reach_x: isize, reach_y: isize, value: impl Fn(isize, isize) -> f64) -> Vec<Complex64> {
         let mut values = vec![0.0; self.fft.nx() * self.fft.ny()];
         for y in -reach_y..=reach_y {
@@ -239,7 +240,8 @@ impl Torus {
         spectrum
     }
 
-    /// Spectrum of k ⋆ k over its variance, k the sequence of the spectrum `root` on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
+    /// Returns the spectrum of k ⋆ k over its variance, where k is the sequence with the spectrum `root` truncated to
+    /// |x| ≤ `reach_x`, |y| ≤ `reach_y`.
     fn factored(&self, root: Vec<Complex64>, reach_x: isize, reach_y: isize) -> Vec<Complex64> {
         let average = self.values(root);
         let mut spectrum = self.spectrum(reach_x, reach_y, |x, y| average[self.place(x, y)]);
@@ -256,33 +258,33 @@ impl Torus {
         values
     }
 
-    /// How often a place of the half spectrum stands in the whole.
+    /// Multiplicity of an index of the half spectrum in the full spectrum.
     fn multiplicity(&self, place: usize) -> f64 {
         self.fft.multiplicity(place / self.fft.ny())
     }
 
-    /// A function of the wavevector of a place of the spectrum. A wavevector on the edge of the zone is its own opposite along
-    /// that axis, and counts as the one of the shorter image.
+    /// Returns a function of the wavevector of an index of the spectrum. A wavevector on the zone boundary equals its
+    /// opposite along that axis; the shorter image counts.
     fn wavevector(&self, place: usize, image: impl Fn(f64, f64) -> (f64, f64)) -> (f64, f64) {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
         let (kx, ky) = (place / ny, place % ny);
         let phase = |k: usize, n: usize| TAU * signed_index(k, n) / n as f64;
         let (x, y) = (phase(kx, nx), phase(ky, ny));
         let (own, other) = (image(x, y), image(-x, y));
-        // Of images of the same length the two opposite wavevectors take opposite ones.
+        // If both images are equally long, opposite wavevectors take opposite images.
         let ((own_k, other_k), is_turned) = ((own.0.hypot(own.1), other.0.hypot(other.1)), own.0 * own.1 < 0.0);
         let is_shorter = other_k < own_k || (other_k == own_k && is_turned);
         if (2 * kx == nx || 2 * ky == ny) && is_shorter { other } else { own }
     }
 
-    /// Mean of a function of the spectrum over all wavevectors.
+    /// Returns the mean of a function of the spectrum over all wavevectors.
     fn sum(&self, spectrum: &[Complex64], part: impl Fn(&Complex64) -> f64) -> f64 {
         let weighted = spectrum.iter().enumerate().map(|(place, value)| self.multiplicity(place) * part(value));
         weighted.sum::<f64>() / (self.fft.nx() * self.fft.ny()) as f64
     }
 
-    /// The cubic spline through the sequence of this spectrum: its coefficients have the spectrum divided by that of the
-    /// B-spline's samples ⅙, ⅔, ⅙, which is (2 + cos ω)/3 along each axis.
+    /// Returns the cubic spline interpolant of the sequence with this spectrum: the spectrum of its coefficients is
+    /// divided by that of the B-spline samples ⅙, ⅔, ⅙, (2 + cos ω)/3 along each axis.
     fn spline(&self, mut spectrum: Vec<Complex64>, reach_x: usize, reach_y: usize) -> Spline {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
         let samples = |k: usize, n: usize| (2.0 + (TAU * k as f64 / n as f64).cos()) / 3.0;
@@ -297,19 +299,19 @@ impl Torus {
     }
 }
 
-/// Σ c(i, j) B(x − i) B(y − j) with the cubic B-spline B, over lags −R … R.
+/// Cubic spline Σ c(i, j) B(x − i) B(y − j) with the B-spline B, over lags −R … R.
 #[derive(Debug, Clone)]
 pub(super) struct Spline {
     coefficients: Array2<f64>,
 }
 
 impl Spline {
-    /// Lags in points beyond which the spline is zero.
+    /// Returns the lags in points beyond which the spline is zero.
     pub(super) fn reach(&self) -> (usize, usize) {
         (self.coefficients.ncols() / 2 + 2, self.coefficients.nrows() / 2 + 2)
     }
 
-    /// Value at a lag in points.
+    /// Returns the value at a lag in points.
     pub(super) fn value(&self, x: f64, y: f64) -> f64 {
         let (rows, columns) = self.coefficients.dim();
         let (first_column, along_x) = weights(x, columns);
@@ -326,9 +328,9 @@ impl Spline {
     }
 }
 
-/// The first of the four coefficients of `n` that meet at a position, and their weights.
+/// Returns the index of the first of the four contributing coefficients of `n` at a position, and their weights.
 fn weights(position: f64, n: usize) -> (i64, [f64; 4]) {
-    // Positions far beyond either end are all alike, and would not fit an integer.
+    // Clamp positions far outside, which would overflow an integer.
     let place = (position + (n / 2) as f64).clamp(-4.0, n as f64 + 4.0);
     let t = place - place.floor();
     let (t2, t3) = (t * t, t * t * t);

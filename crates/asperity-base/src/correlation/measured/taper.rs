@@ -1,33 +1,33 @@
-//! Up to which lags an autocorrelation is believed.
+//! Range of the lags of an autocorrelation that are significant.
 
 use std::f64::consts::PI;
 
 use crate::correlation::estimate::Autocorrelation;
 
-/// Level of the central lobe, as for the autocorrelation length of ISO 25178-2.
+/// Level that bounds the central lobe, as for the autocorrelation length of ISO 25178-2.
 const LOBE: f64 = 0.2;
-/// Width of the rings in which lags are compared with their noise, in radii of the lobe.
+/// Width of the rings in which lags are compared with their noise, in lobe radii.
 const RING: f64 = 0.5;
-/// Rings in a row that must be noise before the correlation counts as decayed.
+/// Number of consecutive rings of noise after which the correlation counts as decayed.
 const QUIET_RINGS: usize = 3;
-/// How far beyond that lags count fully: a smooth correlation goes on beneath the noise, and cutting it there would stand in the
-/// spectrum as ripples that are larger than its own high wavenumbers.
+/// Factor from the decay to the radius of full weight: a smooth correlation continues below the noise, and truncating
+/// it would put ripples larger than its own high wavenumbers into the spectrum.
 const MARGIN: f64 = 1.5;
-/// Sectors of a ring, so that a correlation in one direction is not lost in the noise of the others.
+/// Number of sectors of a ring, so that correlation in one direction is not averaged with the noise of the others.
 const SECTORS: usize = 4;
-/// Standard deviations by which the mean square of a sector must exceed that of noise to count.
+/// Standard deviations by which the mean square of a sector must exceed that of noise to be significant.
 const SIGNIFICANT: f64 = 4.0;
-/// Share of the map over which the squares that make up the noise are summed, and to which lags are used where they decay.
-const NOISE_SHARE: f64 = 0.25;
-const LARGEST_SHARE: f64 = 0.5;
+/// Fraction of the map over which the squares for the noise level are summed, and limit of the lags used if they decay.
+const NOISE_FRACTION: f64 = 0.25;
+const LARGEST_FRACTION: f64 = 0.5;
 
-/// The weight of a lag: 1 up to the reliable ones, falling to 0 at twice those; see [`super::MeasuredCovariance`].
+/// Weight of a lag: 1 up to the reliable radius, falling to 0 at twice that; see [`super::MeasuredCovariance`].
 #[derive(Debug, Clone)]
 pub(super) struct Taper {
     x: Side,
     y: Side,
     ellipse: Ellipse,
-    /// Radius in lobes up to which lags are reliable; infinite where nothing decays.
+    /// Radius in lobes up to which lags are reliable; infinite without decay.
     reliable: f64,
     standard_error: f64,
 }
@@ -36,9 +36,9 @@ pub(super) struct Taper {
 #[derive(Debug, Clone, Copy)]
 struct Side {
     pitch_m: f64,
-    /// Lags in points beyond which nothing is used.
+    /// Largest lag used, in points.
     limit: isize,
-    /// Whether the correlation reaches beyond half of that.
+    /// Whether the correlation extends beyond half of that.
     open: bool,
 }
 
@@ -48,13 +48,13 @@ impl Side {
         if self.open { bohman(s) } else { flat_top(s) }
     }
 
-    /// Largest lag in metre of weight 1, within `reliable_m`.
+    /// Returns the largest lag in metre with weight 1, at most `reliable_m`.
     fn reliable_m(&self, reliable_m: f64) -> f64 {
         if self.open { 0.0 } else { reliable_m.min(0.5 * (self.limit + 1) as f64 * self.pitch_m) }
     }
 }
 
-/// The scaled distance r = √(hᵀBh), 1 on the edge of the central lobe.
+/// Scaled distance r = √(hᵀBh), 1 on the boundary of the central lobe.
 #[derive(Debug, Clone, Copy)]
 struct Ellipse {
     xx: f64,
@@ -63,7 +63,7 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    /// The lag in coordinates in which the ellipse is the unit circle.
+    /// Returns a lag in coordinates in which the ellipse is the unit circle.
     fn scaled(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
         ((self.xx * x_m + self.xy * y_m) / self.xx.sqrt(), across * y_m)
@@ -74,13 +74,14 @@ impl Ellipse {
         x.hypot(y)
     }
 
-    /// The wavevector in rad/m in the coordinates in which the ellipse is the unit circle, in radian per radius of the lobe.
+    /// Returns a wavevector in rad/m in the coordinates in which the ellipse is the unit circle, in radian per lobe
+    /// radius.
     fn wavevector(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> (f64, f64) {
         let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
         (qx_rad_per_m / self.xx.sqrt(), (qy_rad_per_m - self.xy / self.xx * qx_rad_per_m) / across)
     }
 
-    /// Largest |x| and |y| at the radius 1.
+    /// Returns the largest |x| and |y| on the unit circle.
     fn half_widths_m(&self) -> (f64, f64) {
         let determinant = self.xx * self.yy - self.xy * self.xy;
         ((self.yy / determinant).sqrt(), (self.xx / determinant).sqrt())
@@ -88,20 +89,20 @@ impl Ellipse {
 }
 
 impl Taper {
-    pub(super) fn of(estimate: &Autocorrelation) -> Self {
+    pub(super) fn new(estimate: &Autocorrelation) -> Self {
         let grid = estimate.grid();
         let (reach_x, reach_y) = estimate.reach();
-        let share =
-            |n: usize, share: f64, reach: usize| ((share * n as f64).floor() as isize).max(1).min(reach as isize);
-        let near = (share(grid.nx(), NOISE_SHARE, reach_x), share(grid.ny(), NOISE_SHARE, reach_y));
-        let limit = (share(grid.nx(), LARGEST_SHARE, reach_x), share(grid.ny(), LARGEST_SHARE, reach_y));
-        // Σρ² over all lags, the number of lags over which the noise of the estimate is itself correlated.
+        let fraction =
+            |n: usize, fraction: f64, reach: usize| ((fraction * n as f64).floor() as isize).max(1).min(reach as isize);
+        let near = (fraction(grid.nx(), NOISE_FRACTION, reach_x), fraction(grid.ny(), NOISE_FRACTION, reach_y));
+        let limit = (fraction(grid.nx(), LARGEST_FRACTION, reach_x), fraction(grid.ny(), LARGEST_FRACTION, reach_y));
+        // Σρ² over all lags: the number of lags over which the noise of the estimate is itself correlated.
         let squares: f64 = half_plane(near)
             .map(|(x, y)| (estimate.correlation(x, y), if y == 0 { 1.0 } else { 2.0 }))
             .filter(|(rho, _)| !rho.is_nan())
             .map(|(rho, times)| times * rho * rho)
             .sum();
-        let lobe = Lobe::of(estimate, limit);
+        let lobe = Lobe::new(estimate, limit);
         let reliable = decay(estimate, limit, &lobe.ellipse, squares);
         let side = |pitch_m: f64, estimated: usize, limit: isize, reach: isize| {
             let open = 2 * reach > limit || reliable.is_infinite();
@@ -116,13 +117,13 @@ impl Taper {
         }
     }
 
-    /// Weight of a lag in points.
+    /// Returns the weight of a lag in points.
     pub(super) fn weight(&self, lag_x: isize, lag_y: isize) -> f64 {
         let radius = self.ellipse.radius(lag_x as f64 * self.x.pitch_m, lag_y as f64 * self.y.pitch_m);
         self.x.weight(lag_x) * self.y.weight(lag_y) * flat_top(radius / (2.0 * self.reliable))
     }
 
-    /// Lags along x and y in points beyond which every weight is zero.
+    /// Returns the largest lags along x and y in points with a non-zero weight.
     pub(super) fn reach(&self) -> (usize, usize) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
         let reach = |half_width_m: f64, side: &Side| {
@@ -131,8 +132,8 @@ impl Taper {
         (reach(x_m, &self.x), reach(y_m, &self.y))
     }
 
-    /// A wavevector in radian per lag where ellipses like that of the central lobe are circles, in units of what the taper
-    /// resolves.
+    /// Returns a wavevector in radian per lag in coordinates in which ellipses similar to the central lobe are circles,
+    /// in units of the resolution of the taper.
     pub(super) fn wavevector(&self, phase_x: f64, phase_y: f64) -> (f64, f64) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
         let far = |side: &Side, half_width_m: f64| (side.limit + 1) as f64 * side.pitch_m / half_width_m;
@@ -141,13 +142,13 @@ impl Taper {
         (x * radius / PI, y * radius / PI)
     }
 
-    /// Largest lags along x and y of weight 1, in metre.
+    /// Returns the largest lags along x and y with weight 1, in metre.
     pub(super) fn reliable_m(&self) -> (f64, f64) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
         (self.x.reliable_m(self.reliable * x_m), self.y.reliable_m(self.reliable * y_m))
     }
 
-    /// Whether the correlation falls into its noise within the map, along x and along y.
+    /// Returns whether the correlation falls to its noise within the map, along x and along y.
     pub(super) fn decayed(&self) -> (bool, bool) {
         (!self.x.open, !self.y.open)
     }
@@ -157,28 +158,28 @@ impl Taper {
     }
 }
 
-/// 1 up to ½, 0 from 1 on; the step between has three continuous derivatives, so that it leaks little into high
-/// wavenumbers.
+/// Returns 1 up to ½, 0 from 1 on, with a smooth step between; three continuous derivatives keep the leakage into high
+/// wavenumbers small.
 fn flat_top(s: f64) -> f64 {
     let t = (2.0 - 2.0 * s).clamp(0.0, 1.0);
     t.powi(4) * (35.0 - 84.0 * t + 70.0 * t * t - 20.0 * t.powi(3))
 }
 
-/// Bohman's window, the correlation of half a cosine wave with itself: positive semi-definite.
+/// Returns Bohman's window, the autocorrelation of half a cosine wave: positive semi-definite.
 fn bohman(s: f64) -> f64 {
     if s < 1.0 { (1.0 - s) * (PI * s).cos() + (PI * s).sin() / PI } else { 0.0 }
 }
 
-/// Lags (x, y) with y ≥ 0 up to a limit.
+/// Returns the lags (x, y) with y ≥ 0 up to a limit.
 fn half_plane(limit: (isize, isize)) -> impl Iterator<Item = (isize, isize)> {
     (0..=limit.1).flat_map(move |y| (-limit.0..=limit.0).map(move |x| (x, y)))
 }
 
-/// Radius up to which lags count fully: [`MARGIN`] times that from which on the mean squares of rings are those of noise,
-/// s² = Σρ²/N, or the lobe's.
+/// Returns the radius up to which lags have full weight: [`MARGIN`] times the larger of the lobe radius and the radius
+/// from which on the mean squares of rings are those of noise, s² = Σρ²/N.
 fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, squares: f64) -> f64 {
     let (dx_m, dy_m) = (estimate.grid().dx_m(), estimate.grid().dy_m());
-    // Of every sector of every ring the sum of ρ̂²/s², and the number of lags.
+    // Sum of ρ̂²/s² and number of lags of every sector of every ring.
     let mut rings: Vec<[(f64, f64); SECTORS]> = Vec::new();
     for (x, y) in half_plane(limit) {
         let rho = estimate.correlation(x, y);
@@ -190,13 +191,13 @@ fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, s
         if ring >= rings.len() {
             rings.resize(ring + 1, [(0.0, 0.0); SECTORS]);
         }
-        // Sectors are centred on the axes of the ellipse and between; opposite ones are one.
+        // Sectors are centred on the axes and diagonals of the ellipse; opposite sectors are identified.
         let sector = (scaled_y.atan2(scaled_x) / PI * SECTORS as f64).round() as usize % SECTORS;
         rings[ring][sector].0 += rho * rho * estimate.pairs(x, y) / squares;
         rings[ring][sector].1 += 1.0;
     }
     let quiet = |(sum, lags): &(f64, f64)| {
-        // The mean square of noise is 1, with a variance of 2 over the number of independent lags.
+        // The mean square of noise is 1, with variance 2 over the number of independent lags.
         let independent = (lags / squares).max(1.0);
         *lags == 0.0 || sum / lags <= 1.0 + SIGNIFICANT * (2.0 / independent).sqrt()
     };
@@ -204,16 +205,16 @@ fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, s
     first.map_or(f64::INFINITY, |ring| MARGIN * (RING * ring as f64).max(1.0))
 }
 
-/// The lags that are connected with zero above [`LOBE`].
+/// Lags connected with zero lag above [`LOBE`].
 struct Lobe {
-    /// The ellipse of their second moments.
+    /// Ellipse of their second moments.
     ellipse: Ellipse,
     /// Largest lags along x and y in points.
     reach: (isize, isize),
 }
 
 impl Lobe {
-    fn of(estimate: &Autocorrelation, limit: (isize, isize)) -> Self {
+    fn new(estimate: &Autocorrelation, limit: (isize, isize)) -> Self {
         let (limit_x, limit_y) = limit;
         let width = 2 * limit_x + 1;
         let place = |x: isize, y: isize| ((y + limit_y) * width + x + limit_x) as usize;
@@ -237,7 +238,8 @@ impl Lobe {
                 }
             }
         }
-        // An ellipse of half axes a, b has the moments a²/4, b²/4. A lag stands for a cell, which gives a lone zero its size.
+        // An ellipse with semi-axes a, b has the moments a²/4, b²/4. A lag stands for a cell, which gives an isolated
+        // zero lag its size.
         let (xx, xy, yy) = (4.0 * xx / count + dx_m * dx_m, 4.0 * xy / count, 4.0 * yy / count + dy_m * dy_m);
         let determinant = xx * yy - xy * xy;
         Self { ellipse: Ellipse { xx: yy / determinant, xy: -xy / determinant, yy: xx / determinant }, reach }

@@ -1,53 +1,45 @@
 //! Cross-correlation of two records, such as contact area and load of sliding windows.
 
+use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
 use crate::stats::{Interval, Moments, correlation_time, student_quantile};
 
-/// Pieces of the jackknife.
+/// Number of jackknife blocks.
 const PIECES: usize = 20;
-/// Shortest piece in integrated correlation times.
+/// Least length of a block in integrated correlation times.
 const SHORTEST_PIECE: f64 = 5.0;
 
-/// Correlation of two quantities along the same records.
+/// Cross-correlation of two quantities along the same records.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossCorrelation {
     /// Distance between values in metre.
     pub step_m: f64,
-    /// Lags in steps, from −largest to largest: the second quantity is read this far ahead of the first.
+    /// Lags in steps, from −largest to largest, by which the second quantity is ahead of the first.
     pub lags: Vec<isize>,
-    /// Correlation at the lags, over the pairs present, NaN where there is none.
+    /// Correlation at the lags over the pairs present; NaN without a pair.
     pub correlation: Vec<f64>,
     /// Correlation at lag 0.
     pub coefficient: f64,
-    /// Its 95 % interval by the jackknife over pieces of the records, on Fisher's scale artanh ρ, with Student's quantile; the
-    /// interval is [−1, 1] where there is a single piece.
+    /// 95 % interval of it by a block jackknife of the records on Fisher's scale artanh ρ, with Student's quantile;
+    /// [−1, 1] for a single block.
     pub interval: Interval,
-    /// Pieces.
+    /// Number of blocks.
     pub pieces: usize,
 }
 
-/// Correlation of the pairs of records, so many lanes to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
+/// Returns the cross-correlation of pairs of records up to `largest_lag` steps about their common means, with `tracks`
+/// records per strip; NaN is a missing value.
 ///
 /// # Errors
 /// A step that is not positive, fewer than four pairs, or a quantity that does not vary.
 pub fn cross_correlation(
     records: &[(&[f64], &[f64])],
-    lanes: usize,
+    tracks: usize,
     step_m: f64,
     largest_lag: usize,
 ) -> Result<CrossCorrelation, EstimateError> {
-    if !(step_m > 0.0 && step_m.is_finite()) {
-        return Err(EstimateError::BadStep { step_m });
-    }
-    let first = Moments::of_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
-    let second = Moments::of_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
-    let present = first.n.min(second.n);
-    if present < 4 {
-        return Err(EstimateError::TooFew { present, wanted: 4 });
-    }
-    if first.std == 0.0 || second.std == 0.0 {
-        return Err(EstimateError::Constant { present });
-    }
+    let first = checked_moments(records.iter().flat_map(|pair| pair.0.iter().copied()), step_m, 4)?;
+    let second = checked_moments(records.iter().flat_map(|pair| pair.1.iter().copied()), step_m, 4)?;
     let longest = records.iter().map(|pair| pair.0.len()).max().unwrap_or(0);
     let reach = largest_lag.min(longest - 1) as isize;
     let lags: Vec<isize> = (-reach..=reach).collect();
@@ -67,12 +59,12 @@ pub fn cross_correlation(
         if count > 0.0 { sum / count / scale } else { f64::NAN }
     };
     let correlation: Vec<f64> = lags.iter().map(at).collect();
-    let pieces = pieces(records, lanes);
+    let pieces = pieces(records, tracks);
     let total = pieces.iter().fold(Sums::default(), |sum, piece| sum.plus(piece, 1.0));
     let coefficient = total.correlation();
     let count = pieces.len();
     let left_out: Vec<f64> = pieces.iter().map(|piece| total.plus(piece, -1.0).correlation().atanh()).collect();
-    let spread = Moments::of(&left_out).std * (count as f64 - 1.0).sqrt();
+    let spread = Moments::new(&left_out).std * (count as f64 - 1.0).sqrt();
     let half = student_quantile(0.975, count as f64 - 1.0) * spread;
     let interval = if half.is_finite() {
         Interval { low: (coefficient.atanh() - half).tanh(), high: (coefficient.atanh() + half).tanh() }
@@ -84,7 +76,7 @@ pub fn cross_correlation(
     Ok(CrossCorrelation { step_m, lags, correlation, coefficient, interval, pieces: count })
 }
 
-/// Sums of two quantities and their products.
+/// Sums of two quantities and of their products.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     n: f64,
@@ -114,16 +106,16 @@ impl Sums {
     }
 }
 
-/// About twenty pieces, whole strips where there are as many, of at least some correlation times each. Both quantities are
-/// counted from their means in units of their standard deviations.
-fn pieces(records: &[(&[f64], &[f64])], lanes: usize) -> Vec<Sums> {
-    let first = Moments::of_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
-    let second = Moments::of_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
+/// Returns about twenty blocks, whole strips if there are as many, each of a least number of correlation times. Both
+/// quantities are centred and divided by their standard deviations.
+fn pieces(records: &[(&[f64], &[f64])], tracks: usize) -> Vec<Sums> {
+    let first = Moments::from_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
+    let second = Moments::from_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
     let time = |values: &[f64]| correlation_time(values).map_or(1.0, |time| time.steps);
     let longest = records.iter().map(|pair| time(pair.0).max(time(pair.1))).fold(1.0, f64::max);
-    let wanted = PIECES.div_ceil(records.len().div_ceil(lanes).max(1));
+    let wanted = PIECES.div_ceil(records.len().div_ceil(tracks).max(1));
     let mut pieces = Vec::new();
-    for strip in records.chunks(lanes) {
+    for strip in records.chunks(tracks) {
         let parts = wanted.min((strip[0].0.len() as f64 / (SHORTEST_PIECE * longest)) as usize).max(1);
         for part in 0..parts {
             let mut sums = Sums::default();
@@ -149,7 +141,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Two processes of correlation φ^lag whose values correlate by ρ, the second `shift` steps late.
+    /// Two processes with correlation φ^lag and cross-correlation ρ, the second delayed by `shift` steps.
     fn pair(rho: f64, shift: usize, n: usize, index: u64) -> (Vec<f64>, Vec<f64>) {
         let mut stream = random::stream(49, "cross", index);
         let mut draw = || {
@@ -167,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lag_function_peaks_where_one_follows_the_other() {
+    fn the_cross_correlation_peaks_at_the_delay() {
         let (a, b) = pair(0.9, 7, 4000, 0);
         let found = cross_correlation(&[(&a, &b)], 1, 1.0, 20).unwrap();
         let top = (0..41).max_by(|i, j| found.correlation[*i].total_cmp(&found.correlation[*j])).unwrap();
@@ -176,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_planted_coefficient() {
+    fn intervals_cover_the_true_coefficient() {
         for (rho, records, n) in [(0.95, 1, 4000), (0.0, 3, 1300), (0.5, 20, 200)] {
             let mut hits = 0;
             for run in 0..100 {
@@ -185,7 +177,7 @@ mod tests {
                 let found = cross_correlation(&views, 1, 1.0, 0).unwrap();
                 hits += usize::from(found.interval.contains(rho));
             }
-            // 95 ± 2.2 of 100: four errors.
+            // Coverage 95 ± 2.2 of 100: four standard errors.
             assert!(hits >= 87, "ρ = {rho}: {hits} of 100");
         }
     }

@@ -5,29 +5,29 @@ use crate::correlation::estimate::EstimateError;
 use crate::numeric::{Range, least_squares};
 use crate::stats::{Interval, Moments, student_quantile};
 
-/// Most parts of the jackknife, the least, and the least length of one in fitted lengths.
+/// Jackknife: largest and least number of blocks, and the least length of a block in fitted lengths.
 const MOST_PARTS: usize = 20;
 const LEAST_PARTS: usize = 4;
 const LENGTHS_PER_PART: f64 = 10.0;
 
-/// A model fitted to the estimated correlation of a record, window and all.
+/// Model fitted to the estimated correlation of a record, window included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordFit {
     /// The model.
     pub model: RecordModel,
-    /// Fitted ℓ in metre, which contains the window that the record was seen through.
+    /// Fitted ℓ in metre, which includes the window of the record.
     pub length_m: f64,
     /// Weighted root mean square of estimated minus fitted correlation over the lags used.
     pub misfit: f64,
 }
 
-/// Fits ℓ of one model over the lags up to where the correlation first falls to zero, weighted by pairs.
+/// Fits ℓ of one model over the lags up to the first zero of the correlation, weighted by pairs.
 ///
-/// It describes a curve, whatever made it: [`fitted_length_interval`] tells how the fitted ℓ scatters. Where the model is the
-/// process's own, [`super::fit_length`] is sharper.
+/// The fit describes the curve only; [`fitted_length_interval`] gives the standard error of ℓ. If the model is that of
+/// the process, [`super::fit_length`] is more efficient.
 ///
 /// # Errors
-/// Fewer than one lag besides zero.
+/// No lag besides zero.
 pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<RecordFit, EstimateError> {
     let terms = record.fitted_lags();
     if terms.is_empty() {
@@ -43,24 +43,24 @@ pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<Reco
     Ok(RecordFit { model, length_m: found[0], misfit: sum.sqrt() })
 }
 
-/// 95 % interval of the ℓ that [`fit_record`] finds in `records`, by the jackknife with Student's quantile: over the strips of
-/// so many lanes each, or over pieces of them at least ten lengths long where they are fewer than twenty. `None` with fewer than
-/// four parts.
+/// Returns the 95 % interval of the ℓ of [`fit_record`] by the jackknife with Student's quantile, over strips of
+/// `tracks` records or, with fewer than twenty strips, over blocks of them at least ten lengths long. `None` with fewer
+/// than four blocks.
 pub fn fitted_length_interval(
     records: &[&[f64]],
-    lanes: usize,
+    tracks: usize,
     step_m: f64,
     largest_lag: usize,
     fit: &RecordFit,
 ) -> Option<Interval> {
-    let strips = records.len().div_ceil(lanes);
+    let strips = records.len().div_ceil(tracks);
     let pieces = |record: &[f64]| {
         let lengths = record.len() as f64 * step_m / (LENGTHS_PER_PART * fit.length_m);
         (lengths as usize).clamp(1, MOST_PARTS.div_ceil(strips))
     };
-    // The part of the value at a place of a record.
+    // Returns the block of the value at an index of a record.
     let (mut first, mut parts_of) = (0, Vec::new());
-    for strip in records.chunks(lanes) {
+    for strip in records.chunks(tracks) {
         let count = pieces(strip[0]);
         parts_of.extend(strip.iter().map(|_| (first, count)));
         first += count;
@@ -84,6 +84,6 @@ pub fn fitted_length_interval(
     };
     let lengths: Vec<f64> = (0..parts).map(without).collect::<Option<_>>()?;
     let freedom = (parts - 1) as f64;
-    let reach = student_quantile(0.975, freedom) * Moments::of(&lengths).std * freedom.sqrt();
+    let reach = student_quantile(0.975, freedom) * Moments::new(&lengths).std * freedom.sqrt();
     Some(Interval { low: (fit.length_m - reach).max(0.0), high: fit.length_m + reach })
 }

@@ -3,98 +3,101 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::band::RecordBand;
+use super::checked_moments;
 use super::likelihood::{Likelihood, RecordEnds, WindowedRecords};
 use super::model::{RecordModel, WindowedModel};
 use crate::correlation::estimate::EstimateError;
-use crate::numeric::golden_section;
+use crate::numeric::scanned_minimum;
 use crate::stats::{Interval, Moments, student_quantile};
 
-/// Pieces that records are cut into, so that their scatter is known.
+/// Least number of blocks for the variance of the score.
 const PIECES: usize = 20;
-/// Shortest piece in units of ℓ + W.
+/// Least length of a block in units of ℓ + W.
 const SHORTEST_PIECE: f64 = 10.0;
-/// Degrees of freedom that the scatter of a Gaussian record counts for beside that of the pieces.
+/// Degrees of freedom assigned to the theoretical variance of the score for Gaussian records.
 const PRIOR: f64 = 10.0;
 
-/// How a length is fitted.
+/// Settings of a fit of the correlation length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LengthSettings {
-    /// What lies beyond the ends of the records.
+    /// Boundary of the records.
     pub ends: RecordEnds,
     /// Confidence level of the interval, between 0 and 1.
     pub level: f64,
-    /// Whether the values may hold white noise of their own, whose share is fitted too.
+    /// Whether to fit the fraction of white noise in the values.
     pub noise: bool,
-    /// The frequencies that are used.
+    /// Frequencies used.
     pub band: RecordBand,
 }
 
 impl Default for LengthSettings {
-    /// Free ends, 95 %, no noise, all frequencies up to half a wave in a window.
+    /// Free ends, 95 %, no noise, all frequencies up to half a wave per window.
     fn default() -> Self {
         Self { ends: RecordEnds::Free, level: 0.95, noise: false, band: RecordBand::default() }
     }
 }
 
-/// A test of a spectrum against that of records: χ² of bands of wavenumbers that knows which parameters were fitted.
+/// Goodness-of-fit test of a spectrum of records: χ² over bands of wavenumbers, corrected for the fitted parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LackOfFit {
-    /// Sum of squared departures.
+    /// Sum of squared deviations.
     pub statistic: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom.
     pub degrees_of_freedom: f64,
-    /// Probability of at least as much where the model holds.
+    /// p-value.
     pub p_value: f64,
 }
 
 impl LackOfFit {
-    /// Whether the model is refused at 1 %.
+    /// Returns whether the test rejects the model at 1 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.01
     }
 }
 
-/// ℓ of one model of ρ_0, the window taken out.
+/// Fitted ℓ of a model of ρ_0, corrected for the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LengthFit {
     /// The model.
     pub model: RecordModel,
-    /// ℓ in metre; 0 where the windows explain everything.
+    /// ℓ in metre; 0 if the windows explain the whole correlation.
     pub length_m: f64,
-    /// Interval of ℓ; its ends are at most the length of the longest record, and 0 means that no length is excluded from below.
+    /// Confidence interval of ℓ; the upper limit is at most the length of the longest record, and a lower limit of 0
+    /// means that no small length is rejected.
     pub interval: Interval,
-    /// The narrowest window in metre.
+    /// Narrowest window in metre.
     pub window_m: f64,
-    /// Distance in metre of the values that a window is the mean of; 0 where it is the mean over a line.
+    /// Distance in metre of the values averaged by a window; 0 for a mean over a line.
     pub cell_m: f64,
     /// Standard deviation under the narrowest window, without noise and filters, in the unit of the records.
     pub std: f64,
-    /// Share of white noise in the variance of the values; 0 where none was looked for.
-    pub noise_share: f64,
-    /// Its interval; none where none was looked for.
+    /// Fraction of white noise in the variance of the values; 0 if not fitted.
+    pub noise_fraction: f64,
+    /// Confidence interval of the noise fraction; `None` if not fitted.
     pub noise_interval: Option<Interval>,
-    /// Whether the model fits; none where there are too few wavenumbers to tell.
+    /// Goodness of fit; `None` with too few wavenumbers.
     pub lack_of_fit: Option<LackOfFit>,
-    /// ln L of Whittle's likelihood, of wavenumbers that count once however many windows show them.
+    /// ln L of Whittle's likelihood, with each wavenumber counted once over all windows.
     pub log_likelihood: f64,
-    /// Variance of the score over that of independent Gaussian records: 1 where the model and normality hold.
+    /// Variance of the score relative to independent Gaussian records: 1 if model and normality hold.
     pub dispersion: f64,
-    /// How many of the lanes of a strip say the same: variance of the score of strips over that of lanes taken as
-    /// independent; 1 with one lane.
-    pub lanes_alike: f64,
-    /// Pieces of strips whose scatter makes the interval.
+    /// Redundancy of the tracks of a strip: variance of the score of strips relative to independent tracks; 1 with one
+    /// track.
+    pub track_redundancy: f64,
+    /// Number of blocks for the variance of the score.
     pub pieces: usize,
 }
 
 /// Fits ℓ of a model to records of one process under one or more windows by Whittle's likelihood.
 ///
-/// The expectation of every periodogram ordinate contains window, sampling and the finite record; no mean is assumed, and a
-/// wavenumber counts once however many windows show it, so windows on the same strips are not taken for independent.
+/// The expectation of every periodogram ordinate accounts for window, sampling and record length; the mean is unknown.
+/// A wavenumber counts once over all windows, so windows on the same strips are not treated as independent.
 ///
-/// The interval is where 2 ln(L_max/L) < c t², t Student's quantile and c the variance of the score over its information.
-/// c comes from pieces of the strips (whole ones, or about twenty pieces where they are fewer) and, with the weight of ten
-/// of them, from theory for Gaussian records. The scores of the lanes of a piece are added up before they scatter, and theory is
-/// multiplied by [`LengthFit::lanes_alike`], which without pieces is the number of lanes.
+/// The interval is {2 ln(L_max/L) < c t²} with Student's quantile t and the ratio c of the variance of the score to the
+/// information. c combines the variance over blocks of the strips (whole strips, or about twenty blocks of fewer
+/// strips) with the theoretical value for Gaussian records, weighted as ten blocks. The scores of the tracks in a block
+/// are summed first, and the theoretical value is multiplied by [`LengthFit::track_redundancy`], which without blocks
+/// is the number of tracks.
 ///
 /// # Errors
 /// No record, a step that is not positive, values that do not vary, or fewer than three wavenumbers below 1/(2W).
@@ -104,43 +107,43 @@ pub fn fit_length(
     settings: LengthSettings,
 ) -> Result<LengthFit, EstimateError> {
     check(channels)?;
-    let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
+    let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
     let records = channels.iter().map(|channel| channel.records.len()).max().unwrap_or(0);
     let owners: Vec<usize> = (0..records).collect();
     let too_few = || EstimateError::TooFew { present: 0, wanted: 3 };
-    let likelihood = Likelihood::of(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)?;
+    let likelihood = Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)?;
     let (low_m, high_m) = range_m(channels);
     let noise_at = |length_m: f64| likelihood.profile(length_m, settings.noise);
     let curve = |length_m: f64| noise_at(length_m).1;
     let (length_m, least) = minimum(&curve, low_m, high_m);
-    let (noise_share, _) = noise_at(length_m);
+    let (noise_fraction, _) = noise_at(length_m);
     let narrowest = narrowest(channels);
-    let pieces = Pieces::of(narrowest, length_m + narrowest.window_m, settings, &shape);
+    let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
     let theory = likelihood.spread();
-    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_share, narrowest.lanes));
-    let (dispersion, lanes_alike, freedom, count) = match scattered {
-        Some((found, lanes_alike, count)) => {
+    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
+    let (dispersion, track_redundancy, freedom, count) = match scattered {
+        Some((found, track_redundancy, count)) => {
             let own = count as f64 - 1.0;
-            ((PRIOR * theory * lanes_alike + own * found) / (PRIOR + own), lanes_alike, PRIOR + own, count)
+            ((PRIOR * theory * track_redundancy + own * found) / (PRIOR + own), track_redundancy, PRIOR + own, count)
         }
-        None => (theory * narrowest.lanes as f64, narrowest.lanes as f64, PRIOR, 1),
+        None => (theory * narrowest.tracks as f64, narrowest.tracks as f64, PRIOR, 1),
     };
     let t = student_quantile(0.5 + 0.5 * settings.level, freedom);
     let bound = least + 0.5 * dispersion * t * t;
     let interval = Interval {
-        low: if length_m == 0.0 { 0.0 } else { lower_end(&curve, bound, low_m, length_m) },
-        high: crossing(&curve, bound, length_m.max(low_m), high_m),
+        low: if curve(0.0) <= bound { 0.0 } else { crossing(&curve, bound, length_m, low_m).unwrap_or(0.0) },
+        high: crossing(&curve, bound, length_m.max(low_m), high_m).unwrap_or(high_m),
     };
-    let tangent = likelihood.tangent(length_m, noise_share);
-    // Skewed records scatter more than theory, as their scores do.
+    let tangent = likelihood.tangent(length_m, noise_fraction);
+    // Skewed records, and so their scores, have a larger variance than the theoretical one.
     let lack_of_fit =
-        tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
-            let law = ChiSquared::new(degrees_of_freedom).ok()?;
-            Some(LackOfFit { statistic, degrees_of_freedom, p_value: law.sf(statistic.max(0.0)) })
+        tangent.lack_of_fit(dispersion.max(theory * track_redundancy)).and_then(|(statistic, degrees_of_freedom)| {
+            let marginal = ChiSquared::new(degrees_of_freedom).ok()?;
+            Some(LackOfFit { statistic, degrees_of_freedom, p_value: marginal.sf(statistic.max(0.0)) })
         });
     let noise_interval = settings.noise.then(|| {
-        let reach = tangent.noise_variance(noise_share).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
-        Interval { low: (noise_share - reach).max(0.0), high: (noise_share + reach).min(1.0) }
+        let reach = tangent.noise_variance(noise_fraction).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
+        Interval { low: (noise_fraction - reach).max(0.0), high: (noise_fraction + reach).min(1.0) }
     });
     Ok(LengthFit {
         model,
@@ -148,23 +151,23 @@ pub fn fit_length(
         interval,
         window_m: narrowest.window_m,
         cell_m: narrowest.cell_m,
-        std: (tangent.variance() * (1.0 - noise_share)).sqrt(),
-        noise_share,
+        std: (tangent.variance() * (1.0 - noise_fraction)).sqrt(),
+        noise_fraction,
         noise_interval,
         lack_of_fit,
         log_likelihood: -least,
         dispersion,
-        lanes_alike,
+        track_redundancy,
         pieces: count,
     })
 }
 
-/// −ln L of a model where it is least, without the rest of [`fit_length`]; infinite where it cannot be fitted.
+/// Returns the minimum of −ln L of a model without the rest of [`fit_length`]; infinite if the fit fails.
 pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings: LengthSettings) -> f64 {
     let channels = std::slice::from_ref(channel);
-    let shape = WindowedModel::new(model, 0.0).on_cells(channel.cell_m);
+    let shape = WindowedModel::new(model, 0.0).with_cells(channel.cell_m);
     let owners: Vec<usize> = (0..channel.records.len()).collect();
-    let Some(likelihood) = Likelihood::of(channels, &owners, (settings.ends, settings.band), &shape) else {
+    let Some(likelihood) = Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape) else {
         return f64::INFINITY;
     };
     let (low_m, high_m) = range_m(channels);
@@ -173,108 +176,74 @@ pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings:
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
     for channel in channels {
-        if !(channel.step_m > 0.0 && channel.step_m.is_finite()) {
-            return Err(EstimateError::BadStep { step_m: channel.step_m });
-        }
-        let values = || channel.records.iter().flat_map(|record| record.iter().copied()).filter(|v| v.is_finite());
-        let moments = Moments::of_values(values());
-        if moments.n < 3 {
-            return Err(EstimateError::TooFew { present: moments.n, wanted: 3 });
-        }
-        if moments.std == 0.0 {
-            return Err(EstimateError::Constant { present: moments.n });
-        }
+        checked_moments(channel.records.iter().flat_map(|record| record.iter().copied()), channel.step_m, 3)?;
     }
     if channels.is_empty() { Err(EstimateError::Nothing) } else { Ok(()) }
 }
 
-/// The channel of the narrowest window, which says nearly everything that the others say.
+/// Returns the channel with the narrowest window, which contains nearly all the information.
 pub(super) fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords<'a> {
     let less = |a: &'b WindowedRecords<'a>, b: &'b WindowedRecords<'a>| if b.window_m < a.window_m { b } else { a };
     channels.iter().fold(&channels[0], less)
 }
 
-/// Lengths that are tried: below the first nothing is told from zero, beyond the last nothing from a trend.
+/// Returns the range of lengths: shorter ones cannot be distinguished from zero, longer ones from a trend.
 fn range_m(channels: &[WindowedRecords<'_>]) -> (f64, f64) {
     let finest = channels.iter().map(|c| f64::max(c.step_m, c.window_m / 16.0)).fold(f64::INFINITY, f64::min);
     let longest = channels.iter().map(WindowedRecords::longest_m).fold(0.0, f64::max);
     (0.02 * finest, longest)
 }
 
-/// The minimum of −ln L over ℓ: a coarse scan of ln ℓ and golden sections; 0 if that is as good.
+/// Returns the minimum of −ln L over ℓ, by a coarse scan of ln ℓ and golden-section search; 0 if that is as likely.
 fn minimum(curve: &dyn Fn(f64) -> f64, low_m: f64, high_m: f64) -> (f64, f64) {
     let factor: f64 = 2.0;
     let steps = ((high_m / low_m).ln() / factor.ln()).ceil() as i32;
-    let scanned: Vec<(f64, f64)> =
-        (0..=steps).map(|i| (low_m * factor.powi(i)).min(high_m)).map(|length_m| (length_m, curve(length_m))).collect();
-    let best = scanned.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map_or(0, |(index, _)| index);
-    let ends = [best.saturating_sub(1), (best + 1).min(scanned.len() - 1)].map(|index| scanned[index].0.ln());
-    let found = golden_section(|log_length| curve(log_length.exp()), ends, 2e-3);
+    let logarithms: Vec<f64> = (0..=steps).map(|i| (low_m * factor.powi(i)).min(high_m).ln()).collect();
+    let found = scanned_minimum(|log_length| curve(log_length.exp()), &logarithms, 2e-3);
     let found = (found.place.exp(), found.value);
     let zero = curve(0.0);
     if zero <= found.1 + 1e-6 { (0.0, zero) } else { found }
 }
 
-/// Where −ln L rises to `bound` above `from_m`; `high_m` if it does not.
-fn crossing(curve: &dyn Fn(f64) -> f64, bound: f64, from_m: f64, high_m: f64) -> f64 {
+/// Returns the length between `from_m` and `limit_m` at which −ln L reaches `bound`; `None` if it does not.
+fn crossing(curve: &dyn Fn(f64) -> f64, bound: f64, from_m: f64, limit_m: f64) -> Option<f64> {
+    let next = |m: f64| if limit_m < from_m { (m / 1.5).max(limit_m) } else { (m * 1.5).min(limit_m) };
     let (mut inside, mut outside) = (from_m, from_m);
     while curve(outside) <= bound {
-        if outside >= high_m {
-            return high_m;
+        if outside == limit_m {
+            return None;
         }
-        inside = outside;
-        outside = (outside * 1.5).min(high_m);
+        (inside, outside) = (outside, next(outside));
     }
-    bisect(curve, bound, inside, outside)
-}
-
-/// Where −ln L rises to `bound` below the minimum; 0 if it does not.
-fn lower_end(curve: &dyn Fn(f64) -> f64, bound: f64, low_m: f64, from_m: f64) -> f64 {
-    if curve(0.0) <= bound {
-        return 0.0;
-    }
-    let (mut inside, mut outside) = (from_m, from_m);
-    while curve(outside) <= bound {
-        if outside <= low_m {
-            return 0.0;
-        }
-        inside = outside;
-        outside = (outside / 1.5).max(low_m);
-    }
-    bisect(curve, bound, inside, outside)
-}
-
-fn bisect(curve: &dyn Fn(f64) -> f64, bound: f64, inside_m: f64, outside_m: f64) -> f64 {
-    let (mut inside, mut outside) = (inside_m, outside_m);
     while (outside / inside).ln().abs() > 4e-3 {
         let middle = (inside * outside).sqrt();
         if curve(middle) <= bound { inside = middle } else { outside = middle }
     }
-    (inside * outside).sqrt()
+    Some((inside * outside).sqrt())
 }
 
-/// Pieces of strips under the narrowest window.
+/// Blocks of the strips under the narrowest window.
 pub(super) struct Pieces {
-    /// Of pieces of records.
+    /// Likelihood by blocks of records.
     likelihood: Likelihood,
-    /// The piece of a strip that each piece of a record belongs to.
+    /// Block of the strip that contains each block of a record.
     places: Vec<usize>,
-    /// Pieces of strips.
+    /// Number of blocks of strips.
     count: usize,
 }
 
 impl Pieces {
-    /// Cuts strips into about [`PIECES`], none shorter than ten times `reach_m`.
-    pub(super) fn of(
+    /// Divides strips into about [`PIECES`] blocks, none shorter than ten times `reach_m`.
+    pub(super) fn new(
         channel: &WindowedRecords<'_>,
         reach_m: f64,
         settings: LengthSettings,
         shape: &WindowedModel,
     ) -> Option<Self> {
-        let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.lanes));
+        let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.tracks));
         let shortest = SHORTEST_PIECE * reach_m / channel.step_m;
         let (mut pieces, mut places, mut count) = (Vec::<&[f64]>::new(), Vec::new(), 0);
-        for strip in channel.records.chunks(channel.lanes) {
+        for strip in channel.records.chunks(channel.tracks) {
             let parts = wanted.min((strip[0].len() as f64 / shortest) as usize).max(1).min(strip[0].len());
             for record in strip {
                 let length = record.len() / parts.max(1);
@@ -289,29 +258,30 @@ impl Pieces {
         let owners: Vec<usize> = (0..pieces.len()).collect();
         let cut = WindowedRecords { records: pieces, ..channel.clone() };
         let ends = if whole { settings.ends } else { RecordEnds::Free };
-        let likelihood = Likelihood::of(&[cut], &owners, (ends, settings.band), shape)?;
+        let likelihood = Likelihood::new(&[cut], &owners, (ends, settings.band), shape)?;
         (count > 1).then_some(Self { likelihood, places, count })
     }
 
-    /// −ln L of every piece.
+    /// Returns −ln L of every block.
     pub(super) fn negative_logs(&self, length_m: f64, noise: f64) -> Vec<f64> {
         let spectra = self.likelihood.with_noise(&self.likelihood.spectra(length_m), noise);
         self.by_place(&self.likelihood.negative_log_by_owner(&spectra, self.places.len()))
     }
 
-    /// Variance of the pieces' scores over their information, how many lanes say the same, and the number of pieces.
-    fn dispersion(&self, length_m: f64, noise: f64, lanes: usize) -> Option<(f64, f64, usize)> {
+    /// Returns the ratio of the variance of the block scores to their information, the redundancy of the tracks, and
+    /// the number of blocks.
+    fn dispersion(&self, length_m: f64, noise: f64, tracks: usize) -> Option<(f64, f64, usize)> {
         let (scores, information) = self.likelihood.tangent(length_m, noise).scores(self.places.len());
         let of = |scores: &[f64]| {
-            let spread = Moments::of(scores).sample_std();
+            let spread = Moments::new(scores).sample_std();
             scores.len() as f64 * spread * spread / information
         };
         let found = of(&self.by_place(&scores));
-        let alike = if lanes == 1 { 1.0 } else { (found / of(&scores)).clamp(1.0, lanes as f64) };
+        let alike = if tracks == 1 { 1.0 } else { (found / of(&scores)).clamp(1.0, tracks as f64) };
         (found.is_finite() && alike.is_finite()).then_some((found, alike, self.count))
     }
 
-    /// Sums over the lanes of every piece.
+    /// Returns the sums over the tracks of every block.
     fn by_place(&self, of_records: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.count];
         self.places.iter().zip(of_records).for_each(|(place, value)| sums[*place] += value);
@@ -324,7 +294,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Means over `window` cells, step by step, of a process with correlation e^{−s/ℓ} from cell to cell.
+    /// Returns the means over `window` cells, at every step, of a process with correlation e^{−s/ℓ} between cells.
     fn averaged(length: f64, window: usize, step: usize, cells: usize, index: u64) -> Vec<f64> {
         let phi = if length > 0.0 { (-1.0 / length).exp() } else { 0.0 };
         let noise = random::standard_normal(&mut random::stream(41, "length", index), cells);
@@ -339,13 +309,14 @@ mod tests {
 
     fn fit(records: &[Vec<f64>], window_m: f64, step_m: f64) -> LengthFit {
         let records = records.iter().map(Vec::as_slice).collect();
-        let channel = WindowedRecords { window_m, step_m, cell_m: 1.0, lanes: 1, records };
+        let channel = WindowedRecords { window_m, step_m, cell_m: 1.0, tracks: 1, records };
         fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap()
     }
 
     #[test]
-    fn a_planted_length_lies_inside_its_interval_in_most_runs() {
-        // The docs' page counts 1,000 runs; here 60 of 100 ℓ: 95 % are 57, and fewer than 51 have a probability of .003.
+    fn intervals_cover_the_true_length_in_most_runs() {
+        // The documentation reports 1,000 runs; here 60 of 100 ℓ: the expectation is 57, and fewer than 51 have
+        // probability .003.
         let fits: Vec<LengthFit> = (0..60).map(|index| fit(&[averaged(40.0, 8, 1, 4000, index)], 8.0, 1.0)).collect();
         let hits = fits.iter().filter(|fit| fit.interval.contains(40.0)).count();
         let mean = fits.iter().map(|fit| fit.length_m).sum::<f64>() / 60.0;
@@ -353,14 +324,14 @@ mod tests {
         assert!((51..=60).contains(&hits), "{hits} of 60");
         // Bias of order ℓ²/L = 1 %.
         assert!((mean - 40.0).abs() < 4.0 * sd / 60.0_f64.sqrt() + 0.4, "{mean} ± {sd}");
-        // The variance of ℓ from a continuous exponential record of length T is 2ℓ³/T; the taper and the mean cost some.
+        // The variance of ℓ from a continuous exponential record of length T is 2ℓ³/T; the taper and the mean add some.
         let theory = (2.0 * 40.0_f64.powi(3) / 4000.0).sqrt();
         assert!(sd > 0.8 * theory && sd < 1.6 * theory, "{sd} {theory}");
     }
 
     #[test]
     fn uncorrelated_values_under_a_window_have_no_length() {
-        // An interval misses the boundary value with 2.5 %: two or more of ten with 2.5 %.
+        // An interval misses the boundary value with probability 2.5 %; two or more of ten with 2.5 %.
         let fits: Vec<LengthFit> =
             (100..110).map(|index| fit(&[averaged(0.0, 16, 2, 4000, index)], 16.0, 2.0)).collect();
         let missed = fits.iter().filter(|found| found.interval.low >= 2.0).count();
@@ -384,7 +355,7 @@ mod tests {
                 window_m: *window as f64,
                 step_m: (*window / 8) as f64,
                 cell_m: 1.0,
-                lanes: 1,
+                tracks: 1,
                 records: vec![record],
             })
             .collect();
@@ -397,10 +368,10 @@ mod tests {
     }
 
     #[test]
-    fn records_that_say_nothing_are_refused() {
+    fn uninformative_records_are_rejected() {
         let settings = LengthSettings::default();
         let of = |values: &[f64], step_m: f64| {
-            let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values] };
+            let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, tracks: 1, records: vec![values] };
             fit_length(&[channel], RecordModel::Exponential, settings)
         };
         assert_eq!(fit_length(&[], RecordModel::Exponential, settings), Err(EstimateError::Nothing));

@@ -1,4 +1,4 @@
-//! The likelihood of a correlation model of records, wavenumber by wavenumber.
+//! Whittle's likelihood of a correlation model of records.
 
 use std::f64::consts::PI;
 
@@ -6,45 +6,47 @@ use super::band::RecordBand;
 use super::model::WindowedModel;
 use super::tangent::Tangent;
 use crate::fourier::RealFft2;
+use crate::numeric::scanned_minimum;
 use crate::stats::{Moments, lag_sums};
 
-/// Shortest record that has a spectrum.
+/// Least number of values of a record with a spectrum.
 const SHORTEST: usize = 8;
-/// Least and largest share of noise that is tried.
+/// Range of the noise fraction.
 const NOISE: (f64, f64) = (1e-6, 0.98);
 
-/// What lies beyond the ends of a record.
+/// Boundary condition of records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RecordEnds {
-    /// Nothing: the record is a piece of a longer one.
+    /// Free ends: the record is part of a longer one.
     #[default]
     Free,
-    /// The record again: it is one period, number of values times step.
+    /// Periodic record; the period is the number of values times the step.
     Periodic,
 }
 
-/// Records of one process with equal steps, each value the mean over a window. NaN is a missing value.
+/// Records of one process with equal steps, each value a mean over a window. NaN is a missing value.
 #[derive(Debug, Clone)]
 pub struct WindowedRecords<'a> {
     /// Window W in metre; 0 for values at points.
     pub window_m: f64,
     /// Distance between values in metre.
     pub step_m: f64,
-    /// Distance in metre of the values that a window is the mean of; 0 where it is the mean over a line.
+    /// Distance in metre of the values averaged by a window; 0 for a mean over a line.
     pub cell_m: f64,
-    /// Records per strip. Strips are independent of each other; lanes of a strip, one after another here, need not be.
-    pub lanes: usize,
+    /// Records per strip, listed one after another. Strips are independent; the tracks of a strip may be dependent.
+    pub tracks: usize,
     /// The records.
     pub records: Vec<&'a [f64]>,
 }
 
 impl WindowedRecords<'_> {
-    /// Length of the longest record in metre.
+    /// Returns the length of the longest record in metre.
     pub(super) fn longest_m(&self) -> f64 {
         self.records.iter().map(|record| record.len()).max().unwrap_or(0) as f64 * self.step_m
     }
 
-    /// Every how many-th value says all: four in a window are enough below 1/(2W), and a period must stay one.
+    /// Returns the stride of values that suffice: four per window are enough below 1/(2W), and a period must be
+    /// divisible.
     fn stride(&self, ends: RecordEnds) -> usize {
         let wanted = ((self.window_m / self.step_m / 4.0) as usize).max(1);
         let fits = |stride: usize| {
@@ -54,9 +56,10 @@ impl WindowedRecords<'_> {
     }
 }
 
-/// The taper of a record: of a free one a cosine over `share` of the values at either end, of a periodic one none.
-pub(super) fn taper(n: usize, ends: RecordEnds, share: f64) -> Vec<f64> {
-    let ramp = share * n as f64;
+/// Returns the taper of a record: a cosine over the fraction `share` at either end of a free record, none for a
+/// periodic one.
+pub(super) fn taper(n: usize, ends: RecordEnds, fraction: f64) -> Vec<f64> {
+    let ramp = fraction * n as f64;
     let at = |i: usize| {
         let from_end = (i.min(n - 1 - i) as f64 + 0.5) / ramp;
         if ends == RecordEnds::Periodic || from_end >= 1.0 { 1.0 } else { 0.5 - 0.5 * (PI * from_end).cos() }
@@ -64,7 +67,7 @@ pub(super) fn taper(n: usize, ends: RecordEnds, share: f64) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// The record less `mean` times its taper, missing values as zeros; and the weights that are left.
+/// Returns the tapered deviations of the record from `mean`, zero at missing values, and the effective weights.
 pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Vec<f64>) {
     let pairs = || record.iter().zip(taper);
     let weights = pairs().map(|(value, weight)| if value.is_finite() { *weight } else { 0.0 });
@@ -72,22 +75,22 @@ pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Ve
     (values.collect(), weights.collect())
 }
 
-/// Records of one length and step under one window.
+/// Records of equal length and step under one window.
 pub(super) struct Group {
     n: usize,
     step_m: f64,
     window: WindowedModel,
     ends: RecordEnds,
     plan: RealFft2,
-    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; none for periodic records, where it is 1.
+    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; `None` for periodic records, where it is 1.
     lag_weights: Vec<f64>,
-    /// How much each of the wavenumbers 1, 2, … counts.
-    pub(super) shares: Vec<f64>,
-    /// Share of the power that filters leave of each; 1 where it does not count.
+    /// Weight of each of the wavenumbers 1, 2, ….
+    pub(super) fractions: Vec<f64>,
+    /// Power transfer of the filters at each wavenumber; 1 where the weight is zero.
     passed: Vec<f64>,
-    /// Variance of a periodogram ordinate of the taper over that of independent ones.
+    /// Variance of a periodogram ordinate with the taper relative to independent ordinates.
     spread: f64,
-    /// Periodograms at the wavenumbers 1, 2, …, and the owners of the records.
+    /// Periodograms at the wavenumbers 1, 2, …, with the group index of each record.
     pub(super) powers: Vec<(usize, Vec<f64>)>,
 }
 
@@ -95,14 +98,14 @@ impl Group {
     fn periodogram(&self, values: &[f64], squares: f64) -> Vec<f64> {
         let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
         self.plan.forward(values, &mut spectrum, &mut work);
-        spectrum[1..=self.shares.len()].iter().map(|value| self.step_m * value.norm_sqr() / squares).collect()
+        spectrum[1..=self.fractions.len()].iter().map(|value| self.step_m * value.norm_sqr() / squares).collect()
     }
 
-    /// The periodogram that is expected for the length ℓ, where the process has the given variance at a point.
+    /// Returns the expected periodogram for the length ℓ and a point process of the given variance.
     fn expected(&self, length_m: f64, variance: impl Fn(&WindowedModel, f64) -> f64) -> Vec<f64> {
         let n = self.n;
         let covariance = |lag: usize| variance(&self.window, lag as f64 * self.step_m);
-        // Beyond this nothing is left of any model.
+        // Beyond this every model is negligible.
         let end = ((40.0 * length_m + self.window.window_m()) / self.step_m).ceil();
         let mut folded = vec![0.0; n];
         match self.ends {
@@ -117,7 +120,7 @@ impl Group {
                 }
             }
             RecordEnds::Periodic => {
-                // All periods add up.
+                // Sum over all periods.
                 let lags = (end as usize).max(1);
                 for lag in 0..lags {
                     let value = covariance(lag);
@@ -130,7 +133,7 @@ impl Group {
         }
         let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
         self.plan.forward(&folded, &mut spectrum, &mut work);
-        spectrum[1..=self.shares.len()]
+        spectrum[1..=self.fractions.len()]
             .iter()
             .zip(&self.passed)
             .map(|(v, passed)| self.step_m * v.re * passed)
@@ -142,18 +145,19 @@ impl Group {
     }
 }
 
-/// −ln of Whittle's likelihood of one model for records under one or more windows, as a function of its length ℓ alone: the
-/// variance that suits ℓ best is put in.
+/// Profile −ln of Whittle's likelihood of one model for records under one or more windows, as a function of its length
+/// ℓ, with the variance at its optimum.
 ///
-/// Every periodogram ordinate I is compared with its expectation E for the record's own length, step, taper and window, in
-/// which sampling, leakage and missing values are contained (Sykulski, Olhede, Guillaumin, Lilly & Early, *Biometrika* **106**
-/// (2019) 251, <https://doi.org/10.1093/biomet/asy071>): −ln L = Σ [ln E + I/E]. The wavenumber 0, and with it the unknown
-/// mean, is left out.
+/// Every periodogram ordinate I is compared with its expectation E for the record's length, step, taper and window,
+/// which accounts for sampling, leakage and missing values (Sykulski, Olhede, Guillaumin, Lilly & Early, *Biometrika*
+/// **106** (2019) 251, <https://doi.org/10.1093/biomet/asy071>): −ln L = Σ [ln E + I/E]. The wavenumber 0, and so the
+/// unknown mean, is excluded.
 ///
-/// A window keeps nothing at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are left out. Where
-/// several windows show a wavenumber, each of them counts with its share of one: windows on the same strip say the same.
+/// A window has zero transfer at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are excluded. A
+/// wavenumber that several windows contain is weighted with the reciprocal of their number: windows on the same strip
+/// are redundant.
 ///
-/// White noise of the values themselves, of the share η of their variance, adds a floor: E = (1 − η) E_process + η Δ.
+/// White noise with the fraction η of the variance of the values adds a floor: E = (1 − η) E_process + η Δ.
 pub(super) struct Likelihood {
     pub(super) groups: Vec<Group>,
     narrowest: WindowedModel,
@@ -163,14 +167,14 @@ pub(super) struct Likelihood {
 pub(super) struct Spectra(pub(super) Vec<Vec<f64>>);
 
 impl Likelihood {
-    /// Highest frequency that is used, in units of 1/W: there the window leaves 4/π² of the power.
+    /// Highest frequency used, in units of 1/W; the window transmits 4/π² of the power there.
     pub(super) const BAND: f64 = 0.5;
-    /// Share of a free record that its taper lowers at either end.
+    /// Fraction of a free record tapered at either end.
     pub(super) const TAPER: f64 = 0.1;
 
-    /// Of records under one or more windows; `owners` numbers the records of every channel. `None` where fewer than three
-    /// wavenumbers are left.
-    pub(super) fn of(
+    /// Creates the likelihood of records under one or more windows; `owners` are the group indices of the records of
+    /// every channel. `None` with fewer than three wavenumbers.
+    pub(super) fn new(
         channels: &[WindowedRecords<'_>],
         owners: &[usize],
         (ends, band): (RecordEnds, RecordBand),
@@ -185,11 +189,11 @@ impl Likelihood {
         let lowest = band.low_per_m() * (1.0 - 1e-9);
         let mut groups: Vec<Group> = Vec::new();
         for channel in channels {
-            let window = model.under(channel.window_m);
+            let window = model.with_window(channel.window_m);
             let stride = if band.highest_per_m.is_some() { 1 } else { channel.stride(ends) };
             let step_m = channel.step_m * stride as f64;
-            // The common mean: that of every record alone would take power out of its lowest wavenumbers.
-            let mean = Moments::of_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
+            // Subtract the common mean: the mean of each record would remove power from its lowest wavenumbers.
+            let mean = Moments::from_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
             let mut of_length: Vec<(usize, usize)> = Vec::new();
             for (record, owner) in channel.records.iter().zip(owners) {
                 let record: Vec<f64> = record.iter().step_by(stride).copied().collect();
@@ -214,7 +218,7 @@ impl Likelihood {
                     let used = |k: &usize| *k as f64 * step_per_m >= lowest;
                     let passed = |k: usize| if used(&k) { band.passed(k as f64 * step_per_m) } else { 1.0 };
                     let fourth: f64 = weights.iter().map(|w| w.powi(4)).sum();
-                    let share = |k: usize| {
+                    let fraction = |k: usize| {
                         let frequency = k as f64 * step_per_m;
                         if !used(&k) {
                             return 0.0;
@@ -229,7 +233,7 @@ impl Likelihood {
                         ends: if periodic { RecordEnds::Periodic } else { RecordEnds::Free },
                         plan: RealFft2::new(n, 1),
                         lag_weights,
-                        shares: (1..=last).map(share).collect(),
+                        fractions: (1..=last).map(fraction).collect(),
                         passed: (1..=last).map(passed).collect(),
                         spread: n as f64 * fourth / (squares * squares),
                         powers: Vec::new(),
@@ -245,20 +249,20 @@ impl Likelihood {
                 }
             }
         }
-        let used: f64 = groups.iter().map(|g| g.shares.iter().sum::<f64>() * g.powers.len() as f64).sum();
-        (used >= 3.0).then(|| Self { groups, narrowest: model.under(narrowest_m) })
+        let used: f64 = groups.iter().map(|g| g.fractions.iter().sum::<f64>() * g.powers.len() as f64).sum();
+        (used >= 3.0).then(|| Self { groups, narrowest: model.with_window(narrowest_m) })
     }
 
-    /// Expected periodograms for the length ℓ ≥ 0 in metre.
+    /// Returns the expected periodograms for the length ℓ ≥ 0 in metre.
     pub(super) fn spectra(&self, length_m: f64) -> Spectra {
         let narrowest_m = self.narrowest.window_m();
-        // Uncorrelated values leave a variance ∝ 1/W.
+        // Uncorrelated values have a variance ∝ 1/W.
         let alone = length_m <= 1e-9 * narrowest_m || length_m == 0.0;
         let unit = if alone { 1.0 } else { self.narrowest.covariance(0.0, length_m) };
         let variance = |window: &WindowedModel, lag_m: f64| {
             if alone {
-                let share = if narrowest_m > 0.0 { narrowest_m / window.window_m() } else { 1.0 };
-                share * window.correlation(lag_m, 0.0)
+                let fraction = if narrowest_m > 0.0 { narrowest_m / window.window_m() } else { 1.0 };
+                fraction * window.correlation(lag_m, 0.0)
             } else {
                 window.covariance(lag_m, length_m) / unit
             }
@@ -266,53 +270,53 @@ impl Likelihood {
         Spectra(self.groups.iter().map(|group| group.expected(length_m, variance)).collect())
     }
 
-    /// Weighted sum of I/E over the wavenumbers of all records, and that of one.
+    /// Returns the weighted sums of I/E and of 1 over the wavenumbers of all records.
     fn ratio_sums(&self, spectra: &Spectra) -> (f64, f64) {
         let (mut ratios, mut count) = (0.0, 0.0);
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
             for (_, power) in &group.powers {
-                for ((i, e), share) in power.iter().zip(expected).zip(&group.shares) {
-                    ratios += share * i / e;
-                    count += share;
+                for ((i, e), fraction) in power.iter().zip(expected).zip(&group.fractions) {
+                    ratios += fraction * i / e;
+                    count += fraction;
                 }
             }
         }
         (ratios, count)
     }
 
-    /// Variance under the narrowest window that suits the length best.
+    /// Returns the most likely variance under the narrowest window at a length.
     pub(super) fn variance(&self, spectra: &Spectra) -> f64 {
         let (ratios, count) = self.ratio_sums(spectra);
         ratios / count
     }
 
-    /// −ln L at a length, the variance being the best one.
+    /// Returns −ln L at a length, for the most likely variance.
     pub(super) fn negative_log(&self, spectra: &Spectra) -> f64 {
         let (ratios, count) = self.ratio_sums(spectra);
         let mut logs = 0.0;
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
-            let sum: f64 = expected.iter().zip(&group.shares).map(|(e, share)| share * e.ln()).sum();
+            let sum: f64 = expected.iter().zip(&group.fractions).map(|(e, fraction)| fraction * e.ln()).sum();
             logs += sum * group.powers.len() as f64;
         }
         count * ((ratios / count).ln() + 1.0) + logs
     }
 
-    /// −ln L of every owner's part at the variance that suits all best.
+    /// Returns −ln L of every group at the common most likely variance.
     pub(super) fn negative_log_by_owner(&self, spectra: &Spectra, owners: usize) -> Vec<f64> {
         let variance = self.variance(spectra);
         let mut parts = vec![0.0; owners];
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
             for (owner, power) in &group.powers {
-                for ((i, e), share) in power.iter().zip(expected).zip(&group.shares) {
+                for ((i, e), fraction) in power.iter().zip(expected).zip(&group.fractions) {
                     let e = variance * e;
-                    parts[*owner] += share * (e.ln() + i / e);
+                    parts[*owner] += fraction * (e.ln() + i / e);
                 }
             }
         }
         parts
     }
 
-    /// The spectra with a share of white noise in the variance of the values.
+    /// Returns the expected spectra with a fraction of white noise in the variance of the values.
     pub(super) fn with_noise(&self, spectra: &Spectra, noise: f64) -> Spectra {
         let mixed = |(group, expected): (&Group, &Vec<f64>)| {
             let floor = noise * group.step_m;
@@ -321,46 +325,30 @@ impl Likelihood {
         Spectra(self.groups.iter().zip(&spectra.0).map(mixed).collect())
     }
 
-    /// The share of noise that is most likely at a length, and −ln L there.
+    /// Returns the most likely noise fraction at a length, and −ln L there.
     pub(super) fn best_noise(&self, spectra: &Spectra) -> (f64, f64) {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let at = |logit: f64| {
             let value = self.negative_log(&self.with_noise(spectra, 1.0 / (1.0 + (-logit).exp())));
             if value.is_nan() { f64::INFINITY } else { value }
         };
-        let logit = |share: f64| (share / (1.0 - share)).ln();
+        let logit = |fraction: f64| (fraction / (1.0 - fraction)).ln();
         let (low, high, parts) = (logit(NOISE.0), logit(NOISE.1), 9_i32);
         let place = |i: i32| low + (high - low) * f64::from(i) / f64::from(parts);
-        let scanned: Vec<f64> = (0..=parts).map(|i| at(place(i))).collect();
-        let best = scanned.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index) as i32;
-        let (mut a, mut b) = (place((best - 1).max(0)), place((best + 1).min(parts)));
-        let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-        let (mut at_c, mut at_d) = (at(c), at(d));
-        while b - a > 1e-2 {
-            if at_c < at_d {
-                (b, d, at_d) = (d, c, at_c);
-                c = b - GOLDEN * (b - a);
-                at_c = at(c);
-            } else {
-                (a, c, at_c) = (c, d, at_d);
-                d = a + GOLDEN * (b - a);
-                at_d = at(d);
-            }
-        }
-        let found = if at_c < at_d { (c, at_c) } else { (d, at_d) };
+        let places: Vec<f64> = (0..=parts).map(place).collect();
+        let found = scanned_minimum(at, &places, 1e-2);
         let none = self.negative_log(spectra);
-        if none <= found.1 + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.0).exp()), found.1) }
+        if none <= found.value + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.place).exp()), found.value) }
     }
 
-    /// The share of noise, 0 where none is looked for, and −ln L at a length; rounding may leave nothing of an expectation, which
-    /// makes it infinite.
+    /// Returns the noise fraction (0 if it is not fitted) and −ln L at a length, which is infinite if rounding makes an
+    /// expectation non-positive.
     pub(super) fn profile(&self, length_m: f64, noise: bool) -> (f64, f64) {
         let spectra = self.spectra(length_m);
-        let (share, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
-        (share, if value.is_nan() { f64::INFINITY } else { value })
+        let (fraction, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
+        (fraction, if value.is_nan() { f64::INFINITY } else { value })
     }
 
-    /// The model at a length and a share of noise, with the directions in which its parameters move it.
+    /// Returns the model at a length and a noise fraction, with its derivatives by the parameters.
     pub(super) fn tangent(&self, length_m: f64, noise: f64) -> Tangent<'_> {
         let step: f64 = 1e-3;
         let at = |length_m: f64| self.with_noise(&self.spectra(length_m), noise);
@@ -384,9 +372,9 @@ impl Likelihood {
         Tangent { likelihood: self, expected, variance, directions }
     }
 
-    /// Variance of an ordinate's mean over that of independent ones.
+    /// Returns the variance of the mean of ordinates relative to independent ones.
     pub(super) fn spread(&self) -> f64 {
-        let weight = |group: &Group| group.powers.len() as f64 * group.shares.iter().sum::<f64>();
+        let weight = |group: &Group| group.powers.len() as f64 * group.fractions.iter().sum::<f64>();
         let all: f64 = self.groups.iter().map(weight).sum();
         self.groups.iter().map(|group| weight(group) * group.spread).sum::<f64>() / all
     }
@@ -412,18 +400,18 @@ mod tests {
     }
 
     #[test]
-    fn expected_periodograms_are_their_double_sums() {
+    fn expected_periodograms_equal_double_sums() {
         let model = WindowedModel::new(RecordModel::Exponential, 0.0);
         let values: Vec<f64> = (0..60_u8).map(|i| f64::from(i % 7)).collect();
         let mut holed = values.clone();
         holed[17] = f64::NAN;
         for (record, ends) in [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
         {
-            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, cell_m: 0.0, lanes: 1, records: vec![record] };
-            let likelihood = Likelihood::of(&[channel], &[0], (ends, RecordBand::default()), &model).unwrap();
+            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, cell_m: 0.0, tracks: 1, records: vec![record] };
+            let likelihood = Likelihood::new(&[channel], &[0], (ends, RecordBand::default()), &model).unwrap();
             for length in [0.0, 0.2, 4.0] {
                 let found = likelihood.spectra(length);
-                let window = model.under(3.0);
+                let window = model.with_window(3.0);
                 let mut weights = taper(60, ends, Likelihood::TAPER);
                 record.iter().zip(&mut weights).filter(|(v, _)| v.is_nan()).for_each(|(_, w)| *w = 0.0);
                 let covariance = |lag: f64| match ends {

@@ -1,4 +1,4 @@
-//! Correlation models of records, alone and under a sliding window.
+//! Correlation models of records, with or without a sliding window.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use statrs::function::gamma::ln_gamma;
 use super::tail::TailTable;
 use crate::correlation::CorrelationModel;
 
-/// Windows shorter than this share of ℓ change nothing, and their second differences would be rounding.
+/// Windows shorter than this fraction of ℓ are ignored; second differences would be dominated by rounding.
 const NO_WINDOW: f64 = 1e-5;
 
 /// A correlation ρ_0(s; ℓ) of a stationary record.
@@ -18,7 +18,7 @@ pub enum RecordModel {
     Exponential,
     /// e^{−(s/ℓ)²}.
     SquaredExponential,
-    /// max(0, 1 − s/ℓ): what a window of length ℓ makes of uncorrelated values.
+    /// max(0, 1 − s/ℓ): uncorrelated values under a window of length ℓ.
     Triangle,
     /// 2^{1−ν}/Γ(ν) (√(2ν) s/ℓ)^ν K_ν(√(2ν) s/ℓ).
     Matern {
@@ -28,11 +28,11 @@ pub enum RecordModel {
 }
 
 impl RecordModel {
-    /// Models that are compared when nobody asks for others.
+    /// Models compared by default.
     pub const USUAL: [Self; 4] =
         [Self::Exponential, Self::SquaredExponential, Self::Matern { nu: 1.5 }, Self::Triangle];
 
-    /// Name of the model.
+    /// Returns the name of the model.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Exponential => "exponential",
@@ -42,17 +42,17 @@ impl RecordModel {
         }
     }
 
-    /// ρ_0 at a lag s ≥ 0, for the length ℓ > 0, both in metre.
+    /// Returns ρ_0 at a lag s ≥ 0, for the length ℓ > 0, both in metre.
     pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
         self.scaled(lag_m / length_m)
     }
 
-    /// ∫₀^∞ ρ_0 ds in metre, by which lengths of different models compare.
+    /// Returns the integral scale ∫₀^∞ ρ_0 ds in metre, a common measure of length for different models.
     pub fn integral_scale_m(&self, length_m: f64) -> f64 {
         self.integral() * length_m
     }
 
-    /// ρ_0 at r = s/ℓ.
+    /// Returns ρ_0 at r = s/ℓ.
     pub(super) fn scaled(&self, r: f64) -> f64 {
         match *self {
             Self::Triangle => (1.0 - r).max(0.0),
@@ -62,7 +62,7 @@ impl RecordModel {
         }
     }
 
-    /// ∫₀^∞ ρ_0 dr.
+    /// Returns ∫₀^∞ ρ_0 dr.
     fn integral(&self) -> f64 {
         match *self {
             Self::Exponential => 1.0,
@@ -73,31 +73,31 @@ impl RecordModel {
     }
 }
 
-/// A model under a sliding window W: triangle_W ⊛ ρ_0, the covariance of the moving average over W of a process of unit
+/// Model under a sliding window W: triangle_W ⊛ ρ_0, the covariance of the moving average over W of a process of unit
 /// variance.
 ///
 /// With a = W/ℓ, t = |s|/ℓ and the twice integrated tail T(x) = ∫_x^∞ (u − x) ρ_0(u) du it is
 ///
 /// > [2 max(0, a − t) ∫₀^∞ρ_0 du + T(t + a) + T(|t − a|) − 2 T(t)]/a²,
 ///
-/// in closed form for all models but the Matérn ones of ν other than 1/2, 3/2 and 5/2, whose T is tabulated once.
+/// in closed form for all models except Matérn with ν other than 1/2, 3/2 and 5/2, whose T is tabulated once.
 ///
-/// A window of few cells is not the integral over W but the mean of n values a cell Δ apart
-/// ([`WindowedModel::on_cells`]), which passes sin²(πfnΔ)/(n sin(πfΔ))² of the power at the frequency f and not sinc²(fW). The
-/// covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ); for the exponential it is the same three
-/// terms with sums instead of integrals.
+/// A window of few cells is a mean of n values at distance Δ rather than an integral over W
+/// ([`WindowedModel::with_cells`]); its power transfer is sin²(πfnΔ)/(n sin(πfΔ))² at the frequency f instead of
+/// sinc²(fW). The covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ), for the exponential
+/// three terms as above with sums for integrals.
 #[derive(Debug, Clone)]
 pub struct WindowedModel {
     model: RecordModel,
     window_m: f64,
-    /// 0 where the window is an integral.
+    /// Cell in metre; 0 if the window is an integral.
     cell_m: f64,
     integral: f64,
     table: Option<TailTable>,
 }
 
 impl WindowedModel {
-    /// A model under a window W ≥ 0 in metre; 0 is none.
+    /// Creates a model under a window W ≥ 0 in metre; 0 for none.
     ///
     /// # Panics
     /// If the window is negative or infinite, or ν lies outside [0.1, 20].
@@ -106,46 +106,46 @@ impl WindowedModel {
         let table = match model {
             RecordModel::Matern { nu } if nu != 0.5 && nu != 1.5 && nu != 2.5 => {
                 assert!((0.1..=20.0).contains(&nu), "ν = {nu} lies outside [0.1, 20]");
-                Some(TailTable::of(&|r| model.scaled(r), 60.0 / (2.0 * nu).sqrt()))
+                Some(TailTable::new(&|r| model.scaled(r), 60.0 / (2.0 * nu).sqrt()))
             }
             _ => None,
         };
         Self { model, window_m, cell_m: 0.0, integral: model.integral(), table }
     }
 
-    /// The same under another window.
+    /// Returns the model under another window.
     ///
     /// # Panics
     /// If the window is negative or infinite.
     #[must_use]
-    pub fn under(&self, window_m: f64) -> Self {
+    pub fn with_window(&self, window_m: f64) -> Self {
         assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
         Self { window_m, ..self.clone() }
     }
 
-    /// The same with windows that are the mean of values `cell_m` apart; 0 makes them integrals. Lags are then rounded to whole
-    /// cells.
+    /// Returns the model with windows that average values at distance `cell_m`; 0 for integrals. Lags are then rounded
+    /// to whole cells.
     ///
     /// # Panics
     /// If the cell is negative or infinite.
     #[must_use]
-    pub fn on_cells(&self, cell_m: f64) -> Self {
+    pub fn with_cells(&self, cell_m: f64) -> Self {
         assert!(cell_m >= 0.0 && cell_m.is_finite(), "cell {cell_m} m");
         Self { cell_m, ..self.clone() }
     }
 
-    /// The model without window.
+    /// Returns the model without a window.
     pub fn model(&self) -> RecordModel {
         self.model
     }
 
-    /// Window W in metre.
+    /// Returns the window W in metre.
     pub fn window_m(&self) -> f64 {
         self.window_m
     }
 
-    /// Correlation at a lag for the length ℓ ≥ 0, both in metre. ℓ = 0 leaves the triangle of the window, or no correlation
-    /// where there is no window.
+    /// Returns the correlation at a lag for the length ℓ ≥ 0, both in metre. For ℓ = 0 it is the triangle of the
+    /// window, or zero without a window.
     pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
         let lag_m = lag_m.abs();
         if length_m <= 1e-9 * self.window_m || length_m == 0.0 {
@@ -156,8 +156,8 @@ impl WindowedModel {
         self.covariance(lag_m, length_m) / self.covariance(0.0, length_m)
     }
 
-    /// Covariance under the window at a lag where that of the process is ρ_0, for ℓ > 0, both in metre. At lag 0 it is the
-    /// share of the variance that the window leaves.
+    /// Returns the covariance under the window at a lag for ℓ > 0, both in metre, for unit variance of the process. At
+    /// lag 0 it is the fraction of the variance that the window transmits.
     pub fn covariance(&self, lag_m: f64, length_m: f64) -> f64 {
         if self.cell_m > 0.0 && self.window_m > 0.0 {
             let cells = (self.window_m / self.cell_m).round().max(1.0);
@@ -171,7 +171,7 @@ impl WindowedModel {
         (kink + self.tail(t + a) + self.tail((t - a).abs()) - 2.0 * self.tail(t)) / (a * a)
     }
 
-    /// Covariance of the means of n values a step of δ lengths apart, t steps from each other.
+    /// Returns the covariance of two means of n values at steps of δ lengths, t steps apart.
     fn mean_of_cells(&self, t: f64, n: f64, step: f64) -> f64 {
         let exponential =
             matches!(self.model, RecordModel::Exponential) || self.model == RecordModel::Matern { nu: 0.5 };
@@ -189,7 +189,7 @@ impl WindowedModel {
         (n * self.model.scaled(t * step) + (1..n as i64).map(term).sum::<f64>()) / (n * n)
     }
 
-    /// T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
+    /// Returns T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
     fn tail(&self, x: f64) -> f64 {
         match self.model {
             RecordModel::Exponential => (-x).exp(),
@@ -212,8 +212,8 @@ impl WindowedModel {
     }
 }
 
-/// Correlation of the moving average, over a window W, of a process with correlation e^{−|s|/ℓ}:
-/// triangle_W ⊛ e^{−|s|/ℓ}, scaled to 1 at s = 0. ℓ = 0 leaves the triangle of the window alone, W = 0 the exponential.
+/// Returns the correlation of the moving average over a window W of a process with correlation e^{−|s|/ℓ}: triangle_W ⊛
+/// e^{−|s|/ℓ}, normalised to 1 at s = 0. For ℓ = 0 it is the triangle of the window, for W = 0 the exponential.
 ///
 /// # Panics
 /// If a length is negative, or both are zero.
@@ -239,7 +239,8 @@ mod tests {
         RecordModel::Matern { nu: 2.5 },
     ];
 
-    /// ∫ of (1 − |u|) ρ_0(s + uW) du over (−1, 1) by the midpoint rule in `n` cells of a variable that is finer at kinks.
+    /// Returns ∫ of (1 − |u|) ρ_0(s + uW) du over (−1, 1) by the midpoint rule with `n` cells of a variable that
+    /// refines the kinks.
     fn direct(model: RecordModel, lag: f64, window: f64, length: f64) -> f64 {
         let mut kinks = vec![-1.0, 0.0, 1.0];
         for kink in [-lag / window, (length - lag) / window, (-length - lag) / window] {
@@ -253,7 +254,7 @@ mod tests {
         for pair in kinks.windows(2) {
             let (low, width) = (pair[0], pair[1] - pair[0]);
             for i in 0..n {
-                // x = v³(10 − 15v + 6v²) crowds points to both ends, where a small ν has its cusp.
+                // x = v³(10 − 15v + 6v²) concentrates points at both ends, where a small ν has its cusp.
                 let v = (f64::from(i) + 0.5) / f64::from(n);
                 let (x, slope) = (v.powi(3) * (10.0 - 15.0 * v + 6.0 * v * v), 30.0 * (v * (1.0 - v)).powi(2));
                 let u = low + width * x;
@@ -279,10 +280,10 @@ mod tests {
     }
 
     #[test]
-    fn windows_of_cells_are_their_double_sums_and_pass_what_the_discrete_transform_passes() {
+    fn windows_of_cells_equal_double_sums_and_the_discrete_transform() {
         for model in MODELS {
             for (cells, cell, length) in [(1_i32, 10.0, 250.0), (4, 10.0, 250.0), (4, 10.0, 3.0), (16, 5.0, 1000.0)] {
-                let windowed = WindowedModel::new(model, f64::from(cells) * cell).on_cells(cell);
+                let windowed = WindowedModel::new(model, f64::from(cells) * cell).with_cells(cell);
                 for lag in [0, 1, 3, 4, 5, 40] {
                     let mut sum = 0.0;
                     for i in 0..cells {
@@ -299,7 +300,7 @@ mod tests {
         }
         // Power at a frequency of the exponential on cells, (1 − φ²)/(1 − 2φ cos + φ²), times sin²(πfn)/(n sin(πf))².
         let (cells, length) = (4.0_f64, 25.0_f64);
-        let windowed = WindowedModel::new(RecordModel::Exponential, cells).on_cells(1.0);
+        let windowed = WindowedModel::new(RecordModel::Exponential, cells).with_cells(1.0);
         let phi = (-1.0 / length).exp();
         for frequency in [0.003, 0.05, 0.125, 0.21] {
             let phase = 2.0 * PI * frequency;
@@ -314,11 +315,11 @@ mod tests {
 
     #[test]
     fn windows_of_many_cells_are_integrals() {
-        // The trapezoid rule misses Δ²/12 of the correlation: its second order is seen.
+        // The trapezoidal rule has the error Δ²/12 of the correlation: the test resolves its second order.
         for model in [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }] {
             let error = |cells: f64| {
                 let windowed = WindowedModel::new(model, 600.0);
-                (windowed.on_cells(600.0 / cells).covariance(0.0, 250.0) - windowed.covariance(0.0, 250.0)).abs()
+                (windowed.with_cells(600.0 / cells).covariance(0.0, 250.0) - windowed.covariance(0.0, 250.0)).abs()
             };
             let (coarse, fine) = (error(16.0), error(64.0));
             assert!(fine < 1e-3 && (coarse / fine / 16.0 - 1.0).abs() < 0.05, "{model:?}: {coarse:e} {fine:e}");
@@ -332,7 +333,7 @@ mod tests {
                 let windowed = WindowedModel::new(model, 1.0);
                 assert!((windowed.correlation(s, 1e-7) - (1.0 - s).max(0.0)).abs() < 1e-6, "{model:?} {s}");
                 assert_eq!(windowed.correlation(s, 0.0), (1.0 - s).max(0.0));
-                // A cusp r^{2ν} of ν = 0.3 forgets a window W like W^{0.6}.
+                // With a cusp r^{2ν} of ν = 0.3 the effect of a window W decreases as W^{0.6}.
                 for (window, error) in [(1e-4, 6e-3), (1e-6, 1e-9)] {
                     let found = WindowedModel::new(model, window).correlation(s, 1.0);
                     assert!((found - model.scaled(s)).abs() < error, "{model:?} {s} {window}");
@@ -345,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn the_triangle_of_a_window_falls_to_one_over_e_at_its_known_share() {
+    fn the_triangle_of_a_window_falls_to_one_over_e_at_its_known_fraction() {
         let at = 600.0 * (1.0 - (-1.0_f64).exp());
         assert!((at / 600.0 - 0.632_12).abs() < 1e-5);
         let windowed = WindowedModel::new(RecordModel::Exponential, 600.0);
@@ -357,7 +358,7 @@ mod tests {
         for model in MODELS {
             let n = 200_000_i32;
             let sum: f64 = (0..n).map(|i| model.scaled((f64::from(i) + 0.5) * 1e-3 * 0.5)).sum::<f64>() * 0.5e-3;
-            // The midpoint rule at a cusp r^{2ν} errs by about h^{1 + 2ν}.
+            // The midpoint rule at a cusp r^{2ν} has an error of about h^{1 + 2ν}.
             assert!((sum - model.integral_scale_m(1.0)).abs() < 1e-5, "{model:?}");
         }
     }

@@ -1,4 +1,4 @@
-//! The correlation of a record of which nobody says how its values came from the process.
+//! Correlation of a record with an unknown observation process.
 
 use super::band::RecordBand;
 use super::length::{LengthFit, LengthSettings, fit_length, least};
@@ -7,26 +7,26 @@ use super::model::RecordModel;
 use super::ranking::{RankedLength, ranked};
 use crate::correlation::estimate::EstimateError;
 
-/// Models of the process.
+/// Candidate models of the process.
 const MODELS: [RecordModel; 3] =
     [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
-/// Values in a moving average that are tried.
+/// Candidate numbers of values of a moving average.
 const AVERAGES: [usize; 12] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20];
-/// What 2 ln L must gain before noise is believed, and before a moving average is, which has twelve chances.
+/// Required gain of 2 ln L for noise, and for a moving average, chosen from twelve.
 const NOISE_COST: f64 = 4.0;
 const AVERAGE_COST: f64 = 9.0;
-/// A band that is narrowed keeps so many wavenumbers, and waves down to so many lengths.
+/// Least number of wavenumbers, and of lengths per wave, of a reduced band.
 const LEAST_WAVENUMBERS: f64 = 40.0;
 const LEAST_WAVE: f64 = 1.0;
 
-/// How the values of a record come from the process.
+/// Observation model: how the values of a record derive from the process.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Observation {
-    /// Each is the process at a point.
+    /// Values of the process at points.
     Points,
-    /// Each is the mean over the step that it stands for, as of an integrating converter.
+    /// Means over the step, as of an integrating converter.
     Means,
-    /// Each is the mean of so many values at points, as of a smoothing filter.
+    /// Means of several values at points, as of a smoothing filter.
     MovingAverage {
         /// Number of values.
         values: usize,
@@ -34,7 +34,7 @@ pub enum Observation {
 }
 
 impl Observation {
-    /// Name as in files.
+    /// Returns the name as in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Points => "points",
@@ -44,46 +44,47 @@ impl Observation {
     }
 }
 
-/// What is known of the making of a record.
+/// Known properties of the measurement of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordHistory {
-    /// Values of the instrument whose mean each value is; 1 for none.
+    /// Number of instrument values averaged in each value; 1 for none.
     pub decimation: usize,
-    /// What trends and filters took out.
+    /// Effect of trends and filters on the frequencies.
     pub band: RecordBand,
 }
 
 impl Default for RecordHistory {
-    /// Values as they came.
+    /// Returns unprocessed values.
     fn default() -> Self {
         Self { decimation: 1, band: RecordBand::default() }
     }
 }
 
-/// The correlation of a record, found together with how its values came from the process.
+/// Correlation of a record, estimated together with its observation model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedLengths {
-    /// Every model under the observation that suits it best, the most likely first.
+    /// Every model with its most likely observation model, the most likely first.
     pub models: Vec<RankedLength>,
-    /// The fit to go on with: of the exponential, unless another is better beyond chance or simpler.
+    /// Recommended fit: the exponential, unless another is significantly better or simpler.
     pub chosen: LengthFit,
-    /// How its values come from the process.
+    /// Observation model of that fit.
     pub observation: Observation,
-    /// Highest frequency in 1/metre that was used, where no model fits all.
+    /// Highest frequency in 1/metre used, if the band had to be reduced.
     pub narrowed_to_per_m: Option<f64>,
 }
 
 impl ObservedLengths {
-    /// Fits the usual models to records of one process with equal steps, NaN being a missing value: of values at points, of means over the step,
-    /// and of moving averages of up to twenty values, each without and with white noise of its own.
+    /// Fits the usual models to records of one process with equal steps, NaN being a missing value. The observation
+    /// models are values at points, means over the step and moving averages of up to twenty values, each with and
+    /// without white noise.
     ///
-    /// All candidates are compared on the same wavenumbers. Where the best of them does not fit (see [`super::LackOfFit`]), as behind a filter
-    /// of another kind, the upper half of the frequencies is left out, again and again, as long as waves of one ℓ remain. Where that does
-    /// not help either, the fit to all frequencies stands, with its test.
+    /// All candidates are compared on the same wavenumbers. If the best does not fit (see [`super::LackOfFit`]), as
+    /// with filters of another kind, the upper half of the frequencies is excluded repeatedly, as long as waves of
+    /// length ℓ remain. If no reduction helps, the result is the fit to all frequencies with its test.
     ///
     /// # Errors
-    /// As [`fit_length`].
-    pub fn of(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
+    /// See [`fit_length`].
+    pub fn fit(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
         let nyquist_per_m = 0.5 / step_m;
         let values: usize = records.iter().map(|record| record.len()).sum();
         let whole = Self::within(records, step_m, history, nyquist_per_m)?;
@@ -120,7 +121,7 @@ impl ObservedLengths {
                 Observation::Means => (step_m, 0.0),
                 Observation::MovingAverage { values } => (values as f64 * step_m, step_m),
             };
-            WindowedRecords { window_m, step_m, cell_m, lanes: 1, records: records.to_vec() }
+            WindowedRecords { window_m, step_m, cell_m, tracks: 1, records: records.to_vec() }
         };
         let averages: &[usize] =
             if history.decimation == 1 && highest_per_m > 0.499 / step_m { &AVERAGES } else { &[] };
@@ -163,7 +164,7 @@ impl ObservedLengths {
     }
 }
 
-/// What an observation has to gain in 2 ln L.
+/// Returns the required gain of an observation model in 2 ln L.
 fn cost(observation: Observation, noise: bool) -> f64 {
     let average = matches!(observation, Observation::MovingAverage { .. });
     f64::from(u8::from(noise)) * NOISE_COST + f64::from(u8::from(average)) * AVERAGE_COST
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// A record of the correlation e^{−lag/ℓ}, ℓ = 20.
+    /// Returns a record of the correlation e^{−lag/ℓ}, ℓ = 20.
     fn exponential(values: usize, index: u64) -> Vec<f64> {
         let phi = (-1.0_f64 / 20.0).exp();
         let mut record = random::standard_normal(&mut random::stream(59, "observed", index), values);
@@ -185,13 +186,13 @@ mod tests {
     }
 
     fn found(record: &[f64], history: RecordHistory) -> ObservedLengths {
-        ObservedLengths::of(&[record], history.decimation as f64, history).unwrap()
+        ObservedLengths::fit(&[record], history.decimation as f64, history).unwrap()
     }
 
     #[test]
     #[ignore = "slow"]
     fn averages_and_noise_are_found_beside_the_length() {
-        // Of fifteen 95 % intervals, four or more miss with a probability of .005.
+        // Of fifteen 95 % intervals, four or more fail with probability .005.
         let mut missed = 0;
         for run in 0..5 {
             let record = exponential(3004, run);
@@ -201,9 +202,9 @@ mod tests {
             let noise = random::standard_normal(&mut random::stream(59, "noise", run), 3004);
             let noisy: Vec<f64> = record.iter().zip(&noise).map(|(value, noise)| value + 0.3 * noise).collect();
             let of_noisy = found(&noisy, RecordHistory::default());
-            // .09/1.09, at the variance that the record itself has.
-            let share = of_noisy.chosen.noise_share;
-            assert!((share / 0.0826 - 1.0).abs() < 0.5, "{share}");
+            // .09/1.09, at the sample variance of the record.
+            let fraction = of_noisy.chosen.noise_fraction;
+            assert!((fraction / 0.0826 - 1.0).abs() < 0.5, "{fraction}");
             assert!(of_noisy.chosen.noise_interval.unwrap().low > 0.0);
             let fives: Vec<f64> = record.chunks_exact(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
             let of_fives = found(&fives, RecordHistory { decimation: 5, ..RecordHistory::default() });
@@ -216,24 +217,24 @@ mod tests {
     }
 
     #[test]
-    fn the_test_of_fit_keeps_its_level_and_sees_what_does_not_fit() {
+    fn the_goodness_of_fit_test_has_its_level_and_power() {
         let p = |record: &[f64]| {
-            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![record] };
+            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks: 1, records: vec![record] };
             let fit = fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap();
             fit.lack_of_fit.unwrap().p_value
         };
         let records: Vec<Vec<f64>> = (100..160).map(|index| exponential(2000, index)).collect();
         let values: Vec<f64> = records.iter().map(|record| p(record)).collect();
         let below = |level: f64| values.iter().filter(|p| **p < level).count();
-        // Of 60, 5 % are 3 ± 1.7 and a half is 30 ± 3.9; the dispersion from pieces makes the test a little slack.
+        // Of 60, 5 % are 3 ± 1.7 and a half is 30 ± 3.9; the estimated dispersion makes the test slightly conservative.
         assert!(below(0.05) <= 9 && below(0.5) >= 14 && below(0.5) <= 43, "{values:?}");
         let smooth = |record: &Vec<f64>| record.windows(3).map(|v| v.iter().sum::<f64>() / 3.0).collect::<Vec<f64>>();
         assert!(records[..5].iter().all(|record| p(&smooth(record)) < 1e-6));
     }
 
     #[test]
-    fn behind_another_filter_fast_waves_are_left_out_or_the_misfit_is_told() {
-        // Two resonant poles at a period of eight steps.
+    fn unknown_filters_reduce_the_band_or_fail_the_test_of_fit() {
+        // Two resonant poles with a period of eight steps.
         let record = exponential(4000, 200);
         let mut out = vec![0.0; record.len()];
         for t in 2..record.len() {

@@ -1,25 +1,26 @@
-//! The power spectrum of records with its bands.
+//! Power spectrum of records with confidence bands.
 
 use std::f64::consts::TAU;
 
+use super::checked_moments;
 use super::likelihood::{Likelihood, RecordEnds, taper, tapered};
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
 use crate::correlation::spectrum::{bin_of, edges};
+use crate::distribution::chi_square_quantile;
 use crate::fourier::{Complex64, RealFft2};
-use crate::law::chi_square_quantile;
-use crate::stats::Moments;
 
-/// Distance of ordinates up to which a taper correlates them.
+/// Largest distance of ordinates that the taper correlates.
 const REACH: usize = 8;
 
-/// One-sided power spectral density of records, whose integral over the frequencies 1/metre is the variance, in bins of a
-/// sixth of an octave or of one ordinate where that is wider, with 95 % bands.
+/// One-sided power spectral density of records with 95 % bands, in bins of a sixth of an octave or of one ordinate
+/// where that is wider. Its integral over the frequencies in 1/metre is the variance.
 ///
-/// A bin's density is the mean of m periodogram ordinates, of density χ²₂/2 each, pooled over records, and the band is
-/// [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m less what the taper's correlation of neighbours costs, and over what the
-/// lanes of a strip share, Σ|S_ab|²/ΣS_aa² of their cross-spectra S_ab in the bin. It holds the mean of
-/// the density over the bin where records are Gaussian and long against the correlation.
+/// The density of a bin is the mean of m periodogram ordinates, each distributed as density times χ²₂/2, over all
+/// records. The band is [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m, reduced for the correlation of neighbouring
+/// ordinates by the taper and divided by the redundancy Σ|S_ab|²/ΣS_aa² of the tracks of a strip with cross-spectra
+/// S_ab in the bin. It is a band of the mean density over the bin if records are Gaussian and long compared with the
+/// correlation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordSpectrum {
     /// Distance between values in metre.
@@ -28,44 +29,39 @@ pub struct RecordSpectrum {
     pub frequency_per_m: Vec<f64>,
     /// Density in the squared unit of the record times metre.
     pub density: Vec<f64>,
-    /// Lower end of the band.
+    /// Lower limit of the band.
     pub low: Vec<f64>,
-    /// Upper end of the band.
+    /// Upper limit of the band.
     pub high: Vec<f64>,
     /// Degrees of freedom ν.
     pub degrees_of_freedom: Vec<f64>,
-    /// Width of the bin in 1/metre: densities times widths add up to the variance.
+    /// Width of the bin in 1/metre; the sum of densities times widths is the variance.
     pub width_per_m: Vec<f64>,
 }
 
-/// The spectrum of records with equal steps, so many lanes to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
-/// counted from their common mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
+/// Returns the spectrum of records with equal steps and `tracks` records per strip. Free records are centred on their
+/// common mean and tapered by a cosine over a tenth at either end. Missing values (NaN) are then set to zero, and
+/// scatter power into all frequencies.
 ///
 /// # Errors
 /// A step that is not positive, no record of eight values, or values that do not vary.
 pub fn record_spectrum(
     records: &[&[f64]],
-    lanes: usize,
+    tracks: usize,
     step_m: f64,
     ends: RecordEnds,
 ) -> Result<RecordSpectrum, EstimateError> {
-    if !(step_m > 0.0 && step_m.is_finite()) {
-        return Err(EstimateError::BadStep { step_m });
-    }
-    let moments = Moments::of_values(records.iter().flat_map(|r| r.iter().copied()).filter(|v| v.is_finite()));
+    let moments = checked_moments(records.iter().flat_map(|record| record.iter().copied()), step_m, 8)?;
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
-    if longest < 8 || moments.n < 8 {
+    if longest < 8 {
         return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
-    }
-    if moments.std == 0.0 {
-        return Err(EstimateError::Constant { present: moments.n });
     }
     let edges = edges(longest / 2);
     let unit_per_m = 1.0 / (longest as f64 * step_m);
     let mut bins = vec![Bin::default(); edges.len() - 1];
-    let mut shared = vec![CrossSums::of(lanes); bins.len()];
+    let mut shared = vec![CrossSums::new(tracks); bins.len()];
     for (place, record) in records.iter().enumerate().filter(|(_, record)| record.len() >= 8) {
-        let lane = place % lanes;
+        let track = place % tracks;
         let n = record.len();
         let weights = taper(n, ends, Likelihood::TAPER);
         let (values, weights) = tapered(record, &weights, moments.mean);
@@ -79,15 +75,15 @@ pub fn record_spectrum(
         let mut in_bin = vec![0.0; bins.len()];
         for (k, value) in spectrum.iter().enumerate().skip(1) {
             let frequency_per_m = k as f64 / (n as f64 * step_m);
-            // The last of an even number of values stands for itself alone.
-            let share = if 2 * k == n { 0.5 } else { 1.0 };
+            // The Nyquist ordinate of an even number of values has a single sign.
+            let fraction = if 2 * k == n { 0.5 } else { 1.0 };
             if let Some(bin) = bin_of(&edges, frequency_per_m / unit_per_m) {
-                bins[bin].sum += share * 2.0 * step_m * value.norm_sqr() / squares;
-                bins[bin].frequency += share * frequency_per_m;
-                bins[bin].count += share;
-                bins[bin].power += share * 2.0 * value.norm_sqr() / squares / n as f64;
-                in_bin[bin] += share;
-                shared[bin].add(lane, k, *value, step_m / squares);
+                bins[bin].sum += fraction * 2.0 * step_m * value.norm_sqr() / squares;
+                bins[bin].frequency += fraction * frequency_per_m;
+                bins[bin].count += fraction;
+                bins[bin].power += fraction * 2.0 * value.norm_sqr() / squares / n as f64;
+                in_bin[bin] += fraction;
+                shared[bin].add(track, k, *value, step_m / squares);
             }
         }
         let kappa = neighbours(&weights, squares);
@@ -121,58 +117,58 @@ struct Bin {
     sum: f64,
     frequency: f64,
     count: f64,
-    /// Variance that the bin holds.
+    /// Variance in the bin.
     power: f64,
-    /// Σ over pairs of ordinates of their correlation.
+    /// Sum of the correlations over pairs of ordinates.
     spread: f64,
     records: f64,
 }
 
-/// Cross-spectra of the lanes of strips in one bin.
+/// Cross-spectra of the tracks of strips in a bin.
 #[derive(Debug, Clone)]
 struct CrossSums {
-    lanes: usize,
-    /// Ordinates of the lanes seen so far of the strip at hand, by wavenumber.
+    tracks: usize,
+    /// Ordinates of the preceding tracks of the current strip, by wavenumber.
     strip: Vec<(usize, Vec<Complex64>)>,
     /// Σ X_a X_b* over ordinates and strips.
     sums: Vec<Complex64>,
 }
 
 impl CrossSums {
-    fn of(lanes: usize) -> Self {
-        Self { lanes, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); lanes * lanes] }
+    fn new(tracks: usize) -> Self {
+        Self { tracks, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); tracks * tracks] }
     }
 
-    /// Takes an ordinate of a lane; its power is scaled by `weight`.
-    fn add(&mut self, lane: usize, k: usize, value: Complex64, weight: f64) {
-        if self.lanes == 1 {
+    /// Adds an ordinate of a track, with its power scaled by `weight`.
+    fn add(&mut self, track: usize, k: usize, value: Complex64, weight: f64) {
+        if self.tracks == 1 {
             return;
         }
         let value = value * weight.sqrt();
         let place = self.strip.iter().position(|(other, _)| *other == k).unwrap_or_else(|| {
-            self.strip.push((k, vec![Complex64::new(0.0, 0.0); self.lanes]));
+            self.strip.push((k, vec![Complex64::new(0.0, 0.0); self.tracks]));
             self.strip.len() - 1
         });
-        self.strip[place].1[lane] = value;
-        if lane + 1 == self.lanes {
+        self.strip[place].1[track] = value;
+        if track + 1 == self.tracks {
             let (_, values) = self.strip.swap_remove(place);
             for (a, x) in values.iter().enumerate() {
                 for (b, y) in values.iter().enumerate() {
-                    self.sums[a * self.lanes + b] += x * y.conj();
+                    self.sums[a * self.tracks + b] += x * y.conj();
                 }
             }
         }
     }
 
-    /// How many lanes say the same: 1 where they are independent.
+    /// Returns the redundancy of the tracks: 1 if they are independent.
     fn alike(&self) -> f64 {
         let all: f64 = self.sums.iter().map(Complex64::norm_sqr).sum();
-        let own: f64 = self.sums.iter().step_by(self.lanes + 1).map(Complex64::norm_sqr).sum();
+        let own: f64 = self.sums.iter().step_by(self.tracks + 1).map(Complex64::norm_sqr).sum();
         if own > 0.0 { all / own } else { 1.0 }
     }
 }
 
-/// Correlation |Σ w² e^{−2πidj/n}/Σ w²|² of ordinates at the distances d = 1, 2, ….
+/// Returns the correlation |Σ w² e^{−2πidj/n}/Σ w²|² of ordinates at the distances d = 1, 2, ….
 fn neighbours(weights: &[f64], squares: f64) -> Vec<f64> {
     let n = weights.len() as f64;
     let at = |d: usize| {
@@ -192,16 +188,16 @@ fn spread(count: f64, kappa: &[f64]) -> f64 {
 }
 
 impl RecordSpectrum {
-    /// One-sided density at the bins of a model of the given length and variance under its window, sampling included:
-    /// 2Δ Σ C(lΔ) cos(2πf lΔ).
-    pub fn of_model(&self, model: &WindowedModel, length_m: f64, variance: f64) -> Vec<f64> {
+    /// Returns the one-sided density in the bins for a model of the given length and variance under its window,
+    /// including sampling: 2Δ Σ C(lΔ) cos(2πf lΔ).
+    pub fn model_density(&self, model: &WindowedModel, length_m: f64, variance: f64) -> Vec<f64> {
         let lags = ((40.0 * length_m + model.window_m()) / self.step_m).ceil() as usize;
         let correlation: Vec<f64> =
             (0..=lags).map(|lag| model.correlation(lag as f64 * self.step_m, length_m)).collect();
         let at = |frequency: &f64| {
             let term = |(lag, rho): (usize, &f64)| {
-                let share = if lag == 0 { 1.0 } else { 2.0 };
-                share * rho * (TAU * frequency * lag as f64 * self.step_m).cos()
+                let fraction = if lag == 0 { 1.0 } else { 2.0 };
+                fraction * rho * (TAU * frequency * lag as f64 * self.step_m).cos()
             };
             2.0 * self.step_m * variance * correlation.iter().enumerate().map(term).sum::<f64>()
         };
@@ -214,6 +210,7 @@ mod tests {
     use super::super::model::RecordModel;
     use super::*;
     use crate::random;
+    use crate::stats::Moments;
 
     fn autoregressive(phi: f64, n: usize, index: u64) -> Vec<f64> {
         let noise = random::standard_normal(&mut random::stream(45, "record/spectrum", index), n);
@@ -231,7 +228,7 @@ mod tests {
             let record = autoregressive(0.8, n, 0);
             let found = record_spectrum(&[&record], 1, 0.5, RecordEnds::Periodic).unwrap();
             let sum: f64 = found.density.iter().zip(&found.width_per_m).map(|(s, width)| s * width).sum();
-            let moments = Moments::of(&record);
+            let moments = Moments::new(&record);
             assert!((sum / (moments.std * moments.std) - 1.0).abs() < 1e-12, "{n}");
             let last = found.frequency_per_m.len() - 1;
             assert!(found.frequency_per_m[last] < 1.0 && found.frequency_per_m[0] >= 1.0 / (n as f64 * 0.5) - 1e-12);
@@ -239,8 +236,8 @@ mod tests {
     }
 
     #[test]
-    fn bands_hold_the_spectrum_of_the_model() {
-        // φ = e^{−Δ/ℓ}: the sampled exponential. 20 strips, 95 % bands: of all bins of 20 seeds 93–97 %.
+    fn bands_cover_the_spectrum_of_the_model() {
+        // Sampled exponential, φ = e^{−Δ/ℓ}. 20 strips, 95 % bands: 93–97 % of all bins of 20 seeds.
         let (phi, step) = (0.9_f64, 2.0);
         let length = -step / phi.ln();
         let (mut inside, mut all) = (0_usize, 0);
@@ -248,21 +245,21 @@ mod tests {
             let strips: Vec<Vec<f64>> = (0..20).map(|strip| autoregressive(phi, 512, 1 + 20 * seed + strip)).collect();
             let views: Vec<&[f64]> = strips.iter().map(Vec::as_slice).collect();
             let found = record_spectrum(&views, 1, step, RecordEnds::Free).unwrap();
-            let model = found.of_model(&WindowedModel::new(RecordModel::Exponential, 0.0), length, 1.0);
+            let model = found.model_density(&WindowedModel::new(RecordModel::Exponential, 0.0), length, 1.0);
             for (bin, s) in model.iter().enumerate() {
                 // Sum of the geometric series.
                 let phase = TAU * found.frequency_per_m[bin] * step;
                 let exact = 2.0 * step * (1.0 - phi * phi) / (1.0 - 2.0 * phi * phase.cos() + phi * phi);
                 assert!((s / exact - 1.0).abs() < 1e-9);
-                // The first two ordinates lose to the mean and the taper's bend.
+                // The first two ordinates are reduced by the subtracted mean and the taper.
                 if bin >= 2 {
                     all += 1;
                     inside += usize::from(found.low[bin] <= *s && *s <= found.high[bin]);
                 }
             }
         }
-        // Bins of one seed are independent, so 95 % are known to √(.95·.05/all): about .9 %; three of them.
-        let share = inside as f64 / f64::from(all);
-        assert!((share - 0.95).abs() < 0.03, "{share} of {all}");
+        // Bins of one seed are independent, so 95 % has the standard error √(.95·.05/all), about .9 %; three of them.
+        let fraction = inside as f64 / f64::from(all);
+        assert!((fraction - 0.95).abs() < 0.03, "{fraction} of {all}");
     }
 }

@@ -1,86 +1,84 @@
-//! Whether records drift: tests that know the correlation.
+//! Tests of records for drift that account for their correlation.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
 use crate::random;
 use crate::stats::{Moments, correlation_time};
 
-/// Records from which each is one independent observation; fewer are cut into blocks.
+/// Number of records from which each is one independent observation; fewer are divided into blocks.
 const MANY: usize = 10;
-/// Block in integrated correlation times; means of neighbouring blocks then correlate by about 1/40.
+/// Length of a block in integrated correlation times; means of neighbouring blocks then have a correlation of about
+/// 1/40.
 const BLOCK: f64 = 10.0;
-/// Shortest block where a record would otherwise hold fewer than four.
+/// Least length of a block if a record would otherwise have fewer than four.
 const SHORTEST_BLOCK: f64 = 5.0;
-/// Most blocks of a record.
+/// Largest number of blocks of a record.
 const MOST_BLOCKS: usize = 32;
-/// Draws of the null law of the wander.
+/// Number of samples of the null distribution of the wander statistic.
 const DRAWS: usize = 4000;
 
-/// A two-sided Student test of a drift that all records share.
+/// Two-sided Student test of a drift common to all records.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftTest {
-    /// What was found; see [`Stationarity`].
+    /// Estimate; see [`Stationarity`].
     pub estimate: f64,
-    /// Its standard error.
+    /// Standard error.
     pub standard_error: f64,
     /// Degrees of freedom.
     pub degrees_of_freedom: f64,
-    /// Probability of at least as much in stationary records.
+    /// p-value.
     pub p_value: f64,
 }
 
-/// Whether block means wander: the mean square of their cumulative sums within the records over their variance, after
-/// Kwiatkowski, Phillips, Schmidt & Shin, *J. Econometrics* **54** (1992) 159,
-/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks take the place of their correction for correlation, and the null law
-/// is that of as many independent normal blocks, drawn.
+/// Test for a wandering mean: the mean square of the cumulative sums of block means within the records over their
+/// variance, after Kwiatkowski, Phillips, Schmidt & Shin, *J. Econometrics* **54** (1992) 159,
+/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks replace their correction for correlation, and the null
+/// distribution is simulated with the same number of independent normal blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
     /// η = Σ S²/(records · blocks² · variance).
     pub statistic: f64,
-    /// Probability of at least as much in stationary records.
+    /// p-value.
     pub p_value: f64,
 }
 
-/// Tests of records against drifts along them, whose common origin is their first position: on free strips the ends carry
-/// more load, and measured records run in.
+/// Tests of records for drifts along them from a common initial position, such as edge effects on free strips or the
+/// running-in of measured records.
 ///
-/// From ten records on, every record gives one value of each drift, and no correlation has to be known. Fewer are cut into
-/// blocks of ten integrated correlation times (at least five), whose means are next to independent.
+/// With ten or more records, each record is one observation of each drift, and the correlation is not needed. Fewer
+/// records are divided into blocks of ten integrated correlation times (at least five), whose means are nearly
+/// independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stationarity {
     /// Slope per metre.
     pub trend: DriftTest,
-    /// Mean of the second half less that of the first.
+    /// Difference of the means of the second and the first half.
     pub mean_change: DriftTest,
-    /// Mean of the outer quarters less that of the inner half.
+    /// Difference of the means of the outer quarters and the inner half.
     pub ends: DriftTest,
-    /// Logarithm of the variance of the second half over that of the first.
+    /// Logarithm of the variance ratio of the second to the first half.
     pub variance_change: DriftTest,
-    /// Wander of the mean of each record; absent from ten records on.
+    /// Test of the mean of each record; absent with ten or more records.
     pub wander: Option<Wander>,
-    /// Blocks in a record; 1 where whole records are compared.
+    /// Number of blocks per record; 1 if whole records are compared.
     pub blocks: usize,
 }
 
 impl Stationarity {
-    /// Tests records of equal step, so many lanes to a strip, whose blocks side by side count as one; values beyond the shortest
-    /// record are left out, NaN is a missing value.
+    /// Tests records of equal step with `tracks` records per strip; the blocks of parallel tracks are averaged. Values
+    /// beyond the shortest record are ignored, and NaN is a missing value.
     ///
     /// # Errors
-    /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation times.
-    pub fn of(records: &[&[f64]], lanes: usize, step_m: f64) -> Result<Self, EstimateError> {
-        if !(step_m > 0.0 && step_m.is_finite()) {
-            return Err(EstimateError::BadStep { step_m });
-        }
+    /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation
+    /// times.
+    pub fn new(records: &[&[f64]], tracks: usize, step_m: f64) -> Result<Self, EstimateError> {
         let n = records.iter().map(|record| record.len()).min().unwrap_or(0);
         let records: Vec<&[f64]> = records.iter().map(|record| &record[..n]).collect();
-        let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
-        if n < 8 || moments.n < 8 {
+        let moments = checked_moments(records.iter().flat_map(|record| record.iter().copied()), step_m, 8)?;
+        if n < 8 {
             return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
-        }
-        if moments.std == 0.0 {
-            return Err(EstimateError::Constant { present: moments.n });
         }
         let times: Vec<f64> = records
             .iter()
@@ -88,21 +86,21 @@ impl Stationarity {
             .map(|time| time.steps)
             .collect();
         let found = times.iter().sum::<f64>() / times.len().max(1) as f64;
-        // Three degrees of freedom that were taken out of every record take about 3τ/n of the correlation time with them.
+        // Removing three degrees of freedom from every record reduces the correlation time by about 3τ/n.
         let time = found / (1.0 - 3.0 * found / n as f64).max(0.1);
         let within = blocks_within(n, time);
-        let many = records.len().div_ceil(lanes) >= MANY;
+        let many = records.len().div_ceil(tracks) >= MANY;
         let wander =
-            within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, lanes, blocks, |value| value)));
+            within.filter(|_| !many).and_then(|blocks| Wander::new(&means(&records, tracks, blocks, |value| value)));
         let blocks = match within {
             _ if many => 4 * (n / 8).clamp(1, 4),
             Some(blocks) => blocks,
             None => return Err(EstimateError::TooFew { present: n, wanted: (4.0 * SHORTEST_BLOCK * time) as usize }),
         };
-        let values = means(&records, lanes, blocks, |value| value);
+        let values = means(&records, tracks, blocks, |value| value);
         let variance = moments.std * moments.std;
-        // Mean squares of blocks lean to the right; their logarithms hardly do.
-        let mut squares = means(&records, lanes, blocks, |value| (value - moments.mean).powi(2) / variance);
+        // Mean squares of blocks are skewed; their logarithms hardly are.
+        let mut squares = means(&records, tracks, blocks, |value| (value - moments.mean).powi(2) / variance);
         squares.iter_mut().flatten().for_each(|square| *square = square.max(f64::MIN_POSITIVE).ln());
         let middle = 0.5 * (blocks as f64 - 1.0);
         let block_m = n as f64 * step_m / blocks as f64;
@@ -110,7 +108,7 @@ impl Stationarity {
         let halves: Vec<f64> = (0..blocks).map(|b| if 2 * b < blocks { -0.5 } else { 0.5 }).collect();
         let outer: Vec<f64> =
             (0..blocks).map(|b| if 4 * b < blocks || 4 * b >= 3 * blocks { 0.5 } else { -0.5 }).collect();
-        let test = |values: &[Vec<f64>], contrast: &[f64]| DriftTest::of(values, contrast, many);
+        let test = |values: &[Vec<f64>], contrast: &[f64]| DriftTest::new(values, contrast, many);
         let slope = test(&values, &line);
         Ok(Self {
             trend: DriftTest {
@@ -127,32 +125,34 @@ impl Stationarity {
     }
 }
 
-/// The record without the parabola that fits it best: a drift must not pass for correlation.
+/// Returns the residuals of the record about its best-fitting parabola, so that a drift is not mistaken for
+/// correlation.
 fn without_drift(record: &[f64]) -> Vec<f64> {
     let n = record.len() as f64;
     let at = |i: usize| (2.0 * i as f64 + 1.0) / n - 1.0;
-    let mean = Moments::of(record).mean;
+    let mean = Moments::new(record).mean;
     let mut left: Vec<f64> = record.iter().map(|value| value - mean).collect();
-    // Legendre's polynomials are next to orthogonal on the points.
+    // Legendre polynomials are nearly orthogonal on the points.
     for polynomial in [|x: f64| x, |x: f64| 1.5 * x * x - 0.5] {
         let present = || left.iter().enumerate().filter(|(_, value)| value.is_finite());
         let square: f64 = present().map(|(i, _)| polynomial(at(i)).powi(2)).sum();
-        let share = present().map(|(i, value)| polynomial(at(i)) * value).sum::<f64>() / square;
-        left.iter_mut().enumerate().for_each(|(i, value)| *value -= share * polynomial(at(i)));
+        let fraction = present().map(|(i, value)| polynomial(at(i)) * value).sum::<f64>() / square;
+        left.iter_mut().enumerate().for_each(|(i, value)| *value -= fraction * polynomial(at(i)));
     }
     left
 }
 
-/// Blocks of a record, a multiple of four; none where there are fewer than four.
+/// Returns the blocks of a record, a multiple of four; empty with fewer than four.
 fn blocks_within(n: usize, time: f64) -> Option<usize> {
     let of = |times: f64| (n as f64 / (times * time)) as usize / 4 * 4;
     let blocks = if of(BLOCK) >= 4 { of(BLOCK) } else { of(SHORTEST_BLOCK).min(4) };
     (blocks >= 4).then_some(blocks.min(MOST_BLOCKS))
 }
 
-/// Means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
-fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-    let mean = |values: &[f64]| Moments::of_values(values.iter().map(|value| of(*value))).mean;
+/// Returns the means of a function of the values over equal blocks of every strip; an empty block takes the mean of the
+/// record.
+fn means(records: &[&[f64]], tracks: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+    let mean = |values: &[f64]| Moments::from_values(values.iter().map(|value| of(*value))).mean;
     let of_records: Vec<Vec<f64>> = records
         .iter()
         .map(|record| {
@@ -162,7 +162,7 @@ fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f6
         })
         .collect();
     of_records
-        .chunks(lanes)
+        .chunks(tracks)
         .map(|strip| {
             let block = |b: usize| strip.iter().map(|means| means[b]).sum::<f64>() / strip.len() as f64;
             (0..blocks).map(block).collect()
@@ -172,16 +172,16 @@ fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f6
 }
 
 impl DriftTest {
-    /// The coefficient of a contrast of sum zero in block means: from one value per record, or from the residuals of all blocks
-    /// about the mean of their record and the contrast.
-    fn of(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
+    /// Estimates the coefficient of a contrast of sum zero in block means: from one value per record, or from the
+    /// residuals of all blocks about the mean of their record and the contrast.
+    fn new(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
         let records = values.len() as f64;
         let norm: f64 = contrast.iter().map(|c| c * c).sum();
         let coefficients: Vec<f64> =
             values.iter().map(|means| means.iter().zip(contrast).map(|(y, c)| y * c).sum::<f64>() / norm).collect();
         let estimate = coefficients.iter().sum::<f64>() / records;
         let (standard_error, degrees_of_freedom) = if by_record {
-            (Moments::of(&coefficients).standard_error(), records - 1.0)
+            (Moments::new(&coefficients).standard_error(), records - 1.0)
         } else {
             let residual = |means: &Vec<f64>| {
                 let mean = means.iter().sum::<f64>() / means.len() as f64;
@@ -192,19 +192,19 @@ impl DriftTest {
             ((variance / (records * norm)).sqrt(), freedom)
         };
         let t = estimate.abs() / standard_error;
-        let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-        let p_value = law.map_or(f64::NAN, |law| 2.0 * law.cdf(-t));
+        let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+        let p_value = marginal.map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t));
         Self { estimate, standard_error, degrees_of_freedom, p_value }
     }
 
-    /// Whether the drift is significant at 5 %.
+    /// Returns whether the drift is significant at 5 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.05
     }
 }
 
 impl Wander {
-    fn of(values: &[Vec<f64>]) -> Option<Self> {
+    fn new(values: &[Vec<f64>]) -> Option<Self> {
         let (records, blocks) = (values.len(), values.first()?.len());
         let statistic = wander(values);
         let mut stream = random::stream(0, "stationarity/wander", 0);
@@ -217,7 +217,7 @@ impl Wander {
         Some(Self { statistic, p_value: (above + 1) as f64 / (DRAWS + 1) as f64 })
     }
 
-    /// Whether the wander is significant at 5 %.
+    /// Returns whether the wandering is significant at 5 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.05
     }
@@ -242,7 +242,7 @@ fn wander(values: &[Vec<f64>]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A stationary record of correlation φ^lag plus a drift of position along the record from 0 to 1.
+    /// Returns a stationary record with correlation φ^lag plus `drift` of the position along the record, from 0 to 1.
     fn record(phi: f64, n: usize, index: u64, drift: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
         let noise = random::standard_normal(&mut random::stream(47, "stationarity", index), n);
         let mut last = noise[0];
@@ -254,14 +254,14 @@ mod tests {
         noise.iter().enumerate().map(at).collect()
     }
 
-    fn shares(records: usize, n: usize, drift: impl Fn(f64) -> (f64, f64) + Copy) -> [f64; 5] {
+    fn fractions(records: usize, n: usize, drift: impl Fn(f64) -> (f64, f64) + Copy) -> [f64; 5] {
         let runs = 150_u64;
         let mut counts = [0.0; 5];
         for run in 0..runs {
             let drawn: Vec<Vec<f64>> =
                 (0..records as u64).map(|r| record(0.9, n, run * records as u64 + r, drift)).collect();
             let views: Vec<&[f64]> = drawn.iter().map(Vec::as_slice).collect();
-            let found = Stationarity::of(&views, 1, 1.0).unwrap();
+            let found = Stationarity::new(&views, 1, 1.0).unwrap();
             let wander = found.wander.is_some_and(|wander| wander.significant());
             let flags = [
                 found.trend.significant(),
@@ -277,30 +277,34 @@ mod tests {
 
     #[test]
     fn stationary_records_are_called_so() {
-        // 5 % of 150 runs ± 1.8 %: three errors and the blocks' correlation of some per cent.
+        // 5 % of 150 runs ± 1.8 %: three standard errors and some per cent for the correlation of the blocks.
         for (records, n) in [(1, 4000), (3, 1500), (20, 200)] {
-            for (test, share) in shares(records, n, |_| (0.0, 1.0)).into_iter().enumerate() {
-                assert!(share < 0.115 && (share > 0.0 || test == 4), "{records} records, test {test}: {share}");
+            for (test, fraction) in fractions(records, n, |_| (0.0, 1.0)).into_iter().enumerate() {
+                assert!(
+                    fraction < 0.115 && (fraction > 0.0 || test == 4),
+                    "{records} records, test {test}: {fraction}"
+                );
             }
         }
     }
 
     #[test]
     fn planted_drifts_are_seen() {
-        // A rise by one standard deviation along 200 correlation lengths: the mean of a half is known to √(2·2/200)/… ≈ .14.
-        let trend = shares(1, 4000, |x| (1.5 * x, 1.0));
+        // A rise by one standard deviation along 200 correlation lengths: the mean of a half has the standard error
+        // √(2·2/200)/… ≈ .14.
+        let trend = fractions(1, 4000, |x| (1.5 * x, 1.0));
         assert!(trend[0] > 0.9 && trend[1] > 0.8, "{trend:?}");
-        let ends = shares(20, 200, |x| (if !(0.25..0.75).contains(&x) { 0.5 } else { 0.0 }, 1.0));
+        let ends = fractions(20, 200, |x| (if !(0.25..0.75).contains(&x) { 0.5 } else { 0.0 }, 1.0));
         assert!(ends[2] > 0.8 && ends[0] < 0.15, "{ends:?}");
-        let louder = shares(3, 1500, |x| (0.0, 1.0 + x));
+        let louder = fractions(3, 1500, |x| (0.0, 1.0 + x));
         assert!(louder[3] > 0.8, "{louder:?}");
     }
 
     #[test]
-    fn too_short_a_record_is_told() {
-        // Four blocks of five correlation times, each at least one step long, make twenty values.
+    fn short_records_are_rejected() {
+        // Four blocks of five correlation times, each at least one step, require twenty values.
         let short = record(0.9, 16, 1, |_| (0.0, 1.0));
-        assert!(matches!(Stationarity::of(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));
-        assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1, 1.0), Err(EstimateError::Constant { .. })));
+        assert!(matches!(Stationarity::new(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));
+        assert!(matches!(Stationarity::new(&[&[1.0; 20]], 1, 1.0), Err(EstimateError::Constant { .. })));
     }
 }

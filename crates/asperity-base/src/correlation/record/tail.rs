@@ -1,11 +1,11 @@
-//! The twice integrated tail of a correlation without closed form, tabulated.
+//! Table of the twice integrated tail of a correlation without a closed form.
 
-/// Cells of the table.
+/// Number of intervals of the table.
 const CELLS: usize = 1500;
-/// Points lie at r_max (i/n)^POWER: close together at zero, where a rough process has a cusp.
+/// Points lie at r_max (i/n)^POWER, dense near zero, where a rough process has a cusp.
 const POWER: i32 = 3;
 
-/// T(x) = ∫_x^∞ (u − x) ρ(u) du, read off a table by Hermite's quintic: T, T′ and T″ = ρ are known at every point.
+/// T(x) = ∫_x^∞ (u − x) ρ(u) du by quintic Hermite interpolation of T, T′ and T″ = ρ.
 #[derive(Debug, Clone)]
 pub(super) struct TailTable {
     last: f64,
@@ -14,12 +14,12 @@ pub(super) struct TailTable {
 }
 
 impl TailTable {
-    /// The table of a correlation that vanishes to rounding beyond `last`.
-    pub(super) fn of(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
+    /// Creates the table of a correlation that is negligible beyond `last`.
+    pub(super) fn new(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
         let mut points = vec![[0.0, 0.0, correlation(last)]; CELLS + 1];
         for cell in (0..CELLS).rev() {
             let (low, high) = (at(last, cell), at(last, cell + 1));
-            // Moments of the cell about its lower end.
+            // Moments of the interval about its lower end.
             let [mass, moment] = gauss_legendre_8(low, high, |x| {
                 let rho = correlation(x);
                 [rho, (x - low) * rho]
@@ -30,7 +30,7 @@ impl TailTable {
         Self { last, points }
     }
 
-    /// T(x).
+    /// Returns T(x).
     pub(super) fn tail(&self, x: f64) -> f64 {
         let Some((cell, width, v)) = self.place(x) else { return 0.0 };
         let ([f0, s0, c0], [f1, s1, c1]) = (self.points[cell], self.points[cell + 1]);
@@ -44,7 +44,7 @@ impl TailTable {
         f0 + v * (d0 + v * (0.5 * e0 + v * (a3 + v * (a4 + v * a5))))
     }
 
-    /// Cell, its width, and where in it x lies; none beyond the table.
+    /// Returns the interval that contains x, its width, and the relative position in it; `None` beyond the table.
     fn place(&self, x: f64) -> Option<(usize, f64, f64)> {
         if x >= self.last {
             return None;
@@ -65,7 +65,7 @@ fn at(last: f64, index: usize) -> f64 {
     last * (index as f64 / CELLS as f64).powi(POWER)
 }
 
-/// Nodes and weights of the Gauss–Legendre rule of eight points, one of each pair ±node.
+/// Positive nodes and weights of the eight-point Gauss–Legendre rule.
 const RULE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -73,7 +73,7 @@ const RULE: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// Integrals of both values of `f` from `low` to `high`.
+/// Returns the integrals of both components of `f` from `low` to `high`.
 fn gauss_legendre_8(low: f64, high: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
     let mut sums = [0.0; 2];

@@ -1,14 +1,14 @@
-//! A fitted model of records and what moves it: scores, information, and whether it fits.
+//! Linearisation of a fitted model of records: scores, information and goodness of fit.
 
 use super::likelihood::{Likelihood, Spectra};
 use crate::numeric::solution;
 
-/// Fewest ordinates in a band of the test of fit, and most bands of equal number.
+/// Least number of ordinates in a band of the goodness-of-fit test, and largest number of bands.
 const LEAST_IN_BAND: f64 = 12.0;
 const MOST_BANDS: f64 = 16.0;
 
-/// A fitted model, and ∂ ln E/∂θ for its parameters ln ℓ (if ℓ > 0) and noise (if there is any), beside that of the variance,
-/// which is 1.
+/// Fitted model with ∂ ln E/∂θ for its parameters ln ℓ (if ℓ > 0) and noise (if fitted); the derivative by the log
+/// variance is 1.
 pub(super) struct Tangent<'a> {
     pub(super) likelihood: &'a Likelihood,
     pub(super) expected: Spectra,
@@ -17,55 +17,55 @@ pub(super) struct Tangent<'a> {
 }
 
 impl Tangent<'_> {
-    /// Variance of the values without filters, noise included.
+    /// Returns the variance of the values without filters, including noise.
     pub(super) fn variance(&self) -> f64 {
         self.variance
     }
 
-    /// The row (1, ∂ ln E/∂θ_1, …) of an ordinate.
+    /// Returns the row (1, ∂ ln E/∂θ_1, …) of an ordinate.
     fn row(&self, group: usize, place: usize) -> Vec<f64> {
         std::iter::once(1.0).chain(self.directions.iter().map(|direction| direction[group][place])).collect()
     }
 
-    /// Σ of the products of rows over all ordinates: the information of variance, length and noise.
+    /// Returns the sum of the outer products of rows over all ordinates: the information of variance, length and noise.
     fn information(&self) -> Vec<Vec<f64>> {
         let size = 1 + self.directions.len();
         let mut sums = vec![vec![0.0; size]; size];
         for (index, group) in self.likelihood.groups.iter().enumerate() {
             let records = group.powers.len() as f64;
-            for (place, share) in group.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+            for (place, fraction) in group.fractions.iter().enumerate().filter(|(_, fraction)| **fraction > 0.0) {
                 let row = self.row(index, place);
                 for (sums, a) in sums.iter_mut().zip(&row) {
-                    sums.iter_mut().zip(&row).for_each(|(sum, b)| *sum += records * share * a * b);
+                    sums.iter_mut().zip(&row).for_each(|(sum, b)| *sum += records * fraction * a * b);
                 }
             }
         }
         sums
     }
 
-    /// Scores ∂ ln L/∂ ln ℓ of every owner's part, free of variance and noise, and their expected information.
+    /// Scores ∂ ln L/∂ ln ℓ of every group, orthogonal to variance and noise, and their expected information.
     pub(super) fn scores(&self, owners: usize) -> (Vec<f64>, f64) {
         let all = self.information();
-        // The direction of ln ℓ less what the others can do.
+        // The component of ln ℓ orthogonal to the other parameters.
         let others: Vec<usize> = (0..all.len()).filter(|index| *index != 1).collect();
         let matrix = others.iter().map(|i| others.iter().map(|j| all[*i][*j]).collect()).collect();
-        let shares = solution(matrix, &others.iter().map(|i| all[*i][1]).collect::<Vec<f64>>());
+        let fractions = solution(matrix, &others.iter().map(|i| all[*i][1]).collect::<Vec<f64>>());
         let (mut scores, mut information) = (vec![0.0; owners], 0.0);
         for (index, group) in self.likelihood.groups.iter().enumerate() {
-            for (place, share) in group.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+            for (place, fraction) in group.fractions.iter().enumerate().filter(|(_, fraction)| **fraction > 0.0) {
                 let row = self.row(index, place);
-                let rest = row[1] - others.iter().zip(&shares).map(|(i, share)| share * row[*i]).sum::<f64>();
-                information += group.powers.len() as f64 * share * rest * rest;
+                let rest = row[1] - others.iter().zip(&fractions).map(|(i, fraction)| fraction * row[*i]).sum::<f64>();
+                information += group.powers.len() as f64 * fraction * rest * rest;
                 let e = self.variance * self.expected.0[index][place];
                 for (owner, power) in &group.powers {
-                    scores[*owner] += share * (power[place] / e - 1.0) * rest;
+                    scores[*owner] += fraction * (power[place] / e - 1.0) * rest;
                 }
             }
         }
         (scores, information)
     }
 
-    /// Variance of the share of noise where records are Gaussian and ordinates independent; none without noise.
+    /// Returns the variance of the noise fraction for Gaussian records and independent ordinates; `None` without noise.
     pub(super) fn noise_variance(&self, noise: f64) -> Option<f64> {
         let all = self.information();
         let last = all.len() - 1;
@@ -73,28 +73,30 @@ impl Tangent<'_> {
         (noise > 0.0).then(|| solution(all, &unit)[last]).filter(|variance| *variance > 0.0)
     }
 
-    /// How far periodogram over model departs from 1 in bands: a sum of squares, and its degrees of freedom.
+    /// Returns the weighted sum of squared deviations of periodogram over model from 1 in bands, and its degrees of
+    /// freedom.
     ///
-    /// Bands are half an octave wide, or a sixteenth of the ordinates where that is less, but never narrower than twelve of them. Under the model the sums of
-    /// (I/E − 1) scatter as sums of independent values of variance `dispersion`, less what the fitted parameters take: their covariance
-    /// is c (N − A M⁻¹ Aᵀ) with the information M and its parts A in the bands, so the statistic is χ² with one band less.
+    /// Bands are half an octave wide, or a sixteenth of the ordinates where that is less, with at least twelve
+    /// ordinates. Under the model the sums of (I/E − 1) have the covariance c (N − A M⁻¹ Aᵀ) with the variance c =
+    /// `dispersion` of an ordinate, the information M and its parts A in the bands. The statistic is χ² with one degree
+    /// of freedom less than bands.
     pub(super) fn lack_of_fit(&self, dispersion: f64) -> Option<(f64, f64)> {
         let groups = &self.likelihood.groups;
         let mut order: Vec<(f64, usize, usize)> = groups
             .iter()
             .enumerate()
             .flat_map(|(index, group)| {
-                (0..group.shares.len()).map(move |place| (group.frequency_per_m(place), index, place))
+                (0..group.fractions.len()).map(move |place| (group.frequency_per_m(place), index, place))
             })
-            .filter(|(_, index, place)| groups[*index].shares[*place] > 0.0)
+            .filter(|(_, index, place)| groups[*index].fractions[*place] > 0.0)
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let count = |(_, index, place): &(f64, usize, usize)| {
-            groups[*index].shares[*place] * groups[*index].powers.len() as f64
+            groups[*index].fractions[*place] * groups[*index].powers.len() as f64
         };
         let all: f64 = order.iter().map(count).sum();
         let size = 1 + self.directions.len();
-        // Sum, number, and part of the information of every band.
+        // Sum, number of ordinates, and part of the information of every band.
         let mut bands: Vec<(f64, f64, Vec<f64>)> = Vec::new();
         let mut start = 0.0;
         for ordinate in &order {
@@ -106,11 +108,11 @@ impl Tangent<'_> {
                 bands.push((0.0, 0.0, vec![0.0; size]));
                 start = frequency;
             }
-            let share = groups[index].shares[place];
+            let fraction = groups[index].fractions[place];
             let e = self.variance * self.expected.0[index][place];
             let powers = groups[index].powers.iter().map(|(_, power)| power[place] / e - 1.0).sum::<f64>();
             if let Some((sum, number, part)) = bands.last_mut() {
-                *sum += share * powers;
+                *sum += fraction * powers;
                 *number += count(ordinate);
                 part.iter_mut().zip(self.row(index, place)).for_each(|(part, d)| *part += count(ordinate) * d);
             }

@@ -12,9 +12,9 @@ use crate::stats::Extent;
 use super::band::ReliableBand;
 use super::{hann, parzen};
 
-/// Wavenumbers along x whose rings are summed at a time.
+/// Wavenumbers along x whose rings are summed per task.
 const COLUMNS: usize = 16;
-/// Rays over half a turn, and neighbours on either side over which the angular spectrum is smoothed: ±1°.
+/// Number of rays over half a turn, and of neighbours on either side in the smoothing of the angular spectrum: ±1°.
 const RAYS: usize = 360;
 const SMOOTHED: isize = 2;
 
@@ -22,7 +22,7 @@ const SMOOTHED: isize = 2;
 #[derive(Debug, Clone)]
 pub struct AreaSpectrum {
     pub(super) grid: Grid,
-    /// Laid out as the spectrum of [`RealFft2`], kx = 0 … nx/2 by ky.
+    /// In the layout of the spectrum of [`RealFft2`], kx = 0 … nx/2 by ky.
     pub(super) psd_m4: Vec<f64>,
     pub(super) route: SpectrumRoute,
 }
@@ -34,39 +34,39 @@ pub struct RadialSpectrum {
     pub q_rad_per_m: Vec<f64>,
     /// Mean two-sided power spectral density P(q) on the ring in m⁴.
     pub psd_m4: Vec<f64>,
-    /// Wavevectors on each ring.
+    /// Number of wavevectors on each ring.
     pub wavevectors: Vec<usize>,
-    /// How it was found.
+    /// Estimator of the spectrum.
     pub route: SpectrumRoute,
-    /// Wavenumbers at which the density can be relied on.
+    /// Reliable wavenumbers.
     pub reliable: ReliableBand,
 }
 
-/// Angular power density: how much of the variance has its crests along a direction.
+/// Angular power density: distribution of the variance over the directions of the crests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AngularSpectrum {
-    /// Directions of the crests in rad, from 0 to below π, counter-clockwise from x as the map is seen, row 0 at the top.
+    /// Directions of the crests in rad, in [0, π), counter-clockwise from x with row 0 at the top.
     pub angles_rad: Vec<f64>,
-    /// ∫ P(q) q dq/(2π)² over the wavevectors across that direction, of both signs, in m² per rad: the integral over half a
-    /// turn is the variance between the two wavenumbers.
+    /// ∫ P(q) q dq/(2π)² over the wavevectors normal to that direction, of both signs, in m² per rad; the integral over
+    /// half a turn is the variance between the two wavenumbers.
     pub density_m2: Vec<f64>,
-    /// Least and largest wavenumber of the integral in rad/m: the resolution of the spectrum, and the lesser Nyquist
-    /// wavenumber, so that no direction has more wavevectors than another.
+    /// Range of wavenumbers of the integral in rad/m: the resolution of the spectrum, and the smaller Nyquist
+    /// wavenumber, so that all directions have the same range.
     pub range_rad_per_m: (f64, f64),
 }
 
 impl AngularSpectrum {
-    /// The direction of the lay in rad, from 0 to below π: the centre of the peak around the largest density, smoothed over
-    /// ±1°, as far as it stays above half its height. Of one wave of k periods across the field it errs by less than 0.2/k rad.
+    /// Returns the direction of the texture in rad, in [0, π): the centroid of the largest peak, smoothed over ±1°,
+    /// above half its height. For a single wave with k periods across the field the error is less than 0.2/k rad.
     ///
-    /// Every map has such a maximum; whether it has a lay, Str says.
+    /// Every map has such a maximum; the texture aspect ratio Str decides whether the texture is directional.
     pub fn direction_rad(&self) -> f64 {
         let n = self.density_m2.len() as isize;
         let around = |ray: isize| (ray - SMOOTHED..=ray + SMOOTHED).map(|k| self.density_m2[k.rem_euclid(n) as usize]);
         let smooth: Vec<f64> = (0..n).map(|ray| around(ray).sum()).collect();
         let top = (0..n).max_by(|a, b| smooth[*a as usize].total_cmp(&smooth[*b as usize]).then(b.cmp(a))).unwrap_or(0);
         let above = |k: isize| smooth[(top + k).rem_euclid(n) as usize] - 0.5 * smooth[top as usize];
-        // Weights fall to zero at the edges of the peak, so that an edge between two rays makes no jump.
+        // Weights that vanish at the edges of the peak make the centroid continuous.
         let side = |sign: isize| (1..n / 2).map(move |k| sign * k).take_while(|k| above(*k) > 0.0);
         let (moment, weight) =
             side(1).chain(side(-1)).fold((0.0, above(0)), |(m, w), k| (m + k as f64 * above(k), w + above(k)));
@@ -75,30 +75,32 @@ impl AngularSpectrum {
     }
 }
 
-/// Radially averaged power spectral density of a map; the route depends on whether points are missing and is reported.
+/// Returns the radially averaged power spectral density of a map; the estimator depends on whether points are missing
+/// and is part of the result.
 ///
 /// # Errors
 /// The heights do not vary.
 pub fn radial_spectrum(map: &HeightMap) -> Result<RadialSpectrum, EstimateError> {
-    Ok(AreaSpectrum::of(map)?.radial())
+    Ok(AreaSpectrum::new(map)?.radial())
 }
 
 impl AreaSpectrum {
-    /// The spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y, or, when points
-    /// are missing, the transform of its autocovariance under a Parzen window, see [`SpectrumRoute::MaskedCorrelogram`].
+    /// Creates the spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y or,
+    /// if points are missing, the transform of its autocovariance under a Parzen window, see
+    /// [`SpectrumRoute::MaskedCorrelogram`].
     ///
     /// # Errors
     /// The heights do not vary.
-    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
-        Self::within(map, &Extent::of(map.values_m()))
+    pub fn new(map: &HeightMap) -> Result<Self, EstimateError> {
+        Self::with_extent(map, &Extent::new(map.values_m()))
     }
 
-    /// As [`AreaSpectrum::of`], the extent of the heights being known.
+    /// Creates as [`AreaSpectrum::new`] with a known extent of the heights.
     #[doc(hidden)]
-    pub fn within(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
+    pub fn with_extent(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
         let grid = map.grid();
         if extent.n < grid.points() {
-            return Ok(Self::of_correlation(&Autocorrelation::estimate(map)?));
+            return Ok(Self::from_correlation(&Autocorrelation::estimate(map)?));
         }
         if extent.largest_deviation() <= 4.0 * f64::EPSILON * extent.mean.abs() {
             return Err(EstimateError::Constant { present: extent.n });
@@ -117,26 +119,26 @@ impl AreaSpectrum {
         Ok(Self { grid, psd_m4, route: SpectrumRoute::Periodogram })
     }
 
-    /// ΔxΔy Σ w(lag) C(lag) e^{−iq·lag} over the lags within half the field that an autocovariance reaches and whose pairs
-    /// are present, w the product of Parzen windows along x and y that end there.
+    /// Creates the spectrum ΔxΔy Σ w(lag) C(lag) e^{−iq·lag} of an autocovariance, over its lags up to half the field
+    /// with at least one pair, where w is the product of Parzen windows along x and y that end there.
     ///
-    /// The resolution of [`SpectrumRoute::MaskedCorrelogram`] is that of an autocovariance that reaches half the field.
+    /// An autocovariance up to half the field gives the resolution of [`SpectrumRoute::MaskedCorrelogram`].
     #[doc(hidden)]
-    pub fn of_correlation(correlation: &Autocorrelation) -> Self {
-        Self::of_lags(correlation, |lag_x, lag_y| correlation.covariance_m2(lag_x, lag_y))
+    pub fn from_correlation(correlation: &Autocorrelation) -> Self {
+        Self::from_lags(correlation, |lag_x, lag_y| correlation.covariance_m2(lag_x, lag_y))
     }
 
-    /// As [`AreaSpectrum::of_correlation`] of the mean products over all heights present instead of the pairs of a lag: the
-    /// mean periodogram of the map with zeros in place of missing points, smoothed as the estimate is. It holds what the
-    /// points that are missing scatter into every wavevector, and is not negative.
+    /// Creates as [`AreaSpectrum::from_correlation`] from the products normalised by all heights present instead of the
+    /// pairs of a lag: the smoothed mean periodogram of the map with missing points set to zero. It includes the power
+    /// that missing points scatter into every wavevector, and is non-negative.
     pub(super) fn with_scatter(correlation: &Autocorrelation) -> Self {
         let present = correlation.present() as f64;
-        Self::of_lags(correlation, |lag_x, lag_y| {
+        Self::from_lags(correlation, |lag_x, lag_y| {
             correlation.covariance_m2(lag_x, lag_y) * correlation.pairs(lag_x, lag_y) / present
         })
     }
 
-    fn of_lags(correlation: &Autocorrelation, covariance_m2: impl Fn(isize, isize) -> f64 + Sync) -> Self {
+    fn from_lags(correlation: &Autocorrelation, covariance_m2: impl Fn(isize, isize) -> f64 + Sync) -> Self {
         let grid = correlation.grid();
         let (ny, nx) = grid.shape();
         let (reach_x, reach_y) = correlation.reach();
@@ -164,21 +166,21 @@ impl AreaSpectrum {
         Self { grid, psd_m4, route: SpectrumRoute::MaskedCorrelogram }
     }
 
-    /// Steps 2π/Lx and 2π/Ly, and the lesser Nyquist wavenumber, in rad/m.
+    /// Steps 2π/Lx and 2π/Ly, and the smaller Nyquist wavenumber, in rad/m.
     pub(super) fn wavenumbers(&self) -> (f64, f64, f64) {
         let grid = self.grid;
         (TAU / grid.width_m(), TAU / grid.height_m(), (PI / grid.dx_m()).min(PI / grid.dy_m()))
     }
 
-    /// Means over rings of wavevectors.
+    /// Returns the means over rings of wavevectors.
     pub fn radial(&self) -> RadialSpectrum {
         let (nx, ny) = (self.grid.nx(), self.grid.ny());
         let (qx_min, qy_min, nyquist) = self.wavenumbers();
         let width = qx_min.max(qy_min);
         let rings = (nyquist / width).floor() as usize;
         let rows: Vec<f64> = (0..ny).map(|ky| (signed_index(ky, ny) * qy_min / width).powi(2)).collect();
-        // Sums of |q|, of the density and of wavevectors for every ring. Ring m holds wavenumbers of m + ½ to m + 3/2
-        // widths: centred on whole wavenumbers.
+        // Sums of |q|, of the density and of wavevectors for every ring. Ring m covers wavenumbers from m + ½ to m +
+        // 3/2 ring widths, centred on whole ones.
         let blocks: Vec<Vec<[f64; 3]>> = self
             .psd_m4
             .par_chunks(COLUMNS * ny)
@@ -190,7 +192,7 @@ impl AreaSpectrum {
                     let square_x = (kx as f64 * qx_min / width).powi(2);
                     for (psd, square_y) in column.iter().zip(&rows) {
                         let magnitude = (square_x + square_y).sqrt();
-                        // One ring before the first takes what is nearer to zero, one after the last what is beyond.
+                        // An extra ring before the first and after the last for the wavenumbers outside.
                         let ring = ((magnitude + 0.5) as usize).min(rings + 1);
                         let [q, density, count] = &mut sums[ring];
                         *q += weight * magnitude;
@@ -208,16 +210,16 @@ impl AreaSpectrum {
         let kept: Vec<[f64; 3]> = sums[1..=rings].iter().copied().filter(|[_, _, count]| *count > 0.0).collect();
         let q_rad_per_m: Vec<f64> = kept.iter().map(|[q, _, count]| width * q / count).collect();
         let psd_m4: Vec<f64> = kept.iter().map(|[_, density, count]| density / count).collect();
-        let reliable = ReliableBand::of_area(&q_rad_per_m, &psd_m4, self.route.resolution() * width, nyquist);
+        let reliable = ReliableBand::from_area(&q_rad_per_m, &psd_m4, self.route.resolution() * width, nyquist);
         let wavevectors = kept.iter().map(|[_, _, count]| *count as usize).collect();
         RadialSpectrum { q_rad_per_m, psd_m4, wavevectors, route: self.route, reliable }
     }
 
-    /// Integrals along rays of wavevectors; `None` when the map is too small for a wavenumber between the resolution and
-    /// Nyquist's.
+    /// Returns the integrals along rays of wavevectors; `None` if the map is too small for a wavenumber between the
+    /// resolution and the Nyquist wavenumber.
     ///
-    /// The density is interpolated bilinearly between wavevectors and summed every half step, so that no direction gains from
-    /// the lattice, as bins of angle along the axes would.
+    /// The density is interpolated bilinearly between wavevectors and summed at half steps, which avoids the lattice
+    /// bias of angular bins along the axes.
     pub fn angular(&self) -> Option<AngularSpectrum> {
         let (qx_min, qy_min, nyquist) = self.wavenumbers();
         let (low, high) = (self.route.resolution() * qx_min.max(qy_min), nyquist);
@@ -230,20 +232,20 @@ impl AreaSpectrum {
         let density_m2 = angles_rad
             .par_iter()
             .map(|angle| {
-                // Across a crest that rises at `angle` as seen; y points down in the map.
+                // Normal to a crest at `angle`; y points down in the map.
                 let (x, y) = (angle.sin() / qx_min, angle.cos() / qy_min);
                 let sum: f64 = (0..samples as usize)
                     .map(|sample| low + (sample as f64 + 0.5) * step)
                     .map(|q| q * self.interpolated(q * x, q * y))
                     .sum();
-                // Both signs of q count.
+                // Both signs of q contribute.
                 2.0 * sum * step / (TAU * TAU)
             })
             .collect();
         Some(AngularSpectrum { angles_rad, density_m2, range_rad_per_m: (low, high) })
     }
 
-    /// Density at a wavevector in steps along x ≥ 0 and y, linear between neighbours.
+    /// Returns the density at a wavevector in steps along x ≥ 0 and y, interpolated bilinearly.
     fn interpolated(&self, kx: f64, ky: f64) -> f64 {
         let ny = self.grid.ny();
         let (left, below) = (kx.floor(), ky.floor());
@@ -260,8 +262,8 @@ impl AreaSpectrum {
         low + along_x * (high - low)
     }
 
-    /// Wavelength of the largest density in metre, among the wavevectors that the estimate resolves from the mean; the first
-    /// of equals.
+    /// Returns the wavelength of the largest density in metre, among the wavevectors above the resolution; the first of
+    /// equal ones.
     pub fn dominant_wavelength_m(&self) -> Option<f64> {
         let ny = self.grid.ny();
         let square = |k: f64| (k / self.route.resolution()).powi(2);
@@ -293,14 +295,14 @@ mod tests {
     use crate::random;
     use ndarray::Array2;
 
-    /// A wave whose crests run at `angle`, counter-clockwise as seen, `periods` of them across 128 points.
+    /// Returns a wave with `periods` crests across 128 points at `angle`, counter-clockwise with row 0 at the top.
     fn crests(grid: Grid, angle: f64, periods: f64) -> HeightMap {
         let q = TAU * periods / grid.height_m();
         HeightMap::from_function(grid, |x, y| (q * (x * angle.sin() + y * angle.cos())).cos()).unwrap()
     }
 
     fn direction(map: &HeightMap) -> f64 {
-        AreaSpectrum::of(map).unwrap().angular().unwrap().direction_rad()
+        AreaSpectrum::new(map).unwrap().angular().unwrap().direction_rad()
     }
 
     fn turned(found: f64, wanted: f64) -> f64 {
@@ -309,18 +311,18 @@ mod tests {
 
     #[test]
     fn a_map_that_rises_to_the_upper_right_has_a_direction_below_a_right_angle() {
-        // Row 0 is the top: crests x + y = const, with rows counted downwards, rise to the right as seen.
+        // Row 0 is the top: crests x + y = const, with rows counted downwards, rise to the right.
         let grid = Grid::new(96, 96, 1.0, 1.0).unwrap();
         let map = HeightMap::from_function(grid, |x, y| ((x + y) / 3.0).sin()).unwrap();
         assert!((direction(&map) - 0.25 * PI).abs() < 0.01);
     }
 
     #[test]
-    fn the_direction_of_crests_is_found_whatever_the_angle_the_field_and_the_pixels() {
+    fn the_direction_of_crests_is_found_for_any_angle_field_and_pixel_size() {
         for grid in [Grid::new(128, 128, 1.0, 1.0).unwrap(), Grid::new(256, 128, 0.4, 1.0).unwrap()] {
             for turn in 0..24 {
                 let angle = PI * (f64::from(turn) + 0.3) / 24.0;
-                // The lattice of wavevectors leaves a tenth of a step at 16 steps: 0.006 rad.
+                // The lattice of wavevectors leaves an error of a tenth of a step at 16 steps: 0.006 rad.
                 let found = direction(&crests(grid, angle, 16.0));
                 assert!(turned(found, angle).abs() < 0.01, "{angle}: {found}");
             }
@@ -328,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_points_do_not_turn_the_direction() {
+    fn missing_points_do_not_change_the_direction() {
         let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
         for angle in [0.4, 1.1, 2.6] {
             let mut heights = crests(grid, angle, 16.0).heights_m().clone();
@@ -344,12 +346,12 @@ mod tests {
 
     #[test]
     fn the_angular_density_integrates_to_the_variance_of_its_wavenumbers() {
-        // White heights: the density is flat, so rays and wavevectors agree up to scatter. The annulus of radius R steps holds
-        // πR² wavevectors of relative standard deviation 1; a Hann window correlates about four neighbours.
+        // White heights: the density is flat, so rays and wavevectors agree up to scatter. The annulus of radius R
+        // steps holds πR² wavevectors of relative standard deviation 1; a Hann window correlates about four neighbours.
         let grid = Grid::new(200, 160, 1.0, 1.25).unwrap();
         let white = random::standard_normal(&mut random::stream(15, "angular", 0), grid.points());
         let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), white).unwrap()).unwrap();
-        let spectrum = AreaSpectrum::of(&map).unwrap();
+        let spectrum = AreaSpectrum::new(&map).unwrap();
         let angular = spectrum.angular().unwrap();
         let (low, high) = angular.range_rad_per_m;
         let rays: f64 = angular.density_m2.iter().sum::<f64>() * PI / RAYS as f64;
@@ -370,7 +372,7 @@ mod tests {
     fn the_dominant_wavelength_is_that_of_the_wave() {
         let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
         for periods in [5.0, 16.0, 30.0] {
-            let found = AreaSpectrum::of(&crests(grid, 0.0, periods)).unwrap().dominant_wavelength_m().unwrap();
+            let found = AreaSpectrum::new(&crests(grid, 0.0, periods)).unwrap().dominant_wavelength_m().unwrap();
             assert!((found / (128.0 / periods) - 1.0).abs() < 1e-12, "{found}");
         }
     }
@@ -380,7 +382,7 @@ mod tests {
         let grid = Grid::new(31, 24, 0.7, 1.1).unwrap();
         let white = random::standard_normal(&mut random::stream(15, "rings", 0), grid.points());
         let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), white).unwrap()).unwrap();
-        let spectrum = AreaSpectrum::of(&map).unwrap();
+        let spectrum = AreaSpectrum::new(&map).unwrap();
         let found = spectrum.radial();
         let (qx, qy, nyquist) = spectrum.wavenumbers();
         let width = qx.max(qy);

@@ -1,35 +1,35 @@
-//! Where a measured spectrum can be relied on.
+//! Reliable band of a measured spectrum.
 
-/// Bins per octave in which a spectrum is looked at, and the bins over which its slope is taken: half an octave.
+/// Bins per octave for the analysis of a spectrum, and number of bins for its slope: half an octave.
 const PER_OCTAVE: usize = 6;
 const SLOPE_OVER: usize = 3;
-/// A spectrum falls faster than any self-affine surface's when its exponent exceeds that of H = 1 by this.
+/// Excess of the exponent over that of H = 1 above which the fall is steeper than any self-affine surface's.
 const STEEPER: f64 = 0.5;
-/// It is flat when its exponent over the last octave is below this.
+/// Exponent over the last octave below which the spectrum is flat.
 const FLAT: f64 = 0.5;
-/// A flat end is a noise floor when the spectrum starts this many times above.
+/// Ratio of the initial density to a flat end above which the end is a noise floor.
 const ABOVE_FLOOR: f64 = 10.0;
-/// Where a spectrum rolls off, it is followed down to this fraction of its density at the start of the fall: beyond are less than 1 % of
-/// the squared slopes of a smooth surface, and leakage of the window.
+/// Fraction of the density at the start of a roll-off to which the spectrum is used: less than 1 % of the squared
+/// slopes of a smooth surface, and the leakage of the window, lie beyond.
 const FOLLOWED: f64 = 1e-3;
-/// Signal and noise are equal where the spectrum is this many floors high.
+/// Ratio of density to noise floor at which signal and noise are equal.
 const FLOORS: f64 = 2.0;
 
-/// What ends a spectrum's reliable band towards short waves.
+/// Criterion that limits the reliable band of a spectrum towards short waves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UpperLimit {
-    /// The pixels: beyond half the Nyquist wavenumber, waves shorter than two pixels fold back. Of a self-affine surface they
-    /// are at most 3^{−2(1+H)} ≤ 11 % there.
+    /// Sampling: beyond half the Nyquist wavenumber aliasing matters. For a self-affine surface its fraction is at most
+    /// 3^{−2(1+H)} ≤ 11 % there.
     Pixel,
-    /// The spectrum falls faster than that of any self-affine surface and goes on doing so: the instrument's resolution, a
-    /// filter, or interpolated pixels. A surface that is smooth on that scale looks the same.
+    /// A fall steeper than that of any self-affine surface up to the end: the resolution of the instrument, a filter,
+    /// or interpolated pixels. A surface that is smooth on that scale has the same spectrum.
     RollOff,
-    /// The spectrum levels out: white noise of the instrument, or the scatter of a spectrum with missing points.
+    /// A flat end: white noise of the instrument, or the scatter of a spectrum with missing points.
     NoiseFloor,
 }
 
 impl UpperLimit {
-    /// Its name in results.
+    /// Returns the name in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pixel => "pixel",
@@ -39,39 +39,44 @@ impl UpperLimit {
     }
 }
 
-/// The wavenumbers at which a spectrum shows the surface, rather than field, pixels and instrument.
+/// Wavenumbers at which a spectrum represents the surface rather than the field, the sampling or the instrument.
 ///
-/// The lower end is the resolution of the estimate: ±2 wavenumbers 2π/L under the Hann window, ±4 under the Parzen lag
-/// window; nearer to zero, the edge of the field and the removed form rule. The upper end is half the Nyquist wavenumber, or
-/// where the spectrum's fall shows that the instrument ended before the pixels did. Nothing is reliable when the upper end
+/// The lower limit is the resolution of the estimate: ±2 wavenumbers 2π/L under the Hann window, ±4 under the Parzen
+/// lag window; below it, the boundary of the field and the removed form dominate. The upper limit is half the Nyquist
+/// wavenumber, or less if the spectrum rolls off or reaches a noise floor before. The band is empty if the upper limit
 /// is not above the lower.
 ///
 /// # References
 /// Jacobs, Junge & Pastewka, *Surf. Topogr.: Metrol. Prop.* **5** (2017) 013001,
-/// <https://doi.org/10.1088/2051-672X/aa51f8>, on what field, pixels and tip do to a spectrum. The rules for roll-off and
-/// noise floor are ours.
+/// <https://doi.org/10.1088/2051-672X/aa51f8>, on the effects of field, sampling and tip on a spectrum. The criteria
+/// for roll-off and noise floor are ours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReliableBand {
-    /// Lower end in rad/m.
+    /// Lower limit in rad/m.
     pub low_rad_per_m: f64,
-    /// Upper end in rad/m.
+    /// Upper limit in rad/m.
     pub high_rad_per_m: f64,
-    /// What sets the upper end.
+    /// Criterion of the upper limit.
     pub upper_limit: UpperLimit,
 }
 
 impl ReliableBand {
-    /// The band of a profile's spectrum; H = 1 falls with the power 3.
-    pub(super) fn of_profile(q_rad_per_m: &[f64], psd_m3: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
-        Self::of(q_rad_per_m, psd_m3, low_rad_per_m, nyquist_rad_per_m, 3.0)
+    /// Creates the band of the spectrum of a profile, with the exponent 3 for H = 1.
+    pub(super) fn from_profile(
+        q_rad_per_m: &[f64],
+        psd_m3: &[f64],
+        low_rad_per_m: f64,
+        nyquist_rad_per_m: f64,
+    ) -> Self {
+        Self::new(q_rad_per_m, psd_m3, low_rad_per_m, nyquist_rad_per_m, 3.0)
     }
 
-    /// The band of a radial spectrum; H = 1 falls with the power 4.
-    pub(super) fn of_area(q_rad_per_m: &[f64], psd_m4: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
-        Self::of(q_rad_per_m, psd_m4, low_rad_per_m, nyquist_rad_per_m, 4.0)
+    /// Creates the band of a radial spectrum, with the exponent 4 for H = 1.
+    pub(super) fn from_area(q_rad_per_m: &[f64], psd_m4: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
+        Self::new(q_rad_per_m, psd_m4, low_rad_per_m, nyquist_rad_per_m, 4.0)
     }
 
-    fn of(q: &[f64], psd: &[f64], low: f64, nyquist: f64, steepest: f64) -> Self {
+    fn new(q: &[f64], psd: &[f64], low: f64, nyquist: f64, steepest: f64) -> Self {
         let pixel = 0.5 * nyquist;
         let bins = binned(q, psd, low, nyquist);
         let limits = [
@@ -84,8 +89,9 @@ impl ReliableBand {
     }
 }
 
-/// How far a radial spectrum that rolls off can be followed beyond its reliable band: to half the Nyquist wavenumber, or where hardly
-/// anything is left. The wavenumber in rad/m, and that little density in m⁴; the end of the band and 0 where it does not roll off.
+/// Returns the limit in rad/m up to which a radial spectrum that rolls off is used beyond its reliable band, at most
+/// half the Nyquist wavenumber, and the negligible density there in m⁴; the end of the band and 0 if it does not roll
+/// off.
 pub(super) fn end_of_fall(q: &[f64], psd: &[f64], band: ReliableBand, nyquist: f64) -> (f64, f64) {
     let end = band.high_rad_per_m;
     if band.upper_limit != UpperLimit::RollOff {
@@ -97,7 +103,8 @@ pub(super) fn end_of_fall(q: &[f64], psd: &[f64], band: ReliableBand, nyquist: f
     (followed.min(0.5 * nyquist).max(end), little)
 }
 
-/// Means of the spectrum in bins of a sixth of an octave, from `low` to `high`, empty ones left out: (wavenumber, density).
+/// Returns the means (wavenumber, density) of the spectrum in bins of a sixth of an octave from `low` to `high`,
+/// without empty bins.
 fn binned(q: &[f64], psd: &[f64], low: f64, high: f64) -> Vec<(f64, f64)> {
     let mut bins: Vec<(f64, f64, f64)> = vec![];
     let mut last = None;
@@ -114,7 +121,7 @@ fn binned(q: &[f64], psd: &[f64], low: f64, high: f64) -> Vec<(f64, f64)> {
     bins.into_iter().map(|(q, psd, n)| ((q / n).exp(), psd / n)).collect()
 }
 
-/// Where the spectrum comes down to twice the level of its flat end, or to zero.
+/// Returns the wavenumber at which the spectrum falls to twice its flat end, or to zero.
 fn noise_floor(bins: &[(f64, f64)]) -> Option<f64> {
     if let Some(lost) = bins.iter().position(|bin| bin.1 <= 0.0) {
         return Some(bins[lost.saturating_sub(1)].0);
@@ -129,7 +136,7 @@ fn noise_floor(bins: &[(f64, f64)]) -> Option<f64> {
     bins.iter().find(|bin| bin.1 < FLOORS * floor).map(|bin| bin.0)
 }
 
-/// Where the fall begins that stays steeper than `steepest` up to `end`.
+/// Returns the wavenumber from which the exponent stays above `steepest` up to `end`.
 fn roll_off(bins: &[(f64, f64)], end: f64, steepest: f64) -> Option<f64> {
     let below = bins.iter().take_while(|bin| bin.0 <= end).count();
     let falls = |first: &usize| exponent(&bins[*first..first + SLOPE_OVER + 1]) > steepest;
@@ -137,7 +144,7 @@ fn roll_off(bins: &[(f64, f64)], end: f64, steepest: f64) -> Option<f64> {
     Some(bins[first].0)
 }
 
-/// −d ln P/d ln q by least squares.
+/// Returns −d ln P/d ln q by least squares.
 fn exponent(bins: &[(f64, f64)]) -> f64 {
     let n = bins.len() as f64;
     let points = || bins.iter().map(|(q, psd)| (q.ln(), psd.ln()));
@@ -153,16 +160,16 @@ mod tests {
     const LOW: f64 = 2.0;
     const NYQUIST: f64 = 512.0;
 
-    /// The band of a spectrum given at whole wavenumbers up to Nyquist.
+    /// Returns the band of a spectrum at whole wavenumbers up to Nyquist.
     fn of(psd: impl Fn(f64) -> f64) -> (f64, UpperLimit) {
         let q: Vec<f64> = (1..=512).map(f64::from).collect();
         let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();
-        let band = ReliableBand::of_area(&q, &psd, LOW, NYQUIST);
+        let band = ReliableBand::from_area(&q, &psd, LOW, NYQUIST);
         assert_eq!(band.low_rad_per_m, LOW);
         (band.high_rad_per_m, band.upper_limit)
     }
 
-    /// Folded about Nyquist as sampling folds.
+    /// Aliased about Nyquist as by sampling.
     fn folded(psd: impl Fn(f64) -> f64) -> impl Fn(f64) -> f64 {
         move |q| psd(q) + psd(2.0 * NYQUIST - q)
     }
@@ -183,7 +190,7 @@ mod tests {
         assert_eq!(limit, UpperLimit::NoiseFloor);
         // A sixth of an octave either way.
         assert!((high / 60.0).ln().abs() < 2_f64.ln() / 6.0, "{high}");
-        // Scatter about zero ends it as well.
+        // Scatter about zero counts as a noise floor as well.
         let (high, limit) = of(|q| if q < 50.0 { q.powf(-3.6) } else { -1e-9 });
         assert!(limit == UpperLimit::NoiseFloor && (40.0..50.0).contains(&high), "{high}");
     }
@@ -193,7 +200,7 @@ mod tests {
         let q: Vec<f64> = (1..=512).map(f64::from).collect();
         let end_of = |psd: &dyn Fn(f64) -> f64| {
             let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();
-            let band = ReliableBand::of_area(&q, &psd, LOW, NYQUIST);
+            let band = ReliableBand::from_area(&q, &psd, LOW, NYQUIST);
             (band, end_of_fall(&q, &psd, band, NYQUIST).0)
         };
         // e^{−(q/40)²}: from the end of the band at b to √(b² + 40² ln 1000).
@@ -205,11 +212,11 @@ mod tests {
     }
 
     #[test]
-    fn a_gaussian_beam_ends_the_band_where_it_bends_the_fall() {
+    fn gaussian_smoothing_limits_the_band_at_its_roll_off() {
         // q^{−3.6} e^{−(q/40)²}: the exponent 3.6 + 2(q/40)² passes 4.5 at q = 40·√0.45 = 26.8.
         let (high, limit) = of(|q| q.powf(-3.6) * (-(q / 40.0).powi(2)).exp());
         assert_eq!(limit, UpperLimit::RollOff);
-        // The slope is taken over half an octave that begins there.
+        // The exponent is taken over half an octave from there.
         assert!((high / 26.8).log2().abs() < 0.5, "{high}");
     }
 }

@@ -1,4 +1,4 @@
-//! Spectra averaged over bins of equal ratio, with the band in which the true mean lies.
+//! Spectra averaged over logarithmic bins, with confidence bands of the mean.
 
 use std::f64::consts::TAU;
 
@@ -6,57 +6,58 @@ use rayon::prelude::*;
 
 use crate::correlation::profiles;
 use crate::correlation::{Autocorrelation, Axis, EstimateError, SpectrumRoute};
+use crate::distribution::chi_square_quantile;
 use crate::fourier::{good_length, power, signed_index};
-use crate::law::chi_square_quantile;
 use crate::map::HeightMap;
 use crate::stats::Extent;
 
 use super::area::AreaSpectrum;
 use super::{hann, lag_window_end, missing_per_profile, parzen, profile_spectrum};
 
-/// Bins per octave, where they hold a wavenumber each.
+/// Bins per octave, where they contain a wavenumber each.
 const PER_OCTAVE: f64 = 6.0;
-/// Neighbours on either side with which a coefficient is correlated under Parzen's lag window over half a side.
+/// Neighbours on either side that Parzen's lag window over half a side correlates with a coefficient.
 const PARZEN_REACH: usize = 5;
-/// Bins on either side over which the share of the coefficients that carry the spectrum is averaged.
+/// Bins on either side over which the effective fraction of the coefficients is averaged.
 const POOLED: usize = 2;
 /// Degrees of freedom of a single coefficient.
 const LEAST: f64 = 2.0;
-/// Wavenumbers along x whose sums are taken at a time.
+/// Wavenumbers along x summed per task.
 const COLUMNS: usize = 16;
 
-/// A spectrum in bins of a sixth of an octave, or of one wavenumber 2π/L where that is wider, with its 95 % band.
+/// Spectrum in bins of a sixth of an octave, or of one wavenumber 2π/L where that is wider, with its 95 % band.
 ///
 /// # The band
-/// The density of a bin is the mean over its Fourier coefficients. A periodogram of Gaussian heights has at every coefficient
-/// the true density P times χ²₂/2, and two coefficients at the distance d wavenumbers correlate by κ(d), so that the sum over
-/// a bin, both signs of q counted, has the relative variance 2 ΣΣ P P′κ/(ΣP)². Matched to a chi-square law (Welch and
-/// Satterthwaite) that makes
+/// The density of a bin is the mean over its Fourier coefficients. A periodogram of Gaussian heights is distributed at
+/// every coefficient as the true density P times χ²₂/2, and two coefficients at a distance of d wavenumbers have the
+/// correlation κ(d), so the sum over a bin (with both signs of q) has the relative variance 2 ΣΣ P P′κ/(ΣP)². The
+/// chi-square distribution of the same variance (Welch and Satterthwaite) has
 ///
 /// > ν = (Σ P)² / ΣΣ P P′ κ(q − q′)
 ///
 /// degrees of freedom, two for every independent coefficient, and the interval [νP̂/χ²(ν; 97.5 %), νP̂/χ²(ν; 2.5 %)].
 ///
-/// *The window.* κ = |Σ w² e^{−2πidj/n}/Σ w²|²: of a Hann window 1, 4/9 and 1/36 at d = 0, ±1 and ±2, and their product of both
-/// directions in a map. In a wide bin Σκ = 35/18 per direction: half of the coefficients are lost along a profile, and 74 %
-/// in a map. A thin ring has fewer neighbours in it and loses fewer. The periodogram of profiles is the sum over the other
-/// direction of the map's, without a window there, where coefficients are independent: profiles that resemble their
-/// neighbours put their power into few of these, and count accordingly.
+/// *The window.* κ = |Σ w² e^{−2πidj/n}/Σ w²|²: for a Hann window 1, 4/9 and 1/36 at d = 0, ±1 and ±2, and in a map the
+/// product of both directions. In a wide bin Σκ = 35/18 per direction: half of the degrees of freedom are lost along a
+/// profile, and 74 % in a map. A thin ring contains fewer neighbours and loses fewer. The periodogram of profiles is
+/// the sum of the map's over the other direction, without a window, where coefficients are independent: profiles
+/// correlated with their neighbours concentrate their power in few of these, and have few degrees of freedom.
 ///
-/// *Missing points.* Under Parzen's lag window w over lags below M, κ(d) = Σ w² cos(2πdl/n)/(n − |l|) per direction. In the
-/// double sum the periodogram of the map with zeros in place of what is missing stands for P, which holds what missing points
-/// scatter into a coefficient.
+/// *Missing points.* Under Parzen's lag window w over lags below M, κ(d) = Σ w² cos(2πdl/n)/(n − |l|) per direction. In
+/// the double sum P is replaced by the periodogram of the map with zeros at missing points, which includes the power
+/// that they scatter into a coefficient.
 ///
-/// *Unequal densities.* On a surface with a lay most coefficients of a ring carry nothing. The sums over P come from the
-/// periodogram I itself, unbiased: E I I′ = P P′(1 + κ), so ΣΣ I I′ κ/(1 + κ) stands for ΣΣ P P′ κ, and twice that is taken
-/// off (Σ I)². What this makes of a flat ring's ν is averaged over five neighbouring bins and never raises it.
+/// *Unequal densities.* On a directional surface most coefficients of a ring are negligible. The sums over P are
+/// estimated from the periodogram I without bias: E I I′ = P P′(1 + κ), so ΣΣ P P′ κ is replaced by ΣΣ I I′ κ/(1 + κ),
+/// and twice that is subtracted from (Σ I)². The ratio to ν of a flat ring is averaged over five neighbouring bins and
+/// limited to 1.
 ///
-/// The band holds the mean of P as the estimate resolves it, see [`SpectrumRoute`]; where the spectrum bends within the
-/// resolution, at the lowest wavenumbers, the estimate is biased. Heights that are far from Gaussian scatter more.
+/// The band refers to the mean of P at the resolution of the estimate, see [`SpectrumRoute`]; if the spectrum is curved
+/// within the resolution, as at the lowest wavenumbers, the estimate is biased. Heights far from Gaussian scatter more.
 ///
-/// On simulated Gaussian maps of 64 × 64 points the bands hold the truth in 94 to 95 % of the bins of an isotropic surface, 93
-/// to 95 % of one four times as long along y, 91 to 94 % with missing points, and about 90 % where correlation is as long as
-/// the map, so that hardly more than one coefficient carries a bin.
+/// On simulated Gaussian maps of 64 × 64 points the bands contain the true mean in 94 to 95 % of the bins of an
+/// isotropic surface, 93 to 95 % of one four times as long along y, 91 to 94 % with missing points, and about 90 % if
+/// the correlation is as long as the map, so that a bin has hardly more than one significant coefficient.
 ///
 /// # References
 /// Percival & Walden, *Spectral Analysis for Physical Applications*, Cambridge 1993, ch. 6; Satterthwaite, *Biometrics
@@ -67,34 +68,36 @@ pub struct BinnedSpectrum {
     pub q_rad_per_m: Vec<f64>,
     /// Mean two-sided density of each bin: P in m⁴ of a map, P₁ in m³ of profiles.
     pub psd: Vec<f64>,
-    /// Lower end of the 95 % band, in the unit of the density; NaN where the density is not positive.
+    /// Lower limit of the 95 % band, in the unit of the density; NaN where the density is not positive.
     pub psd_low: Vec<f64>,
-    /// Upper end of the band.
+    /// Upper limit of the band.
     pub psd_high: Vec<f64>,
     /// Degrees of freedom ν of each bin.
     pub degrees_of_freedom: Vec<f64>,
-    /// Coefficients of each bin, both signs of q counted: wavevectors of a map, wavenumbers of profiles.
+    /// Number of coefficients of each bin, with both signs of q: wavevectors of a map, wavenumbers of profiles.
     pub coefficients: Vec<usize>,
-    /// How the spectrum was found.
+    /// Estimator of the spectrum.
     pub route: SpectrumRoute,
 }
 
-/// Covariances of spectral estimates at a distance of 0, 1, … wavenumbers along one direction, over the squared density.
+/// Covariances of spectral estimates at a distance of 0, 1, … wavenumbers along one direction, relative to the squared
+/// density.
 #[derive(Debug, Clone)]
 struct Kernel(Vec<f64>);
 
 impl Kernel {
-    /// Of the periodogram without a window.
+    /// Returns the covariances for a periodogram without a window.
     fn independent() -> Self {
         Self(vec![1.0])
     }
 
-    /// Of a periodogram under the Hann window.
+    /// Returns the covariances for a periodogram under the Hann window.
     fn hann() -> Self {
         Self(vec![1.0, 4.0 / 9.0, 1.0 / 36.0])
     }
 
-    /// Of the transform of an autocovariance of `n` points under Parzen's window that ends at the lag `end`.
+    /// Returns the covariances for the transform of an autocovariance of `n` points under Parzen's window up to the lag
+    /// `end`.
     fn parzen(n: usize, end: usize) -> Self {
         let reach = PARZEN_REACH.min((n - 1) / 2);
         let at = |distance: usize| {
@@ -117,25 +120,26 @@ impl Kernel {
     }
 }
 
-/// A non-negative spectrum over the half plane kx = 0 … nx/2 by all ky, its bins, and how its coefficients correlate.
+/// Non-negative spectrum over the half plane kx = 0 … nx/2 by all ky, its bins, and the correlation of its
+/// coefficients.
 struct Coefficients<'a> {
     nx: usize,
     ny: usize,
-    /// Laid out as [`power`] does.
+    /// In the layout of [`power`].
     weights: &'a [f64],
     /// Correlation of the weights along x and y.
     own: [Kernel; 2],
-    /// That of the estimate whose scatter is asked for, along x and y.
+    /// Correlation of the estimate whose variance is computed, along x and y.
     estimate: [Kernel; 2],
 }
 
-/// Sums over a bin, all wavevectors of both signs.
+/// Sums over the wavevectors of a bin, of both signs.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     q: f64,
     weight: f64,
     count: f64,
-    /// ΣΣ I I′ κ/(1 + κ₀) with κ of the weights and of the estimate, κ₀ that of the weights.
+    /// ΣΣ I I′ κ/(1 + κ₀) with κ of the weights and of the estimate, κ₀ of the weights.
     own: f64,
     estimate: f64,
     /// ΣΣ κ of the estimate.
@@ -143,7 +147,8 @@ struct Sums {
 }
 
 impl Coefficients<'_> {
-    /// Sums of every bin; `bin` tells that of the wavevector (kx, ky), if any, and `magnitude` its |q|.
+    /// Returns the sums of every bin; `bin` returns the bin of the wavevector (kx, ky), if any, and `magnitude` its
+    /// |q|.
     fn sums(
         &self,
         bins: usize,
@@ -158,7 +163,7 @@ impl Coefficients<'_> {
                 *place = bin(magnitude(kx as f64, signed_index(ky, ny))).map_or(NONE, |bin| bin as u32);
             }
         });
-        // Neighbours with the two correlations; those without either are left out.
+        // Neighbours with both correlations, without those where both are zero.
         let reach = |of: usize| self.own[of].reach().max(self.estimate[of].reach());
         let neighbours: Vec<(isize, isize, f64, f64)> = (-reach(0)..=reach(0))
             .flat_map(|dx| (-reach(1)..=reach(1)).map(move |dy| (dx, dy)))
@@ -218,7 +223,7 @@ impl Coefficients<'_> {
         sums
     }
 
-    /// Place of a wavevector, P(−q) = P(q), the lattice repeating itself.
+    /// Returns the index of a wavevector on the periodic lattice, P(−q) = P(q).
     fn index(&self, kx: isize, ky: isize) -> usize {
         let (nx, ny) = (self.nx as isize, self.ny as isize);
         let kx = kx.rem_euclid(nx);
@@ -227,11 +232,11 @@ impl Coefficients<'_> {
     }
 }
 
-/// Degrees of freedom of bins with the given sums of densities: of flat densities, times the pooled share that unequal ones
-/// and missing points leave of it.
+/// Returns the degrees of freedom of bins: for a flat density, times the averaged effective fraction for unequal
+/// densities and missing points.
 fn degrees_of_freedom(sums: &[Sums], densities: &[f64]) -> Vec<f64> {
-    // ν of a flat density, and numerator and denominator of the share, both over (Σ P̂)². Added before they are divided they
-    // are unbiased for any number of equal coefficients, whose Σ I²/(Σ I)² has the mean 2/(N + 1).
+    // ν of a flat density, and numerator and denominator of the fraction, both over (Σ P̂)². Summed before the division
+    // they are unbiased for any number of equal coefficients, whose Σ I²/(Σ I)² has the mean 2/(N + 1).
     let parts: Vec<(f64, f64, f64)> = sums
         .iter()
         .zip(densities)
@@ -251,14 +256,15 @@ fn degrees_of_freedom(sums: &[Sums], densities: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Edges of bins from half a wavenumber to beyond the `last`, in wavenumbers: equal ratios, at least one apart.
+/// Returns the edges of bins from half a wavenumber to beyond the `last`, in wavenumbers: geometric, at least one
+/// apart.
 pub(in crate::correlation) fn edges(last: usize) -> Vec<f64> {
     let (ratio, end) = ((1.0 / PER_OCTAVE).exp2(), last as f64 + 0.5);
     let mut edges = vec![0.5];
     let mut edge: f64 = 0.5;
     while edge < end {
         let next = (edge + 1.0).max(edge * ratio);
-        // A last bin of less than half a bin goes with the one before it.
+        // A last bin shorter than half a bin is merged with the preceding one.
         let rest = end - next;
         edge = if rest < 0.5 * (next - edge) { end } else { next };
         edges.push(edge);
@@ -266,14 +272,14 @@ pub(in crate::correlation) fn edges(last: usize) -> Vec<f64> {
     edges
 }
 
-/// Which bin a wavenumber lies in.
+/// Returns the bin of a wavenumber.
 pub(in crate::correlation) fn bin_of(edges: &[f64], q: f64) -> Option<usize> {
     let above = edges.partition_point(|edge| *edge <= q);
     (above > 0 && above < edges.len()).then(|| above - 1)
 }
 
 impl BinnedSpectrum {
-    /// From means and degrees of freedom; bins without coefficients are left out.
+    /// Creates a spectrum from means and degrees of freedom, without empty bins.
     fn with_bands(bins: Vec<(f64, f64, f64, usize)>, route: SpectrumRoute) -> Self {
         let bins: Vec<_> = bins.into_iter().filter(|(_, _, _, coefficients)| *coefficients > 0).collect();
         let end = |probability: f64| -> Vec<f64> {
@@ -294,16 +300,17 @@ impl BinnedSpectrum {
     }
 }
 
-/// The spectrum of [`AreaSpectrum`] in rings of a sixth of an octave, up to the lesser Nyquist wavenumber, with their bands.
+/// Returns the spectrum of [`AreaSpectrum`] in rings of a sixth of an octave up to the smaller Nyquist wavenumber, with
+/// bands.
 ///
 /// # Errors
 /// The heights present do not vary.
 pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, EstimateError> {
     let (spectrum, scatter) = if map.missing_points() > 0 {
         let correlation = Autocorrelation::estimate(map)?;
-        (AreaSpectrum::of_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
+        (AreaSpectrum::from_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
     } else {
-        (AreaSpectrum::of(map)?, None)
+        (AreaSpectrum::new(map)?, None)
     };
     let (nx, ny) = (map.grid().nx(), map.grid().ny());
     let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
@@ -334,18 +341,18 @@ pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, Estimat
     Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
 }
 
-/// The spectrum of [`profile_spectrum`] in bins with their bands.
+/// Returns the spectrum of [`profile_spectrum`] in bins with bands.
 ///
 /// # Errors
 /// The heights present do not vary.
 pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpectrum, EstimateError> {
     let spectrum = profile_spectrum(map, axis)?;
     let (all, n, pitch_m) = profiles::dimensions(map, axis);
-    let mean_m = Extent::of(map.values_m()).mean;
+    let mean_m = Extent::new(map.values_m()).mean;
     let missing = missing_per_profile(map, axis);
     let periodogram = spectrum.route == SpectrumRoute::Periodogram;
     let window = hann(n);
-    // The windowed profile with zeros in place of heights that are missing or left out, and the sum of its w².
+    // The windowed profile with zeros at missing or excluded heights, and the sum of its w².
     let windowed = |profile: usize, out: &mut [f64]| {
         profiles::copy(map, axis, profile..profile + 1, out);
         let left_out = periodogram && missing[profile] > 0;
@@ -357,7 +364,7 @@ pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpec
         }
         squares
     };
-    // How the power of a wavenumber along the profiles is spread across them: the sum over all is the density there.
+    // Spectrum across the profiles at a wavenumber along them; its sum is the density of the profiles.
     let mut weights = power(n, all, |profile, out| {
         windowed(profile, out);
     });
@@ -376,7 +383,7 @@ pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpec
     let coefficients = Coefficients { nx: n, ny: all, weights: &weights, own, estimate };
     let edges = edges(n / 2);
     let sums = coefficients.sums(edges.len() - 1, |k, _| k, |k| bin_of(&edges, k));
-    // Densities and wavenumbers of both signs; the last of an even number of points is its own negative.
+    // Densities and wavenumbers of both signs; the Nyquist wavenumber of an even number of points has only one.
     let mut totals = vec![(0.0, 0.0); sums.len()];
     for (k, psd) in spectrum.psd_m3.iter().enumerate() {
         if let Some(bin) = bin_of(&edges, k as f64) {
@@ -385,12 +392,12 @@ pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpec
         }
     }
     let densities: Vec<f64> = totals.iter().map(|total| total.0).collect();
-    // Profiles of zeros spread the power over more coefficients than there are profiles.
-    let share = spectrum.profiles as f64 / all as f64;
+    // Excluded profiles spread the power over more coefficients than there are profiles.
+    let fraction = spectrum.profiles as f64 / all as f64;
     let q_min = TAU / (n as f64 * pitch_m);
     let bins =
         sums.iter().zip(degrees_of_freedom(&sums, &densities)).zip(totals).map(|((sum, degrees), (density, count))| {
-            (q_min * sum.q / sum.count, density / count, (share * degrees).max(LEAST), count as usize)
+            (q_min * sum.q / sum.count, density / count, (fraction * degrees).max(LEAST), count as usize)
         });
     Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
 }

@@ -1,4 +1,4 @@
-//! Spectra averaged over blocks of wavevectors, for fits by likelihood.
+//! Spectra averaged over blocks of wavevectors, for likelihood fits.
 
 use crate::fourier::signed_index;
 use crate::map::HeightMap;
@@ -8,28 +8,29 @@ use super::area::AreaSpectrum;
 use super::band::{ReliableBand, end_of_fall};
 use crate::correlation::{Covariance, EstimateError};
 
-/// Blocks per octave along each axis, where they hold a wavenumber each.
+/// Blocks per octave along each axis, where they contain a wavenumber each.
 const PER_OCTAVE: f64 = 3.0;
-/// Wavevectors of a block at which a model is evaluated at most, and in blocks across which the density falls steeply: there few
-/// wavevectors do not have the mean density of the block.
+/// Largest number of wavevectors per block at which a model is evaluated, for flat and for steep blocks; a steep block
+/// needs more for its mean density.
 const SAMPLES: usize = 6;
 const SAMPLES_WHERE_STEEP: usize = 48;
-/// Ratio of the mean densities of the inner and the outer half of a block from which it is steep.
+/// Ratio of the mean densities of the inner and the outer half of a block above which it is steep.
 const STEEP: f64 = 2.0;
-/// Fraction of the coefficients that are independent under a Hann window along both axes, (18/35)².
+/// Fraction of independent coefficients under a Hann window along both axes, (18/35)².
 const INDEPENDENT: f64 = 0.264;
-/// A band of fewer octaves than one is that of a surface smooth on the scale of the map's size; then the first wavenumbers are used,
-/// up to this many steps, and densities below this fraction of the largest count as leakage of the window.
+/// A band of less than one octave means a surface that is smooth on the scale of the map. Then the first wavenumbers
+/// are used, up to this many steps, and densities below this fraction of the largest count as leakage of the window.
 const FIRST_STEPS: f64 = 4.0;
 const LEAKAGE: f64 = 1e-3;
-/// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
+/// Number of steps from zero beyond which the smoothing by the window is negligible.
 const SMOOTHED_STEPS: f64 = 12.0;
 
-/// Spectral density of a map, averaged over blocks of wavevectors within the reliable band, and beyond it where the spectrum rolls off:
-/// a surface that is smooth on the scale of its pixels is described by its fall, and so is one that the instrument made smooth.
+/// Spectral density of a map, averaged over blocks of wavevectors within the reliable band and, if the spectrum rolls
+/// off, beyond it: the roll-off is a property of a surface that is smooth on the scale of its pixels or was smoothed by
+/// the instrument.
 ///
-/// Blocks are rectangles in (|qx|, |qy|) with edges a third of an octave apart, so that narrow spectra along an axis are
-/// resolved. Wavevectors (qx, qy) and (−qx, qy) share a block: the covariance models are even in x and in y.
+/// Blocks are rectangles in (|qx|, |qy|) with edges a third of an octave apart, which resolves narrow spectra along an
+/// axis. Wavevectors (qx, qy) and (−qx, qy) share a block: the covariance models are even in x and in y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockSpectrum {
     blocks: Vec<Block>,
@@ -41,11 +42,11 @@ pub struct BlockSpectrum {
     /// Half width of the window's smoothing in steps, and the weight of the spectrum at that distance on either side.
     smoothing: (f64, f64),
     slope_correlation: f64,
-    /// Density in m⁴ that is added to measured and expected densities.
+    /// Regularising density in m⁴, added to measured and expected densities.
     floor_m4: f64,
 }
 
-/// One block of wavevectors.
+/// Block of wavevectors.
 #[derive(Debug, Clone, PartialEq)]
 #[doc(hidden)]
 pub struct Block {
@@ -53,16 +54,16 @@ pub struct Block {
     pub density_m4: f64,
     /// Degrees of freedom of the mean.
     pub degrees_of_freedom: f64,
-    /// Wavevectors in rad/m that stand for the block.
+    /// Representative wavevectors of the block in rad/m.
     pub samples: Vec<[f64; 2]>,
 }
 
 impl BlockSpectrum {
-    /// The spectrum of a map, see [`AreaSpectrum::of`].
+    /// Creates the spectrum of a map; see [`AreaSpectrum::new`].
     ///
     /// # Errors
     /// The heights present do not vary.
-    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
+    pub fn new(map: &HeightMap) -> Result<Self, EstimateError> {
         /// Sums over the wavevectors of a block.
         #[derive(Clone, Default)]
         struct Sums {
@@ -71,7 +72,7 @@ impl BlockSpectrum {
             /// Wavevectors and their densities.
             places: Vec<([f64; 2], f64)>,
         }
-        let spectrum = AreaSpectrum::of(map)?;
+        let spectrum = AreaSpectrum::new(map)?;
         let radial = spectrum.radial();
         let band = radial.reliable;
         let grid = map.grid();
@@ -86,7 +87,7 @@ impl BlockSpectrum {
         let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
         let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
         let mut sums = vec![Sums::default(); edges_x.len() * edges_y.len()];
-        // Products of slopes: of x with x, of x with y, of y with y.
+        // Products of slopes: xx, xy, yy.
         let mut slopes = [0.0; 3];
         for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
             let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
@@ -102,7 +103,7 @@ impl BlockSpectrum {
                 block.density += times * density;
                 block.count += times;
                 block.places.push(([qx, qy.abs()], *density));
-                // The edge of the zone is its own opposite, which has no sign.
+                // The zone boundary is its own opposite, with an undefined sign.
                 let both = if kx == 0 || 2 * kx == nx { 0.0 } else { 1.0 };
                 for (sum, product) in slopes.iter_mut().zip([qx * qx, both * qx * qy, qy * qy]) {
                     *sum += times * density * product;
@@ -141,17 +142,17 @@ impl BlockSpectrum {
         })
     }
 
-    /// Wavenumbers at which the radial spectrum can be relied on.
+    /// Returns the reliable band of the radial spectrum.
     pub fn reliable(&self) -> ReliableBand {
         self.band
     }
 
-    /// Correlation of the slopes along x and y within the band: far from zero, the lay runs at an angle to the axes.
+    /// Returns the correlation of the slopes along x and y within the band; far from zero for an oblique texture.
     pub fn slope_correlation(&self) -> f64 {
         self.slope_correlation
     }
 
-    /// Sides of the map in metre.
+    /// Returns the sides of the map in metre.
     #[doc(hidden)]
     pub fn size_m(&self) -> [f64; 2] {
         self.step_rad_per_m.map(|step| std::f64::consts::TAU / step)
@@ -168,8 +169,8 @@ impl BlockSpectrum {
         &self.blocks
     }
 
-    /// Expected density of a block of a map of this covariance in m⁴: folded at the Nyquist wavenumbers and smoothed by the
-    /// window.
+    /// Returns the expected density in m⁴ of a block for a map of this covariance, including aliasing and smoothing by
+    /// the window.
     #[doc(hidden)]
     pub fn expected_m4(&self, block: &Block, covariance: &Covariance) -> f64 {
         let sum: f64 = block.samples.iter().map(|q| self.smoothed_m4(*q, covariance)).sum();
@@ -195,14 +196,14 @@ impl BlockSpectrum {
         sum
     }
 
-    /// The density with the waves that the pixels show as longer ones.
+    /// Returns the density including aliases.
     fn folded_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
-        /// Images on either side.
+        /// Number of images on either side.
         const IMAGES: i32 = 2;
 
         let zone = self.pitch_m.map(|pitch_m| std::f64::consts::TAU / pitch_m);
         let own = covariance.psd_m4(q[0], q[1]);
-        // The first image is the largest. Where it is negligible, so are all.
+        // The first image is the largest; if it is negligible, so are the others.
         let nearest = covariance.psd_m4(zone[0] - q[0].abs(), q[1]) + covariance.psd_m4(q[0], zone[1] - q[1].abs());
         if nearest < 1e-3 * own {
             return own;
@@ -212,7 +213,7 @@ impl BlockSpectrum {
     }
 }
 
-/// Lower edges of the blocks along an axis, from wavenumber 0 to `last`.
+/// Returns the lower edges of the blocks along an axis, from wavenumber 0 to `last`.
 fn edges(last: usize) -> Vec<f64> {
     let ratio = (1.0 / PER_OCTAVE).exp2();
     let mut edges = vec![0.0, 0.5];

@@ -7,7 +7,7 @@ use ndarray::Array1;
 use super::*;
 use crate::{Basis, Design, Family, MultiIndexSet, SamplingMethod, Truncation};
 
-/// Ishigami's function with (a, b) = (7, 0.1) of variables on [−1, 1].
+/// Evaluates Ishigami's function with (a, b) = (7, 0.1) of variables on [−1, 1].
 fn ishigami(x: &[f64]) -> f64 {
     let (first, second, third) = ((PI * x[0]).sin(), (PI * x[1]).sin(), PI * x[2]);
     first + 7.0 * second * second + 0.1 * third.powi(4) * first
@@ -15,7 +15,7 @@ fn ishigami(x: &[f64]) -> f64 {
 
 const ISHIGAMI_VARIANCE: f64 = 13.844_587_940_719_254;
 
-/// Flow through a borehole, of two normal variables and six on [−1, 1].
+/// Evaluates the flow through a borehole, a function of two normal variables and six on [−1, 1].
 fn borehole(x: &[f64]) -> f64 {
     let between = |low: f64, high: f64, x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;
     let well_m = 0.10 + 0.016_181_2 * x[0];
@@ -65,7 +65,7 @@ impl Problem {
         self.basis.design_matrix(points)
     }
 
-    /// Mean square error over the variance at fresh points, for designs of seeds 0 to 4.
+    /// Returns the mean square error divided by the variance at fresh points, for designs of seeds 0 to 4.
     fn errors(&self, design: SamplingMethod, samples: usize, regression: SparseRegression, fresh: usize) -> Vec<f64> {
         let tests = self.points(SamplingMethod::MonteCarlo, 99, fresh);
         let error = |seed| {
@@ -87,7 +87,7 @@ fn geometric_mean(values: &[f64]) -> f64 {
     (values.iter().map(|v| v.ln()).sum::<f64>() / values.len() as f64).exp()
 }
 
-/// The bound holds for each design method, as the geometric mean over five designs.
+/// Bounds each design method by the geometric mean over five designs.
 fn assert_errors(problem: &Problem, regression: SparseRegression, samples: usize, fresh: usize, bound: f64) {
     for design in [SamplingMethod::LatinHypercube, SamplingMethod::Sobol] {
         let errors = problem.errors(design, samples, regression, fresh);
@@ -102,7 +102,7 @@ fn assert_errors(problem: &Problem, regression: SparseRegression, samples: usize
 fn ishigami_at_100_samples_of_680_terms() {
     let problem = Problem::ishigami();
     assert_eq!(problem.basis.len(), 680);
-    // Subspace pursuit by cross-validation is missing: a part in which it fails decides.
+    // Subspace pursuit by cross-validation is excluded: a part in which it fails dominates its error.
     for regression in [
         by_leave_one_out(SparseMethod::OrthogonalMatchingPursuit),
         by_cross_validation(SparseMethod::OrthogonalMatchingPursuit),

@@ -1,11 +1,11 @@
-//! Errors that know of the choice.
+//! Cross-validation errors that account for the selection of terms.
 
 use ndarray::Axis;
 
 use super::*;
 
 #[test]
-fn noise_is_refused_by_cross_validation_where_leave_one_out_finds_models() {
+fn cross_validation_rejects_noise_that_leave_one_out_fits() {
     let sets = 20;
     for method in METHODS {
         let (mut refused, mut believed, mut sum) = (0, 0, 0.0);
@@ -30,7 +30,7 @@ fn noise_is_refused_by_cross_validation_where_leave_one_out_finds_models() {
         let mean = sum / f64::from(sets as u32);
         println!("{method:?}: refused {refused} of {sets}, leave-one-out believes {believed}; error {mean:.3}");
         assert_eq!(believed, 20, "{method:?}");
-        // By chance the least of a curve is below the mean's error at times; its expectation is above 1 everywhere.
+        // By chance the minimum of a curve may be below the error of the mean; its expectation exceeds 1 everywhere.
         assert!(2 * refused > sets && mean > 0.95, "{method:?}: {refused} of {sets} refused, error {mean:.3}");
     }
 }
@@ -48,13 +48,13 @@ fn cross_validation_gives_about_the_error_at_fresh_samples() {
                 combination(&design, &signal).iter().zip(&noise).map(|(y, e)| y + 0.5 * e).collect();
             let fit = by_cross_validation(method).select(&Candidates::new(design.view()).unwrap(), &response).unwrap();
             estimated += fit.chosen.cross_validated.unwrap() / 10.0;
-            // The columns are independent: E (ŷ − y)² = |ĉ − c|² + σ², of the variance |c|² + σ² beside the constant.
+            // The columns are independent: E (ŷ − y)² = |ĉ − c|² + σ², relative to the variance |c|² + σ².
             let mut error = fit.dense(columns);
             signal.iter().for_each(|&(j, c)| error[j] -= c);
             true_error += (error.iter().map(|e| e * e).sum::<f64>() + 0.25) / (2.64 + 0.25) / 10.0;
         }
         println!("{method:?}: {estimated:.4} estimated, {true_error:.4} at fresh samples");
-        // Ten variances of 100 samples each: 5 %; the least of a curve is below what it stands for.
+        // Ten variances of 100 samples each: 5 %. The minimum of a curve is biased downwards.
         assert!((0.75..1.25).contains(&(estimated / true_error)), "{method:?}: {estimated:.4}, {true_error:.4}");
     }
 }

@@ -1,4 +1,4 @@
-//! Fast paths beside slow ones that are plainly right.
+//! Fast paths compared with slow, direct implementations.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -55,14 +55,14 @@ fn errors_are_those_of_refitting_without_each_sample() {
         let variance = response.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / 39.0;
         let wanted = sum / 40.0 / variance;
         assert!((fit.leave_one_out.relative_error.unwrap() / wanted - 1.0).abs() < 1e-11);
-        // tr (AᵀA)⁻¹ from the inverse itself.
+        // tr (AᵀA)⁻¹ from the explicit inverse.
         let terms = fit.terms.len();
         let gram = Mat::from_fn(terms, terms, |i, j| chosen.column(i).dot(&chosen.column(j)));
         let inverse = gram.partial_piv_lu().solve(Mat::<f64>::identity(terms, terms));
         let trace: f64 = (0..terms).map(|i| inverse[(i, i)]).sum();
         let corrected = wanted * 40.0 / (40.0 - terms as f64) * (1.0 + trace);
         assert!((fit.chosen.corrected.unwrap() / corrected - 1.0).abs() < 1e-10, "{method:?}");
-        // The choice is the least of the path.
+        // The chosen model is the minimum of the path.
         let least = fit.path.iter().map(|attempt| attempt.corrected.unwrap()).fold(f64::INFINITY, f64::min);
         assert_eq!(fit.chosen.corrected, Some(least));
     }
@@ -83,7 +83,7 @@ fn coefficients_and_condition_are_those_of_least_squares() {
     }
 }
 
-/// Standardised columns beside the constant, and the response less its mean.
+/// Returns the standardised columns other than the constant, and the response less its mean.
 fn standardised(design: &Array2<f64>, response: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     let n = response.len() as f64;
     let columns = design
@@ -111,7 +111,7 @@ fn solve_gram(columns: &[Vec<f64>], active: &[usize], right: &[f64]) -> Vec<f64>
     (0..m).map(|i| solution[(i, 0)]).collect()
 }
 
-/// Least-angle regression as Efron et al. write it (their equations 2.4 to 2.13), everything afresh in every step.
+/// Computes least-angle regression as Efron et al. define it (equations 2.4 to 2.13), recomputed in every step.
 fn textbook_least_angle(columns: &[Vec<f64>], response: &[f64], steps: usize) -> Vec<usize> {
     let mut fitted = vec![0.0; response.len()];
     let mut active: Vec<usize> = Vec::new();
@@ -224,7 +224,7 @@ fn scale_shift_and_layout_of_the_matrix_do_not_change_the_choice() {
     }
     let transposed = changed.t().as_standard_layout().into_owned();
     for method in METHODS {
-        // The corrected error supposes functions of unit mean square: compared is the order of entry.
+        // The corrected error assumes functions of unit mean square, so only the order of entry is compared.
         let terms = |view| {
             let candidates = Candidates::new(view).unwrap();
             let start = GrowingFit::new(&candidates, &response);

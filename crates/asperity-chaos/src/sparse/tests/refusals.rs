@@ -1,4 +1,4 @@
-//! What is refused, and data that are nearly hopeless.
+//! Refused inputs and nearly degenerate data.
 
 use super::*;
 
@@ -31,7 +31,7 @@ fn data_that_are_no_data_are_refused() {
 }
 
 #[test]
-fn where_no_term_predicts_the_error_says_what_was_tried() {
+fn without_predictive_terms_the_error_lists_the_candidates() {
     // A response that is orthogonal to every candidate: any term only adds variance.
     let mut design = Array2::zeros((16, 4));
     let mut response = vec![0.0; 16];
@@ -45,10 +45,10 @@ fn where_no_term_predicts_the_error_says_what_was_tried() {
     for method in METHODS {
         let error = whole(method).select(&candidates, &response).unwrap_err();
         let SparseError::NothingPredicts { tried, of_the_mean, attempts } = &error else { panic!("{error:?}") };
-        // (16/15)² (1 + 1/16), and one term: (16/14)²·15/16 · 16/14 · (1 + 2/16), as orthogonal columns have it.
+        // (16/15)² (1 + 1/16), and one term: (16/14)²·15/16 · 16/14 · (1 + 2/16), as for orthogonal columns.
         assert!((of_the_mean - 1.208_888_888_888_889).abs() < 1e-14);
         assert!(*tried >= attempts.len() && error.to_string().contains("none of"));
-        // All correlations are zero: subspace pursuit has nothing to begin with.
+        // All correlations are zero, so subspace pursuit cannot start.
         let Some(one) = attempts.iter().find(|attempt| attempt.terms == 2) else {
             assert_eq!((method, *tried), (SparseMethod::SubspacePursuit, 0));
             continue;
@@ -60,7 +60,7 @@ fn where_no_term_predicts_the_error_says_what_was_tried() {
 }
 
 #[test]
-fn columns_that_span_the_same_enter_once() {
+fn linearly_dependent_columns_enter_once() {
     let mut design = normal_design(2, 40, 60);
     for (copy, original, factor) in [(40, 4, 1.0), (41, 9, -2.0), (42, 0, 5.0)] {
         let column = design.column(original).mapv(|a| factor * a);
@@ -100,7 +100,7 @@ fn a_sample_that_alone_determines_a_term_is_never_part_of_the_choice() {
     design.column_mut(5).fill(0.0);
     design[[11, 5]] = 1.0;
     let mut response = noisy_response(&design, 0.1);
-    // The term that explains one sample alone is the most correlated one.
+    // The term that explains a single sample is the most correlated one.
     response[11] += 300.0;
     for method in [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::LeastAngle] {
         match whole(method).select(&Candidates::new(design.view()).unwrap(), &response) {

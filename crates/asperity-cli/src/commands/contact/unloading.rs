@@ -23,7 +23,7 @@ impl Unloaded {
 
     /// Adds the keys of unloading to `answer`, null where nothing is known.
     pub(super) fn add_to(this: Option<&Self>, answer: Answer) -> Answer {
-        let rms_m = this.map(|left| Moments::of(&values(&left.residual_height_m)).std);
+        let rms_m = this.map(|left| Moments::new(&values(&left.residual_height_m)).std);
         let span_m = this.map(|left| span(&left.residual_height_m));
         answer
             .with("max_plastic_displacement_m", this.map(|left| left.max_plastic_displacement_m))
@@ -37,11 +37,11 @@ fn values(map: &Array2<f64>) -> Vec<f64> {
 }
 
 fn largest(map: &Array2<f64>) -> f64 {
-    Extent::of(&values(map)).largest
+    Extent::new(&values(map)).largest
 }
 
 /// Highest less lowest value.
 pub(super) fn span(map: &Array2<f64>) -> f64 {
-    let extent = Extent::of(&values(map));
+    let extent = Extent::new(&values(map));
     extent.largest - extent.least
 }

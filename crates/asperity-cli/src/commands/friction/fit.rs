@@ -6,11 +6,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use asperity::correlation::RankedLength;
+use asperity::distribution::fit::Fit;
 use asperity::friction::measured::{
     Abscissa, ColumnTable, Cut, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
     Preparation, Prepared, RecordColumns,
 };
-use asperity::law::fit::Fit;
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::Estimate;
 use asperity::study::{Table, json_bytes};
@@ -267,7 +267,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         .with("correlation_length_m_interval", json!(correlation.and_then(|correlation| correlation.length_interval_m)))
         .with("correlation_fit_p_value", fitted.length.lack_of_fit.map(|test| test.p_value))
         .with("values_are", fitted.observation.name())
-        .with("noise_share", fitted.length.noise_share)
+        .with("noise_share", fitted.length.noise_fraction)
         .with("noise_share_interval", json!(fitted.length.noise_interval.map(|i| [i.low, i.high])))
         .with("law", process.marginal.as_ref().map(ToString::to_string))
         .with("law_distance", fit.map(|fit| fit.statistic))
@@ -281,7 +281,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
     let laws = &fitted.laws;
     let law = |fit: &Fit| {
         let aic = fit.aic_correlated(laws.effective_size);
-        json!({ "name": fit.family.key(), "law": fit.law.to_string(), "aic": aic })
+        json!({ "name": fit.family.key(), "law": fit.marginal.to_string(), "aic": aic })
     };
     let model = |ranked: &RankedLength| {
         let fit = &ranked.fit;
@@ -292,7 +292,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
             "aic_difference": ranked.aic_difference,
             "worse": ranked.worse,
             "window_m": fit.window_m,
-            "noise_share": fit.noise_share,
+            "noise_share": fit.noise_fraction,
             "fit_p_value": fit.lack_of_fit.map(|test| test.p_value),
         })
     };

@@ -67,7 +67,7 @@ impl Simulate {
         replace_file(&self.out, |file| file.write_all(&bytes))?;
         monitor.note(&format!("{said} {}", self.out.display()));
         let mu = record.column("mu").unwrap_or_default();
-        let moments = Moments::of(mu);
+        let moments = Moments::new(mu);
         let negative = mu.iter().filter(|mu| **mu < 0.0).count();
         if negative > 0 {
             monitor.warn(&format!(

@@ -77,13 +77,13 @@ impl Fill {
         }
         self.doubt(&filling, monitor);
         let maps = self.target.open(self.count, &[&self.input])?;
-        let germ = |index: usize| {
+        let xi = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
             random::standard_normal(&mut stream, filling.xi_len())
         };
         for first in (0..self.count).step_by(FILLED_AT_ONCE) {
             let some = first..(first + FILLED_AT_ONCE).min(self.count);
-            let drawn = filling.draw(some.clone().map(germ), monitor)?;
+            let drawn = filling.draw(some.clone().map(xi), monitor)?;
             for (index, map) in some.zip(&drawn) {
                 monitor.check()?;
                 maps.keep(index, map)?;

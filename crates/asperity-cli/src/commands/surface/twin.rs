@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use asperity::correlation::CorrelationFamily;
-use asperity::law::Marginal;
+use asperity::distribution::Marginal;
 use asperity::map::BoundaryKind;
 use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use asperity::distribution::Marginal;
 use asperity::friction::process::{FrictionProcess, Generator, ProcessModel, TranslationKind};
-use asperity::law::Marginal;
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
 use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};

@@ -1,5 +1,5 @@
 use super::*;
-use asperity_base::law::standard_normal_quantile;
+use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::random;
 
 #[test]
@@ -24,7 +24,8 @@ fn normal(n: usize) -> Vec<f64> {
 /// 2·0.2³/3. Peaks start at z = Sk/2, Smrk1 = Φ(−z), their area is φ(z) − z Φ(−z), and Spk is twice that over Smrk1.
 #[test]
 fn normal_heights_have_the_closed_form_sk_family_and_volumes() {
-    let (pdf, cdf) = (asperity_base::law::standard_normal_pdf, asperity_base::law::standard_normal_cdf);
+    let (pdf, cdf) =
+        (asperity_base::distribution::standard_normal_pdf, asperity_base::distribution::standard_normal_cdf);
     let z = standard_normal_quantile(0.7);
     let moment = -0.4 * pdf(z) + (2.0 * cdf(2.0_f64.sqrt() * z) - 1.0) / (2.0 * std::f64::consts::PI.sqrt());
     let sk = moment / (2.0 * 0.2_f64.powi(3) / 3.0);

@@ -4,6 +4,7 @@ use faer::{Mat, Side};
 use super::*;
 use asperity_base::correlation::{CorrelationModel, Covariance, Rotated};
 use asperity_base::random;
+use asperity_testing::AlwaysCancelled;
 
 fn grid(nx: usize, ny: usize) -> Grid {
     Grid::new(nx, ny, 1.0, 1.0).unwrap()
@@ -362,19 +363,12 @@ fn maps_are_the_same_alone_together_and_with_any_number_of_threads() {
 
 #[test]
 fn cancellation_stops_all_computations() {
-    struct Stopped;
-    impl Monitor for Stopped {
-        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
     let rough = isotropic(CorrelationModel::Exponential, 4.0);
     let map = measured(&rough, grid(40, 40), block);
-    let error = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Stopped).unwrap_err();
+    let error = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &AlwaysCancelled).unwrap_err();
     assert!(matches!(error, ConditionalError::Cancelled(_)));
     let surface = NeighbourhoodSurface::new(&rough, &map, 0.0, 0.0, &Silent).unwrap();
-    assert!(surface.draw([xi(surface.xi_len(), "fill", 0)], &Stopped).is_err());
+    assert!(surface.draw([xi(surface.xi_len(), "fill", 0)], &AlwaysCancelled).is_err());
     assert!(matches!(
         NeighbourhoodSurface::new(&rough, &map, 0.0, -1.0, &Silent),
         Err(ConditionalError::Parameter { parameter: "nugget", .. })

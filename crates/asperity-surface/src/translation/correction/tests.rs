@@ -69,7 +69,7 @@ fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, 
         .map(|ring| {
             let rho = maps.iter().map(|means| means[ring]).sum::<f64>() / (count as f64 * variance);
             let scatter: Vec<f64> = maps.iter().map(|means| (means[ring] - rho * means[0]) / variance).collect();
-            (rho, Moments::of(&scatter).standard_error())
+            (rho, Moments::new(&scatter).standard_error())
         })
         .collect()
 }

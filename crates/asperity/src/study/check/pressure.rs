@@ -81,7 +81,7 @@ impl StudyFile {
             at_least(PRESSURE, "points", n, 2)?;
         }
         let [nx, ny] = p.points;
-        let grid = Grid::covering(nx, ny, p.size[0].0, p.size[1].0)
+        let grid = Grid::with_size(nx, ny, p.size[0].0, p.size[1].0)
             .map_err(|error| invalid(PRESSURE, "points", error.to_string()))?;
         let [row, column] = p.cell.unwrap_or([ny / 2, nx / 2]);
         if row >= ny || column >= nx {

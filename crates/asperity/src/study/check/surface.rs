@@ -5,7 +5,7 @@ use std::str::FromStr;
 use asperity_formats::LengthUnit;
 
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::map::{BoundaryKind, PITCH_RANGE_M};
 use crate::study::file::StudyFile;
 use crate::surface::{CovarianceSource, SurfaceGenerator};

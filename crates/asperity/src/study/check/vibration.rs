@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use asperity_base::choice::ByName;
 
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
+use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
-use crate::law::{LawError, Marginal};
 use crate::quantity::{Area, Force, Length};
 use crate::study::file::{MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
 use crate::study::sentence;
@@ -296,7 +296,7 @@ impl StudyFile {
                 within(SECTION, "friction_correlation_length", correlation_length.0, positive, POSITIVE)?;
                 let marginal = marginal
                     .parse()
-                    .map_err(|error: LawError| invalid(SECTION, "friction_marginal", error.to_string()))?;
+                    .map_err(|error: DistributionError| invalid(SECTION, "friction_marginal", error.to_string()))?;
                 Ok(FrictionSource::Stated(StatedFriction { mean, std, correlation_length, marginal }))
             }
         }

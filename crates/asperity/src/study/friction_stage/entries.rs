@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::correlation::Stationarity;
+use crate::distribution::fit::{Fit, Ranking};
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
-use crate::law::fit::{Fit, Ranking};
 use crate::stats::Estimate;
 use crate::study::friction_stage::{SolvedLevel, no_variance};
 use crate::study::result::{
@@ -52,7 +52,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
         correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
         window_only: study.map(WindowStudy::window_only),
-        marginal: statistics.marginal().filter(|_| exists).map(|fit| law_result(&fit.law)),
+        marginal: statistics.marginal().filter(|_| exists).map(|fit| law_result(&fit.marginal)),
         marginal_parameter_intervals: if exists { parameter_intervals(statistics) } else { BTreeMap::new() },
         gof: goodness(statistics).filter(|_| exists),
         return_levels: statistics
@@ -61,7 +61,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
             .filter(|_| exists)
             .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
         tail: statistics.tail.as_ref().map(tail),
-        beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| law_result(&fit.law)),
+        beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| law_result(&fit.marginal)),
         no_variance: solved.heavy_tail.as_ref().map(no_variance),
         at_mean_load: AtMeanLoad {
             mean: solved.mean,
@@ -74,7 +74,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
             correlation_length_m_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
             correlation_curves: correlation_curves(process),
             correlation_models: correlation_models(&solved.analysis),
-            marginal: process.marginal().map(|fit| law_result(&fit.law)),
+            marginal: process.marginal().map(|fit| law_result(&fit.marginal)),
             marginal_parameter_intervals: parameter_intervals(process),
             gof: goodness(process),
             laws: laws(&process.marginals),

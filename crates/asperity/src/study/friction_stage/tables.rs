@@ -1,12 +1,12 @@
 //! The tables of the friction stage.
 
 use crate::correlation::{WindowedModel, windowed_exponential};
+use crate::distribution::Marginal;
+use crate::distribution::fit::{Family, Fit};
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
 use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
-use crate::law::Marginal;
-use crate::law::fit::{Family, Fit};
 use crate::stats::{Estimate, Histogram, sorted_present};
 use crate::study::Table;
 use crate::study::friction_stage::SolvedLevel;
@@ -104,24 +104,24 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
     let process = &lead.process;
     let pooled = sorted_present(lead.at_mean_load.iter().flat_map(|record| record.friction.iter().copied()));
     // Values that are all equal have no histogram.
-    let Ok(histogram) = Histogram::of(&pooled) else { return Vec::new() };
+    let Ok(histogram) = Histogram::new(&pooled) else { return Vec::new() };
     let centres = histogram.centres();
     let density = |law: &Marginal| -> Vec<f64> { centres.iter().map(|mu| law.pdf(*mu)).collect() };
     let chosen = process.marginal();
     let mut columns = vec![("density".to_owned(), histogram.density())];
     // The windows' own law has no density beside their histogram.
     let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
-    columns.extend(chosen.filter(smooth).map(|fit| ("fitted_density".to_owned(), density(&fit.law))));
-    columns.extend(process.beta.iter().map(|fit| ("beta_density".to_owned(), density(&fit.law))));
+    columns.extend(chosen.filter(smooth).map(|fit| ("fitted_density".to_owned(), density(&fit.marginal))));
+    columns.extend(process.beta.iter().map(|fit| ("beta_density".to_owned(), density(&fit.marginal))));
     let others =
         process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
-    columns.extend(others.filter(smooth).map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
+    columns.extend(others.filter(smooth).map(|fit| (format!("{}_density", fit.family.key()), density(&fit.marginal))));
     columns.push(("mu".to_owned(), centres));
     let mut tables = vec![("friction_histogram", Table::new(columns).led_by("mu"))];
     if let Some(fit) = chosen {
-        let transform = integral_transform(&fit.law, &pooled, process.effective_windows);
+        let transform = integral_transform(&fit.marginal, &pooled, process.effective_windows);
         tables.push(("friction_pit", table(transform).led_by("probability")));
-        tables.push(("friction_qq", table(quantile_pairs(&fit.law, &pooled)).led_by("probability")));
+        tables.push(("friction_qq", table(quantile_pairs(&fit.marginal, &pooled)).led_by("probability")));
     }
     tables
 }
@@ -145,7 +145,7 @@ fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         let window_m = window.length_m();
         columns.push(("window_only".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, 0.0))));
         columns.extend(lead.window_study.as_ref().map(|study| {
-            let model = WindowedModel::new(study.model, window_m).on_cells(window.cell_m());
+            let model = WindowedModel::new(study.model, window_m).with_cells(window.cell_m());
             ("windowed_fit".to_owned(), over_lags(&|lag| model.correlation(lag, study.length_m)))
         }));
     }
@@ -169,9 +169,9 @@ fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         ("density_m_high".to_owned(), spectrum.high.clone()),
     ];
     if let (Some(study), true) = (&lead.window_study, window.is_rectangle()) {
-        let model = WindowedModel::new(study.model, window.length_m()).on_cells(window.cell_m());
-        columns.push(("window_only_m".to_owned(), spectrum.of_model(&model, 0.0, variance)));
-        columns.push(("windowed_fit_m".to_owned(), spectrum.of_model(&model, study.length_m, variance)));
+        let model = WindowedModel::new(study.model, window.length_m()).with_cells(window.cell_m());
+        columns.push(("window_only_m".to_owned(), spectrum.model_density(&model, 0.0, variance)));
+        columns.push(("windowed_fit_m".to_owned(), spectrum.model_density(&model, study.length_m, variance)));
     }
     columns.push(("frequency_per_m".to_owned(), spectrum.frequency_per_m.clone()));
     Some(Table::new(columns).led_by("frequency_per_m"))

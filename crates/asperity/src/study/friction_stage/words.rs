@@ -46,7 +46,7 @@ pub(super) fn sentences(
             "the width of the strip".to_owned()
         }
         1 => sentence::si(window.width_m(), "m"),
-        lanes => format!("{}, {lanes} side by side", sentence::si(window.width_m(), "m")),
+        tracks => format!("{}, {tracks} side by side", sentence::si(window.width_m(), "m")),
     };
     let mut sentences = vec![
         format!(

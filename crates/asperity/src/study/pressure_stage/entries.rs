@@ -1,6 +1,6 @@
 //! The law of the pressure as entries of `results.json`.
 
-use crate::pressure::{Estimate, MethodResult, Quantity, Results, ScalarResult};
+use crate::pressure::{ComparisonResults, Estimate, MethodResult, Quantity, ScalarResult};
 use crate::study::pressure_stage::{indices, maps};
 use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
@@ -16,7 +16,7 @@ pub(super) struct Posed {
     pub(super) separation_m: Option<f64>,
 }
 
-pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
+pub(super) fn summary(results: &ComparisonResults, posed: &Posed) -> PressureResult {
     let reference = &results.reference;
     let estimate = &reference.estimate;
     PressureResult {
@@ -29,7 +29,7 @@ pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
         mean_pa: estimate.mean_pa,
         mean_se_pa: finite(estimate.mean_se_pa),
         mean_interval: estimate.mean_interval_pa().map(pair),
-        std_pa: estimate.law.std(),
+        std_pa: estimate.distribution.std(),
         quantiles: quantiles(estimate),
         ks_resolution: reference.ks_resolution,
         failed_samples: reference.failures.len(),
@@ -74,7 +74,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
         mean_bias_pa: estimate.mean_bias_pa.and_then(finite),
         mean_se_pa: finite(estimate.mean_se_pa),
         mean_interval: estimate.mean_interval_pa().map(pair),
-        std_pa: finite(estimate.law.std()),
+        std_pa: finite(estimate.distribution.std()),
         quantiles: quantiles(estimate),
         simultaneous_band_factor: estimate.band.as_ref().and_then(|band| finite(band.simultaneous_factor)),
         ks_distance: Some(comparison.ks_distance),
@@ -89,7 +89,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
 fn quantiles(estimate: &Estimate) -> Vec<PressureQuantile> {
     let quantile = |probability: f64| PressureQuantile {
         probability,
-        pressure_pa: estimate.law.quantile(probability),
+        pressure_pa: estimate.distribution.quantile(probability),
         pressure_pa_interval: estimate.quantile_interval_pa(probability).map(pair),
     };
     PROBABILITIES.into_iter().map(quantile).collect()
@@ -117,7 +117,7 @@ fn scalar_entry(scalar: &ScalarResult) -> ScalarEntry {
         mean: scalar.mean,
         mean_se: scalar.mean_se,
         mean_interval: pair(scalar.mean_interval),
-        std: scalar.law.std(),
+        std: scalar.distribution.std(),
         quantiles: scalar.quantiles.iter().map(quantile).collect(),
     }
 }

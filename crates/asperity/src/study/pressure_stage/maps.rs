@@ -1,11 +1,11 @@
 //! The laws of the pressures of all cells as fields and entries of `results.json`.
 
-use crate::pressure::{FieldLaws, GlobalExpansion, Homogeneity, MethodError};
+use crate::pressure::{FieldDistributions, GlobalExpansion, Homogeneity, MethodError};
 use crate::study::Field;
 use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, finite};
 
 /// The maps, in pascal and shares.
-pub(super) fn fields(laws: &FieldLaws) -> Vec<(&'static str, Field)> {
+pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, Field)> {
     let field = |unit, values: &ndarray::Array2<f64>| Field { grid: laws.grid, unit, values: values.clone() };
     let mut fields = vec![
         ("contact_probability", field("1", &laws.contact_probability)),
@@ -31,7 +31,7 @@ fn quantile_name(probability: f64) -> Option<&'static str> {
     }
 }
 
-pub(super) fn entry(laws: &FieldLaws) -> MapsEntry {
+pub(super) fn entry(laws: &FieldDistributions) -> MapsEntry {
     let largest = |values: &ndarray::Array2<f64>| values.iter().copied().fold(f64::NAN, f64::max);
     let half_widths = (&laws.contact_probability_high - &laws.contact_probability_low) * 0.5;
     MapsEntry {
@@ -81,12 +81,15 @@ mod tests {
     use crate::map::Grid;
     use crate::pressure::QuantileMap;
 
-    fn laws(global: Result<GlobalExpansion, MethodError>, homogeneity: Result<Homogeneity, MethodError>) -> FieldLaws {
-        let grid = Grid::covering(2, 2, 1.0, 1.0).unwrap();
+    fn laws(
+        global: Result<GlobalExpansion, MethodError>,
+        homogeneity: Result<Homogeneity, MethodError>,
+    ) -> FieldDistributions {
+        let grid = Grid::with_size(2, 2, 1.0, 1.0).unwrap();
         let shares = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
         let quantile =
             |probability| QuantileMap { probability, pressure_pa: Array2::from_elem((2, 2), 1e6 * probability) };
-        FieldLaws {
+        FieldDistributions {
             grid,
             samples: 40,
             kept_samples: 30,

@@ -1,13 +1,13 @@
 //! The series behind the figures of the pressure stage.
 
-use crate::chaos::StepLaw;
-use crate::pressure::{Band, Method, Results};
+use crate::chaos::DiscreteDistribution;
+use crate::pressure::{Band, ComparisonResults, Method};
 use crate::study::Table;
 use crate::study::pressure_stage::entries::scalar_name;
 use crate::study::pressure_stage::indices;
 use crate::study::result::{MethodEntry, Pair, PressureResult};
 
-pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'static str, Table)> {
+pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, Table)> {
     let mut tables = vec![
         ("pressure_cdf", cdf(results)),
         ("pressure_bands", bands(results)),
@@ -24,9 +24,9 @@ pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'stat
 }
 
 /// The CDF of every method that has an estimate on one grid of pressures: 0, quantiles of the reference, and even steps between.
-fn cdf(results: &Results) -> Table {
+fn cdf(results: &ComparisonResults) -> Table {
     const ROWS: usize = 400;
-    let reference = &results.reference.estimate.law;
+    let reference = &results.reference.estimate.distribution;
     let atom = reference.cdf(0.0);
     let highest = reference.quantile(1.0);
     let mut pressures = vec![0.0];
@@ -39,17 +39,17 @@ fn cdf(results: &Results) -> Table {
     pressures.push(highest);
     pressures.sort_by(f64::total_cmp);
     pressures.dedup();
-    let column = |law: &StepLaw| -> Vec<f64> { pressures.iter().map(|p| law.cdf(*p)).collect() };
+    let column = |law: &DiscreteDistribution| -> Vec<f64> { pressures.iter().map(|p| law.cdf(*p)).collect() };
     let mut columns = vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(reference))];
     for method in Method::ALL {
-        columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.law))));
+        columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.distribution))));
     }
     Table::new(columns)
 }
 
 /// The CDF of the reference and of every method that has a band, each at pressures of its own, with standard errors and 95 %
 /// limits pointwise and simultaneous.
-fn bands(results: &Results) -> Table {
+fn bands(results: &ComparisonResults) -> Table {
     let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
     let methods = Method::ALL.into_iter().map(|method| {
         let estimate = results.estimate(method).map(|(estimate, _)| estimate);
@@ -149,11 +149,11 @@ fn scalars(summary: &PressureResult) -> Table {
 }
 
 /// The quantiles of the scalars at evenly spaced probabilities.
-fn scalar_laws(results: &Results) -> Table {
+fn scalar_laws(results: &ComparisonResults) -> Table {
     const ROWS: usize = 200;
     let probabilities: Vec<f64> = (0..ROWS).map(|k| (k as f64 + 0.5) / ROWS as f64).collect();
     let scalars = results.scalars.iter().map(|scalar| {
-        let values = probabilities.iter().map(|p| scalar.law.quantile(*p)).collect();
+        let values = probabilities.iter().map(|p| scalar.distribution.quantile(*p)).collect();
         (scalar_name(scalar.quantity).to_owned(), values)
     });
     let scalars: Vec<(String, Vec<f64>)> = scalars.collect();

@@ -1,6 +1,6 @@
 //! In which the statistic of a further twin lies.
 
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::stats::{Interval, Moments, sorted_present};
 use crate::study::result::BandMethod;
 
@@ -79,7 +79,7 @@ pub(super) struct Spread {
 impl Spread {
     pub(super) fn of(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
         let sorted = sorted_present(values);
-        let moments = Moments::of(&sorted);
+        let moments = Moments::new(&sorted);
         let band = match band_method(sorted.len()) {
             BandMethod::None => None,
             BandMethod::Quantiles => {
@@ -88,7 +88,7 @@ impl Spread {
             BandMethod::StudentT => {
                 let unfolded: Vec<f64> = sorted.iter().map(|value| scale.unfold(*value)).collect();
                 if unfolded.iter().all(|value| value.is_finite()) {
-                    let band = prediction_interval(&Moments::of(&unfolded));
+                    let band = prediction_interval(&Moments::new(&unfolded));
                     Some(Interval { low: scale.fold(band.low), high: scale.fold(band.high) })
                 } else {
                     // A share is just one, a peak height zero: on their own scale, cut at the ends of their range.

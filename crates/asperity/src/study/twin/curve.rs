@@ -73,7 +73,7 @@ impl CurveKind {
         let (x, y) = match self {
             Self::HeightDensity => {
                 let centred: Vec<f64> = map.present_m().map(|z| z - correlation.mean_m()).collect();
-                let centres = Histogram::of(&centred).ok().filter(|bins| bins.counts.len() > 1)?.centres();
+                let centres = Histogram::new(&centred).ok().filter(|bins| bins.counts.len() > 1)?.centres();
                 let density = density_in(&centres, &centred);
                 (centres, density)
             }
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn the_density_is_the_histogram_and_of_others_counts_what_falls_into_its_bins() {
         let values = random::standard_normal(&mut random::stream(8, "density", 0), 4000);
-        let histogram = Histogram::of(&values).unwrap();
+        let histogram = Histogram::new(&values).unwrap();
         let found = density_in(&histogram.centres(), &values);
         let width = histogram.edges[1] - histogram.edges[0];
         // A value at an edge may fall to either side by rounding.

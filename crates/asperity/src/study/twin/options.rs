@@ -44,7 +44,7 @@ impl TwinOptions {
 
     /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.
     pub fn memory_bytes(&self, scan_points: usize, pitch_m: Option<(f64, f64)>, at_once: usize) -> f64 {
-        // The covariance embedded in twice the width and height with its sorted modes; of each twin the germ, the
+        // The covariance embedded in twice the width and height with its sorted modes; of each twin the ξ, the
         // transform, and the padded correlations; the scan, raw and prepared.
         const GENERATOR: f64 = 4.0 * 64.0;
         const TWIN: f64 = 4.0 * 48.0;
@@ -62,7 +62,7 @@ impl TwinOptions {
         let filling = |size_m: [f64; 2]| [0, 1].map(|axis| (size_m[axis] / pitch_m[axis]).round() as usize);
         let grid = match (self.points, self.size_m) {
             (None, None) => Ok(scan),
-            (Some([nx, ny]), Some([width_m, height_m])) => Grid::covering(nx, ny, width_m, height_m),
+            (Some([nx, ny]), Some([width_m, height_m])) => Grid::with_size(nx, ny, width_m, height_m),
             (Some([nx, ny]), None) => Grid::new(nx, ny, pitch_m[0], pitch_m[1]),
             (None, Some(size_m)) => {
                 let [nx, ny] = filling(size_m);

@@ -1,12 +1,13 @@
 //! Twins of maps whose law is known.
 
 use asperity_formats::Scan;
+use asperity_testing::AlwaysCancelled;
 use ndarray::Array2;
 
 use super::*;
 use crate::correlation::CorrelationFamily;
 use crate::correlation::{Autocorrelation, CorrelationModel, Covariance, Rotated};
-use crate::law::Marginal;
+use crate::distribution::Marginal;
 use crate::monitor::Silent;
 use crate::quantity::Length;
 use crate::study::result::StatisticComparison;
@@ -317,15 +318,8 @@ fn a_flat_scan_a_wrong_law_and_a_stop_are_errors() {
     let error = Twins::like(scan_of(heights.clone()), "map", &options).err().unwrap();
     assert_eq!(error.kind(), crate::study::FailureKind::Configuration);
 
-    struct Stopped;
-    impl Monitor for Stopped {
-        fn progress(&self, _: &str, _: usize, _: usize) {}
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
     let twins = Twins::like(scan_of(heights), "map", &plain(1)).unwrap();
-    let stopped = twins.compare(3, &Stopped, |_, _| Ok::<(), StudyError>(()));
+    let stopped = twins.compare(3, &AlwaysCancelled, |_, _| Ok::<(), StudyError>(()));
     assert!(matches!(stopped, Err(TwinError::Study(StudyError::Cancelled(_)))));
     let full = twins.compare(3, &Silent, |_, _| Err("the disk is full"));
     assert!(matches!(full, Err(TwinError::Keep("the disk is full"))));

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
+use crate::distribution::Marginal;
 use crate::friction::process::{Cancellable, FrictionProcess};
-use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::Histogram;
 use crate::study::Table;
@@ -43,7 +43,7 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Ta
 
 /// Histogram of points beside the normal density of equal mean and standard deviation; none of too few points.
 pub fn points_table(points: &SampleDistribution) -> Option<Table> {
-    let histogram = Histogram::of(&points.sample).ok()?;
+    let histogram = Histogram::new(&points.sample).ok()?;
     let centres = histogram.centres();
     let mut columns = vec![("density", histogram.density())];
     if let Ok(normal) = Marginal::normal(points.mean, points.std) {

@@ -4,7 +4,7 @@ use crate::map::Grid;
 use crate::random;
 use ndarray::Array2;
 
-/// Maps of n × n points cut from periodic Gaussian ones of twice the side, whose spectrum on the lattice is `psd_m4`.
+/// Maps of n × n points from periodic Gaussian maps of twice the side with the spectrum `psd_m4` on the lattice.
 fn gaussian_map(n: usize, index: u64, psd_m4: &(impl Fn(f64, f64) -> f64 + Sync)) -> HeightMap {
     let side = 2 * n;
     let fft = RealFft2::new(side, side);
@@ -22,12 +22,13 @@ fn gaussian_map(n: usize, index: u64, psd_m4: &(impl Fn(f64, f64) -> f64 + Sync)
     HeightMap::new(Grid::new(n, n, 1.0, 1.0).unwrap(), values).unwrap()
 }
 
-/// Falls as that of H = 0.5 from the roll-off 2π/24 on; `stretch` times as long along y as along x.
+/// Spectrum with H = 0.5 and a roll-off at 2π/24, `stretch` times as long along y as along x.
 fn self_affine(stretch: f64) -> impl Fn(f64, f64) -> f64 + Sync {
     move |qx, qy| stretch * (1.0 + (qx * qx + (stretch * qy).powi(2)) * (24.0 / TAU).powi(2)).powf(-1.5)
 }
 
-/// Share of the bins between two wavenumbers whose band holds the true mean, over `maps` maps, and the number of bins tried.
+/// Returns the fraction of the bins between two wavenumbers whose band contains the true mean over `maps` maps, and the
+/// number of bins.
 fn coverage(
     maps: u64,
     spectrum: impl Fn(u64) -> BinnedSpectrum + Sync,
@@ -53,7 +54,7 @@ fn coverage(
     (inside / tried, tried)
 }
 
-/// Mean of a spectrum over the wavevectors of the rings of a map of n × n points.
+/// Returns the mean of a spectrum over the wavevectors of the rings of a map of n × n points.
 fn ring_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let edges = edges(n / 2);
     let mut sums = vec![(0.0, 0.0); edges.len() - 1];
@@ -70,10 +71,10 @@ fn ring_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     sums.iter().map(|(sum, count)| sum / count).collect()
 }
 
-/// Mean of the spectrum of profiles along x on a lattice of pitch 1 over the wavenumbers of the bins.
+/// Returns the mean of the spectrum of profiles along x on a lattice of pitch 1 over the wavenumbers of the bins.
 fn profile_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let edges = edges(n / 2);
-    // ∫ P dqy/2π over the lattice's zone, exact as the maps are made with 2n wavenumbers of it.
+    // ∫ P dqy/2π over the zone of the lattice, exact because the maps are made of 2n of its wavenumbers.
     let along = |qx: f64| {
         (0..2 * n).map(|ky| psd_m4(qx, signed_index(ky, 2 * n) * 0.5 * TAU / n as f64)).sum::<f64>() / (2 * n) as f64
     };
@@ -88,8 +89,8 @@ fn profile_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
     sums.iter().map(|(sum, count)| sum / count).collect()
 }
 
-/// Coverage of the three spectra of maps with spectrum `psd_m4`, whose means over rings and over profiles along x and y are
-/// `truths`, from a wavenumber in steps 2π/L to another; and the least number of bins tried.
+/// Coverage of the three spectra of maps with spectrum `psd_m4` between two wavenumbers in steps 2π/L, given their true
+/// means over rings and over profiles along x and y; and the least number of bins.
 fn coverages(
     (n, maps): (usize, u64),
     psd_m4: &(impl Fn(f64, f64) -> f64 + Sync),
@@ -107,15 +108,16 @@ fn coverages(
         coverage(maps, profiles(Axis::X), &truths[1], range),
         coverage(maps, profiles(Axis::Y), &truths[2], range),
     ];
-    (found.map(|(share, _)| share), found.iter().map(|(_, tried)| *tried).fold(f64::INFINITY, f64::min))
+    (found.map(|(fraction, _)| fraction), found.iter().map(|(_, tried)| *tried).fold(f64::INFINITY, f64::min))
 }
 
-/// Means of the spectrum itself.
+/// Returns the means of the spectrum itself.
 fn true_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] {
     [ring_means(n, psd_m4), profile_means(n, psd_m4), profile_means(n, &|x, y| psd_m4(y, x))]
 }
 
-/// Means of a spectrum that is even in qx and qy and the same along both, as Parzen's lag window over half of n resolves it.
+/// Returns the means of a spectrum that is even in and symmetric between qx and qy, at the resolution of Parzen's lag
+/// window over half of n.
 fn resolved_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] {
     let (side, lags) = (2 * n, (n - 1) / 2 + 1);
     let lattice = Array2::from_shape_fn((side, side), |(ky, kx)| {
@@ -138,27 +140,29 @@ fn resolved_means(n: usize, psd_m4: &impl Fn(f64, f64) -> f64) -> [Vec<f64>; 3] 
 }
 
 #[test]
-fn bands_hold_the_spectrum_of_an_isotropic_surface_in_95_percent_of_the_bins() {
-    let (shares, tried) =
+fn bands_cover_the_spectrum_of_an_isotropic_surface_in_95_percent_of_the_bins() {
+    let (fractions, tried) =
         coverages((64, 200), &self_affine(1.0), true_means(64, &self_affine(1.0)), |_, map| map, (2.0, 33.0));
-    println!("isotropic {shares:?} of {tried}");
-    // Binomial standard error of 0.95 from 3,600 bins: 0.0036. The window correlates neighbouring bins by less than a tenth,
-    // the lowest bins are biased by the curvature within the resolution, and the match of moments is not exact: 0.015 in all.
+    println!("isotropic {fractions:?} of {tried}");
+    // Binomial standard error of 0.95 from 3,600 bins: 0.0036. The window correlates neighbouring bins by less than a
+    // tenth, the lowest bins are biased by the curvature within the resolution, and the χ² match is approximate: 0.015
+    // in total.
     assert!(tried > 3500.0);
-    assert!(shares.iter().all(|share| (share - 0.95).abs() < 0.015), "{shares:?} of {tried}");
+    assert!(fractions.iter().all(|fraction| (fraction - 0.95).abs() < 0.015), "{fractions:?} of {tried}");
 }
 
 #[test]
-fn bands_are_nearly_as_good_on_a_surface_with_a_lay() {
-    let (shares, tried) =
+fn bands_have_nearly_nominal_coverage_on_a_directional_surface() {
+    let (fractions, tried) =
         coverages((64, 200), &self_affine(4.0), true_means(64, &self_affine(4.0)), |_, map| map, (3.0, 33.0));
-    println!("lay {shares:?} of {tried}");
-    // Four times as long along y: bands that count all coefficients of a ring or all profiles as equals hold far less.
-    assert!(shares.iter().all(|share| (0.92..0.97).contains(share)), "{shares:?} of {tried}");
+    println!("lay {fractions:?} of {tried}");
+    // Four times as long along y: counting all coefficients of a ring or all profiles equally would give a far lower
+    // coverage.
+    assert!(fractions.iter().all(|fraction| (0.92..0.97).contains(fraction)), "{fractions:?} of {tried}");
 }
 
 #[test]
-fn bands_hold_the_spectrum_of_maps_with_missing_points() {
+fn bands_cover_the_spectrum_of_maps_with_missing_points() {
     // A disc and one point of fifty are missing.
     let punched = |index, map: HeightMap| {
         let grid = map.grid();
@@ -169,12 +173,12 @@ fn bands_hold_the_spectrum_of_maps_with_missing_points() {
         });
         HeightMap::new(grid, heights).unwrap()
     };
-    // The estimate resolves less than the periodogram, so it is compared with what it can resolve.
+    // The estimate has a lower resolution than the periodogram, so its expectation is the smoothed spectrum.
     let psd = self_affine(1.0);
     let truths = resolved_means(64, &psd);
-    let (shares, tried) = coverages((64, 200), &psd, truths, punched, (4.0, 16.0));
-    println!("missing {shares:?} of {tried}");
-    assert!(shares.iter().all(|share| (0.9..0.98).contains(share)), "{shares:?} of {tried}");
+    let (fractions, tried) = coverages((64, 200), &psd, truths, punched, (4.0, 16.0));
+    println!("missing {fractions:?} of {tried}");
+    assert!(fractions.iter().all(|fraction| (0.9..0.98).contains(fraction)), "{fractions:?} of {tried}");
 }
 
 #[test]
@@ -193,8 +197,8 @@ fn kernels_are_the_covariances_of_windowed_white_noise() {
     }
     let total: f64 = (-2..=2).map(|d| Kernel::hann().at(d)).sum();
     assert!((total - 35.0 / 18.0).abs() < 1e-15);
-    // Parzen's lag window has 3.709 n/M degrees of freedom per coefficient (Percival & Walden, table 269), 2/κ(0), without
-    // the pairs that long lags lack.
+    // Parzen's lag window has 3.709 n/M degrees of freedom per coefficient (Percival & Walden, table 269), 2/κ(0),
+    // without the correction for the pairs missing at long lags.
     let (n, end) = (4000, 40);
     assert!((2.0 / Kernel::parzen(n, end).at(0) * end as f64 / n as f64 - 3.709).abs() < 0.02);
 }
@@ -209,7 +213,7 @@ fn sums_over_neighbours_are_the_double_sums_over_all_wavevectors() {
         let magnitude = |kx: f64, ky: f64| kx.hypot(ky);
         let edges = edges(nx.min(ny) / 2);
         let found = spectrum.sums(edges.len() - 1, magnitude, |q| bin_of(&edges, q));
-        // All wavevectors with their density; distances on the lattice that repeats itself.
+        // All wavevectors with their density; distances on the periodic lattice.
         let all: Vec<(isize, isize, Option<usize>, f64)> = (0..nx as isize)
             .flat_map(|kx| (0..ny as isize).map(move |ky| (kx, ky)))
             .map(|(kx, ky)| {
@@ -245,7 +249,7 @@ fn a_single_coefficient_has_two_degrees_of_freedom_and_bins_are_means() {
     let map = gaussian_map(32, 0, &self_affine(1.0));
     let fine = profile_spectrum(&map, Axis::X).unwrap();
     let found = binned_profile_spectrum(&map, Axis::X).unwrap();
-    // Up to the sixth wavenumber, where a sixth of an octave is one, bins hold one each.
+    // Up to the sixth wavenumber, where a sixth of an octave is one, bins contain one each.
     for k in 1..=6 {
         assert_eq!(found.coefficients[k - 1], 2);
         assert!((found.psd[k - 1] / fine.psd_m3[k] - 1.0).abs() < 1e-12);
@@ -258,7 +262,7 @@ fn a_single_coefficient_has_two_degrees_of_freedom_and_bins_are_means() {
     let weighted: Vec<f64> = found.psd.iter().zip(&found.coefficients).map(|(psd, n)| psd * *n as f64).collect();
     let both_signs = 2.0 * power(&fine.psd_m3[1..16]) + fine.psd_m3[16];
     assert!((power(&weighted) / both_signs - 1.0).abs() < 1e-12);
-    // Equal profiles are one: 2 degrees of freedom where 32 independent ones have 64.
+    // Identical profiles are redundant: 2 degrees of freedom where 32 independent ones have 64.
     let waves = HeightMap::from_function(map.grid(), |x, _| (1.3 * x).sin() + (0.4 * x * x).cos()).unwrap();
     let equal = binned_profile_spectrum(&waves, Axis::X).unwrap();
     assert!((equal.degrees_of_freedom[2] - 2.0).abs() < 1e-9, "{:?}", equal.degrees_of_freedom);

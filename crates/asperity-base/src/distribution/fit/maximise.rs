@@ -1,0 +1,40 @@
+//! Local maxima of profile likelihoods over free ends.
+
+use super::{End, Family, Fit};
+use crate::distribution::{DistributionError, Marginal};
+use crate::numeric::golden_section;
+
+/// Range of the distance between the sample and a free end, in units of the range of the sample.
+pub(super) const NEAREST: f64 = 1e-6;
+pub(super) const FARTHEST: f64 = 1e3;
+/// Number of points of the logarithmic search grid.
+const GRID: usize = 55;
+
+/// Fits a distribution with a free lower end, at the largest interior local maximum of the profile likelihood over the
+/// shift.
+pub(super) fn shift(
+    family: Family,
+    sorted: &[f64],
+    given: impl Fn(&[f64], f64) -> Result<Marginal, DistributionError>,
+) -> Result<Fit, DistributionError> {
+    let least = sorted[0];
+    let range = sorted[sorted.len() - 1] - least;
+    let at = |log_gap: f64| Some(Fit::unbounded(family, given(sorted, least - range * log_gap.exp()).ok()?, sorted));
+    let profile = |log_gap: f64| at(log_gap).map_or(f64::NEG_INFINITY, |fit| fit.log_likelihood);
+
+    let step = (FARTHEST / NEAREST).ln() / (GRID - 1) as f64;
+    let gaps: Vec<f64> = (0..GRID).map(|i| NEAREST.ln() + step * i as f64).collect();
+    let heights: Vec<f64> = gaps.iter().map(|gap| profile(*gap)).collect();
+    let peak = (1..GRID - 1)
+        .filter(|&i| heights[i].is_finite() && heights[i] > heights[i - 1] && heights[i] >= heights[i + 1])
+        .max_by(|&i, &j| heights[i].total_cmp(&heights[j]));
+    let none = DistributionError::Sample {
+        distribution: family.name(),
+        n: sorted.len(),
+        reason: "the likelihood has no maximum over the shift: it grows towards the least value or towards minus infinity",
+    };
+    let Some(peak) = peak else { return Err(none) };
+    let bracket = [gaps[peak - 1], gaps[peak + 1]];
+    let log_gap = golden_section(|log_gap| -profile(log_gap), bracket, 1.2e-8 * (bracket[1] - bracket[0])).middle();
+    at(log_gap).map(|fit| Fit { low_end: End::Fitted, ..fit }).ok_or(none)
+}

@@ -1,0 +1,119 @@
+//! Weibull distribution with a given shift.
+
+use crate::distribution::{DistributionError, Marginal};
+use crate::stats::Moments;
+
+/// Returns the maximum-likelihood Weibull distribution with this shift.
+///
+/// The shape k is the root of Σ tᵏ ln t/Σ tᵏ − 1/k = mean ln t, whose left side increases with k, by Newton's method on
+/// ln k within a bracket. The scale is (mean tᵏ)^{1/k}.
+pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionError> {
+    let n = sorted.len() as f64;
+    let failed = |reason| DistributionError::Sample { distribution: "weibull", n: sorted.len(), reason };
+    let logs: Vec<f64> = sorted.iter().map(|x| (x - shift).ln()).collect();
+    let moments = Moments::new(&logs);
+    let largest = logs.last().copied().unwrap_or(f64::NAN);
+    // Sums of t̃ᵏ (ln t̃)ʲ with t̃ = t/max t, which avoids overflow.
+    let sums = |shape: f64| {
+        logs.iter().map(|log| log - largest).fold([0.0; 3], |[zero, one, two], log| {
+            let power = (shape * log).exp();
+            [zero + power, one + power * log, two + power * log * log]
+        })
+    };
+    // ln t has the standard deviation π/(√6 k).
+    let mut log_shape = (std::f64::consts::PI / (6.0_f64.sqrt() * moments.std)).ln();
+    if !log_shape.is_finite() {
+        return Err(failed("a value lies at the shift"));
+    }
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    for _ in 0..100 {
+        let shape = log_shape.exp();
+        let [zero, one, two] = sums(shape);
+        let mean_log = one / zero;
+        let excess = mean_log + largest - moments.mean - 1.0 / shape;
+        if excess < 0.0 {
+            low = log_shape;
+        } else {
+            high = log_shape;
+        }
+        let slope = shape * (two / zero - mean_log * mean_log) + 1.0 / shape;
+        let newton = log_shape - excess / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let step = (next - log_shape).abs();
+        if !next.is_finite() {
+            return Err(failed("the equation of the shape has no root"));
+        }
+        log_shape = next;
+        if step < 1e-14 {
+            break;
+        }
+    }
+    let shape = log_shape.exp();
+    Marginal::weibull(shape, (largest + (sums(shape)[0] / n).ln() / shape).exp(), shift)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{assert_most_likely, sample};
+    use super::super::{End, Family, fit};
+    use crate::distribution::{DistributionError, Marginal};
+
+    fn neighbours(marginal: &Marginal, shifted: bool) -> Vec<Marginal> {
+        let Marginal::Weibull { shape, scale, shift } = *marginal else { panic!() };
+        let mut marginals = vec![];
+        for h in [-1e-3, 1e-3] {
+            marginals.push(Marginal::weibull(shape + h, scale, shift).unwrap());
+            marginals.push(Marginal::weibull(shape, scale + h, shift).unwrap());
+            if shifted {
+                marginals.push(Marginal::weibull(shape, scale, shift + h).unwrap());
+            }
+        }
+        marginals
+    }
+
+    #[test]
+    fn two_parameters_are_found_within_their_standard_errors() {
+        let n = 2000;
+        for (index, wanted) in [0.6, 1.0, 4.0].into_iter().enumerate() {
+            let values = sample(&format!("weibull:{wanted},2"), n, 10 + index as u64);
+            let fitted = fit(Family::Weibull, &values).unwrap();
+            let Marginal::Weibull { shape, scale, .. } = fitted.marginal else { panic!() };
+            // Standard errors .78 k/√n and 1.05 λ/(k√n).
+            let root = (n as f64).sqrt();
+            assert!((shape - wanted).abs() < 4.0 * 0.78 * wanted / root, "{shape}");
+            assert!((scale - 2.0).abs() < 4.0 * 1.05 * 2.0 / (wanted * root), "{scale}");
+            assert_most_likely(&fitted, &values, &neighbours(&fitted.marginal, false));
+        }
+    }
+
+    #[test]
+    fn a_shift_is_found_and_is_a_local_maximum() {
+        let values = sample("weibull:2.5,2,-7", 2000, 20);
+        let fitted = fit(Family::ShiftedWeibull, &values).unwrap();
+        let Marginal::Weibull { shape, scale, shift } = fitted.marginal else { panic!() };
+        // Standard errors by the inverse Fisher information.
+        for (found, wanted, error) in [(shape, 2.5, 0.0550), (scale, 2.0, 0.0290), (shift, -7.0, 0.0196)] {
+            assert!((found - wanted).abs() < 4.0 * error, "{fitted:?}");
+        }
+        assert_eq!(fitted.low_end, End::Fitted);
+        assert_most_likely(&fitted, &values, &neighbours(&fitted.marginal, true));
+    }
+
+    #[test]
+    fn a_density_that_diverges_at_its_end_has_no_fitted_shift() {
+        let error = fit(Family::ShiftedWeibull, &sample("weibull:0.6,2", 500, 21)).unwrap_err();
+        assert!(matches!(error, DistributionError::Sample { .. }), "{error}");
+    }
+
+    #[test]
+    fn the_fit_follows_the_unit_of_the_values() {
+        let metre = sample("weibull:2,1", 300, 22);
+        let nanometre: Vec<f64> = metre.iter().map(|x| x * 1e-9).collect();
+        let (Marginal::Weibull { shape: a, scale: s, .. }, Marginal::Weibull { shape: b, scale: t, .. }) =
+            (fit(Family::Weibull, &metre).unwrap().marginal, fit(Family::Weibull, &nanometre).unwrap().marginal)
+        else {
+            panic!()
+        };
+        assert!((a / b - 1.0).abs() < 1e-12 && (s * 1e-9 / t - 1.0).abs() < 1e-12);
+    }
+}

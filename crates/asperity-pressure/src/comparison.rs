@@ -1,0 +1,409 @@
+//! Estimates of one distribution by several methods with the same number of contact solutions, compared with a
+//! reference.
+
+use crate::estimate::{Estimate, ReferenceDistances};
+use crate::expansion::{self, Response};
+use crate::field::{FIELD_BYTES, FieldDistributions};
+use crate::nested::{CoarseSolves, NestedSamples, Quantity};
+use crate::sample::Sampling;
+use crate::sensitivity::{self, Sensitivity};
+use crate::surrogate::{RotatedSamples, TrainingSamples};
+use crate::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
+use asperity_base::monitor::Monitor;
+use asperity_base::stats::{Interval, NORMAL_95};
+use asperity_chaos::{Basis, Design, DiscreteDistribution, SamplingMethod};
+
+/// Probabilities of the reported quantiles.
+const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
+/// Number of independent randomisations of stratified designs.
+const REPLICATES: usize = 10;
+/// Number of sites along either side whose pressures are pooled.
+const SITES: usize = 16;
+
+/// Settings of a comparison of methods: sizes of the runs. Runs of one seed are independent of each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MethodComparison {
+    /// Seed of all runs.
+    pub seed: u64,
+    /// Number of contact solutions of each method.
+    pub fine_solves: usize,
+    /// Number of contact solutions of the Monte Carlo reference.
+    pub reference_samples: usize,
+    /// Number of leading variables ξ of the expansions of eq. (8) and (9).
+    pub variables: usize,
+    /// Total degree of these expansions.
+    pub degree: usize,
+    /// Number of evaluations of an expansion on fresh samples.
+    pub surrogate_samples: usize,
+    /// Smallest fraction of converged contact problems in a run.
+    pub valid_fraction: f64,
+    /// Whether the stiffness of contacts is one of the scalars. This costs one more linear problem for each Monte Carlo
+    /// and each coarse solution and changes nothing else.
+    pub stiffness: bool,
+}
+
+/// Result of one method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodResult {
+    /// Method.
+    pub method: Method,
+    /// Number of its contact solutions, including failed ones.
+    pub fine_solves: usize,
+    /// Further solutions on coarser grids.
+    pub coarse_solves: Vec<CoarseSolves>,
+    /// Failed samples.
+    pub failures: Vec<Failure>,
+    /// Estimate with its distances from the reference, or the reason why there is none.
+    pub outcome: Result<(Estimate, ReferenceDistances), MethodError>,
+}
+
+/// Distribution of a scalar of the whole contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarResult {
+    /// Scalar.
+    pub quantity: Quantity,
+    /// Mean.
+    pub mean: f64,
+    /// Standard error of the mean.
+    pub mean_se: f64,
+    /// 95 % interval of the mean within the possible values.
+    pub mean_interval: Interval,
+    /// Distribution, estimated as by [`Method::Default`].
+    pub distribution: DiscreteDistribution,
+    /// 95 % intervals of the 10, 50 and 90 % quantiles.
+    pub quantiles: Vec<QuantileResult>,
+}
+
+/// Monte Carlo distribution with which the methods are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Number of contact solutions, including failed ones.
+    pub samples: usize,
+    /// Failed samples.
+    pub failures: Vec<Failure>,
+    /// Number of cells of each solution whose pressures are pooled; more than one if the surface is stationary.
+    pub sites: usize,
+    /// Estimate.
+    pub estimate: Estimate,
+    /// Upper 95 % limit of the Kolmogorov–Smirnov distance to the true distribution. Smaller distances of other
+    /// distributions are not resolved.
+    pub ks_resolution: f64,
+}
+
+/// Results of a comparison of methods.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparisonResults {
+    /// Reference.
+    pub reference: Reference,
+    /// Result of each of [`Method::ALL`].
+    pub methods: Vec<MethodResult>,
+    /// Distributions of scalars of the whole contact.
+    pub scalars: Vec<ScalarResult>,
+    /// Distributions of the pressures of all cells.
+    pub fields: Option<FieldDistributions>,
+    /// Sensitivity indices.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+impl MethodComparison {
+    /// Creates the customary settings: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8
+    /// variables.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            fine_solves: 500,
+            reference_samples: 5000,
+            variables: 8,
+            degree: 3,
+            surrogate_samples: 10_000,
+            valid_fraction: 0.95,
+            stiffness: false,
+        }
+    }
+
+    /// Estimates the distribution of the pressure of `problem` by every method.
+    ///
+    /// # Errors
+    /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
+    pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<ComparisonResults, PressureError> {
+        self.solve(problem, monitor)?.results(monitor)
+    }
+
+    /// Solves the contact problems that the methods share.
+    ///
+    /// # Errors
+    /// See [`MethodComparison::run`].
+    #[doc(hidden)]
+    pub fn solve<'a>(&self, problem: &Problem<'a>, monitor: &dyn Monitor) -> Result<Solutions<'a>, PressureError> {
+        self.validate(problem)?;
+        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+        // The problem from which scalars are estimated.
+        let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
+        let stride = site_stride(problem);
+        let reference = {
+            let stage = "pressure/reference";
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_fraction);
+            let site_stride = problem.cells_are_alike().then_some(stride);
+            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?, largest_pa)?
+        };
+        let monte_carlo = {
+            let sampling =
+                Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
+            let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
+            solve(&whole, kept, monitor)?
+        };
+        let site_shape = site_shape(problem, stride);
+        let fields = FieldDistributions::new(&monte_carlo, self.variables, self.degree, site_shape);
+        let monte_carlo = monte_carlo.without_fields();
+        let stratified = |method, stage| {
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_fraction);
+            match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
+                Err(PressureError::Sampling(reason)) => Ok(Err(MethodError::from(reason))),
+                Err(error) => Err(error),
+                Ok(samples) => Ok(Ok(samples)),
+            }
+        };
+        let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
+        let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
+        let nested = NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor)?;
+        let rotated =
+            RotatedSamples::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
+        Ok(Solutions {
+            settings: *self,
+            problem: *problem,
+            reference,
+            fields,
+            monte_carlo,
+            latin,
+            sobol,
+            nested,
+            rotated,
+        })
+    }
+
+    /// Estimates the distribution by [`Method::Default`] alone, without a reference. Also returns the numbers of
+    /// solutions on coarser grids.
+    ///
+    /// # Errors
+    /// See [`MethodComparison::run`] and [`MethodError`].
+    pub fn estimate_default(
+        &self,
+        problem: &Problem<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(Estimate, Vec<CoarseSolves>), PressureError> {
+        self.validate(problem)?;
+        let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
+        let samples = solve(problem, sampling, monitor)?;
+        let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
+        Ok((nested.estimate_pressure(problem, self.seed, true, true)?, nested.coarse_solves(problem)))
+    }
+
+    fn reference(&self, samples: &Samples, largest_pa: f64) -> Result<Reference, PressureError> {
+        let sites = samples.sites().first().map_or(0, Vec::len);
+        let estimate = if sites > 0 {
+            Estimate::from_sites(samples, largest_pa, self.seed)?
+        } else {
+            Estimate::from_independent(samples, largest_pa, self.seed)?
+        };
+        let ks_resolution = match &estimate.band {
+            Some(band) if sites > 0 => {
+                band.simultaneous_factor * band.standard_errors.iter().copied().fold(0.0, f64::max)
+            }
+            _ => 1.358 / (samples.len() as f64).sqrt(),
+        };
+        let failures = samples.failures().to_vec();
+        Ok(Reference { samples: samples.posed(), failures, sites: sites.max(1), estimate, ks_resolution })
+    }
+
+    /// Returns the distributions of the scalars; failed ones are left out.
+    fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
+        let scalar = |quantity: Quantity| {
+            let found = nested.estimate(quantity, problem, self.seed).ok()?;
+            let [least, largest] = quantity.bounds(problem);
+            let half = NORMAL_95 * found.mean_se;
+            let possible = |value: f64| value.clamp(least, largest);
+            Some(ScalarResult {
+                quantity,
+                mean: possible(found.mean),
+                mean_se: found.mean_se,
+                mean_interval: Interval { low: possible(found.mean - half), high: possible(found.mean + half) },
+                quantiles: PROBABILITIES.into_iter().map(|p| found.band.quantile(&found.distribution, p)).collect(),
+                distribution: found.distribution.clone(),
+            })
+        };
+        Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Pressure).filter_map(scalar).collect()
+    }
+
+    fn validate(&self, problem: &Problem<'_>) -> Result<(), PressureError> {
+        let at_least = |parameter, value: usize, least: usize, wanted| {
+            if value >= least {
+                Ok(())
+            } else {
+                Err(PressureError::Parameter { parameter, value: value as f64, wanted })
+            }
+        };
+        at_least("fine_solves", self.fine_solves, 2, "at least 2")?;
+        at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
+        at_least("surrogate_samples", self.surrogate_samples, 2, "at least 2")?;
+        at_least("variables", self.variables, 1, "at least 1")?;
+        if self.variables > problem.surface().xi_len() {
+            return Err(PressureError::Parameter {
+                parameter: "variables",
+                value: self.variables as f64,
+                wanted: "at most the number of normal variables of the surface",
+            });
+        }
+        if !(self.valid_fraction > 0.0 && self.valid_fraction <= 1.0) {
+            return Err(PressureError::Parameter {
+                parameter: "valid_share",
+                value: self.valid_fraction,
+                wanted: "above 0 and at most 1",
+            });
+        }
+        Ok(())
+    }
+
+    /// Returns the samples ξ on which expansions are evaluated.
+    fn fresh_xi(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
+        let design = self.fresh_design("pressure/expansion", variables)?;
+        Ok((0..design.samples()).map(|i| design.xi(i)).collect())
+    }
+
+    fn fresh_design(&self, stage: &str, variables: usize) -> Result<Design, PressureError> {
+        Ok(Design::new(SamplingMethod::MonteCarlo, self.seed, stage, self.surrogate_samples, variables)?)
+    }
+}
+
+/// Contact solutions shared by the methods of a comparison.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Solutions<'a> {
+    settings: MethodComparison,
+    problem: Problem<'a>,
+    reference: Reference,
+    fields: Option<FieldDistributions>,
+    /// Independent samples, with the pressures of many cells.
+    pub monte_carlo: Samples,
+    latin: Result<Samples, MethodError>,
+    sobol: Result<Samples, MethodError>,
+    /// Independent samples with further samples on coarse grids, or the reason why there are none.
+    pub nested: Result<NestedSamples, MethodError>,
+    /// Independent samples in normal variables rotated to the cell, or the reason why there are none.
+    pub rotated: Result<RotatedSamples, MethodError>,
+}
+
+impl Solutions<'_> {
+    /// Estimates the distribution of the pressure by every method.
+    ///
+    /// # Errors
+    /// A distribution could not be created from its values.
+    pub fn results(self, monitor: &dyn Monitor) -> Result<ComparisonResults, PressureError> {
+        let mut methods = Vec::with_capacity(Method::ALL.len());
+        for method in Method::ALL {
+            let task = format!("pressure/law/{}", method.name());
+            monitor.progress(&task, 0, 1);
+            let samples = match method {
+                Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => {
+                    self.latin.as_ref().ok()
+                }
+                Method::Sobol => self.sobol.as_ref().ok(),
+                Method::MonteCarlo | Method::PolynomialChaosLocal | Method::Default => Some(&self.monte_carlo),
+            };
+            methods.push(MethodResult {
+                method,
+                fine_solves: samples.map_or(0, Samples::posed),
+                coarse_solves: match &self.nested {
+                    Ok(nested) if method == Method::Default => nested.coarse_solves(&self.problem),
+                    _ => Vec::new(),
+                },
+                failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
+                outcome: method_error(self.estimate(method))?.map(|estimate| {
+                    let comparison =
+                        ReferenceDistances::between(&estimate.distribution, &self.reference.estimate.distribution);
+                    (estimate, comparison)
+                }),
+            });
+            monitor.progress(&task, 1, 1);
+        }
+        let Self { settings, problem, monte_carlo, .. } = &self;
+        let scalars = self.nested.as_ref().map_or_else(|_| Vec::new(), |nested| settings.scalars(problem, nested));
+        let sensitivities =
+            sensitivity::estimate(problem, monte_carlo, settings.variables, settings.degree, settings.seed);
+        Ok(ComparisonResults { reference: self.reference, methods, scalars, fields: self.fields, sensitivities })
+    }
+
+    fn estimate(&self, method: Method) -> Result<Estimate, PressureError> {
+        let MethodComparison { seed, variables, degree, .. } = self.settings;
+        let largest_pa = self.problem.hardness_pa().unwrap_or(f64::INFINITY);
+        let replicated = |samples: &Result<Samples, MethodError>| match samples {
+            Ok(samples) => Estimate::from_replicates(samples, largest_pa, seed),
+            Err(reason) => Err(reason.clone().into()),
+        };
+        let expanded = |response| {
+            let latin = self.latin.as_ref().map_err(Clone::clone)?;
+            let (xi_samples, pressures_pa) = (latin.leading_xi(variables), pressures_pa(latin));
+            let groups: Vec<usize> = (0..latin.len()).map(|position| latin.replicate_of(position)).collect();
+            let fresh = self.settings.fresh_xi(variables)?;
+            let evaluations = fresh.len();
+            let training =
+                TrainingSamples { pressures_pa: &pressures_pa, groups: Some(&groups), evaluations, largest_pa };
+            let basis = Basis::hermite(variables, degree)?;
+            Ok(expansion::estimate(response, &xi_samples, training, basis, &fresh, seed)?)
+        };
+        match method {
+            Method::MonteCarlo => Estimate::from_independent(&self.monte_carlo, largest_pa, seed),
+            Method::LatinHypercube => replicated(&self.latin),
+            Method::Sobol => replicated(&self.sobol),
+            Method::PolynomialChaos => expanded(Response::Pressure),
+            Method::PolynomialChaosLog => expanded(Response::Logarithm),
+            Method::PolynomialChaosLocal => {
+                let rotated = self.rotated.as_ref().map_err(Clone::clone)?;
+                if rotated.variables() == 0 {
+                    return Err(MethodError::NoVariables.into());
+                }
+                let basis = Basis::hermite(rotated.variables(), degree).map_err(MethodError::from)?;
+                let (rows, training) = (&rotated.rows, rotated.training());
+                Ok(expansion::estimate(Response::Pressure, rows, training, basis, &rotated.fresh, seed)?)
+            }
+            Method::Default => {
+                let nested = self.nested.as_ref().map_err(Clone::clone)?;
+                Ok(nested.estimate_pressure(&self.problem, seed, true, true)?)
+            }
+        }
+    }
+}
+
+/// Returns the stride of the cells whose pressures are pooled.
+fn site_stride(problem: &Problem<'_>) -> usize {
+    let (ny, nx) = problem.half_space().grid().shape();
+    (nx.min(ny) / SITES).max(1)
+}
+
+/// Returns the rows and columns of the sites.
+fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
+    let (ny, nx) = problem.half_space().grid().shape();
+    (ny.div_ceil(stride), nx.div_ceil(stride))
+}
+
+fn pressures_pa(samples: &Samples) -> Vec<f64> {
+    samples.observations().iter().map(|o| o.pressure_pa).collect()
+}
+
+/// Separates the errors of a method from other errors.
+fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estimate, MethodError>, PressureError> {
+    match outcome {
+        Ok(estimate) => Ok(Ok(estimate)),
+        Err(PressureError::Method(reason)) => Ok(Err(reason)),
+        Err(error) => Err(error),
+    }
+}
+
+impl ComparisonResults {
+    /// Returns the estimate of one method, if it has one.
+    pub fn estimate(&self, method: Method) -> Option<&(Estimate, ReferenceDistances)> {
+        self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests;

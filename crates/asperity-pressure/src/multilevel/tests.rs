@@ -1,0 +1,154 @@
+use rayon::prelude::*;
+
+use super::*;
+use asperity_base::distribution::{standard_normal_cdf, standard_normal_quantile};
+use asperity_base::random::{standard_normal, stream};
+
+/// Mean of q = q₁ + 0.3 η₂ − 0.2 with a coarse model q₁ = u + 0.5 η₁. All variables are normal, and u is one of two
+/// known ones.
+const MEAN: f64 = -0.2;
+
+fn std() -> f64 {
+    (1.0_f64 + 0.25 + 0.09).sqrt()
+}
+
+fn level_samples(repeat: u64, fine: usize, coarse: usize) -> LevelSamples {
+    let draw = |stage| standard_normal(&mut stream(repeat, stage, 0), coarse);
+    let (u, idle, first, second) = (draw("u"), draw("idle"), draw("first"), draw("second"));
+    let coarser: Vec<f64> = u.iter().zip(&first).map(|(u, eta)| u + 0.5 * eta).collect();
+    let quantity = coarser.iter().zip(&second).take(fine).map(|(q, eta)| q + 0.3 * eta + MEAN).collect();
+    let normal = u.iter().zip(&idle).map(|(a, b)| vec![*a, *b]).collect();
+    LevelSamples { xi: normal, values: vec![coarser, quantity], covariates: vec![vec![Vec::new(); coarse]] }
+}
+
+fn settings(seed: u64, least: f64) -> Settings {
+    Settings { seed, degree: 2, fitted: true, least, largest: f64::INFINITY }
+}
+
+/// Returns the fraction of intervals that contain the truth, and prints it with a name.
+fn covered(name: &str, inside: &[bool]) -> f64 {
+    let fraction = inside.iter().filter(|inside| **inside).count() as f64 / inside.len() as f64;
+    println!("{name}: {:.1} % of {}", 100.0 * fraction, inside.len());
+    fraction
+}
+
+#[test]
+fn without_models_the_distribution_is_the_empirical_one() {
+    let mut levels = level_samples(1, 200, 200);
+    (levels.values, levels.xi) = (vec![levels.values[1].clone()], vec![Vec::new(); 200]);
+    let found = estimate(&levels, &settings(1, 0.0)).unwrap();
+    let values: Vec<f64> = levels.values[0].iter().map(|q| q.max(0.0)).collect();
+    let empirical = DiscreteDistribution::empirical(&values).unwrap();
+    for t in empirical.values() {
+        assert!((found.distribution.cdf(*t) - empirical.cdf(*t)).abs() < 1e-12);
+    }
+    assert!((found.mean - empirical.mean()).abs() < 1e-12);
+    // Wider by Student's factor with about a hundred degrees of freedom.
+    let widening = found.mean_se / (empirical.std() / 199.0_f64.sqrt());
+    assert!((1.0..1.03).contains(&widening), "{widening}");
+    let p = empirical.cdf(0.0);
+    assert!((found.band.standard_errors[0] - (p * (1.0 - p) / 199.0).sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn unit_weights_give_the_telescoping_sum() {
+    let (fine, coarse) = (150, 600);
+    let levels = level_samples(3, fine, coarse);
+    let found = estimate(&levels, &Settings { fitted: false, ..settings(1, f64::NEG_INFINITY) }).unwrap();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let [first, second] = [&levels.values[0], &levels.values[1]];
+    assert!((found.mean - (mean(second) - mean(&first[..fine]) + mean(first))).abs() < 1e-12);
+    let fraction = |values: &[f64], t: f64| values.iter().filter(|q| **q <= t).count() as f64 / values.len() as f64;
+    for (t, cdf) in found.band.values.iter().zip(&found.band.cdf) {
+        let wanted = fraction(second, *t) - fraction(&first[..fine], *t) + fraction(first, *t);
+        assert!((cdf - wanted).abs() < 1e-12, "{t}: {cdf} {wanted}");
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn intervals_and_bands_cover_the_true_values_at_their_level() {
+    let (fine, coarse, repeats) = (250, 750, 1000);
+    let truth = |t: f64| standard_normal_cdf((t - MEAN) / std());
+    let density = (-0.5 * (MEAN / std()).powi(2)).exp() / std::f64::consts::TAU.sqrt();
+    let mean = std() * density + MEAN * (1.0 - truth(0.0));
+    type Row = ([bool; 6], [f64; 4]);
+    let rows: Vec<Row> = (0..repeats)
+        .into_par_iter()
+        .map(|repeat| {
+            let levels = level_samples(repeat, fine, coarse);
+            let found = estimate(&levels, &settings(repeat, 0.0)).unwrap();
+            let holds = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;
+            let atom = holds(found.band.pointwise(0), truth(0.0));
+            let all =
+                (0..found.band.values.len()).all(|i| holds(found.band.simultaneous(i), truth(found.band.values[i])));
+            let inside = (found.mean - mean).abs() <= 1.96 * found.mean_se;
+            let free = estimate(&levels, &settings(repeat, f64::NEG_INFINITY)).unwrap();
+            let quantile = |probability: f64| {
+                let wanted = MEAN + std() * standard_normal_quantile(probability);
+                free.band.quantile(&free.distribution, probability).interval.contains(wanted)
+            };
+            let errors =
+                [found.band.cdf[0] - truth(0.0), found.band.standard_errors[0], found.mean - mean, found.mean_se];
+            ([atom, inside, quantile(0.1), quantile(0.5), quantile(0.9), all], errors)
+        })
+        .collect();
+    let names = ["P(contact)", "mean", "10 % quantile", "median", "90 % quantile", "simultaneous band"];
+    for (k, name) in names.iter().enumerate() {
+        let fraction = covered(name, &rows.iter().map(|row| row.0[k]).collect::<Vec<_>>());
+        // A fraction of .95 has a standard error of .007.
+        assert!(fraction >= 0.93 && (k == 5 || fraction <= 0.97), "{name}: {fraction}");
+    }
+    let rms = |k: usize| (rows.iter().map(|row| row.1[k].powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
+    assert!((rms(0) / rms(1) - 1.0).abs() < 0.1, "{} {}", rms(0), rms(1));
+    assert!((rms(2) / rms(3) - 1.0).abs() < 0.1, "{} {}", rms(2), rms(3));
+    // Without clipping, the variance of the mean would be .09/fine + .25/coarse; clipping reduces all terms.
+    let monte_carlo = truth(0.0) * (1.0 - truth(0.0)) / fine as f64;
+    assert!(rms(0).powi(2) < 0.6 * monte_carlo, "{} {}", rms(0).powi(2), monte_carlo);
+    let bias = rows.iter().map(|row| row.1[0]).sum::<f64>() / rows.len() as f64;
+    assert!(bias.abs() < 4.0 * rms(0) / (rows.len() as f64).sqrt(), "{bias}");
+}
+
+#[test]
+fn uninformative_models_cost_little_and_cause_no_bias() {
+    let repeats = 200;
+    let errors: Vec<[f64; 2]> = (0..repeats)
+        .into_par_iter()
+        .map(|repeat| {
+            let mut levels = level_samples(repeat, 200, 600);
+            levels.values[0] = standard_normal(&mut stream(repeat, "nonsense", 0), 600);
+            levels.xi.iter_mut().for_each(|row| row.truncate(0));
+            let found = estimate(&levels, &settings(repeat, 0.0)).unwrap();
+            [found.band.cdf[0] - standard_normal_cdf(-MEAN / std()), found.band.standard_errors[0]]
+        })
+        .collect();
+    let rms = |k: usize| (errors.iter().map(|row| row[k].powi(2)).sum::<f64>() / f64::from(repeats as u32)).sqrt();
+    let p = standard_normal_cdf(-MEAN / std());
+    let monte_carlo = (p * (1.0 - p) / 200.0).sqrt();
+    // The relative standard error of a root mean square of 200 values is 1/20.
+    assert!(rms(0) < 1.2 * monte_carlo && rms(1) > 0.9 * monte_carlo, "{} {} {monte_carlo}", rms(0), rms(1));
+}
+
+#[test]
+fn equal_values_and_duplicate_samples_are_accepted() {
+    let equal = LevelSamples {
+        xi: vec![vec![0.0]; 40],
+        values: vec![vec![1.0; 40], vec![2.0; 20]],
+        covariates: vec![vec![Vec::new(); 40]],
+    };
+    let found = estimate(&equal, &settings(1, 0.0)).unwrap();
+    assert_eq!(found.distribution.values(), [2.0]);
+    assert!((found.mean - 2.0).abs() < 1e-12 && found.mean_se < 1e-7);
+    let mut doubled = level_samples(5, 60, 120);
+    for i in 0..30 {
+        doubled.values[0][2 * i + 1] = doubled.values[0][2 * i];
+        doubled.values[1][2 * i + 1] = doubled.values[1][2 * i];
+        doubled.xi[2 * i + 1] = doubled.xi[2 * i].clone();
+    }
+    assert!(estimate(&doubled, &settings(1, 0.0)).unwrap().mean_se > 0.0);
+    let never = LevelSamples { xi: vec![Vec::new(); 40], values: vec![vec![-1.0; 40]], covariates: Vec::new() };
+    let found = estimate(&never, &settings(1, 0.0)).unwrap();
+    assert_eq!((found.distribution.cdf(0.0), found.mean, found.band.standard_errors[0]), (1.0, 0.0, 0.0));
+    let few = LevelSamples { xi: vec![Vec::new(); 4], values: vec![vec![1.0; 4]], covariates: Vec::new() };
+    assert_eq!(estimate(&few, &settings(1, 0.0)).unwrap_err(), MethodError::TooFewSamples { samples: 4, wanted: 10 });
+}
