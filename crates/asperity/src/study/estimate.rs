@@ -4,8 +4,8 @@ use crate::contact::memory_bytes;
 use crate::map::BoundaryKind;
 use crate::study::config::FrictionSection;
 use crate::study::friction_stage::cutoff;
-use crate::study::surface_model::MOST_MODES;
 use crate::study::{Stage, Study};
+use crate::surface::model::MOST_MODES;
 use crate::vibration::EnsembleSettings;
 
 /// Iterations of an ordinary contact solution at the tolerance of a study.

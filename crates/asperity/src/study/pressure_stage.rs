@@ -15,9 +15,9 @@ use crate::random;
 use crate::study::config::{MaterialSection, PressureSection};
 use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
-use crate::study::surface_model::Generated;
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
+use crate::surface::model::Generated;
 use entries::Posed;
 
 /// Bias over the mean pressure of a method from which it is warned.

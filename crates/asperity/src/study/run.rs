@@ -124,7 +124,7 @@ impl Study {
             let grid = Grid::covering(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
                 .map_err(|error| StudyError::Grid { section: "pressure", error })?;
             let generated = surface.model.patch(grid, section.boundary == BoundaryKind::Periodic)?;
-            karhunen_loeve = generated.karhunen_loeve.clone();
+            karhunen_loeve = generated.karhunen_loeve;
             let stage =
                 pressure_stage::run(section, material, &surface.model.marginal, &generated, self.seed, monitor)?;
             gathered.add(stage.output);

@@ -1,16 +1,14 @@
-//! The random surface of a study with other parameters.
+//! Uncertain parameters of the random surface of a study.
 
 use crate::chaos::Parameter;
-use crate::correlation::Covariance;
-use crate::law::Marginal;
 use crate::stats::Interval;
 use crate::study::StudyError;
 use crate::study::config::UncertaintySection;
 use crate::study::scatter::{LengthScatter, NumberScatter};
-use crate::study::surface_model::{SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::surface_stage::SurfaceStage;
+use crate::surface::model::{SurfaceCovariance, SurfaceModel, Variation};
 
-/// Which parameter of the surface.
+/// Parameter of the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     RmsHeight,
@@ -18,11 +16,9 @@ enum Kind {
     Skewness,
 }
 
-/// A random surface some of whose parameters are uncertain.
+/// Random surface with uncertain parameters.
 pub(super) struct UncertainSurface<'a> {
     model: &'a SurfaceModel,
-    /// Correlation length along x of the model; `None` without a covariance.
-    length_x_m: Option<f64>,
     kinds: Vec<Kind>,
     pub(super) parameters: Vec<Parameter>,
 }
@@ -72,86 +68,18 @@ impl<'a> UncertainSurface<'a> {
             kinds.push(Kind::Skewness);
             parameters.push(parameter);
         }
-        Ok(Self { model, length_x_m, kinds, parameters })
+        Ok(Self { model, kinds, parameters })
     }
 
-    /// Whether the heights have another law than the study's: Johnson's of a given skewness.
+    /// Returns whether the heights have Johnson's distribution of a given skewness.
     pub(super) fn has_skewness(&self) -> bool {
         self.kinds.contains(&Kind::Skewness)
     }
 
-    /// The surface with these values of the parameters.
-    ///
-    /// The kurtosis of a law of skewness g is κ + g² − g₀², with κ and g₀ those of the study's law: as far above 1 + g², the least
-    /// that any law has, as before.
+    /// Returns the surface with these values of the parameters.
     pub(super) fn at(&self, values: &[f64]) -> Result<SurfaceModel, StudyError> {
         let value = |kind: Kind| self.kinds.iter().zip(values).find(|(own, _)| **own == kind).map(|(_, value)| *value);
-        let law = &self.model.marginal;
-        let std_m = value(Kind::RmsHeight).unwrap_or(law.std());
-        let marginal = match value(Kind::Skewness) {
-            None => law.standardised(0.0, std_m)?,
-            Some(skewness) => {
-                let excess_kurtosis = law.excess_kurtosis() + skewness * skewness - law.skewness().powi(2);
-                Marginal::johnson_with_moments(0.0, std_m, skewness, excess_kurtosis)?
-            }
-        };
-        let lengths = value(Kind::CorrelationLength).zip(self.length_x_m);
-        let stretch = lengths.map_or(1.0, |(length_m, own_m)| length_m / own_m);
-        let texture = match &self.model.texture {
-            Texture::Translated { covariance, translation, expansion } => Texture::Translated {
-                covariance: stretched(covariance, std_m, stretch)?,
-                translation: *translation,
-                expansion: *expansion,
-            },
-            Texture::WeierstrassMandelbrot { dimension } => Texture::WeierstrassMandelbrot { dimension: *dimension },
-        };
-        Ok(SurfaceModel { marginal, texture })
-    }
-}
-
-fn stretched(covariance: &SurfaceCovariance, std_m: f64, factor: f64) -> Result<SurfaceCovariance, StudyError> {
-    Ok(match covariance {
-        SurfaceCovariance::Model(own) => {
-            let (x_m, y_m) = (factor * own.length_x_m(), factor * own.length_y_m());
-            SurfaceCovariance::Model(Covariance::new(own.model(), std_m, x_m, y_m)?)
-        }
-        SurfaceCovariance::Empirical(own) => {
-            SurfaceCovariance::Empirical(Box::new((**own).clone().with_std(std_m).stretched(factor)))
-        }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::correlation::{CorrelationModel, StationaryCovariance};
-    use crate::translation::TranslationKind;
-
-    #[test]
-    fn a_point_has_the_parameters_that_it_states() {
-        let covariance = Covariance::new(CorrelationModel::Exponential, 1e-6, 20e-6, 10e-6).unwrap();
-        let beta = Marginal::beta(4.0, 2.5, 0.0, 1.0).unwrap().standardised(0.0, 1e-6).unwrap();
-        let texture = Texture::Translated {
-            covariance: SurfaceCovariance::Model(covariance),
-            translation: TranslationKind::Plain,
-            expansion: None,
-        };
-        let model = SurfaceModel { marginal: beta.clone(), texture };
-        let kinds = vec![Kind::RmsHeight, Kind::CorrelationLength, Kind::Skewness];
-        let surface = UncertainSurface { model: &model, length_x_m: Some(20e-6), kinds, parameters: Vec::new() };
-        for skewness in [beta.skewness(), 0.0, 0.9, -1.5] {
-            let found = surface.at(&[1.1e-6, 30e-6, skewness]).unwrap();
-            assert!((found.marginal.std() / 1.1e-6 - 1.0).abs() < 1e-9);
-            assert!((found.marginal.skewness() - skewness).abs() < 1e-6);
-            let above = |law: &Marginal| law.excess_kurtosis() + 2.0 - law.skewness().powi(2);
-            assert!((above(&found.marginal) - above(&beta)).abs() < 1e-6);
-            let covariance = found.covariance().unwrap();
-            assert!((covariance.correlation(30e-6, 0.0) - (-1.0_f64).exp()).abs() < 1e-12);
-            assert!((covariance.correlation(0.0, 15e-6) - (-1.0_f64).exp()).abs() < 1e-12);
-        }
-        // Without skewness the law keeps its shape.
-        let surface = UncertainSurface { kinds: vec![Kind::RmsHeight], ..surface };
-        let found = surface.at(&[2e-6]).unwrap().marginal;
-        assert!((found.quantile(0.9) / (2.0 * beta.quantile(0.9)) - 1.0).abs() < 1e-12);
+        let (rms_height_m, correlation_length_m) = (value(Kind::RmsHeight), value(Kind::CorrelationLength));
+        Ok(self.model.varied(&Variation { rms_height_m, correlation_length_m, skewness: value(Kind::Skewness) })?)
     }
 }

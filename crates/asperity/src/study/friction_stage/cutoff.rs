@@ -13,14 +13,14 @@ use crate::stats::{Interval, student_quantile};
 use crate::study::config::{FrictionLawKind, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_stage::{Setup, SolvedLevel};
 use crate::study::friction_uncertainty::PartOf;
-use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
-use crate::study::surface_model::Texture;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::filter::{Edges, Respaced};
+use crate::surface::model::Texture;
+use crate::surface::scanned::ScannedSurface;
 
 /// Name of the task in progress.
 const TASK: &str = "friction cut-off";
@@ -233,7 +233,7 @@ pub(super) fn run(
         strip_length_m: plan.length_m,
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
-        band_end_m: surface.measured.as_ref().and_then(Measured::band_end_m),
+        band_end_m: surface.measured.as_ref().and_then(ScannedSurface::band_end_m),
         plastic_floor: plastic_floor(section, material),
         points,
         halved_pitch,

@@ -1,179 +1,90 @@
-//! Random surfaces of a study, on any grid.
+//! Generators of the random surfaces of a model, on any grid.
 
-use std::f64::consts::FRAC_PI_2;
+use asperity_base::correlation::StationaryCovariance;
+use asperity_base::map::Grid;
+use asperity_base::sentence;
+use asperity_base::translation::TranslationKind;
 
-use crate::correlation::{CorrelationModel, Covariance, MeasuredCovariance, StationaryCovariance};
-use crate::law::Marginal;
-use crate::map::Grid;
-use crate::study::StudyError;
-use crate::study::result::KarhunenLoeveResult;
-use crate::study::sentence;
-use crate::surface::{
+use super::{Expansion, SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture};
+use crate::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
     TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes,
 };
-use crate::translation::TranslationKind;
 
-/// Ratio of neighbouring wavenumbers and number of ridges of Weierstrass–Mandelbrot surfaces.
-pub(super) const GAMMA: f64 = 1.5;
-pub(super) const RIDGES: usize = 20;
-/// Below this fraction of captured variance, or of slope variance, a Karhunen–Loève expansion is warned about.
+/// Ratio of neighbouring wavenumbers of Weierstrass–Mandelbrot surfaces.
+pub const GAMMA: f64 = 1.5;
+/// Number of ridges of Weierstrass–Mandelbrot surfaces.
+pub const RIDGES: usize = 20;
+/// Largest number of terms of an expansion whose number is not stated; a patch that needs more has all Fourier modes.
+pub const MOST_MODES: usize = 400;
+/// Captured fraction of the variance, or of the slope variance, of an expansion below which there is a warning.
 const WANTED_VARIANCE: f64 = 0.9;
-/// Terms that are looked for where a study states none: more than this many, and the patch has all Fourier modes.
-pub(super) const MOST_MODES: usize = 400;
-/// Terms over those that Fourier modes need, since the modes of a patch are not quite these.
+/// Factor on the number of terms that Fourier modes need, because the modes of a patch differ from them.
 const MARGIN: f64 = 1.1;
-/// Factor on the terms where these do not hold the slopes.
+/// Factor on the number of terms if they do not contain the slopes.
 const GROWTH: f64 = 1.25;
-/// Above this deviation of the correlation a corrected translation is warned about.
+/// Deviation of the correlation under a corrected translation above which there is a warning.
 const CORRELATION_LEFT: f64 = 0.01;
-/// Above this share of clipped variance a spectral field is warned about.
+/// Fraction of clipped variance of a spectral field above which there is a warning.
 pub(super) const CLIPPED_VARIANCE: f64 = 1e-3;
 
-/// Random surfaces of one marginal law.
-#[derive(Debug, Clone)]
-pub(super) struct SurfaceModel {
-    /// Marginal law of the heights in metre, of mean zero.
-    pub(super) marginal: Marginal,
-    pub(super) texture: Texture,
-}
-
-/// The covariance of random surfaces.
-#[derive(Debug, Clone)]
-pub(super) enum SurfaceCovariance {
-    /// A function of few parameters.
-    Model(Covariance),
-    /// The scan's own.
-    Empirical(Box<MeasuredCovariance>),
-}
-
-impl SurfaceCovariance {
-    /// Length along x of the model, or the lag at which a measured correlation is 1/e, in metre.
-    pub(super) fn length_x_m(&self) -> f64 {
-        match self {
-            Self::Model(covariance) => covariance.length_x_m(),
-            Self::Empirical(covariance) => decay_lengths_m(covariance)[0],
-        }
-    }
-
-    /// Power spectral density of profiles along x in m³, at q in rad/m.
-    pub(super) fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
-        match self {
-            Self::Model(covariance) => covariance.profile_psd_x_m3(q_rad_per_m),
-            Self::Empirical(covariance) => covariance.profile_psd_x_m3(q_rad_per_m),
-        }
-    }
-
-    /// Power spectral density of profiles along y in m³, at q in rad/m.
-    pub(super) fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
-        match self {
-            Self::Model(covariance) => covariance.profile_psd_y_m3(q_rad_per_m),
-            Self::Empirical(covariance) => covariance.profile_psd_y_m3(q_rad_per_m),
-        }
-    }
-
-    /// Mean of the two-dimensional power spectral density over the directions in m⁴, at each of the wavenumbers in rad/m.
-    pub(super) fn radial_psd_m4(&self, q_rad_per_m: &[f64]) -> Vec<f64> {
-        /// Directions over a quarter turn, by the symmetry of the models.
-        const DIRECTIONS: usize = 90;
-
-        match self {
-            Self::Model(covariance) => {
-                let angles = || (0..DIRECTIONS).map(|i| (i as f64 + 0.5) * FRAC_PI_2 / DIRECTIONS as f64);
-                let density = |q: f64| angles().map(move |a| covariance.psd_m4(q * a.cos(), q * a.sin())).sum::<f64>();
-                q_rad_per_m.iter().map(|q| density(*q) / DIRECTIONS as f64).collect()
-            }
-            Self::Empirical(covariance) => covariance.radial_psd_m4(q_rad_per_m),
-        }
-    }
-
-    /// Whether it is a product of one along x and one along y.
-    fn is_product(&self) -> bool {
-        matches!(self, Self::Model(covariance) if covariance.model() == CorrelationModel::SquaredExponential)
-    }
-}
-
-impl StationaryCovariance for SurfaceCovariance {
-    fn std_m(&self) -> f64 {
-        match self {
-            Self::Model(covariance) => covariance.std_m(),
-            Self::Empirical(covariance) => covariance.std_m(),
-        }
-    }
-
-    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
-        match self {
-            Self::Model(covariance) => covariance.correlation(dx_m, dy_m),
-            Self::Empirical(covariance) => covariance.correlation(dx_m, dy_m),
-        }
-    }
-
-    fn mirror_symmetric(&self) -> bool {
-        match self {
-            Self::Model(covariance) => covariance.mirror_symmetric(),
-            Self::Empirical(covariance) => covariance.mirror_symmetric(),
-        }
-    }
-}
-
-/// In which order a germ stands for the waves of a spectral field.
+/// Order of the normal variables ξ of a spectral field.
 #[derive(Debug, Clone, Copy)]
-enum GermOrder {
-    /// From the greatest variance.
+enum XiOrder {
+    /// By decreasing variance of the waves.
     Variance,
-    /// The same for all covariances.
+    /// By wavevector, equal for all covariances.
     Wavevector,
 }
 
-/// How heights at different points belong together.
-#[derive(Debug, Clone)]
-pub(super) enum Texture {
-    /// A Gaussian field of this covariance under a translation.
-    Translated {
-        covariance: SurfaceCovariance,
-        translation: TranslationKind,
-        /// The Karhunen–Loève expansion of patches; none: all Fourier modes.
-        expansion: Option<Expansion>,
-    },
-    /// The sum of cosines of this fractal dimension, scaled to the standard deviation of the marginal law.
-    WeierstrassMandelbrot { dimension: f64 },
+/// Number of terms of a Karhunen–Loève expansion, and the variance in them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CapturedModes {
+    /// Number of terms.
+    pub modes: usize,
+    /// Fraction of the variance in these terms.
+    pub captured_variance: f64,
+    /// Fraction of the mean squared slope on the patch's grid in these terms.
+    pub captured_slope_variance: f64,
 }
 
-/// A truncated Karhunen–Loève expansion.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Expansion {
-    /// Terms that a study states; none: as many as hold 90 % of the slope variance.
-    pub(super) modes: Option<usize>,
-    /// Whether the constant Fourier mode of a periodic patch is among them.
-    pub(super) mean_mode: bool,
-    /// Whether one factor makes up for the variance left out, or nothing does; none: the marginal law is imposed at every point.
-    pub(super) rescale: Option<bool>,
-}
-
-/// A random surface on a grid, and what is worth knowing about it.
-pub(super) struct Generated {
-    pub(super) surface: Box<dyn RandomSurface>,
-    pub(super) karhunen_loeve: Option<KarhunenLoeveResult>,
-    /// Standard deviation of the heights, averaged over the patch, over that of the marginal law.
-    pub(super) std_share: f64,
-    pub(super) warnings: Vec<String>,
-    /// How well the correlation of the heights is met, where the translation was corrected for it.
-    pub(super) correction: Option<String>,
+/// Generator of random surfaces on a grid, with its approximations.
+pub struct Generated {
+    /// Generator.
+    pub surface: Box<dyn RandomSurface>,
+    /// Karhunen–Loève expansion; `None` for the other generators.
+    pub karhunen_loeve: Option<CapturedModes>,
+    /// Standard deviation of the heights, averaged over the patch, over that of the marginal distribution.
+    pub std_share: f64,
+    /// Warnings in sentences.
+    pub warnings: Vec<String>,
+    /// Sentence on the deviation of the correlation, if the translation was corrected or all Fourier modes replace an expansion.
+    pub correction: Option<String>,
     /// Fraction of the variance that was clipped from a spectral field.
-    pub(super) clipped_variance: f64,
+    pub clipped_variance: f64,
+}
+
+impl Generated {
+    /// Returns the generator of a surface without approximations.
+    fn exact(surface: Box<dyn RandomSurface>) -> Self {
+        Self {
+            surface,
+            karhunen_loeve: None,
+            std_share: 1.0,
+            warnings: Vec::new(),
+            correction: None,
+            clipped_variance: 0.0,
+        }
+    }
 }
 
 impl SurfaceModel {
-    /// The covariance, where the surfaces are made from one.
-    pub(super) fn covariance(&self) -> Option<&SurfaceCovariance> {
-        match &self.texture {
-            Texture::Translated { covariance, .. } => Some(covariance),
-            Texture::WeierstrassMandelbrot { .. } => None,
-        }
-    }
-
-    /// Surfaces for small patches, by the generator of the study.
-    pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+    /// Makes the generator of surfaces on a small patch.
+    ///
+    /// # Errors
+    /// The covariance has no expansion or embedding on the grid, the marginal distribution has no translation, or the expansion of
+    /// a patch that is not periodic is to leave out the constant mode.
+    pub fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
         match self.texture {
             Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => {
                 if let Some(modes) = expansion.modes {
@@ -193,13 +104,13 @@ impl SurfaceModel {
                 self.all_fourier_modes(covariance, translation, expansion, needed, grid, periodic)
             }
             Texture::Translated { ref covariance, translation, expansion: None } => {
-                self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)
+                self.spectral(covariance, translation, XiOrder::Variance, grid, periodic)
             }
             Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
     }
 
-    /// Karhunen–Loève surfaces of this many terms.
+    /// Makes Karhunen–Loève surfaces of this many terms.
     fn expanded(
         &self,
         covariance: &SurfaceCovariance,
@@ -208,7 +119,7 @@ impl SurfaceModel {
         modes: usize,
         grid: Grid,
         periodic: bool,
-    ) -> Result<Generated, StudyError> {
+    ) -> Result<Generated, SurfaceModelError> {
         match translation {
             TranslationKind::Plain => {
                 self.karhunen_loeve(covariance, expansion, modes, covariance.is_product(), grid, periodic)
@@ -226,8 +137,8 @@ impl SurfaceModel {
         }
     }
 
-    /// Spectral surfaces in place of a Karhunen–Loève expansion that would need too many terms. Where a study says what is done
-    /// about the variance that an expansion leaves out, the expansion has the most terms instead.
+    /// Makes spectral surfaces in place of a Karhunen–Loève expansion that needs too many terms. If the treatment of the truncated
+    /// variance is stated, makes an expansion of [`MOST_MODES`] terms instead.
     fn all_fourier_modes(
         &self,
         covariance: &SurfaceCovariance,
@@ -236,34 +147,41 @@ impl SurfaceModel {
         needed: usize,
         grid: Grid,
         periodic: bool,
-    ) -> Result<Generated, StudyError> {
+    ) -> Result<Generated, SurfaceModelError> {
         if expansion.rescale.is_some() || !expansion.mean_mode {
             return self.expanded(covariance, translation, expansion, MOST_MODES, grid, periodic);
         }
-        let generated = self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)?;
-        let told = format!(
+        let generated = self.spectral(covariance, translation, XiOrder::Variance, grid, periodic)?;
+        let reason = format!(
             "A Karhunen–Loève expansion of a patch of {} would need {} terms or more to hold {} % of the slope variance, so that \
              its surfaces have all Fourier modes of the grid instead; state `modes` to have an expansion.",
             sentence::size(grid.width_m(), grid.height_m()),
             needed,
             sentence::digits(100.0 * WANTED_VARIANCE),
         );
-        let correction = Some(generated.correction.map_or(told.clone(), |correction| format!("{told} {correction}")));
+        let correction =
+            Some(generated.correction.map_or(reason.clone(), |correction| format!("{reason} {correction}")));
         Ok(Generated { correction, ..generated })
     }
 
-    /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
-    /// place.
-    pub(super) fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        self.strip_in(GermOrder::Variance, grid, periodic)
+    /// Makes the generator of surfaces on a long strip. It has all Fourier modes, because a truncated expansion does not contain the
+    /// variance of a long strip.
+    ///
+    /// # Errors
+    /// The covariance has no embedding on the grid, or the marginal distribution has no translation.
+    pub fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
+        self.strip_in(XiOrder::Variance, grid, periodic)
     }
 
-    /// The same with a germ that means the same waves for every covariance, where the grid is periodic.
-    pub(super) fn comparable_strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        self.strip_in(GermOrder::Wavevector, grid, periodic)
+    /// Makes the same generator with normal variables ξ that belong to the same waves for every covariance on a periodic grid.
+    ///
+    /// # Errors
+    /// As [`Self::strip`].
+    pub fn comparable_strip(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
+        self.strip_in(XiOrder::Wavevector, grid, periodic)
     }
 
-    fn strip_in(&self, order: GermOrder, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+    fn strip_in(&self, order: XiOrder, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
         match self.texture {
             Texture::Translated { ref covariance, translation, .. } => {
                 self.spectral(covariance, translation, order, grid, periodic)
@@ -272,7 +190,7 @@ impl SurfaceModel {
         }
     }
 
-    /// `product`: the covariance is a product of one along x and one along y.
+    /// Makes Karhunen–Loève surfaces. `product` states that the covariance is a product of one along x and one along y.
     fn karhunen_loeve(
         &self,
         covariance: &dyn StationaryCovariance,
@@ -281,14 +199,14 @@ impl SurfaceModel {
         product: bool,
         grid: Grid,
         periodic: bool,
-    ) -> Result<Generated, StudyError> {
+    ) -> Result<Generated, SurfaceModelError> {
         let route = match (periodic, product) {
             (true, _) => ModesRoute::Periodic,
             (false, true) => ModesRoute::Separable,
             (false, false) => ModesRoute::General,
         };
         if !mean_mode && !periodic {
-            return Err(StudyError::ConstantMode);
+            return Err(SurfaceModelError::ConstantMode);
         }
         let mut warnings = Vec::new();
         let most = grid.points() - usize::from(!mean_mode);
@@ -324,28 +242,28 @@ impl SurfaceModel {
                 sentence::digits(captured_slope_variance.sqrt()),
             ));
         }
-        let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance, captured_slope_variance });
+        let karhunen_loeve = Some(CapturedModes { modes, captured_variance, captured_slope_variance });
         let (surface, std_share): (Box<dyn RandomSurface>, f64) = match rescale {
             None => (self.translated(field)?, 1.0),
             Some(true) => (Box::new(field.rescaled()), 1.0),
             Some(false) => (Box::new(field), captured_variance.sqrt()),
         };
-        Ok(Generated { surface, karhunen_loeve, std_share, warnings, correction: None, clipped_variance: 0.0 })
+        Ok(Generated { karhunen_loeve, std_share, warnings, ..Generated::exact(surface) })
     }
 
     fn spectral(
         &self,
         covariance: &SurfaceCovariance,
         translation: TranslationKind,
-        order: GermOrder,
+        order: XiOrder,
         grid: Grid,
         periodic: bool,
-    ) -> Result<Generated, StudyError> {
+    ) -> Result<Generated, SurfaceModelError> {
         let make = |covariance: &dyn StationaryCovariance| {
             if periodic { Ok(SpectralField::periodic(covariance, grid)) } else { SpectralField::free(covariance, grid) }
         };
         let mut warnings = Vec::new();
-        let mut told = None;
+        let mut met = None;
         let field = match translation {
             TranslationKind::Plain => make(covariance)?,
             TranslationKind::Corrected => {
@@ -356,7 +274,7 @@ impl SurfaceModel {
                     correction.free(covariance, &self.marginal, grid)?
                 };
                 let left = report.corrected.largest_deviation;
-                told = Some(format!(
+                met = Some(format!(
                     "Corrected translation meets the correlation of the heights on {} to {}, plain translation would to {}; \
                      heights of this law cannot have a correlation below {}.",
                     sentence::size(grid.width_m(), grid.height_m()),
@@ -385,60 +303,34 @@ impl SurfaceModel {
         }
         let clipped_variance = field.clipped_variance();
         Ok(Generated {
-            surface: self.translated(match order {
-                GermOrder::Variance => field,
-                GermOrder::Wavevector => field.by_wavevector(),
-            })?,
-            karhunen_loeve: None,
-            std_share: 1.0,
             warnings,
-            correction: told,
+            correction: met,
             clipped_variance,
+            ..Generated::exact(self.translated(match order {
+                XiOrder::Variance => field,
+                XiOrder::Wavevector => field.by_wavevector(),
+            })?)
         })
     }
 
-    fn translated(&self, field: impl GaussianSurface + 'static) -> Result<Box<dyn RandomSurface>, StudyError> {
+    fn translated(&self, field: impl GaussianSurface + 'static) -> Result<Box<dyn RandomSurface>, SurfaceModelError> {
         Ok(Box::new(Translated::new(field, self.marginal.clone())?))
     }
 
-    fn weierstrass_mandelbrot(&self, dimension: f64, grid: Grid) -> Result<Generated, StudyError> {
-        // The rms height sets G, so any positive value will do here.
+    fn weierstrass_mandelbrot(&self, dimension: f64, grid: Grid) -> Result<Generated, SurfaceModelError> {
+        // The rms height sets G; its initial value has no effect.
         let form = WeierstrassForm::Truncated;
         let surface = WeierstrassMandelbrot::new(grid, dimension, GAMMA, RIDGES, 1e-9, form)?
             .with_rms_height(self.marginal.std())?;
-        Ok(Generated {
-            surface: Box::new(surface),
-            karhunen_loeve: None,
-            std_share: 1.0,
-            warnings: Vec::new(),
-            correction: None,
-            clipped_variance: 0.0,
-        })
+        Ok(Generated::exact(Box::new(surface)))
     }
-}
-
-/// Lags along x and y at which a measured correlation is 1/e, in metre.
-pub(super) fn decay_lengths_m(own: &MeasuredCovariance) -> [f64; 2] {
-    let (x_m, y_m) = own.support_m();
-    [decay_length_m(x_m, |lag_m| own.correlation(lag_m, 0.0)), decay_length_m(y_m, |lag_m| own.correlation(0.0, lag_m))]
-}
-
-/// The first lag at which a correlation that ends at `end_m` is 1/e.
-pub(super) fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
-    const STEPS: usize = 4096;
-    let (level, step_m) = ((-1.0_f64).exp(), end_m / STEPS as f64);
-    let after = (1..=STEPS).find(|&step| correlation(step as f64 * step_m) <= level).unwrap_or(STEPS);
-    let (mut low_m, mut high_m) = ((after - 1) as f64 * step_m, after as f64 * step_m);
-    while high_m - low_m > 1e-12 * end_m {
-        let middle_m = 0.5 * (low_m + high_m);
-        if correlation(middle_m) > level { low_m = middle_m } else { high_m = middle_m }
-    }
-    0.5 * (low_m + high_m)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use asperity_base::correlation::{CorrelationModel, Covariance};
+    use asperity_base::law::Marginal;
 
     fn model(kind: CorrelationModel, length_m: f64, modes: Option<usize>) -> SurfaceModel {
         let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());
