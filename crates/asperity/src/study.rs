@@ -12,7 +12,6 @@ mod friction_law;
 mod friction_process;
 mod friction_stage;
 mod friction_uncertainty;
-mod level_control;
 mod output;
 mod parse;
 mod plausibility;

@@ -203,15 +203,7 @@ fn kind_of_surface(error: &SurfaceModelError) -> FailureKind {
         | E::Fit(_)
         | E::Empirical(_) => FailureKind::Input,
         E::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
-        E::NoScan(_)
-        | E::Preparation(_)
-        | E::Uncertainty(_)
-        | E::Covariance(_)
-        | E::Law(_)
-        | E::Generator(_)
-        | E::Translation(_)
-        | E::TrialGrid(_)
-        | E::ConstantMode
-        | E::FractalDimension => FailureKind::Configuration,
+        // A value of the study is invalid.
+        _ => FailureKind::Configuration,
     }
 }

@@ -1,6 +1,7 @@
 //! What a study will cost, roughly, before it is run.
 
 use crate::contact::memory_bytes;
+use crate::friction::cutoff::STRIPS;
 use crate::map::BoundaryKind;
 use crate::study::config::FrictionSection;
 use crate::study::friction_stage::cutoff;
@@ -91,8 +92,8 @@ impl Study {
             let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * f.uncertainty_realisations());
             let levels = f.levels() + usize::from(nominal);
             let solutions = levels * (f.realisations + uncertain);
-            let plan = cutoff::Plan::new(f, levels);
-            let others = plan.map_or(0.0, |plan| plan.work(f));
+            let plan = cutoff::plan(f, levels);
+            let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
             // On every thread a solver, a germ, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
@@ -103,7 +104,7 @@ impl Study {
             // The strips of the cut-off have a generator of their own, and are solved with half the pitch, too.
             let of_cutoff = plan.map_or(0.0, |plan| {
                 let halved = plan.points.map(|points| points.saturating_mul(2));
-                generator(plan.points) + solvers(threads.min(cutoff::STRIPS), halved)
+                generator(plan.points) + solvers(threads.min(STRIPS), halved)
             });
             stage.memory_bytes = generator(f.points)
                 + solvers(threads, f.points).max(of_cutoff)

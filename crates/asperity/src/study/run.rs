@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use asperity_base::choice;
 
 use crate::friction::process::FittedProcess;
+use crate::friction::{OperatingLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
 use crate::study::config::SurfaceSection;
-use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
-use crate::study::window_friction::WindowFriction;
+use crate::study::window_friction::{computed_friction, fitted_friction, stated_friction};
 use crate::study::{
     Study, StudyError, friction_process, friction_stage, pressure_stage, surface_stage, vibration_stage,
 };
@@ -70,8 +70,8 @@ impl Study {
     fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
         let Some(section) = self.vibration.as_ref().filter(|_| self.friction.is_none()) else { return Ok(None) };
         Ok(Some(match self.read_friction_process(folder)? {
-            Some(process) => WindowFriction::fitted(section, &process, section.scales()?.velocity_m_per_s()),
-            None => WindowFriction::stated(section)?,
+            Some(process) => fitted_friction(section, &process)?,
+            None => stated_friction(section)?,
         }))
     }
 
@@ -134,10 +134,10 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.friction, &self.material, &surface, wants_friction)
         {
-            let lead = match self.vibration.as_ref().map(|v| (v.level, v.normal_force.0 / v.nominal_area.0)) {
-                None => Lead::Deepest,
-                Some((Some(percentile), _)) => Lead::Percentile(percentile),
-                Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
+            let operating = match self.vibration.as_ref().map(|v| (v.level, v.normal_force.0 / v.nominal_area.0)) {
+                None => OperatingLevel::Deepest,
+                Some((Some(percentile), _)) => OperatingLevel::Percentile(percentile),
+                Some((None, nominal_pa)) => OperatingLevel::NominalPressure(nominal_pa),
             };
             let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
             let stated = section.nominal_area.or_else(of_vibration);
@@ -147,14 +147,15 @@ impl Study {
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
+            let stage =
+                friction_stage::run(section, material, surface, operating, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = match self.vibration.as_ref().and_then(|v| v.stribeck().zip(Some(v))) {
                 Some((stribeck, section)) => Some(stribeck.s_per_m(section.scales()?.velocity_m_per_s())),
                 None => None,
             };
-            match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
+            match stage.solved.operating().fitted_process(&stage.solved.window, stribeck_s_per_m) {
                 Ok(process) => gathered.friction_process = Some(process),
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
             }
@@ -162,7 +163,7 @@ impl Study {
         }
         if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
             let friction = match (&friction, known) {
-                (Some(solved), _) => WindowFriction::computed(section, solved)?,
+                (Some(solved), _) => computed_friction(section, solved)?,
                 (None, Some(known)) => known,
                 (None, None) => return Err(StudyError::NoStage("friction")),
             };
