@@ -16,7 +16,7 @@ mod variation;
 pub use band_slopes::{BandSlopes, Roughness};
 pub use covariance::SurfaceCovariance;
 pub use error::SurfaceModelError;
-pub use generated::{CapturedModes, GAMMA, Generated, MOST_MODES, RIDGES};
+pub use generated::{CapturedModes, GAMMA, Generated, MOST_MODES, RIDGES, XiOrder};
 pub use request::{CovarianceRequest, Measurable, SurfaceRequest};
 pub use selection::{CovarianceCandidate, SelectedCovariance};
 pub use trial::TrialMaps;

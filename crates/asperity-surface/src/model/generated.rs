@@ -1,6 +1,7 @@
 //! Generators of the random surfaces of a model, on any grid.
 
 use asperity_base::correlation::StationaryCovariance;
+use asperity_base::law::Marginal;
 use asperity_base::map::Grid;
 use asperity_base::sentence;
 use asperity_base::translation::TranslationKind;
@@ -29,11 +30,11 @@ const CORRELATION_LEFT: f64 = 0.01;
 pub(super) const CLIPPED_VARIANCE: f64 = 1e-3;
 
 /// Order of the normal variables ξ of a spectral field.
-#[derive(Debug, Clone, Copy)]
-enum XiOrder {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum XiOrder {
     /// By decreasing variance of the waves.
     Variance,
-    /// By wavevector, equal for all covariances.
+    /// By wavevector: on a periodic grid each variable belongs to the same wave for all covariances.
     Wavevector,
 }
 
@@ -85,83 +86,13 @@ impl SurfaceModel {
     /// The covariance has no expansion or embedding on the grid, the marginal distribution has no translation, or the expansion of
     /// a patch that is not periodic is to leave out the constant mode.
     pub fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
-        match self.texture {
-            Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => {
-                if let Some(modes) = expansion.modes {
-                    return self.expanded(covariance, translation, expansion, modes, grid, periodic);
-                }
-                let needed = modes_for_slopes(covariance, grid, WANTED_VARIANCE);
-                let most = MOST_MODES.min(grid.points());
-                let mut modes = (MARGIN * needed as f64).ceil() as usize + 1;
-                while modes <= most {
-                    let generated = self.expanded(covariance, translation, expansion, modes, grid, periodic)?;
-                    let found = generated.karhunen_loeve.as_ref();
-                    if found.is_none_or(|found| found.captured_slope_variance >= WANTED_VARIANCE) {
-                        return Ok(generated);
-                    }
-                    modes = (GROWTH * modes as f64).ceil() as usize;
-                }
-                self.all_fourier_modes(covariance, translation, expansion, needed, grid, periodic)
+        match &self.texture {
+            &Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => {
+                let field = Field { marginal: &self.marginal, covariance, translation, grid, periodic };
+                field.expansion_or_all_modes(expansion)
             }
-            Texture::Translated { ref covariance, translation, expansion: None } => {
-                self.spectral(covariance, translation, XiOrder::Variance, grid, periodic)
-            }
-            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+            _ => self.strip(grid, periodic, XiOrder::Variance),
         }
-    }
-
-    /// Makes Karhunen–Loève surfaces of this many terms.
-    fn expanded(
-        &self,
-        covariance: &SurfaceCovariance,
-        translation: TranslationKind,
-        expansion: Expansion,
-        modes: usize,
-        grid: Grid,
-        periodic: bool,
-    ) -> Result<Generated, SurfaceModelError> {
-        match translation {
-            TranslationKind::Plain => {
-                self.karhunen_loeve(covariance, expansion, modes, covariance.is_product(), grid, periodic)
-            }
-            TranslationKind::Corrected => {
-                let corrected = Predistorted::new(covariance, &self.marginal)?;
-                let correction = Some(format!(
-                    "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
-                     heights of this law cannot have a correlation below {}.",
-                    sentence::digits(corrected.least_correlation())
-                ));
-                let generated = self.karhunen_loeve(&corrected, expansion, modes, false, grid, periodic)?;
-                Ok(Generated { correction, ..generated })
-            }
-        }
-    }
-
-    /// Makes spectral surfaces in place of a Karhunen–Loève expansion that needs too many terms. If the treatment of the truncated
-    /// variance is stated, makes an expansion of [`MOST_MODES`] terms instead.
-    fn all_fourier_modes(
-        &self,
-        covariance: &SurfaceCovariance,
-        translation: TranslationKind,
-        expansion: Expansion,
-        needed: usize,
-        grid: Grid,
-        periodic: bool,
-    ) -> Result<Generated, SurfaceModelError> {
-        if expansion.rescale.is_some() || !expansion.mean_mode {
-            return self.expanded(covariance, translation, expansion, MOST_MODES, grid, periodic);
-        }
-        let generated = self.spectral(covariance, translation, XiOrder::Variance, grid, periodic)?;
-        let reason = format!(
-            "A Karhunen–Loève expansion of a patch of {} would need {} terms or more to hold {} % of the slope variance, so that \
-             its surfaces have all Fourier modes of the grid instead; state `modes` to have an expansion.",
-            sentence::size(grid.width_m(), grid.height_m()),
-            needed,
-            sentence::digits(100.0 * WANTED_VARIANCE),
-        );
-        let correction =
-            Some(generated.correction.map_or(reason.clone(), |correction| format!("{reason} {correction}")));
-        Ok(Generated { correction, ..generated })
     }
 
     /// Makes the generator of surfaces on a long strip. It has all Fourier modes, because a truncated expansion does not contain the
@@ -169,24 +100,79 @@ impl SurfaceModel {
     ///
     /// # Errors
     /// The covariance has no embedding on the grid, or the marginal distribution has no translation.
-    pub fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
-        self.strip_in(XiOrder::Variance, grid, periodic)
-    }
-
-    /// Makes the same generator with normal variables ξ that belong to the same waves for every covariance on a periodic grid.
-    ///
-    /// # Errors
-    /// As [`Self::strip`].
-    pub fn comparable_strip(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
-        self.strip_in(XiOrder::Wavevector, grid, periodic)
-    }
-
-    fn strip_in(&self, order: XiOrder, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
-        match self.texture {
-            Texture::Translated { ref covariance, translation, .. } => {
-                self.spectral(covariance, translation, order, grid, periodic)
+    pub fn strip(&self, grid: Grid, periodic: bool, order: XiOrder) -> Result<Generated, SurfaceModelError> {
+        match &self.texture {
+            &Texture::Translated { ref covariance, translation, .. } => {
+                Field { marginal: &self.marginal, covariance, translation, grid, periodic }.spectral(order)
             }
-            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+            // The rms height sets G; its initial value has no effect.
+            Texture::WeierstrassMandelbrot { dimension } => Ok(Generated::exact(Box::new(
+                WeierstrassMandelbrot::new(grid, *dimension, GAMMA, RIDGES, 1e-9, WeierstrassForm::Truncated)?
+                    .with_rms_height(self.marginal.std())?,
+            ))),
+        }
+    }
+}
+
+/// Translated Gaussian field on a grid.
+struct Field<'a> {
+    marginal: &'a Marginal,
+    covariance: &'a SurfaceCovariance,
+    translation: TranslationKind,
+    grid: Grid,
+    periodic: bool,
+}
+
+impl Field<'_> {
+    /// Makes Karhunen–Loève surfaces with the stated number of terms, or with as many as contain the slopes. If these are too many,
+    /// makes spectral surfaces, or surfaces of [`MOST_MODES`] terms if the treatment of the truncated variance is stated.
+    fn expansion_or_all_modes(&self, expansion: Expansion) -> Result<Generated, SurfaceModelError> {
+        if let Some(modes) = expansion.modes {
+            return self.expanded(expansion, modes);
+        }
+        let needed = modes_for_slopes(self.covariance, self.grid, WANTED_VARIANCE);
+        let most = MOST_MODES.min(self.grid.points());
+        let mut modes = (MARGIN * needed as f64).ceil() as usize + 1;
+        while modes <= most {
+            let generated = self.expanded(expansion, modes)?;
+            let found = generated.karhunen_loeve;
+            if found.is_none_or(|found| found.captured_slope_variance >= WANTED_VARIANCE) {
+                return Ok(generated);
+            }
+            modes = (GROWTH * modes as f64).ceil() as usize;
+        }
+        if expansion.rescale.is_some() || !expansion.mean_mode {
+            return self.expanded(expansion, MOST_MODES);
+        }
+        let generated = self.spectral(XiOrder::Variance)?;
+        let reason = format!(
+            "A Karhunen–Loève expansion of a patch of {} would need {needed} terms or more to hold {} % of the slope variance, so that \
+             its surfaces have all Fourier modes of the grid instead; state `modes` to have an expansion.",
+            self.size(),
+            sentence::digits(100.0 * WANTED_VARIANCE),
+        );
+        let correction = match generated.correction {
+            Some(correction) => format!("{reason} {correction}"),
+            None => reason,
+        };
+        Ok(Generated { correction: Some(correction), ..generated })
+    }
+
+    /// Makes Karhunen–Loève surfaces of this many terms.
+    fn expanded(&self, expansion: Expansion, modes: usize) -> Result<Generated, SurfaceModelError> {
+        match self.translation {
+            TranslationKind::Plain => {
+                self.karhunen_loeve(self.covariance, self.covariance.is_product(), expansion, modes)
+            }
+            TranslationKind::Corrected => {
+                let corrected = Predistorted::new(self.covariance, self.marginal)?;
+                let correction = Some(format!(
+                    "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
+                     heights of this law cannot have a correlation below {}.",
+                    sentence::digits(corrected.least_correlation())
+                ));
+                Ok(Generated { correction, ..self.karhunen_loeve(&corrected, false, expansion, modes)? })
+            }
         }
     }
 
@@ -194,12 +180,11 @@ impl SurfaceModel {
     fn karhunen_loeve(
         &self,
         covariance: &dyn StationaryCovariance,
+        product: bool,
         Expansion { mean_mode, rescale, .. }: Expansion,
         modes: usize,
-        product: bool,
-        grid: Grid,
-        periodic: bool,
     ) -> Result<Generated, SurfaceModelError> {
+        let &Self { grid, periodic, .. } = self;
         let route = match (periodic, product) {
             (true, _) => ModesRoute::Periodic,
             (false, true) => ModesRoute::Separable,
@@ -228,7 +213,7 @@ impl SurfaceModel {
                 "{modes} Karhunen–Loève terms hold {} % of the variance on a patch of {}: the random surfaces are {than} \
                  than the model; raise `modes` or use the spectral generator",
                 sentence::digits(100.0 * captured_variance),
-                sentence::size(grid.width_m(), grid.height_m())
+                self.size()
             ));
         }
         let captured_slope_variance = field.captured_slope_variance();
@@ -238,7 +223,7 @@ impl SurfaceModel {
                  {} times those of the model, and elastic contact area and friction depend on slopes; leave `modes` out, or use the \
                  spectral generator",
                 sentence::digits(100.0 * captured_slope_variance),
-                sentence::size(grid.width_m(), grid.height_m()),
+                self.size(),
                 sentence::digits(captured_slope_variance.sqrt()),
             ));
         }
@@ -251,33 +236,28 @@ impl SurfaceModel {
         Ok(Generated { karhunen_loeve, std_share, warnings, ..Generated::exact(surface) })
     }
 
-    fn spectral(
-        &self,
-        covariance: &SurfaceCovariance,
-        translation: TranslationKind,
-        order: XiOrder,
-        grid: Grid,
-        periodic: bool,
-    ) -> Result<Generated, SurfaceModelError> {
+    /// Makes surfaces with all Fourier modes.
+    fn spectral(&self, order: XiOrder) -> Result<Generated, SurfaceModelError> {
+        let &Self { grid, periodic, .. } = self;
         let make = |covariance: &dyn StationaryCovariance| {
             if periodic { Ok(SpectralField::periodic(covariance, grid)) } else { SpectralField::free(covariance, grid) }
         };
         let mut warnings = Vec::new();
         let mut met = None;
-        let field = match translation {
-            TranslationKind::Plain => make(covariance)?,
+        let field = match self.translation {
+            TranslationKind::Plain => make(self.covariance)?,
             TranslationKind::Corrected => {
                 let correction = TranslationCorrection::default();
                 let CorrectedField { field, report } = if periodic {
-                    correction.periodic(covariance, &self.marginal, grid)?
+                    correction.periodic(self.covariance, self.marginal, grid)?
                 } else {
-                    correction.free(covariance, &self.marginal, grid)?
+                    correction.free(self.covariance, self.marginal, grid)?
                 };
                 let left = report.corrected.largest_deviation;
                 met = Some(format!(
                     "Corrected translation meets the correlation of the heights on {} to {}, plain translation would to {}; \
                      heights of this law cannot have a correlation below {}.",
-                    sentence::size(grid.width_m(), grid.height_m()),
+                    self.size(),
                     sentence::digits(left),
                     sentence::digits(report.plain.largest_deviation),
                     sentence::digits(report.feasibility.least_correlation),
@@ -297,7 +277,7 @@ impl SurfaceModel {
             warnings.push(format!(
                 "wrapped around a grid of {} the covariance is not positive definite, because a side holds too few \
                  correlation lengths; {} % of the variance was clipped",
-                sentence::size(grid.width_m(), grid.height_m()),
+                self.size(),
                 sentence::digits(100.0 * field.clipped_variance())
             ));
         }
@@ -317,12 +297,9 @@ impl SurfaceModel {
         Ok(Box::new(Translated::new(field, self.marginal.clone())?))
     }
 
-    fn weierstrass_mandelbrot(&self, dimension: f64, grid: Grid) -> Result<Generated, SurfaceModelError> {
-        // The rms height sets G; its initial value has no effect.
-        let form = WeierstrassForm::Truncated;
-        let surface = WeierstrassMandelbrot::new(grid, dimension, GAMMA, RIDGES, 1e-9, form)?
-            .with_rms_height(self.marginal.std())?;
-        Ok(Generated::exact(Box::new(surface)))
+    /// Formats the size of the grid.
+    fn size(&self) -> String {
+        sentence::size(self.grid.width_m(), self.grid.height_m())
     }
 }
 
@@ -330,7 +307,6 @@ impl SurfaceModel {
 mod tests {
     use super::*;
     use asperity_base::correlation::{CorrelationModel, Covariance};
-    use asperity_base::law::Marginal;
 
     fn model(kind: CorrelationModel, length_m: f64, modes: Option<usize>) -> SurfaceModel {
         let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 
-use super::{BandSlopes, SurfaceModel, SurfaceModelError};
+use super::{BandSlopes, SurfaceModel, SurfaceModelError, XiOrder};
 use crate::RandomSurface;
 use crate::level::Level;
 use crate::preparation::Preparation;
@@ -38,7 +38,7 @@ impl TrialMaps {
     ) -> Result<Option<Self>, SurfaceModelError> {
         let grid = Grid::new(grid.nx().min(POINTS), grid.ny().min(POINTS), grid.dx_m(), grid.dy_m())
             .map_err(SurfaceModelError::TrialGrid)?;
-        let generated = model.strip(grid, false)?;
+        let generated = model.strip(grid, false, XiOrder::Variance)?;
         let surface = &generated.surface;
         let drawn = (0..MAPS).into_par_iter().map(|index| {
             let mut stream = random::stream(1, "trial maps", index);

@@ -22,6 +22,7 @@ use crate::study::pressure_stage::half_space;
 use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, UpscalingResult};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{Field, StudyError};
+use crate::surface::model::XiOrder;
 
 /// Returns the variability over the nominal area by both upscalings.
 fn upscaling(solved: &SolvedLevel, window: &Window, nominal_area_m2: f64) -> UpscalingResult {
@@ -80,31 +81,25 @@ pub(super) struct FrictionStage {
     pub(super) output: StageOutput,
 }
 
-/// Contact problem of the strips of a section with the words of its assumptions.
-struct Setup {
-    problem: StripProblem,
-    mean_compliance_m_per_pa: Option<f64>,
-    law_in_words: String,
-}
-
-impl Setup {
-    fn new(section: &FrictionSection, material: &MaterialSection) -> Result<Self, StudyError> {
-        let [nx, ny] = section.points;
-        let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
-            .map_err(|error| StudyError::Grid { section: "friction", error })?;
-        let compliance = section.mean_compliance.map(|c| c.0);
-        let (half_space, mean_compliance_m_per_pa) =
-            half_space("friction", grid, material, section.boundary, compliance)?;
-        let window = match section.window_shape {
-            WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
-            WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
-        };
-        let (law, law_in_words) = friction_law(section, material)?;
-        let hardness_pa = material.hardness.map(|h| h.0);
-        let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
-        let problem = StripProblem { half_space, window, law, hardness_pa, solver };
-        Ok(Self { problem, mean_compliance_m_per_pa, law_in_words })
-    }
+/// Returns the contact problem of the strips of a section with its mean compliance, in m/Pa, and a description of the friction law.
+fn strip_problem(
+    section: &FrictionSection,
+    material: &MaterialSection,
+) -> Result<(StripProblem, Option<f64>, String), StudyError> {
+    let [nx, ny] = section.points;
+    let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
+        .map_err(|error| StudyError::Grid { section: "friction", error })?;
+    let compliance = section.mean_compliance.map(|c| c.0);
+    let (half_space, mean_compliance_m_per_pa) = half_space("friction", grid, material, section.boundary, compliance)?;
+    let window = match section.window_shape {
+        WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
+        WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
+    };
+    let (law, law_in_words) = friction_law(section, material)?;
+    let hardness_pa = material.hardness.map(|h| h.0);
+    let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
+    let problem = StripProblem { half_space, window, law, hardness_pa, solver };
+    Ok((problem, mean_compliance_m_per_pa, law_in_words))
 }
 
 /// Solves the strips at the levels of the section and at the operating level.
@@ -117,9 +112,9 @@ pub(super) fn run(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
-    let Setup { problem, mean_compliance_m_per_pa, law_in_words } = Setup::new(section, material)?;
+    let (problem, mean_compliance_m_per_pa, law_in_words) = strip_problem(section, material)?;
     let grid = problem.grid();
-    let generated = surface.model.strip(grid, problem.is_periodic())?;
+    let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
     let strips = problem.strips(generated.surface.as_ref(), section.realisations, seed);
     let stated = level_controls(section, operating);
     let controls: Vec<Control> = stated.iter().map(|level| level.contact(&surface.model.marginal)).collect();

@@ -17,6 +17,7 @@ use crate::study::result::{
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::uncertain_surface::UncertainSurface;
 use crate::study::{StudyError, Table, sentence};
+use crate::surface::model::XiOrder;
 
 /// Fraction of unexplained variance, and of noise, above which there is a warning.
 const UNEXPLAINED_SHARE: f64 = 0.2;
@@ -40,7 +41,7 @@ pub(super) fn run(
     let (mut points, mut warned) = (Vec::new(), Vec::new());
     for index in 0..plan.points {
         let model = uncertain.at(&propagation.point(index))?;
-        let generated = model.comparable_strip(problem.grid(), problem.is_periodic())?;
+        let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
         points.push(plan.solve(index, generated.surface.as_ref(), &model.marginal, monitor)?);
         warned.extend(generated.warnings.into_iter().next());
     }

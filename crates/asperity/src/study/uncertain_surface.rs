@@ -8,18 +8,14 @@ use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::study::surface_stage::SurfaceStage;
 use crate::surface::model::{SurfaceCovariance, SurfaceModel, Variation};
 
-/// Parameter of the surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    RmsHeight,
-    CorrelationLength,
-    Skewness,
-}
+/// Names of the parameters.
+const RMS_HEIGHT: &str = "rms_height";
+const CORRELATION_LENGTH: &str = "correlation_length";
+const SKEWNESS: &str = "skewness";
 
 /// Random surface with uncertain parameters.
 pub(super) struct UncertainSurface<'a> {
     model: &'a SurfaceModel,
-    kinds: Vec<Kind>,
     pub(super) parameters: Vec<Parameter>,
 }
 
@@ -28,19 +24,13 @@ impl<'a> UncertainSurface<'a> {
         let model = &surface.model;
         let measured = |statistic: &str| surface.measured.as_ref()?.estimate(statistic);
         let length_x_m = model.covariance().map(SurfaceCovariance::length_x_m);
-        let (mut kinds, mut parameters) = (Vec::new(), Vec::new());
+        let mut parameters = Vec::new();
         let absent = |key, statistic| StudyError::NoInterval { key, statistic };
         let lengths = [
-            (Kind::RmsHeight, "rms_height", section.rms_height, Some(model.marginal.std()), "Sq_m"),
-            (
-                Kind::CorrelationLength,
-                "correlation_length",
-                section.correlation_length,
-                length_x_m,
-                "correlation_length_x_m",
-            ),
+            (RMS_HEIGHT, section.rms_height, Some(model.marginal.std()), "Sq_m"),
+            (CORRELATION_LENGTH, section.correlation_length, length_x_m, "correlation_length_x_m"),
         ];
-        for (kind, key, scatter, nominal_m, statistic) in lengths {
+        for (key, scatter, nominal_m, statistic) in lengths {
             // Without a covariance the check of the study refuses an uncertain length.
             let (Some(scatter), Some(nominal_m)) = (scatter, nominal_m) else { continue };
             let parameter = match scatter {
@@ -54,32 +44,31 @@ impl<'a> UncertainSurface<'a> {
                     Parameter::lognormal_within(key, Interval { low: scale * low, high: scale * high })?
                 }
             };
-            kinds.push(kind);
             parameters.push(parameter);
         }
         if let Some(scatter) = section.skewness {
             let parameter = match scatter {
-                NumberScatter::Absolute(std) => Parameter::normal("skewness", model.marginal.skewness(), std)?,
+                NumberScatter::Absolute(std) => Parameter::normal(SKEWNESS, model.marginal.skewness(), std)?,
                 NumberScatter::Measured => {
-                    let (_, interval) = measured("Ssk").ok_or(absent("skewness", "Ssk"))?;
-                    Parameter::normal_within("skewness", interval)?
+                    let (_, interval) = measured("Ssk").ok_or(absent(SKEWNESS, "Ssk"))?;
+                    Parameter::normal_within(SKEWNESS, interval)?
                 }
             };
-            kinds.push(Kind::Skewness);
             parameters.push(parameter);
         }
-        Ok(Self { model, kinds, parameters })
+        Ok(Self { model, parameters })
     }
 
     /// Returns whether the heights have Johnson's distribution of a given skewness.
     pub(super) fn has_skewness(&self) -> bool {
-        self.kinds.contains(&Kind::Skewness)
+        self.parameters.iter().any(|parameter| parameter.name() == SKEWNESS)
     }
 
     /// Returns the surface with these values of the parameters.
     pub(super) fn at(&self, values: &[f64]) -> Result<SurfaceModel, StudyError> {
-        let value = |kind: Kind| self.kinds.iter().zip(values).find(|(own, _)| **own == kind).map(|(_, value)| *value);
-        let (rms_height_m, correlation_length_m) = (value(Kind::RmsHeight), value(Kind::CorrelationLength));
-        Ok(self.model.varied(&Variation { rms_height_m, correlation_length_m, skewness: value(Kind::Skewness) })?)
+        let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name() == name);
+        let value = |name: &str| place(name).map(|place| values[place]);
+        let (rms_height_m, correlation_length_m) = (value(RMS_HEIGHT), value(CORRELATION_LENGTH));
+        Ok(self.model.varied(&Variation { rms_height_m, correlation_length_m, skewness: value(SKEWNESS) })?)
     }
 }

@@ -5,12 +5,12 @@ use crate::friction::cutoff::{CutoffBlock, CutoffPlan, CutoffStudy, OperatingMea
 use crate::monitor::Monitor;
 use crate::quantity::Length;
 use crate::study::config::{FrictionLawKind, FrictionSection, MaterialSection, WindowShape};
-use crate::study::friction_stage::Setup;
+use crate::study::friction_stage::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, Table, sentence};
-use crate::surface::model::Texture;
+use crate::surface::model::{Texture, XiOrder};
 use crate::surface::scanned::ScannedSurface;
 
 /// Fraction of contact cells at the hardness from which on yielding explains why shorter waves change nothing.
@@ -50,9 +50,9 @@ pub(super) fn run(
     let mut output = StageOutput::default();
     let Some(plan) = plan(section, levels.len()) else { return Ok((None, output)) };
     let lead = &levels[lead];
-    let [own, halved] = [false, true].map(|halved| Setup::new(&section_of(&plan, section, halved), material));
-    let (own, halved) = (own?.problem, halved?.problem);
-    let generated = surface.model.strip(own.grid(), own.is_periodic())?;
+    let [own, halved] = [false, true].map(|halved| strip_problem(&section_of(&plan, section, halved), material));
+    let (own, halved) = (own?.0, halved?.0);
+    let generated = surface.model.strip(own.grid(), own.is_periodic(), XiOrder::Variance)?;
     // The sum of cosines of arbitrary directions does not close at the edges of a strip.
     let closes = own.is_periodic() && !matches!(surface.model.texture, Texture::WeierstrassMandelbrot { .. });
     let strips = (generated.surface.as_ref(), closes);
