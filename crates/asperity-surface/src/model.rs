@@ -3,6 +3,29 @@
 //! [`SurfaceModel::new`] makes a [`SurfaceModel`] from a [`SurfaceRequest`] and, if the request measures something, from the
 //! [`ScannedSurface`](crate::scanned::ScannedSurface). [`SurfaceModel::patch`] and [`SurfaceModel::strip`] make the generators of
 //! its random surfaces on a grid.
+//!
+//! ```
+//! use asperity_base::correlation::{CorrelationFamily, CorrelationModel};
+//! use asperity_base::law::Marginal;
+//! use asperity_base::map::Grid;
+//! use asperity_base::translation::TranslationKind;
+//! use asperity_surface::RandomSurface;
+//! use asperity_surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceRequest};
+//!
+//! let request = SurfaceRequest::Translated {
+//!     rms_height_m: Measurable::Stated(1e-6),
+//!     covariance: CovarianceRequest::Stated { model: CorrelationModel::Exponential, lengths_m: [8e-6, 8e-6] },
+//!     families: CorrelationFamily::ALL.to_vec(),
+//!     marginal: Measurable::Stated(Marginal::STANDARD_NORMAL),
+//!     translation: TranslationKind::Plain,
+//!     expansion: None,
+//! };
+//! let (model, _) = SurfaceModel::new(request, None)?;
+//! let generated = model.patch(Grid::new(64, 64, 1e-6, 1e-6)?, false)?;
+//! let map = generated.surface.generate(&vec![0.5; generated.surface.xi_len()]);
+//! assert_eq!(map.grid().shape(), (64, 64));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod band_slopes;
 mod covariance;

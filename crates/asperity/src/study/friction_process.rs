@@ -1,4 +1,4 @@
-//! The fitted process that the friction stage hands on, as `friction_process.json`, and that a study can begin with.
+//! Fitted friction process as the input of a study, and records drawn from it.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::friction::process::{FittedProcess, ProcessError};
 use crate::study::{StudyError, Table};
 
-/// A record drawn from a process: `position_m`, `mu` and `fluctuation`, what μ has beyond its mean.
+/// Draws a record from a process, with the columns `position_m`, `mu` and `fluctuation`, the difference of μ from its mean.
 ///
 /// # Errors
 /// As [`FittedProcess::simulate`].
@@ -19,7 +19,7 @@ pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, see
     ]))
 }
 
-/// Reads a process that a study names; `path` is where it lies, `name` what the study calls it.
+/// Reads the process of a study; `path` is its file, and `name` is its name in the study, for errors.
 ///
 /// # Errors
 /// The file cannot be read, or holds no process.

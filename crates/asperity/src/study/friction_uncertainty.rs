@@ -105,7 +105,8 @@ pub(super) fn run(
     Ok(Some((result, output)))
 }
 
-/// Every moment of one level over the parameters. What differs by less than the tolerance of the contacts is equal.
+/// Expands every moment of one level in the parameters. Moments that differ by less than the tolerance of the contacts count as
+/// equal.
 fn responses(
     propagation: &Propagation,
     found: &[Option<&MomentReplicates>],
@@ -264,12 +265,12 @@ fn words(
     )
 }
 
-/// Column of a number that may be missing.
+/// Returns a column of numbers; missing ones are NaN.
 fn numbers(levels: &[UncertainLevel], value: impl Fn(&UncertainLevel) -> Option<f64>) -> Vec<f64> {
     levels.iter().map(|level| value(level).unwrap_or(f64::NAN)).collect()
 }
 
-/// Where each level is on the load curve of the study's own surface.
+/// Returns the columns that locate each level on the load curve of the surface of the study.
 fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
     vec![
         ("percentile".into(), solved.iter().map(|l| l.control.percentile().unwrap_or(f64::NAN)).collect()),
@@ -278,7 +279,7 @@ fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
     ]
 }
 
-/// Moments of the quotient with their bands over the parameters.
+/// Returns the table of the moments of the quotient with their bands over the parameters.
 fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
@@ -292,7 +293,7 @@ fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     Table::new(columns)
 }
 
-/// Sobol' indices of the moments at the mean load.
+/// Returns the table of Sobol' indices of the moments at the mean load.
 fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {

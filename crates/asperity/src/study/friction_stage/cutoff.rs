@@ -115,7 +115,7 @@ pub(super) fn run(
     Ok((Some(result), output))
 }
 
-/// Friction of contacts that all have the hardness: τ_max/H, and α of a pressure-dependent shear strength.
+/// Returns the friction of contacts at the hardness: τ_max/H, plus α of a pressure-dependent shear strength.
 fn plastic_floor(section: &FrictionSection, material: &MaterialSection) -> Option<f64> {
     let (hardness, shear) = (material.hardness?.0, material.shear_strength?.0);
     Some(
@@ -138,7 +138,7 @@ fn table(result: &CutoffResult) -> Table {
     .led_by("cutoff_m")
 }
 
-/// The mean at a cut-off between the points, linear in the logarithm of the wavelength; that of an end beyond it.
+/// Interpolates the mean at a cutoff linearly in the logarithm of the wavelength; returns the mean of the nearest end beyond it.
 fn mean_at(points: &[CutoffPoint], cutoff_m: f64) -> f64 {
     let after = points.partition_point(|point| point.cutoff_m <= cutoff_m);
     match (after.checked_sub(1).map(|before| &points[before]), points.get(after)) {
@@ -151,7 +151,7 @@ fn mean_at(points: &[CutoffPoint], cutoff_m: f64) -> f64 {
     }
 }
 
-/// What is known of the mean as a function of the shortest waves.
+/// Returns a sentence on the mean as a function of the shortest waves.
 fn known(result: &CutoffResult, anchor: &OperatingMean) -> String {
     let (mu, metre) = (sentence::digits, |m| sentence::si(m, "m"));
     let [own, next, ..] = &result.points[..] else {
@@ -210,7 +210,7 @@ fn known(result: &CutoffResult, anchor: &OperatingMean) -> String {
     }
 }
 
-/// A warning where half the pitch changes the mean.
+/// Returns a warning if half the pitch changes the mean.
 fn unresolved(result: &CutoffResult, anchor: &OperatingMean, level: &str) -> Option<String> {
     let halved = result.halved_pitch.as_ref()?;
     let [low, high] = halved.change_interval;
@@ -229,7 +229,7 @@ fn unresolved(result: &CutoffResult, anchor: &OperatingMean, level: &str) -> Opt
     })
 }
 
-/// A warning where waves that the scan does not know change the mean.
+/// Returns a warning if waves beyond the reliable band of the scan change the mean.
 fn beyond_the_band(result: &CutoffResult, anchor: &OperatingMean) -> Option<String> {
     let (band_m, own) = (result.band_end_m?, result.points.first()?);
     let there = mean_at(&result.points, band_m);
@@ -285,7 +285,7 @@ mod tests {
         assert!(known(&result([0.2, 0.25, 0.3], 0.0, None), &anchor).contains("no floor"));
         assert!(known(&result([0.2, 0.205, 0.3], 0.7, Some(0.19)), &anchor).starts_with("Yielding makes"));
         assert!(known(&result([0.2, 0.205, 0.3], 0.1, Some(0.15)), &anchor).starts_with("The shortest waves hardly"));
-        // The scan does not know the waves that make the difference.
+        // The waves that make the difference lie beyond the band of the scan.
         assert!(beyond_the_band(&elastic, &anchor).unwrap().contains("μ is 0.25 without the shorter waves"));
         assert_eq!(beyond_the_band(&result([0.2, 0.205, 0.3], 0.1, None), &anchor), None);
         assert_eq!(beyond_the_band(&CutoffResult { band_end_m: Some(1e-6), ..elastic }, &anchor), None);
