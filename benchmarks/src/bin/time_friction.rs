@@ -21,7 +21,7 @@ use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::distribution::Marginal;
 use asperity::friction::StripSums;
 use asperity::friction::law::BowdenTabor;
-use asperity::friction::strip::Strips;
+use asperity::friction::strip::{StripProblem, Strips};
 use asperity::friction::window::Window;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
@@ -72,16 +72,14 @@ fn main() -> Result<()> {
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa);
     let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Periodic { mean_compliance_m_per_pa })?;
     let marginal = Marginal::normal(0.0, 1e-6)?;
-    let strips = Strips {
-        surface: &surface,
-        half_space: &half_space,
-        window: &Window::new(600e-6, grid)?,
-        law: &BowdenTabor { shear_strength_pa: 385e6 },
+    let problem = StripProblem {
+        half_space,
+        window: Window::new(600e-6, grid)?,
+        law: Box::new(BowdenTabor { shear_strength_pa: 385e6 }),
         hardness_pa: Some(2e9),
         solver: Solver { tolerance: settings.tolerance, ..Solver::default() },
-        realisations: settings.strips,
-        seed: 2016,
     };
+    let strips = problem.strips(&surface, settings.strips, 2016);
     let controls = PERCENTILES.map(|percent| Control::Plane { height_m: marginal.quantile(1.0 - percent / 100.0) });
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let apart = alone.install(|| parts(&strips, &controls, settings.parts))?;
@@ -111,7 +109,8 @@ fn main() -> Result<()> {
 fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Value> {
     let (mut xi_s, mut maps_s, mut windows_s) = (0.0, 0.0, 0.0);
     let mut by_level = vec![[0.0; 4]; controls.len()];
-    let mut workspace = strips.half_space.workspace();
+    let setup = strips.problem;
+    let mut workspace = setup.half_space.workspace();
     for index in 0..count {
         let start = Instant::now();
         let xi = random::standard_normal(&mut random::stream(1, "parts", index as u64), strips.surface.xi_len());
@@ -121,17 +120,17 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
         maps_s += start.elapsed().as_secs_f64();
         let mut last: Option<Array2<f64>> = None;
         for (level, control) in by_level.iter_mut().zip(controls) {
-            let problem = Problem::new(strips.half_space, map.complete_heights_m()?, *control, strips.hardness_pa)?;
+            let problem = Problem::new(&setup.half_space, map.complete_heights_m()?, *control, setup.hardness_pa)?;
             for (warm, start_from) in [(0, None), (2, last.as_ref())] {
                 let start = Instant::now();
-                let solution = strips.solver.solve_from(&problem, start_from, &mut workspace, &Silent)?;
+                let solution = setup.solver.solve_from(&problem, start_from, &mut workspace, &Silent)?;
                 level[warm] += start.elapsed().as_secs_f64();
                 level[warm + 1] += solution.iterations() as f64;
             }
-            let solution = strips.solver.solve_with(&problem, &mut workspace)?;
+            let solution = setup.solver.solve_with(&problem, &mut workspace)?;
             let start = Instant::now();
-            let narrower = strips.window.narrower();
-            let windows: Vec<&Window> = std::iter::once(strips.window).chain(&narrower).collect();
+            let narrower = setup.window.narrower();
+            let windows: Vec<&Window> = std::iter::once(&setup.window).chain(&narrower).collect();
             let sums = StripSums::new(&solution, None, &windows);
             let seen: usize = windows.iter().map(|window| window.slide(&sums)[0].len()).sum();
             windows_s += start.elapsed().as_secs_f64();

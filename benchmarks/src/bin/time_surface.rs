@@ -60,5 +60,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (values, uncertainty) =
         (Values::new(&areal::parameters(&map)?, &Autocorrelation::estimate(&map)?), Uncertainty::default());
     time("intervals of the statistics", &|| Ok(uncertainty.of(&map, &values).map(drop)?))?;
-    time("all of `surface stats`", &|| Ok(asperity::study::statistics(&prepared).map(drop)?))
+    time("all of `surface stats`", &|| Ok(asperity::surface::scanned::MapStatistics::new(&prepared).map(drop)?))
 }

@@ -15,6 +15,8 @@ pub mod monitor;
 pub mod numeric;
 pub mod quantity;
 pub mod random;
+#[doc(hidden)]
+pub mod sentence;
 pub mod stats;
 #[cfg(test)]
 mod testing;

@@ -4,27 +4,36 @@
 //! [`law::FrictionLaw`] computes μ(s) from the contact in the window. [`load_curve::LoadCurve`] relates load and depth.
 //! [`statistics::FrictionStatistics`] estimates the statistics of the process μ(s), and [`window_study::WindowStudy`] separates
 //! its correlation from the effect of the window. [`replicates`] provides the jackknife over strips. [`upscaling`]
-//! converts the variance of one window to the variance of the nominal area. [`process`] simulates the process, and
+//! converts the variance of one window to the variance of the nominal area. [`WindowFriction`] is the friction of one window,
+//! computed, fitted or stated. [`process`] simulates the process, and
 //! [`measured`] fits it to a tribometer record.
 
 use thiserror::Error;
 
 pub mod analysis;
+pub mod cutoff;
 pub mod law;
+mod level_control;
 pub mod load_curve;
 pub mod replicates;
+mod solved_level;
 pub mod statistics;
 pub mod strip;
 mod strip_sums;
+pub mod uncertain;
 pub mod upscaling;
 pub mod window;
+mod window_friction;
 pub mod window_study;
 
 pub use asperity_process as process;
 pub use asperity_process::{diagnostics, measured};
+pub use level_control::{LevelControl, OperatingLevel};
+pub use solved_level::SolvedLevel;
 pub use strip_sums::StripSums;
+pub use window_friction::{NominalContact, StatedFriction, WindowFriction};
 
-use asperity_base::monitor::Cancelled;
+use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::StatsError;
 
 /// Reason why friction could not be computed.
@@ -61,6 +70,25 @@ pub enum FrictionError {
     /// The monitor cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// Monitor of one part of a task; it reports progress of the whole task.
+struct PartOf<'a> {
+    monitor: &'a dyn Monitor,
+    /// Name of the task.
+    task: &'static str,
+    before: usize,
+    total: usize,
+}
+
+impl Monitor for PartOf<'_> {
+    fn progress(&self, _what: &str, done: usize, _total: usize) {
+        self.monitor.progress(self.task, self.before + done, self.total);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.monitor.cancelled()
+    }
 }
 
 #[cfg(doctest)]

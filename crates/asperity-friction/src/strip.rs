@@ -8,7 +8,7 @@ use crate::FrictionError;
 use crate::StripSums;
 use crate::law::FrictionLaw;
 use crate::window::{Window, WindowContact};
-use asperity_base::map::HeightMap;
+use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;
 use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, Workspace};
@@ -17,21 +17,45 @@ use asperity_surface::RandomSurface;
 /// Least fraction of strips that must converge at a level.
 const LEAST_VALID_FRACTION: f64 = 0.95;
 
-/// Random strips, their contact problem and friction law.
-#[derive(Clone, Copy)]
-pub struct Strips<'a> {
-    /// Random strips.
-    pub surface: &'a dyn RandomSurface,
+/// Contact problem, window and friction law of strips, without their random surface.
+#[derive(Debug)]
+pub struct StripProblem {
     /// Half-space on the strips' grid.
-    pub half_space: &'a HalfSpace,
+    pub half_space: HalfSpace,
     /// Sliding window. The windows of [`Window::narrower`] also slide along the strips, for the window study.
-    pub window: &'a Window,
+    pub window: Window,
     /// Friction law of the contacts.
-    pub law: &'a dyn FrictionLaw,
+    pub law: Box<dyn FrictionLaw>,
     /// Hardness in pascal, the upper bound of the pressure; `None` is elastic.
     pub hardness_pa: Option<f64>,
     /// Contact solver.
     pub solver: Solver,
+}
+
+impl StripProblem {
+    /// Returns the grid of the strips.
+    pub fn grid(&self) -> Grid {
+        self.half_space.grid()
+    }
+
+    /// Returns whether the strips are periodic.
+    pub fn is_periodic(&self) -> bool {
+        self.half_space.boundary() != Boundary::Free
+    }
+
+    /// Returns a number of strips of a random surface on the grid of the problem.
+    pub fn strips<'a>(&'a self, surface: &'a dyn RandomSurface, realisations: usize, seed: u64) -> Strips<'a> {
+        Strips { problem: self, surface, realisations, seed }
+    }
+}
+
+/// Strips of a random surface with their contact problem.
+#[derive(Clone, Copy)]
+pub struct Strips<'a> {
+    /// Contact problem of the strips.
+    pub problem: &'a StripProblem,
+    /// Random surface on the grid of the problem.
+    pub surface: &'a dyn RandomSurface,
     /// Number of strips.
     pub realisations: usize,
     /// Seed of the strips.
@@ -157,7 +181,7 @@ impl Strips<'_> {
         let strips: Result<Vec<Vec<Result<StripResult, String>>>, Cancelled> = (0..self.realisations)
             .into_par_iter()
             .map_init(
-                || self.half_space.workspace(),
+                || self.problem.half_space.workspace(),
                 |workspace, index| {
                     let map = self.map(index);
                     levels
@@ -200,10 +224,10 @@ impl Strips<'_> {
         start: Option<&Array2<f64>>,
         workspace: &mut Workspace,
     ) -> Result<Solution, String> {
-        let problem =
-            Problem::new(self.half_space, heights_m, control, self.hardness_pa).map_err(|error| error.to_string())?;
+        let problem = Problem::new(&self.problem.half_space, heights_m, control, self.problem.hardness_pa)
+            .map_err(|error| error.to_string())?;
         let solution =
-            self.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
+            self.problem.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
         if solution.converged() {
             return Ok(solution);
         }
@@ -219,15 +243,16 @@ impl Strips<'_> {
         workspace: &mut Workspace,
     ) -> Result<StripResult, String> {
         let solution = self.solution(heights_m, control, None, workspace)?;
-        let narrower = self.window.narrower();
-        let windows: Vec<&Window> = std::iter::once(self.window).chain(&narrower).collect();
-        let sums = StripSums::new(&solution, self.law.ploughs().then_some(heights_m), &windows);
+        let StripProblem { window, law, .. } = self.problem;
+        let narrower = window.narrower();
+        let windows: Vec<&Window> = std::iter::once(window).chain(&narrower).collect();
+        let sums = StripSums::new(&solution, law.ploughs().then_some(heights_m), &windows);
         let seen = |window: &Window| -> Vec<Record> {
-            window.slide(&sums).iter().map(|track| Record::of(track, self.law)).collect()
+            window.slide(&sums).iter().map(|track| Record::of(track, law.as_ref())).collect()
         };
         let points = heights_m.len() as f64;
         Ok(StripResult {
-            records: seen(self.window),
+            records: seen(window),
             narrower: narrower.iter().map(seen).collect(),
             penetration_m: solution.penetration_m(),
             mean_pressure_pa: solution.mean_pressure_pa(),
@@ -241,8 +266,8 @@ impl Strips<'_> {
     fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
         let mut level = Level {
             records: Vec::new(),
-            tracks: self.window.tracks(matches!(self.half_space.boundary(), Boundary::Periodic { .. })).len(),
-            narrower: self.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
+            tracks: self.problem.window.tracks(self.problem.is_periodic()).len(),
+            narrower: self.problem.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
             failures: Vec::new(),
             penetration_m: 0.0,
             mean_pressure_pa: 0.0,

@@ -42,6 +42,14 @@ pub enum Level {
 impl Level {
     /// The forms without a parameter.
     const PLAIN: [Self; 6] = [Self::None, Self::Mean, Self::Plane, Self::Quadratic, Self::Cylinder, Self::Sphere];
+
+    /// Returns the quadratic polynomial for a cylinder or a sphere, which random maps do not have, and otherwise the form itself.
+    pub fn as_polynomial(self) -> Self {
+        match self {
+            Self::Cylinder | Self::Sphere => Self::Quadratic,
+            level => level,
+        }
+    }
 }
 
 impl fmt::Display for Level {

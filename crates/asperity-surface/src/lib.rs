@@ -8,11 +8,13 @@ mod filling;
 pub mod filter;
 pub mod fractal;
 mod gaussian;
+mod height_fits;
 mod karhunen_loeve;
 pub mod level;
-mod model;
+pub mod model;
 pub mod pooling;
 pub mod preparation;
+pub mod scanned;
 mod spectral;
 mod translation;
 pub mod uncertainty;
@@ -25,11 +27,12 @@ pub use filling::{
     FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, filling_memory_bytes,
 };
 pub use gaussian::{GaussianSurface, GeneratorError};
+pub use height_fits::HeightFits;
 pub use karhunen_loeve::{
     KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_for_slopes,
     modes_memory_bytes, profile_modes,
 };
-pub use model::{CovarianceSource, SurfaceGenerator};
+pub use model::{CovarianceSource, SurfaceGenerator, SurfaceModel};
 pub use spectral::SpectralField;
 pub use translation::{
     CorrectedField, CorrectionReport, Feasibility, Predistorted, Translated, TranslationCorrection, TranslationError,

@@ -3,10 +3,8 @@
 //! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`write_run`]
 //! writes the run folder through a [`Staging`], so that it appears complete or not at all.
 
-mod band_slopes;
 mod check;
 mod contact_check;
-mod covariance_choice;
 mod error;
 mod estimate;
 pub mod file;
@@ -14,42 +12,36 @@ mod friction_law;
 mod friction_process;
 mod friction_stage;
 mod friction_uncertainty;
-mod height_fits;
-mod level_control;
-mod measured;
 mod output;
 mod parse;
 mod plausibility;
-mod pooled;
 mod pressure_stage;
 #[cfg(feature = "report")]
 mod report;
 pub mod result;
 mod run;
+mod scan_tables;
 pub mod scatter;
-mod sentence;
 mod series;
 mod specimen;
 mod spectra;
 mod store;
-mod surface_model;
+mod surface_result;
 mod surface_stage;
-mod trial;
 mod twin;
 mod uncertain_surface;
 mod vibration_stage;
-mod window_friction;
 mod write_run;
+
+use asperity_base::sentence;
 
 pub use check::{InvalidValue, Study};
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
 pub use file::StudyFile;
 pub use friction_process::simulated_record;
-pub use measured::{MapStatistics, statistics};
 pub use parse::StudyFileError;
 pub use plausibility::{implausible_damping, implausible_friction, implausible_material};
-pub use pooled::PooledStatistics;
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
 pub use result::{
@@ -59,6 +51,7 @@ pub use run::Stage;
 pub use series::{Field, Table, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
+pub use surface_result::{part_statistics, surface_statistics};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use vibration_stage::{
     clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,

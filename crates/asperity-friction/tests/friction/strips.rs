@@ -13,7 +13,7 @@ use asperity_contact::area::PERIMETER_WEIGHT;
 use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
 use asperity_friction::law::{BowdenTabor, FrictionLaw};
 use asperity_friction::statistics::FrictionStatistics;
-use asperity_friction::strip::{Record, Strips};
+use asperity_friction::strip::{Record, StripProblem};
 use asperity_friction::window::{Window, WindowContact, WindowError};
 use asperity_friction::window_study::WindowStudy;
 use asperity_friction::{FrictionError, StripSums};
@@ -154,22 +154,13 @@ fn windows_that_do_not_fit_their_strip_are_refused() {
     assert_eq!(narrower, [10, 5], "an eighth of 20 cells is too few");
 }
 
-fn strips<'a>(
-    surface: &'a dyn RandomSurface,
-    half_space: &'a HalfSpace,
-    law: &'a BowdenTabor,
-    hardness_pa: Option<f64>,
-    window: &'a Window,
-) -> Strips<'a> {
-    Strips {
-        surface,
+fn problem(half_space: HalfSpace, law: &BowdenTabor, hardness_pa: f64, window: &Window) -> StripProblem {
+    StripProblem {
         half_space,
-        window,
-        law,
-        hardness_pa,
+        window: window.clone(),
+        law: Box::new(*law),
+        hardness_pa: Some(hardness_pa),
         solver: Solver { tolerance: 1e-6, ..Solver::default() },
-        realisations: 3,
-        seed: 9,
     }
 }
 
@@ -179,7 +170,7 @@ fn friction_is_never_below_shear_strength_over_hardness() {
     let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
     let (law, window) = (BowdenTabor { shear_strength_pa: 385e6 }, Window::new(60e-6, grid).unwrap());
     let levels = [0.5, 5.0, 50.0].map(|percent| Control::Percentile { percent });
-    let solved = strips(&surface, &half_space, &law, Some(2e9), &window).solve(&levels, &Silent).unwrap();
+    let solved = problem(half_space, &law, 2e9, &window).strips(&surface, 3, 9).solve(&levels, &Silent).unwrap();
     let mut empty = 0;
     for level in solved {
         let level = level.unwrap();
@@ -203,16 +194,17 @@ fn fully_plastic_friction_is_constant_at_shear_strength_over_hardness() {
     let grid = grid(512, 16);
     let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
     let (law, window) = (BowdenTabor { shear_strength_pa: 0.2 }, Window::new(60e-6, grid).unwrap());
-    let strips = strips(&surface, &half_space, &law, Some(1.0), &window);
+    let problem = problem(half_space, &law, 1.0, &window);
+    let strips = problem.strips(&surface, 3, 9);
     let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
     assert_eq!(level.plastic_fraction, 1.0);
-    let statistics = FrictionStatistics::new(&level.records, strips.window.step_m(), true, 1).unwrap();
+    let statistics = FrictionStatistics::new(&level.records, window.step_m(), true, 1).unwrap();
     assert!((statistics.moments.mean - 0.2).abs() < 1e-15 && statistics.moments.std == 0.0);
     assert!(statistics.correlation.is_err(), "what does not vary has no correlation");
     let (mean, records) = Record::at_mean_load(&level.records);
     assert!((mean - 0.2).abs() < 1e-13);
     // Sums over hundreds of windows have rounding errors, which do not count as a process.
-    let process = FrictionStatistics::new(&records, strips.window.step_m(), true, 1).unwrap();
+    let process = FrictionStatistics::new(&records, window.step_m(), true, 1).unwrap();
     assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
     assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
 }
@@ -474,7 +466,7 @@ fn a_level_that_cannot_be_solved_has_its_own_error() {
     let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
     let (law, window) = (BowdenTabor { shear_strength_pa: 1e8 }, Window::new(40e-6, grid).unwrap());
     let levels = [Control::MeanPressure { pascal: 2e9 }, Control::Percentile { percent: 20.0 }];
-    let solved = strips(&surface, &half_space, &law, Some(1e9), &window).solve(&levels, &Silent).unwrap();
+    let solved = problem(half_space, &law, 1e9, &window).strips(&surface, 3, 9).solve(&levels, &Silent).unwrap();
     assert!(
         matches!(&solved[0], Err(FrictionError::TooFewValid { valid: 0, total: 3, first, .. }) if first.contains("hardness"))
     );

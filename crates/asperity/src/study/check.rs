@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::study::file::StudyFile;
 pub(super) use pressure::PressureStudy;
-pub(super) use vibration::{FrictionSource, StatedFriction, VibrationStudy};
+pub(super) use vibration::{FrictionSource, VibrationStudy};
 
 /// Study whose values have been checked. It is made from a [`StudyFile`].
 #[derive(Debug, Clone, PartialEq)]

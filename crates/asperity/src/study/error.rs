@@ -5,7 +5,6 @@ use thiserror::Error;
 
 use crate::chaos::PropagationError;
 use crate::contact::ContactError;
-use crate::correlation::{CovarianceError, EstimateError, FitError, MeasuredCovarianceError};
 use crate::distribution::DistributionError;
 use crate::friction::FrictionError;
 use crate::friction::process::ProcessError;
@@ -15,14 +14,10 @@ use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
 use crate::study::sentence;
-use crate::surface::areal::ArealError;
+use crate::surface::GeneratorError;
 use crate::surface::filter::FilterError;
-use crate::surface::fractal::FractalError;
-use crate::surface::level::Level;
-use crate::surface::pooling::PoolingError;
+use crate::surface::model::SurfaceModelError;
 use crate::surface::preparation::PreparationError;
-use crate::surface::uncertainty::UncertaintyError;
-use crate::surface::{GeneratorError, TranslationError};
 use crate::vibration::{LARGEST_CLIPPED_FRACTION, VibrationError};
 
 /// Why a study ended early.
@@ -47,70 +42,12 @@ pub enum StudyError {
         /// What is wrong.
         error: Box<StudyError>,
     },
-    /// Scans of one part have different pixels.
-    #[error(
-        "{file} has pixels of {} and {first} of {}: scans of one part must have the same, or their correlations cannot be \
-         pooled",
-        sentence::size(.pitch_m.0, .pitch_m.1),
-        sentence::size(.first_pitch_m.0, .first_pitch_m.1)
-    )]
-    Pitch {
-        /// The scan file.
-        file: String,
-        /// Its pitch along x and y in metre.
-        pitch_m: (f64, f64),
-        /// The first scan file.
-        first: String,
-        /// Its pitch along x and y in metre.
-        first_pitch_m: (f64, f64),
-    },
-    /// The scans cannot be pooled.
-    #[error("the scans of [surface] file: {0}")]
-    Pooling(#[from] PoolingError),
-    /// The scan cannot be levelled or filtered.
+    /// The random surface cannot be modelled or made.
     #[error(transparent)]
-    Preparation(#[from] PreparationError),
-    /// The surface has no texture.
-    #[error("surface: {0}")]
-    Areal(#[from] ArealError),
-    /// The surface has no texture once its form is removed.
-    #[error(
-        "surface: once the form ({level}) is removed, all {present} heights that are present are equal: a surface without \
-         roughness has no texture parameters"
-    )]
-    FormAlone {
-        /// The form.
-        level: Level,
-        /// Heights present.
-        present: usize,
-    },
-    /// The surface has no scaling.
-    #[error("surface: {0}")]
-    Fractal(#[from] FractalError),
-    /// The correlation cannot be estimated.
-    #[error("surface: {0}")]
-    Estimate(#[from] EstimateError),
-    /// Intervals of its statistics cannot be had.
-    #[error("surface: {0}")]
-    Uncertainty(#[from] UncertaintyError),
-    /// The covariance cannot be fitted.
-    #[error("covariance of the scan: {0}; state a covariance in [surface]")]
-    Fit(#[from] FitError),
-    /// The scan's own correlation makes no covariance.
-    #[error("covariance of the scan: {0}; state a covariance in [surface]")]
-    Empirical(#[from] MeasuredCovarianceError),
-    /// The stated covariance is not one.
-    #[error("[surface] covariance: {0}")]
-    Covariance(#[from] CovarianceError),
+    Surface(#[from] SurfaceModelError),
     /// A law is not one.
     #[error("{0}")]
     Law(#[from] DistributionError),
-    /// A random surface cannot be made.
-    #[error("random surface: {0}")]
-    Generator(#[from] GeneratorError),
-    /// A random surface cannot be given its marginal law.
-    #[error("random surface: {0}")]
-    Translation(#[from] TranslationError),
     /// A grid of the study is not one.
     #[error("[{section}] {error}")]
     Grid {
@@ -158,17 +95,6 @@ pub enum StudyError {
     /// The heights of the scan have no histogram.
     #[error("heights: {0}")]
     Heights(StatsError),
-    /// A patch that is not periodic has no constant mode to leave out.
-    #[error(
-        "[surface] mean_mode: only periodic patches have a constant Fourier mode to leave out; set boundary = \"periodic\""
-    )]
-    ConstantMode,
-    /// The Weierstrass–Mandelbrot generator lacks its dimension.
-    #[error(
-        "[surface] fractal_dimension: the scan shows no scaling range to measure it on; state a value strictly between 2 \
-         and 3"
-    )]
-    FractalDimension,
     /// The friction process cannot be made.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),
@@ -229,17 +155,9 @@ impl StudyError {
                 FailureKind::Configuration
             }
             Self::OneOf { error, .. } => error.kind(),
+            Self::Surface(error) => kind_of_surface(error),
             Self::Scan(_)
             | Self::Map { .. }
-            | Self::Pitch { .. }
-            | Self::Pooling(_)
-            | Self::Preparation(PreparationError::Level(_) | PreparationError::Outliers(FilterError::Map(_)))
-            | Self::Areal(_)
-            | Self::FormAlone { .. }
-            | Self::Fractal(_)
-            | Self::Estimate(_)
-            | Self::Fit(_)
-            | Self::Empirical(_)
             | Self::Heights(_)
             | Self::NoInterval { .. }
             | Self::FrictionProcess { .. } => FailureKind::Input,
@@ -250,14 +168,8 @@ impl StudyError {
             Self::Pressure(PressureError::TooFewValid { .. })
             | Self::Clipped { computed: true, .. }
             | Self::Friction { .. }
-            | Self::Vibration(VibrationError::TooFewValid { .. })
-            | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
-            Self::Preparation(_)
-            | Self::Uncertainty(_)
-            | Self::Covariance(_)
-            | Self::Law(_)
-            | Self::Generator(_)
-            | Self::Translation(_)
+            | Self::Vibration(VibrationError::TooFewValid { .. }) => FailureKind::NotConverged,
+            Self::Law(_)
             | Self::Grid { .. }
             | Self::Contact { .. }
             | Self::Pressure(_)
@@ -265,8 +177,6 @@ impl StudyError {
             | Self::Clipped { computed: false, .. }
             | Self::Process(_)
             | Self::Propagation(_)
-            | Self::ConstantMode
-            | Self::FractalDimension
             | Self::NoStage(_) => FailureKind::Configuration,
             Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,
             // The stated law alone is to blame.
@@ -275,5 +185,25 @@ impl StudyError {
             }
             Self::Vibration(_) => FailureKind::Runtime,
         }
+    }
+}
+
+/// Returns the kind of a failure to model or make a random surface.
+fn kind_of_surface(error: &SurfaceModelError) -> FailureKind {
+    use SurfaceModelError as E;
+
+    match error {
+        E::Pitch { .. }
+        | E::Pooling(_)
+        | E::Preparation(PreparationError::Level(_) | PreparationError::Outliers(FilterError::Map(_)))
+        | E::Areal(_)
+        | E::FormAlone { .. }
+        | E::Fractal(_)
+        | E::Estimate(_)
+        | E::Fit(_)
+        | E::Empirical(_) => FailureKind::Input,
+        E::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
+        // A value of the study is invalid.
+        _ => FailureKind::Configuration,
     }
 }

@@ -1,12 +1,13 @@
 //! What a study will cost, roughly, before it is run.
 
 use crate::contact::memory_bytes;
+use crate::friction::cutoff::STRIPS;
 use crate::map::BoundaryKind;
 use crate::study::check::FrictionSource;
 use crate::study::file::FrictionSection;
 use crate::study::friction_stage::cutoff;
-use crate::study::surface_model::MOST_MODES;
 use crate::study::{Stage, Study};
+use crate::surface::model::MOST_MODES;
 use crate::vibration::EnsembleSettings;
 
 /// Iterations of an ordinary contact solution at the tolerance of a study.
@@ -93,8 +94,8 @@ impl Study {
             let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * f.uncertainty_realisations());
             let levels = f.levels() + usize::from(nominal);
             let solutions = levels * (f.realisations + uncertain);
-            let plan = cutoff::Plan::new(f, levels);
-            let others = plan.map_or(0.0, |plan| plan.work(f));
+            let plan = cutoff::plan(f, levels);
+            let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
             // On every thread a solver, a ξ, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
@@ -105,7 +106,7 @@ impl Study {
             // The strips of the cut-off have a generator of their own, and are solved with half the pitch, too.
             let of_cutoff = plan.map_or(0.0, |plan| {
                 let halved = plan.points.map(|points| points.saturating_mul(2));
-                generator(plan.points) + solvers(threads.min(cutoff::STRIPS), halved)
+                generator(plan.points) + solvers(threads.min(STRIPS), halved)
             });
             stage.memory_bytes = generator(f.points)
                 + solvers(threads, f.points).max(of_cutoff)
@@ -122,13 +123,13 @@ impl Study {
             let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
             let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
             // Friction that a study computes is correlated over a window or more.
-            let length = match &v.friction {
-                FrictionSource::Stated(friction) => Some(friction.correlation_length),
+            let length_m = match &v.friction {
+                FrictionSource::Stated(friction) => Some(friction.length_m),
                 FrictionSource::Computed(_) | FrictionSource::File(_) => {
-                    self.file().friction.as_ref().map(|f| f.window)
+                    self.file().friction.as_ref().map(|f| f.window.0)
                 }
             };
-            let values = length.map_or(0.0, |length| FLUCTUATION_VALUES * v.sliding_distance_m() / length.0);
+            let values = length_m.map_or(0.0, |length_m| FLUCTUATION_VALUES * v.sliding_distance_m() / length_m);
             let seconds = TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values;
             stages.push(StageEstimate {
                 stage: Stage::Vibration,

@@ -1,63 +1,12 @@
-//! The fitted process that the friction stage hands on, as `friction_process.json`, and that a study can begin with.
+//! Fitted friction process as the input of a study, and records drawn from it.
 
 use std::fs;
 use std::path::Path;
 
-use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind, ProcessError};
-use crate::study::friction_stage::{SolvedLevel, SolvedStrips};
-use crate::study::result::pair;
-use crate::study::sentence;
+use crate::friction::process::{FittedProcess, ProcessError};
 use crate::study::{StudyError, Table};
 
-/// The process of one level at the mean load. Constant friction has neither law nor correlation; of varying friction without a
-/// correlation there is no process, and the reason is given.
-pub(super) fn of_level(
-    strips: &SolvedStrips,
-    level: &SolvedLevel,
-    stribeck_s_per_m: Option<f64>,
-) -> Result<FittedProcess, String> {
-    let process = &level.process;
-    let correlation = process.correlation.as_ref().map(|found| FittedCorrelation {
-        shape: CorrelationShape::Exponential,
-        length_m: found.exponential.length_m,
-        length_interval_m: found.length_interval.map(pair),
-        window_m: Some(strips.window.length_m()),
-        length_without_window_m: level
-            .window_study
-            .as_ref()
-            // Who carries it on takes it for that of an exponential.
-            .map(|study| study.model.integral_scale_m(study.length_m)),
-    });
-    let varies = process.moments.std > 0.0;
-    let fitted = FittedProcess {
-        mean: level.mean,
-        mean_interval: process.estimates.mean.map(|mean| pair(mean.interval)).filter(|_| varies),
-        std: process.moments.std,
-        std_interval: process.estimates.std.map(|std| pair(std.interval)).filter(|_| varies),
-        marginal: process.marginal().filter(|_| varies).map(|fit| fit.marginal.clone()),
-        correlation: match correlation {
-            Ok(correlation) => Some(correlation).filter(|_| varies),
-            Err(_) if !varies => None,
-            Err(error) => return Err(error.to_string()),
-        },
-        generator: None,
-        stribeck_s_per_m,
-        averaged_over_m: Some([strips.window.length_m(), strips.window.area_m2() / strips.window.length_m()]),
-        mean_pressure_pa: Some(level.level.mean_pressure_pa),
-        origin: Origin {
-            kind: OriginKind::Study,
-            description: format!(
-                "windows of {} at {} and the mean load",
-                sentence::size(strips.window.length_m(), strips.window.width_m()),
-                level.control.name()
-            ),
-        },
-    };
-    fitted.check().map_err(|error| error.to_string())?;
-    Ok(fitted)
-}
-
-/// A record drawn from a process: `position_m`, `mu` and `fluctuation`, what μ has beyond its mean.
+/// Draws a record from a process, with the columns `position_m`, `mu` and `fluctuation`, the difference of μ from its mean.
 ///
 /// # Errors
 /// As [`FittedProcess::simulate`].
@@ -70,7 +19,7 @@ pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, see
     ]))
 }
 
-/// Reads a process that a study names; `path` is where it lies, `name` what the study calls it.
+/// Reads the process of a study; `path` is its file, and `name` is its name in the study, for errors.
 ///
 /// # Errors
 /// The file cannot be read, or holds no process.

@@ -1,13 +1,14 @@
-//! Friction of surfaces whose parameters are uncertain.
+//! Friction of surfaces with uncertain parameters: results, tables and words.
 
 use crate::chaos::{Observed, Propagated, Propagation, Resamples};
 use crate::contact::Control;
-use crate::friction::FrictionError;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
+use crate::friction::strip::StripProblem;
+use crate::friction::uncertain::{PointMoments, UncertainPlan};
+use crate::friction::{LevelControl, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::file::FrictionSection;
-use crate::study::friction_stage::{Setup, SolvedLevel, no_variance};
-use crate::study::level_control::LevelControl;
+use crate::study::friction_stage::{no_variance, prescribed};
 use crate::study::output::StageOutput;
 use crate::study::result::{
     FailedPoint, ParameterIndexResult, Prescribed, UncertainLevel, UncertainParameter, UncertainResponse,
@@ -16,45 +17,15 @@ use crate::study::result::{
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::uncertain_surface::UncertainSurface;
 use crate::study::{StudyError, Table, sentence};
+use crate::surface::model::XiOrder;
 
-/// Share of the variance that an expansion may leave unexplained, and that may be noise, before a level is warned about.
+/// Fraction of unexplained variance, and of noise, above which there is a warning.
 const UNEXPLAINED_SHARE: f64 = 0.2;
-/// Name of the task in progress.
-const TASK: &str = "friction uncertainty";
-
-/// Passes on what is done of one part of a task as a part of all.
-pub(super) struct PartOf<'a> {
-    pub(super) monitor: &'a dyn Monitor,
-    /// Name of the task.
-    pub(super) task: &'static str,
-    pub(super) before: usize,
-    pub(super) total: usize,
-}
-
-impl Monitor for PartOf<'_> {
-    fn progress(&self, _what: &str, done: usize, _total: usize) {
-        self.monitor.progress(self.task, self.before + done, self.total);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.monitor.cancelled()
-    }
-}
-
-/// What is found at each point and level.
-struct Found {
-    /// By level, and then by point.
-    quotient: Vec<Vec<Option<MomentReplicates>>>,
-    at_mean_load: Vec<Vec<Option<MomentReplicates>>>,
-    failures: Vec<Vec<FailedPoint>>,
-    /// What is to be wary of in the surfaces, one entry for each surface.
-    warnings: Vec<String>,
-}
 
 /// Solves strips of surfaces with other parameters at the levels of the stage.
 pub(super) fn run(
     section: &FrictionSection,
-    setup: &Setup,
+    problem: &StripProblem,
     surface: &SurfaceStage,
     levels: &[SolvedLevel],
     seed: u64,
@@ -65,10 +36,17 @@ pub(super) fn run(
     let realisations = section.uncertainty_realisations();
     let propagation = Propagation::new(uncertain.parameters.clone(), stated.points, seed)?;
     let controls: Vec<LevelControl> = levels.iter().map(|level| level.control).collect();
-    let found = solve(&propagation, &uncertain, setup, &controls, (realisations, seed), monitor)?;
+    let plan = UncertainPlan { problem, levels: &controls, points: propagation.points(), realisations, seed };
     let mut output = StageOutput::default();
-    if let Some(first) = found.warnings.first() {
-        let (some, all) = (found.warnings.len(), propagation.points());
+    let (mut points, mut warned) = (Vec::new(), Vec::new());
+    for index in 0..plan.points {
+        let model = uncertain.at(&propagation.point(index))?;
+        let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
+        points.push(plan.solve(index, generated.surface.as_ref(), &model.marginal, monitor)?);
+        warned.extend(generated.warnings.into_iter().next());
+    }
+    if let Some(first) = warned.first() {
+        let (some, all) = (warned.len(), propagation.points());
         output.warnings.push(format!("of {some} of the {all} surfaces of uncertain parameters: {first}"));
     }
     let mut results = Vec::with_capacity(levels.len());
@@ -76,8 +54,11 @@ pub(super) fn run(
         if monitor.cancelled() {
             return Err(crate::monitor::Cancelled.into());
         }
-        let of = |replicates: &[Option<MomentReplicates>]| responses(&propagation, replicates, section.tolerance, seed);
-        let (mut quotient, at_mean_load) = (of(&found.quotient[place])?, of(&found.at_mean_load[place])?);
+        let of = |which: usize| {
+            let replicates = points.iter().map(|point| point[place].as_ref().ok().map(|found| &found[which]));
+            responses(&propagation, &replicates.collect::<Vec<_>>(), section.tolerance, seed)
+        };
+        let (mut quotient, at_mean_load) = (of(0)?, of(1)?);
         if let Some(tail) = &levels[place].heavy_tail {
             let reason = Some(format!("F/N has no variance: {}", no_variance(tail)));
             quotient.iter_mut().filter(|response| response.name != "mean" || !tail.has_mean()).for_each(|response| {
@@ -88,14 +69,17 @@ pub(super) fn run(
                 };
             });
         }
-        let failures = found.failures[place].clone();
+        let failed = |(point, levels): (usize, &PointMoments)| {
+            levels[place].as_ref().err().map(|reason| FailedPoint { point, reason: reason.clone() })
+        };
+        let failures: Vec<FailedPoint> = points.iter().enumerate().filter_map(failed).collect();
         output.warnings.extend(warnings(*control, &quotient, &failures));
-        let prescribed = control.contact(&surface.model.marginal);
+        let contact = control.contact(&surface.model.marginal);
         results.push(UncertainLevel {
-            control: control.key(),
+            control: prescribed(*control),
             percentile: control.percentile(),
-            mean_pressure_pa: if let Control::MeanPressure { pascal } = prescribed { Some(pascal) } else { None },
-            penetration_m: if let Control::Penetration { metre } = prescribed { Some(metre) } else { None },
+            mean_pressure_pa: if let Control::MeanPressure { pascal } = contact { Some(pascal) } else { None },
+            penetration_m: if let Control::Penetration { metre } = contact { Some(metre) } else { None },
             responses: quotient,
             at_mean_load,
             failures,
@@ -121,48 +105,18 @@ pub(super) fn run(
     Ok(Some((result, output)))
 }
 
-fn solve(
-    propagation: &Propagation,
-    uncertain: &UncertainSurface<'_>,
-    setup: &Setup,
-    levels: &[LevelControl],
-    (realisations, seed): (usize, u64),
-    monitor: &dyn Monitor,
-) -> Result<Found, StudyError> {
-    let none = || levels.iter().map(|_| Vec::with_capacity(propagation.points())).collect();
-    let failures = vec![Vec::new(); levels.len()];
-    let mut found = Found { quotient: none(), at_mean_load: none(), failures, warnings: Vec::new() };
-    let each = realisations * levels.len();
-    for point in 0..propagation.points() {
-        let model = uncertain.at(&propagation.point(point))?;
-        let generated = model.comparable_strip(setup.grid, setup.periodic)?;
-        found.warnings.extend(generated.warnings.into_iter().next());
-        let strips = setup.strips(generated.surface.as_ref(), realisations, seed);
-        let controls: Vec<Control> = levels.iter().map(|level| level.contact(&model.marginal)).collect();
-        let part = PartOf { monitor, task: TASK, before: point * each, total: propagation.points() * each };
-        for (place, level) in strips.solve(&controls, &part)?.into_iter().enumerate() {
-            let step_m = setup.window.step_m();
-            let level = level.map_err(|error: FrictionError| error.to_string());
-            found.quotient[place].push(level.as_ref().ok().map(|level| MomentReplicates::of_quotient(level, step_m)));
-            found.at_mean_load[place]
-                .push(level.as_ref().ok().map(|level| MomentReplicates::at_mean_load(level, step_m)));
-            found.failures[place].extend(level.err().map(|reason| FailedPoint { point, reason }));
-        }
-    }
-    Ok(found)
-}
-
-/// Every moment of one level over the parameters. What differs by less than the tolerance of the contacts is equal.
+/// Expands every moment of one level in the parameters. Moments that differ by less than the tolerance of the contacts count as
+/// equal.
 fn responses(
     propagation: &Propagation,
-    found: &[Option<MomentReplicates>],
+    found: &[Option<&MomentReplicates>],
     tolerance: f64,
     seed: u64,
 ) -> Result<Vec<UncertainResponse>, StudyError> {
     let strips = found.iter().flatten().map(|replicates| replicates.without.len()).max().unwrap_or(0);
-    let all = |replicates: &Option<MomentReplicates>| replicates.as_ref().map_or(LevelMoments::NONE, |r| r.all);
-    let without = |replicates: &Option<MomentReplicates>, strip: usize| {
-        replicates.as_ref().and_then(|r| r.without.get(strip)).copied().unwrap_or(LevelMoments::NONE)
+    let all = |replicates: &Option<&MomentReplicates>| replicates.map_or(LevelMoments::NONE, |r| r.all);
+    let without = |replicates: &Option<&MomentReplicates>, strip: usize| {
+        replicates.and_then(|r| r.without.get(strip)).copied().unwrap_or(LevelMoments::NONE)
     };
     let friction = found.iter().flatten().map(|replicates| replicates.all.mean.abs()).fold(0.0, f64::max);
     let resolutions = [tolerance * friction, tolerance * friction, tolerance, 0.0];
@@ -286,7 +240,7 @@ fn words(
         })
         .collect();
     let mut held = Vec::new();
-    let any = |key: Prescribed| controls.iter().any(|control| control.key() == key);
+    let any = |key: Prescribed| controls.iter().any(|control| prescribed(*control) == key);
     if any(Prescribed::Percentile) {
         held.push("a percentile is of each surface's own heights, so that its plane moves with them");
     }
@@ -311,12 +265,12 @@ fn words(
     )
 }
 
-/// Column of a number that may be missing.
+/// Returns a column of numbers; missing ones are NaN.
 fn numbers(levels: &[UncertainLevel], value: impl Fn(&UncertainLevel) -> Option<f64>) -> Vec<f64> {
     levels.iter().map(|level| value(level).unwrap_or(f64::NAN)).collect()
 }
 
-/// Where each level is on the load curve of the study's own surface.
+/// Returns the columns that locate each level on the load curve of the surface of the study.
 fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
     vec![
         ("percentile".into(), solved.iter().map(|l| l.control.percentile().unwrap_or(f64::NAN)).collect()),
@@ -325,7 +279,7 @@ fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
     ]
 }
 
-/// Moments of the quotient with their bands over the parameters.
+/// Returns the table of the moments of the quotient with their bands over the parameters.
 fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
@@ -339,7 +293,7 @@ fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     Table::new(columns)
 }
 
-/// Sobol' indices of the moments at the mean load.
+/// Returns the table of Sobol' indices of the moments at the mean load.
 fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {

@@ -94,7 +94,7 @@ impl Study {
             warnings.extend(found.into_iter().flatten().map(|warning| format!("[vibration] {warning}")));
             // A measured process may bring another law.
             warnings.extend(v.load_warning().filter(|_| !matches!(v.friction, FrictionSource::File(_))));
-            let nominal_pa = v.nominal_pressure_pa();
+            let nominal_pa = v.nominal_contact().pressure_pa;
             let hardness = file.material.as_ref().and_then(|material| material.hardness);
             if let Some(hardness) = hardness.filter(|hardness| nominal_pa >= hardness.0) {
                 warnings.push(format!(

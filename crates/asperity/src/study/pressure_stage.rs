@@ -7,18 +7,18 @@ mod tables;
 
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
 use crate::distribution::Marginal;
+use crate::friction::LevelControl;
 use crate::map::BoundaryKind;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::pressure::{MethodComparison, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
-use crate::study::level_control::LevelControl;
 use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
-use crate::study::surface_model::Generated;
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
+use crate::surface::model::Generated;
 use entries::Posed;
 
 /// Bias over the mean pressure of a method from which it is warned.
@@ -43,11 +43,6 @@ pub(super) fn half_space(
     let half_space =
         HalfSpace::new(grid, modulus_pa, boundary).map_err(|error| StudyError::Contact { section, error })?;
     Ok((half_space, compliance))
-}
-
-/// The plane that `percent` of the ensemble's heights exceed.
-pub(super) fn plane(marginal: &Marginal, percent: f64) -> Control {
-    Control::Plane { height_m: marginal.quantile(1.0 - percent / 100.0) }
 }
 
 /// What the pressure stage hands on.

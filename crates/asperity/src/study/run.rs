@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 
 use asperity_base::choice;
 
+use crate::friction::{OperatingLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::SurfaceSection;
-use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
-use crate::study::window_friction::WindowFriction;
 use crate::study::{
-    Study, StudyError, friction_process, friction_stage, pressure_stage, surface_stage, vibration_stage,
+    Study, StudyError, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage,
+    vibration_stage,
 };
 
 /// Nominal area of a study that states none: a pad at 3 MPa under 2.5 kN.
@@ -62,13 +62,19 @@ impl Study {
     /// Returns the friction that the study states or reads; none where its friction stage computes it.
     fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
         let Some(vibration) = &self.vibration else { return Ok(None) };
+        let (nominal, stribeck) = (vibration.nominal_contact(), vibration.dimensionless_stribeck());
         Ok(match &vibration.friction {
             FrictionSource::Computed(_) => None,
             FrictionSource::File(file) => {
-                let process = friction_process::read(&folder.join(file), file)?;
-                Some(WindowFriction::fitted(vibration, file, &process))
+                let (process, name) = (friction_process::read(&folder.join(file), file)?, file.display().to_string());
+                let unit_m_per_s = vibration.scales.velocity_m_per_s();
+                let mut found = WindowFriction::from_process(&process, &name, nominal, stribeck, unit_m_per_s);
+                found.warnings.extend(implausible_friction(process.mean).map(|warning| format!("{name}: {warning}")));
+                Some(found)
             }
-            FrictionSource::Stated(friction) => Some(WindowFriction::stated(vibration, friction)),
+            FrictionSource::Stated(friction) => {
+                Some(WindowFriction::from_statement(friction.clone(), nominal.area_m2, stribeck))
+            }
         })
     }
 
@@ -117,7 +123,7 @@ impl Study {
         }
         if let (Some(study), Some(surface), true) = (&self.pressure, &surface, wants(Stage::Pressure)) {
             let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
-            karhunen_loeve = generated.karhunen_loeve.clone();
+            karhunen_loeve = generated.karhunen_loeve;
             let stage = pressure_stage::run(study, &surface.model.marginal, &generated, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.pressure = Some(stage.result);
@@ -126,12 +132,12 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.file().friction, &self.file().material, &surface, wants_friction)
         {
-            let lead = match &self.vibration {
-                None => Lead::Deepest,
+            let operating = match &self.vibration {
+                None => OperatingLevel::Deepest,
                 Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
-                    Lead::Percentile(*percentile)
+                    OperatingLevel::Percentile(*percentile)
                 }
-                Some(vibration) => Lead::NominalPressure(vibration.nominal_pressure_pa()),
+                Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
             };
             let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
             let stated = section.nominal_area.or_else(of_vibration);
@@ -141,14 +147,15 @@ impl Study {
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed(), monitor)?;
+            let stage =
+                friction_stage::run(section, material, surface, operating, nominal_area_m2, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = self
                 .vibration
                 .as_ref()
                 .and_then(|vibration| Some(vibration.stribeck()?.s_per_m(vibration.scales.velocity_m_per_s())));
-            match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
+            match stage.solved.operating().fitted_process(&stage.solved.window, stribeck_s_per_m) {
                 Ok(process) => gathered.friction_process = Some(process),
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
             }
@@ -156,7 +163,12 @@ impl Study {
         }
         if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
             let friction = match (&friction, known) {
-                (Some(solved), _) => WindowFriction::computed(section, solved)?,
+                (Some(solved), _) => WindowFriction::from_level(
+                    solved.operating(),
+                    &solved.window,
+                    section.nominal_contact(),
+                    section.dimensionless_stribeck(),
+                ),
                 (None, Some(known)) => known,
                 (None, None) => return Err(StudyError::NoStage("friction")),
             };

@@ -2,9 +2,9 @@
 
 use crate::correlation::{Axis, BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 use crate::map::HeightMap;
-use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
 use crate::surface::fractal::{self, ProfileScaling, StructureFunction};
+use crate::surface::model::{SurfaceCovariance, SurfaceModelError};
 
 /// Tables `height_psd_radial`, `height_psd_x` and `height_psd_y`; those of spectra that do not exist are left out.
 pub(super) fn binned_tables(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Vec<(&'static str, Table)> {
@@ -47,7 +47,7 @@ fn table(spectrum: BinnedSpectrum, unit: &str, model: Option<impl Fn(&[f64]) -> 
 /// # Errors
 /// The map is flat.
 pub(super) fn structure_table(map: &HeightMap) -> Result<Table, StudyError> {
-    let scaling = fractal::scaling(map, None)?;
+    let scaling = fractal::scaling(map, None).map_err(SurfaceModelError::from)?;
     let axes = [(Axis::X, scaling.and_then(|s| s.x)), (Axis::Y, scaling.and_then(|s| s.y))]
         .map(|(axis, scaling)| (StructureFunction::new(map, axis), scaling));
     let mut lags_m: Vec<f64> = axes.iter().flat_map(|(structure, _)| structure.lags_m.iter().copied()).collect();

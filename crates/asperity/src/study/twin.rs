@@ -23,10 +23,12 @@ use crate::random;
 use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::{BandMethod, Comparison, TwinModel, law_result};
-use crate::study::surface_stage::{covariance_result, measure, model_of};
+use crate::study::surface_result::covariance_result;
+use crate::study::surface_stage::{measure, model_of};
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
+use crate::surface::model::SurfaceModelError;
 use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
@@ -91,7 +93,7 @@ impl Twins {
         output.warnings.extend(section.idle_keys());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
         let (model, chosen) = match model {
-            Err(StudyError::Empirical(error)) if options.model_in_need => {
+            Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.model_in_need => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
                 model_of(&section, Some(&measured), &options.families, &mut output)?
@@ -108,7 +110,7 @@ impl Twins {
         let mut twins = Self {
             file: file.to_owned(),
             seed: options.seed,
-            level: treatment(section.level),
+            level: section.level.as_polynomial(),
             target: Target::of(&measured),
             scan: measured.map,
             surface: generated.surface,
@@ -147,7 +149,7 @@ impl Twins {
                 let mut stream = random::stream(self.seed, TRIAL_STAGE, index);
                 let trial =
                     masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
-                let left = Preparation { level: self.level, ..Preparation::default() }.apply(&trial)?.map;
+                let left = self.without_form(&trial)?.map;
                 // Statistics are about the mean, whether or not it counts as form.
                 let points = left.present_m().count() as f64;
                 let mean = left.present_m().sum::<f64>() / points;
@@ -193,7 +195,7 @@ impl Twins {
                     .into(),
             );
         }
-        let kurtosis = self.target.statistics.results.Sku.unwrap_or(f64::NAN);
+        let kurtosis = self.target.statistics.Sku.unwrap_or(f64::NAN);
         if kurtosis > SPIKY && section.outliers.is_none() {
             self.warnings.push(format!(
                 "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
@@ -261,7 +263,13 @@ impl Twins {
     /// A twin as the scan is read off: with its missing points, without its form.
     fn treated(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
         let twin = if self.grid() == self.scan.grid() { masked(twin, &self.scan)? } else { twin.clone() };
-        Ok(Preparation { level: self.level, ..Preparation::default() }.apply(&twin)?)
+        self.without_form(&twin)
+    }
+
+    /// Removes the form from a map.
+    fn without_form(&self, map: &HeightMap) -> Result<Prepared, StudyError> {
+        let preparation = Preparation { level: self.level, ..Preparation::default() };
+        Ok(preparation.apply(map).map_err(SurfaceModelError::from)?)
     }
 
     /// Draws twins 0 … `count` − 1, hands each to `keep`, and compares the scan with them.
@@ -324,7 +332,7 @@ impl Twins {
             curves_inside: curves.iter().map(|(_, curve)| curve.inside).sum(),
             curves_compared: curves.iter().map(|(_, curve)| curve.points).sum(),
             model: self.model.clone(),
-            target: self.target.statistics.results.clone(),
+            target: self.target.statistics.clone(),
             twins,
             curves,
             limits: self.limits.clone(),
@@ -366,12 +374,4 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
         }
     }
     limits
-}
-
-/// The form that is removed from twins, which have no cylinder or sphere of their own: the polynomial that follows one.
-pub(super) fn treatment(level: Level) -> Level {
-    match level {
-        Level::Cylinder | Level::Sphere => Level::Quadratic,
-        level => level,
-    }
 }

@@ -17,6 +17,7 @@ pub use self::tables::{cloud_table, points_table, portrait_table, survival_table
 use asperity_base::choice::Choice;
 
 use crate::distribution::Marginal;
+use crate::friction::WindowFriction;
 use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::{FrictionSource, VibrationStudy};
@@ -25,7 +26,6 @@ use crate::study::output::StageOutput;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
 };
-use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,

@@ -6,7 +6,7 @@ use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::friction::law::BowdenTabor;
 use asperity::friction::load_curve::{LoadCurve, LoadPoint};
-use asperity::friction::strip::{Level, Strips};
+use asperity::friction::strip::{Level, StripProblem, Strips};
 use asperity::friction::window::Window;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
@@ -23,16 +23,14 @@ fn with_strips<R>(realisations: usize, test: impl FnOnce(&Strips<'_>) -> R) -> R
     let surface = SpectralField::periodic(&covariance, grid);
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
     let half_space = HalfSpace::new(grid, MODULUS_PA, Boundary::Periodic { mean_compliance_m_per_pa }).unwrap();
-    test(&Strips {
-        surface: &surface,
-        half_space: &half_space,
-        window: &Window::new(40e-6, grid).unwrap(),
-        law: &BowdenTabor { shear_strength_pa: 385e6 },
+    let problem = StripProblem {
+        half_space,
+        window: Window::new(40e-6, grid).unwrap(),
+        law: Box::new(BowdenTabor { shear_strength_pa: 385e6 }),
         hardness_pa: Some(2e9),
         solver: Solver { tolerance: 1e-6, ..Solver::default() },
-        realisations,
-        seed: 5,
-    })
+    };
+    test(&problem.strips(&surface, realisations, 5))
 }
 
 fn planes(strips: &Strips<'_>, heights_m: &[f64]) -> Vec<Level> {

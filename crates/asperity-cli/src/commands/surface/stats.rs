@@ -3,8 +3,9 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{MapStatistics, PooledStatistics, statistics};
+use asperity::study::{part_statistics, surface_statistics};
 use asperity::surface::preparation::PreparationError;
+use asperity::surface::scanned::{MapStatistics, PooledStatistics};
 use clap::Args;
 
 use super::preparation::PreparationOptions;
@@ -48,7 +49,7 @@ impl Stats {
             sources.push(source);
         }
         if let ([(_, statistics)], [source]) = (scans.as_slice(), sources.as_slice()) {
-            let answer = Answer::of(&statistics.results)?;
+            let answer = Answer::of(&surface_statistics(statistics))?;
             return if self.json { answer.and(source.clone()).print(true) } else { answer.print(false) };
         }
         for (place, file) in self.files.iter().enumerate() {
@@ -59,8 +60,8 @@ impl Stats {
                 monitor.warn(&format!("{file} is listed twice and counts as two places: intervals are too narrow"));
             }
         }
-        let pooled = PooledStatistics::of(scans).map_err(|e| Failure::data("the scans", &e))?;
-        let answer = Answer::of(&pooled.results())?;
+        let pooled = PooledStatistics::new(scans).map_err(|e| Failure::data("the scans", &e))?;
+        let answer = Answer::of(&part_statistics(&pooled))?;
         if self.json { answer.and(Answer::lists(&sources)).print(true) } else { answer.without("scans").print(false) }
     }
 
@@ -84,7 +85,7 @@ impl Stats {
                 "{file}: the robust filter found no surface around {lost} heights, which count as missing"
             ));
         }
-        let statistics = monitor.at_once(|| statistics(&prepared))?.map_err(|e| unusable(&e))?;
+        let statistics = monitor.at_once(|| MapStatistics::new(&prepared))?.map_err(|e| unusable(&e))?;
         Ok((statistics, source))
     }
 }

@@ -14,6 +14,7 @@ use asperity::study::file::SurfaceSection;
 use asperity::study::{
     Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, TwinTables, Twins, json_bytes,
 };
+use asperity::surface::model::SurfaceModelError;
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 use asperity::translation::TranslationKind;
 use asperity_formats::{Format, Scan};
@@ -270,19 +271,21 @@ impl Twin {
             StudyError::Map { error: MapError::NoPitch, .. } => {
                 Failure::usage(format_args!("{file}: {}", MapError::NoPitch))
             }
-            StudyError::Fit(error) => Failure::new(
+            StudyError::Surface(SurfaceModelError::Fit(error)) => Failure::new(
                 Kind::Data,
                 format!("{file}: covariance: {error}; state one with --covariance and --correlation-length"),
             ),
-            StudyError::Empirical(error) => Failure::new(
+            StudyError::Surface(SurfaceModelError::Empirical(error)) => Failure::new(
                 Kind::Data,
                 format!("{file}: covariance: {error}; state one with --covariance and --correlation-length"),
             ),
-            StudyError::FractalDimension => Failure::new(
+            StudyError::Surface(SurfaceModelError::FractalDimension) => Failure::new(
                 Kind::Data,
                 format!("{file}: the scan shows no scaling range, and the Weierstrass–Mandelbrot generator needs one"),
             ),
-            StudyError::Covariance(error) => Failure::usage(format_args!("covariance: {error}")),
+            StudyError::Surface(SurfaceModelError::Covariance(error)) => {
+                Failure::usage(format_args!("covariance: {error}"))
+            }
             StudyError::Grid { error, .. } => Failure::usage(format_args!("--size, --points: {error}")),
             StudyError::Cancelled(Cancelled) => Cancelled.into(),
             error => study_file::ended(&self.file, error),

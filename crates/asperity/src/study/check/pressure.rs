@@ -3,10 +3,10 @@
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::contact::contact_modulus_pa;
+use crate::friction::LevelControl;
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Compliance, Pressure};
 use crate::study::file::StudyFile;
-use crate::study::level_control::LevelControl;
 
 const PRESSURE: &str = "pressure";
 

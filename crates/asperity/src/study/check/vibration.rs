@@ -7,8 +7,9 @@ use asperity_base::choice::ByName;
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
+use crate::friction::{NominalContact, StatedFriction};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
+use crate::study::file::{FrictionSection, MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
 use crate::study::sentence;
 use crate::vibration::{
     Drive, Forcing, FrictionLaw, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
@@ -81,23 +82,15 @@ pub(in crate::study) enum FrictionSource {
     Computed(Option<f64>),
     /// The file of a fitted process, relative to the study file.
     File(PathBuf),
-    /// The study file.
+    /// The study file, for a window of the usual size.
     Stated(StatedFriction),
 }
 
-/// Friction of one window as the study file states it.
-#[derive(Debug, Clone, PartialEq)]
-pub(in crate::study) struct StatedFriction {
-    pub(in crate::study) mean: f64,
-    pub(in crate::study) std: f64,
-    pub(in crate::study) correlation_length: Length,
-    pub(in crate::study) marginal: Marginal,
-}
-
 impl VibrationStudy {
-    /// Returns the pressure of the normal force on the nominal area in pascal.
-    pub(in crate::study) fn nominal_pressure_pa(&self) -> f64 {
-        self.normal_force.0 / self.nominal_area.0
+    /// Returns the nominal area and its pressure.
+    pub(in crate::study) fn nominal_contact(&self) -> NominalContact {
+        let area_m2 = self.nominal_area.0;
+        NominalContact { area_m2, pressure_pa: self.normal_force.0 / area_m2 }
     }
 
     /// Returns the Stribeck coefficient, if the law has one.
@@ -297,7 +290,10 @@ impl StudyFile {
                 let marginal = marginal
                     .parse()
                     .map_err(|error: DistributionError| invalid(SECTION, "friction_marginal", error.to_string()))?;
-                Ok(FrictionSource::Stated(StatedFriction { mean, std, correlation_length, marginal }))
+                let usual = FrictionSection::default();
+                let window_m = [usual.window.0, usual.strip[1].0];
+                let length_m = correlation_length.0;
+                Ok(FrictionSource::Stated(StatedFriction { mean, std, length_m, marginal, window_m }))
             }
         }
     }
@@ -333,7 +329,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         Err(error) => return of_key(error),
     };
     let unit_m = study.scales.length_m();
-    let length = friction.correlation_length;
+    let length = Length(friction.length_m);
     if !LENGTHS.contains(&(length.0 / unit_m)) {
         let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
         return Err(invalid(SECTION, "friction_correlation_length", message));

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::correlation::Stationarity;
 use crate::distribution::fit::{Fit, Ranking};
+use crate::friction::SolvedLevel;
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
 use crate::stats::Estimate;
-use crate::study::friction_stage::{SolvedLevel, no_variance};
+use crate::study::friction_stage::{no_variance, prescribed, upscaling};
 use crate::study::result::{
     AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
     OperatingPoint, Pair, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite,
@@ -28,7 +29,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
     let correlation = correlation.filter(|_| exists);
     LevelResult {
         leading: false,
-        control: solved.control.key(),
+        control: prescribed(solved.control),
         percentile: solved.control.percentile(),
         penetration_m: level.penetration_m,
         mean_pressure_pa: level.mean_pressure_pa,
@@ -111,7 +112,7 @@ pub(super) fn operating_point(solved: &SolvedLevel, window: &Window, nominal_are
         mean_interval: interval(process.estimates.mean),
         std: process.moments.std,
         std_interval: interval(process.estimates.std),
-        std_nominal_area: solved.upscaling(window, nominal_area_m2).area.std,
+        std_nominal_area: upscaling(solved, window, nominal_area_m2).area.std,
     }
 }
 

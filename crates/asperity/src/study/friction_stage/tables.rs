@@ -7,9 +7,9 @@ use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
 use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
+use crate::friction::{LevelControl, SolvedLevel};
 use crate::stats::{Estimate, Histogram, sorted_present};
 use crate::study::Table;
-use crate::study::friction_stage::SolvedLevel;
 
 type Tables = Vec<(&'static str, Table)>;
 
@@ -85,6 +85,16 @@ fn load_curve_table(levels: &[SolvedLevel]) -> Table {
 }
 
 /// μ(s) of the first strip at every level.
+/// Returns the column of a level in the table of traces.
+fn trace_column(level: LevelControl) -> String {
+    match level {
+        LevelControl::Percentile(percent) => format!("mu_p{percent}").replace('.', "_"),
+        LevelControl::MeanPressure(pascal) => format!("mu_pressure_{pascal:e}_pa"),
+        LevelControl::Penetration(metre) => format!("mu_penetration_{metre:e}_m"),
+        LevelControl::Nominal(_) => "mu_load".into(),
+    }
+}
+
 fn trace_table(levels: &[SolvedLevel]) -> Table {
     let first = levels.iter().filter_map(|level| level.level.records.first()).next();
     let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];
@@ -92,7 +102,7 @@ fn trace_table(levels: &[SolvedLevel]) -> Table {
     for level in levels {
         let trace = level.level.records.first().filter(|record| record.friction.len() == rows);
         columns.push((
-            level.control.column(),
+            trace_column(level.control),
             trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
         ));
     }

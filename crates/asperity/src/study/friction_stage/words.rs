@@ -1,9 +1,9 @@
 //! What the friction stage assumed, and what to be wary of, in sentences.
 
+use crate::friction::SolvedLevel;
 use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
 use crate::study::file::{FrictionSection, WindowShape};
-use crate::study::friction_stage::SolvedLevel;
 use crate::study::sentence;
 
 /// Probability of a drift under stationarity below which it is warned about.
@@ -22,7 +22,7 @@ pub(super) fn sentences(
             format!("periodic, of mean compliance {} under a fixed plane", sentence::compliance(m_per_pa))
         }
     };
-    let window = strips.window;
+    let window = &strips.problem.window;
     let name = lead.control.name();
     let correlation = match &lead.window_study {
         None => format!("At {name} friction does not vary, so it has no correlation."),
@@ -42,9 +42,7 @@ pub(super) fn sentences(
         WindowShape::Ellipse => "an elliptic window",
     };
     let width = match lead.level.tracks {
-        1 if window.width_m() > strips.half_space.grid().height_m() * (1.0 - 1e-9) => {
-            "the width of the strip".to_owned()
-        }
+        1 if window.width_m() > strips.problem.grid().height_m() * (1.0 - 1e-9) => "the width of the strip".to_owned(),
         1 => sentence::si(window.width_m(), "m"),
         tracks => format!("{}, {tracks} side by side", sentence::si(window.width_m(), "m")),
     };

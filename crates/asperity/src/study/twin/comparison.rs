@@ -1,10 +1,11 @@
 //! A scan against its twins, statistic by statistic.
 
 use crate::map::HeightMap;
-use crate::study::measured::{MapStatistics, Measured};
 use crate::study::result::{CurveComparison, StatisticComparison, SurfaceStatistics, finite, pair};
+use crate::study::surface_result::surface_statistics;
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::preparation::Prepared;
+use crate::surface::scanned::ScannedSurface;
 
 use super::band::Scale::{Above, Linear, Share};
 use super::band::{CHANCE_OUTSIDE, Scale, Spread};
@@ -45,7 +46,7 @@ const STATISTICS: [(&str, Scale, Reading); 24] = [
 
 /// What is known of the scan before its twins are drawn.
 pub(super) struct Target {
-    pub(super) statistics: MapStatistics,
+    pub(super) statistics: SurfaceStatistics,
     pub(super) curves: Vec<Curve>,
 }
 
@@ -57,15 +58,16 @@ pub(super) struct TwinTraits {
 }
 
 impl Target {
-    pub(super) fn of(measured: &Measured) -> Self {
+    pub(super) fn of(measured: &ScannedSurface) -> Self {
         let curves = Curve::all(&measured.map, &measured.correlation);
-        Self { statistics: measured.statistics.clone(), curves }
+        Self { statistics: surface_statistics(&measured.statistics), curves }
     }
 
     /// Reads off a twin what was read off the scan.
     pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
-        let Measured { map, statistics, correlation, .. } = Measured::point_values_of(twin)?;
-        let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics.results).unwrap_or(f64::NAN)).collect();
+        let ScannedSurface { map, statistics, correlation, .. } = ScannedSurface::without_intervals(twin)?;
+        let statistics = surface_statistics(&statistics);
+        let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics).unwrap_or(f64::NAN)).collect();
         let curves = self.curves.iter().map(|curve| curve.of_another(&map, &correlation)).collect();
         Ok(TwinTraits { statistics, curves })
     }
@@ -74,7 +76,7 @@ impl Target {
     pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(String, StatisticComparison)> {
         let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
             let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
-            let target = read(&self.statistics.results).and_then(finite);
+            let target = read(&self.statistics).and_then(finite);
             let inside = target.zip(spread.band).map(|(value, band)| band.contains(value));
             let comparison = StatisticComparison {
                 target,

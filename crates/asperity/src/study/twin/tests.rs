@@ -12,6 +12,7 @@ use crate::monitor::Silent;
 use crate::quantity::Length;
 use crate::study::result::StatisticComparison;
 use crate::surface::CovarianceSource;
+use crate::surface::scanned::MapStatistics;
 use crate::surface::{Predistorted, SpectralField, Translated};
 use crate::translation::TranslationKind;
 
@@ -144,7 +145,10 @@ fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning()
     assert!(twins.warnings().iter().any(|warning| warning.contains("independent patches")), "{:?}", twins.warnings());
     // Who asks for it is told that it cannot be.
     options.model_in_need = false;
-    assert!(matches!(Twins::like(scan_of(heights), "map", &options), Err(StudyError::Empirical(_))));
+    assert!(matches!(
+        Twins::like(scan_of(heights), "map", &options),
+        Err(StudyError::Surface(SurfaceModelError::Empirical(_)))
+    ));
 }
 
 #[test]
@@ -270,7 +274,7 @@ fn twins_are_not_filtered_a_second_time() {
     let twice: Vec<f64> = (0..10)
         .map(|index| {
             let prepared = again.apply(&twins.draw(index)).unwrap();
-            crate::study::statistics(&prepared).unwrap().results.Sdq.unwrap()
+            MapStatistics::new(&prepared).unwrap().parameters.sdq.unwrap()
         })
         .collect();
     let slope = statistic(&comparison, "Sdq");

@@ -1,10 +1,10 @@
 //! How much of the friction is clipped to stay positive, and when that is too much.
 
 use super::{Ensembles, MARGINS, Scatter, ensembles, scatters};
+use crate::friction::WindowFriction;
 use crate::friction::process::ProcessModel;
 use crate::study::check::VibrationStudy;
 use crate::study::file::MapSection;
-use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, sentence};
 use crate::vibration::LARGEST_CLIPPED_FRACTION;
 

@@ -1,65 +1,80 @@
-//! Which covariance the random surfaces of a scan have: the model, or the scan's own, that keeps its spectrum and its slopes.
+//! Selection of the covariance that keeps the spectrum and the slopes of a scan: a model, or the covariance of the scan.
 
-use crate::correlation::{
+use std::f64::consts::TAU;
+
+use asperity_base::correlation::{
     CorrelationFamily, Covariance, CovarianceFit, CovarianceFits, FitError, FitWarning, MeasuredCovariance,
     StationaryCovariance, fit_covariance,
 };
-use crate::distribution::Marginal;
-use crate::distribution::translation::Translation;
-use crate::study::band_slopes::Roughness;
-use crate::study::file::SurfaceSection;
-use crate::study::measured::Measured;
-use crate::study::surface_model::{CLIPPED_VARIANCE, SurfaceCovariance, SurfaceModel, Texture};
-use crate::study::trial::Trial;
-use crate::study::{StudyError, sentence};
-use crate::surface::CovarianceSource;
-use crate::translation::TranslationKind;
+use asperity_base::distribution::Marginal;
+use asperity_base::distribution::translation::Translation;
+use asperity_base::sentence;
+use asperity_base::translation::TranslationKind;
 
-/// A model is taken where ln(measured/model spectral density) is below this, in the root mean square over the band.
+use super::generated::CLIPPED_VARIANCE;
+use super::{CovarianceRequest, Roughness, SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture, TrialMaps};
+use crate::scanned::ScannedSurface;
+
+/// Largest root mean square of ln(measured/model spectral density) over the band of a model that is selected.
 const LARGEST_MISFIT: f64 = 0.3;
-/// A covariance is taken where the Sdq of its surfaces within the band is that of the scan to this fraction.
+/// Largest relative difference between Sdq of the surfaces and Sdq of the scan, within the band, of a covariance that is selected.
 const SLOPE_TOLERANCE: f64 = 0.1;
-/// A greater difference is warned about.
+/// Relative difference above which there is a warning.
 const SLOPE_WARNING: f64 = 0.15;
-/// Excess kurtosis of heights of which a few extremes hold much of the slopes.
+/// Excess kurtosis of heights above which a few extremes contain much of the slopes.
 const HEAVY_TAILS: f64 = 3.0;
 /// Corner of the slope correction over the end of the band.
 const CORNER: f64 = 0.25;
 
-/// The covariance that was taken.
-pub(super) struct Chosen {
-    pub(super) covariance: SurfaceCovariance,
-    /// Misfit of a fitted model.
-    pub(super) misfit: Option<f64>,
-    /// Sdq of drawn maps over that of the scan, within the band.
-    pub(super) slope_ratio: Option<f64>,
-    /// The drawn maps.
-    pub(super) trial: Option<Trial>,
+/// Selected covariance of a random surface.
+#[derive(Debug, Clone)]
+pub struct SelectedCovariance {
+    /// Covariance.
+    pub covariance: SurfaceCovariance,
+    /// Misfit of a fitted model: root mean square of ln(measured/model spectral density) over the band.
+    pub misfit: Option<f64>,
+    /// Sdq of trial maps over Sdq of the scan, within the band.
+    pub slope_ratio: Option<f64>,
+    /// Trial maps; `None` for a stated covariance, or if the band does not fit on a map.
+    pub trial: Option<TrialMaps>,
     /// Cutoff of the S-filter at the end of the band in metre.
-    pub(super) slope_cutoff_m: Option<f64>,
-    /// What else was tried: name, misfit, ratio of slopes.
-    pub(super) candidates: Vec<(String, Option<f64>, Option<f64>)>,
-    /// Why it was taken, where there was a choice.
-    pub(super) reason: Option<String>,
-    pub(super) warnings: Vec<String>,
+    pub slope_cutoff_m: Option<f64>,
+    /// Covariances that were compared.
+    pub candidates: Vec<CovarianceCandidate>,
+    /// Sentence on the reason of the selection, if there was a choice.
+    pub reason: Option<String>,
+    /// Warnings in sentences.
+    pub warnings: Vec<String>,
 }
 
-/// Judges covariances by the slopes of their random surfaces.
+/// Covariance that was compared with the scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CovarianceCandidate {
+    /// Name of the model, or `empirical`.
+    pub model: String,
+    /// Misfit of a fitted model.
+    pub misfit: Option<f64>,
+    /// Expected Sdq of its surfaces over Sdq of the scan, within the band.
+    pub slope_ratio: Option<f64>,
+}
+
+/// Comparison of covariances by the slopes of their random surfaces.
 struct Judge<'a> {
     roughness: &'a Roughness,
-    /// Distortion of the correlation by the marginal law, unless that is normal or corrected for.
+    /// Distortion of the correlation by the marginal distribution; `None` if that is normal or corrected for.
     translation: Option<Translation>,
-    /// Rms height of the scan over that of the random surfaces, where a study states another.
+    /// Rms height of the scan over rms height of the random surfaces.
     scale: f64,
 }
 
 impl Judge<'_> {
+    /// Returns the expected Sdq of the random surfaces over Sdq of the scan.
     fn ratio(&self, covariance: &dyn StationaryCovariance) -> Option<f64> {
         let slopes = self.roughness.slopes.as_ref()?;
         Some(self.scale * slopes.ratio(covariance, self.translation.as_ref()))
     }
 
-    /// The ratio of the Gaussian field beneath the translation.
+    /// Returns the ratio of the Gaussian field before the translation.
     fn gaussian_ratio(&self, covariance: &dyn StationaryCovariance) -> Option<f64> {
         Some(self.scale * self.roughness.slopes.as_ref()?.ratio(covariance, None))
     }
@@ -69,17 +84,30 @@ fn is_near(ratio: Option<f64>, tolerance: f64) -> bool {
     ratio.is_none_or(|ratio| (ratio - 1.0).abs() <= tolerance)
 }
 
-/// The covariance of a section's random surfaces of the marginal law `marginal`, which has their rms height; a measured one is
-/// chosen among `families` and the scan's own.
-pub(super) fn choose(
-    section: &SurfaceSection,
-    measured: &Measured,
+/// Selects the covariance of random surfaces with the marginal distribution `marginal`, whose standard deviation is their rms
+/// height. A measured covariance is one of `families` or the covariance of the scan.
+pub(super) fn select(
+    request: CovarianceRequest,
+    translation: TranslationKind,
     families: &[CorrelationFamily],
     marginal: &Marginal,
-) -> Result<Chosen, StudyError> {
+    scan: Option<&ScannedSurface>,
+) -> Result<SelectedCovariance, SurfaceModelError> {
     let std_m = marginal.std();
+    let stated = match request {
+        CovarianceRequest::Stated { model, lengths_m: [x_m, y_m] } => {
+            Some(SurfaceCovariance::Model(Covariance::new(model, std_m, x_m, y_m)?))
+        }
+        CovarianceRequest::Measured | CovarianceRequest::Empirical => None,
+    };
+    let measured = match (scan, &stated) {
+        (Some(measured), _) => measured,
+        (None, Some(covariance)) => return Ok(SelectedCovariance::new(covariance.clone())),
+        (None, None) => return Err(SurfaceModelError::NoScan("the covariance")),
+    };
     let roughness = measured.roughness()?;
-    let is_plain = section.translation == TranslationKind::Plain && !matches!(marginal, Marginal::Normal { .. });
+    let kind = translation;
+    let is_plain = kind == TranslationKind::Plain && !matches!(marginal, Marginal::Normal { .. });
     let translation = if is_plain { Some(Translation::new(marginal)?) } else { None };
     let judge = Judge { roughness: &roughness, translation, scale: measured.sq_m() / std_m };
     let spectra: Vec<_> = roughness.spectra.iter().collect();
@@ -96,13 +124,20 @@ pub(super) fn choose(
                 let ratio = judge.ratio(&covariance);
                 Ok((fit.clone(), covariance, ratio))
             })
-            .collect::<Result<_, StudyError>>()?,
+            .collect::<Result<_, SurfaceModelError>>()?,
     };
-    let candidates: Vec<_> = models
-        .iter()
-        .map(|(fit, _, ratio)| (fit.covariance.model().name().to_owned(), Some(fit.misfit), *ratio))
-        .collect();
-    // The scan's own covariance keeps an oblique lay, but it rests on as few patches as a model.
+    let candidate = |(fit, _, ratio): &(CovarianceFit, SurfaceCovariance, Option<f64>)| CovarianceCandidate {
+        model: fit.covariance.model().name().to_owned(),
+        misfit: Some(fit.misfit),
+        slope_ratio: *ratio,
+    };
+    let mut candidates: Vec<_> = models.iter().map(candidate).collect();
+    if let Some(covariance) = stated {
+        // A stated surface need not resemble the scan.
+        return Ok(SelectedCovariance { candidates, ..SelectedCovariance::new(covariance) });
+    }
+    let is_free = request == CovarianceRequest::Measured;
+    // The covariance of the scan keeps an oblique lay, but depends on as few patches as a model.
     let of_any: Vec<String> = fits.as_ref().map_or(Vec::new(), |fits| {
         let few = fits.warnings.iter().filter(|warning| matches!(warning, FitWarning::FewLengths { .. }));
         few.map(|warning| format!("covariance fit: {warning}")).collect()
@@ -110,33 +145,28 @@ pub(super) fn choose(
     let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
     let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
-    let mut chosen = match section.covariance {
-        CovarianceSource::Measured => measured_choice(measured, &judge, models, fits, families, std_m)?,
-        CovarianceSource::Empirical => Chosen::new(own_covariance(measured, std_m)?),
-        _ => {
-            let covariance = stated(section, std_m)?;
-            // A stated surface need not be like the scan.
-            return Ok(Chosen { candidates, ..Chosen::new(covariance) });
-        }
+    let mut chosen = if is_free {
+        measured_choice(measured, &judge, models, fits, families, std_m)?
+    } else {
+        SelectedCovariance::new(own_covariance(measured, std_m)?)
     };
-    for candidate in candidates.into_iter().rev() {
-        chosen.candidates.insert(0, candidate);
-    }
+    candidates.append(&mut chosen.candidates);
+    chosen.candidates = candidates;
     if let Some(slopes) = &roughness.slopes {
         let draw = |covariance: &SurfaceCovariance| {
-            let (covariance, translation) = (covariance.clone(), section.translation);
-            let texture = Texture::Translated { covariance, translation, expansion: None };
+            let covariance = covariance.clone();
+            let texture = Texture::Translated { covariance, translation: kind, expansion: None };
             let model = SurfaceModel { marginal: marginal.clone(), texture };
-            Trial::draw(&model, judge.scale, measured.map.grid(), measured.level, slopes)
+            TrialMaps::draw(&model, judge.scale, measured.map.grid(), measured.level, slopes)
         };
         chosen.try_out(draw(&chosen.covariance)?);
-        if section.covariance == CovarianceSource::Measured && families.len() == CorrelationFamily::ALL.len() {
+        if is_free && families.len() == CorrelationFamily::ALL.len() {
             chosen = nearest(chosen, model, measured, &judge, draw)?;
         }
         chosen.slope_cutoff_m = Some(slopes.cutoff_m);
         chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
     }
-    if section.covariance == CovarianceSource::Measured {
+    if is_free {
         let missing: Vec<String> = of_any.into_iter().filter(|warning| !chosen.warnings.contains(warning)).collect();
         chosen.warnings.extend(missing);
     }
@@ -144,29 +174,14 @@ pub(super) fn choose(
     Ok(chosen)
 }
 
-/// A covariance whose parameters the study states.
-pub(super) fn stated(section: &SurfaceSection, std_m: f64) -> Result<SurfaceCovariance, StudyError> {
-    use crate::correlation::CorrelationModel as Model;
-
-    let model = match section.covariance {
-        CovarianceSource::Measured | CovarianceSource::Empirical => return Err(StudyError::NoStage("surface")),
-        CovarianceSource::SquaredExponential => Model::SquaredExponential,
-        CovarianceSource::Exponential => Model::Exponential,
-        CovarianceSource::Matern => Model::Matern { nu: section.smoothness.unwrap_or(f64::NAN) },
-        CovarianceSource::SelfAffine => Model::SelfAffine { hurst: section.hurst.unwrap_or(f64::NAN) },
-    };
-    let [x, y] = section.correlation_length.map_or([f64::NAN; 2], |lengths| lengths.map(|length| length.0));
-    Ok(SurfaceCovariance::Model(Covariance::new(model, std_m, x, y)?))
-}
-
-impl Chosen {
-    /// Takes the slopes of drawn maps.
-    fn try_out(&mut self, trial: Option<Trial>) {
-        self.slope_ratio = trial.as_ref().map(Trial::slope_ratio);
+impl SelectedCovariance {
+    /// Stores trial maps and their slopes.
+    fn try_out(&mut self, trial: Option<TrialMaps>) {
+        self.slope_ratio = trial.as_ref().map(TrialMaps::slope_ratio);
         self.trial = trial;
     }
 
-    pub(super) fn new(covariance: SurfaceCovariance) -> Self {
+    fn new(covariance: SurfaceCovariance) -> Self {
         Self {
             covariance,
             misfit: None,
@@ -180,8 +195,8 @@ impl Chosen {
     }
 }
 
-/// The scan's own covariance.
-fn own_covariance(measured: &Measured, std_m: f64) -> Result<SurfaceCovariance, StudyError> {
+/// Returns the covariance of the scan.
+fn own_covariance(measured: &ScannedSurface, std_m: f64) -> Result<SurfaceCovariance, SurfaceModelError> {
     let covariance = match &measured.part {
         Some(part) => MeasuredCovariance::new(&part.correlation)?,
         None => MeasuredCovariance::from_map(&measured.map)?,
@@ -189,19 +204,19 @@ fn own_covariance(measured: &Measured, std_m: f64) -> Result<SurfaceCovariance, 
     Ok(SurfaceCovariance::Empirical(Box::new(covariance.with_std(std_m))))
 }
 
-/// The best model that meets the spectrum and the slopes; else the scan's own covariance; else that changed for the marginal law.
-/// Where the caller asks for fewer families than all, the best of them is taken.
+/// Selects the best model that meets the spectrum and the slopes, or else the covariance of the scan, changed if the marginal
+/// distribution distorts its slopes. If the caller asks for fewer families than all, selects the best of them.
 fn measured_choice(
-    measured: &Measured,
+    measured: &ScannedSurface,
     judge: &Judge<'_>,
     models: Vec<(CovarianceFit, SurfaceCovariance, Option<f64>)>,
     fits: Result<CovarianceFits, FitError>,
     families: &[CorrelationFamily],
     std_m: f64,
-) -> Result<Chosen, StudyError> {
+) -> Result<SelectedCovariance, SurfaceModelError> {
     let of_model = |fits: &CovarianceFits, (fit, covariance, _): (CovarianceFit, SurfaceCovariance, Option<f64>)| {
         let warnings = fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")).collect();
-        Chosen { misfit: Some(fit.misfit), warnings, ..Chosen::new(covariance) }
+        SelectedCovariance { misfit: Some(fit.misfit), warnings, ..SelectedCovariance::new(covariance) }
     };
     let failure = match &fits {
         Err(error) => error.to_string(),
@@ -242,7 +257,7 @@ fn measured_choice(
     }
     let own = match own_covariance(measured, std_m) {
         Ok(own) => own,
-        // A model is better than nothing.
+        // Without the covariance of the scan, the nearest model is selected.
         Err(error) => {
             let Ok(fits) = fits else { return Err(error) };
             let nearest = models.into_iter().min_by(|a, b| distance(a.2).total_cmp(&distance(b.2)));
@@ -255,12 +270,13 @@ fn measured_choice(
     Ok(own_choice(judge, own, &failure))
 }
 
-/// The scan's own covariance, taken because of `failure`; where the marginal law changes its slopes, that of normal variables under
-/// which the heights keep them.
-fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> Chosen {
+/// Selects the covariance of the scan because of `failure`. If the marginal distribution changes its slopes, selects the covariance
+/// of normal variables with which the heights keep them.
+fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> SelectedCovariance {
     let ratio = judge.ratio(&own);
-    let mut chosen = Chosen::new(own);
-    chosen.candidates.push(("empirical".into(), None, ratio));
+    let mut chosen = SelectedCovariance::new(own);
+    let candidate = CovarianceCandidate { model: "empirical".into(), misfit: None, slope_ratio: ratio };
+    chosen.candidates.push(candidate);
     chosen.reason = Some(format!("The scan's own covariance was taken because {failure}."));
     if is_near(ratio, SLOPE_TOLERANCE) {
         return chosen;
@@ -268,7 +284,7 @@ fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> Chose
     if let (Some(translation), Some(slopes), SurfaceCovariance::Empirical(own)) =
         (&judge.translation, &judge.roughness.slopes, &chosen.covariance)
     {
-        let corner = CORNER * std::f64::consts::TAU / slopes.cutoff_m;
+        let corner = CORNER * TAU / slopes.cutoff_m;
         let adjusted =
             own.beneath(|rho| translation.correlation(rho), corner, |own| judge.ratio(own).unwrap_or(f64::NAN));
         if distance(judge.ratio(&adjusted)) < distance(ratio) {
@@ -283,8 +299,8 @@ fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> Chose
     chosen
 }
 
-/// Heights that hardly correlate with their neighbours.
-fn noise_warning(measured: &Measured) -> Option<String> {
+/// Returns a warning if heights hardly correlate with their neighbours.
+fn noise_warning(measured: &ScannedSurface) -> Option<String> {
     let correlation = measured.part.as_ref().map_or(&measured.correlation, |part| &part.correlation);
     let (along_x, along_y) = (correlation.correlation(1, 0), correlation.correlation(0, 1));
     let least = along_x.min(along_y);
@@ -299,31 +315,33 @@ fn noise_warning(measured: &Measured) -> Option<String> {
     })
 }
 
-/// Distance of a ratio from 1, the same for r and 1/r.
+/// Returns the distance of a ratio from 1, equal for r and 1/r.
 fn distance(ratio: Option<f64>) -> f64 {
     ratio.map_or(0.0, |ratio| ratio.ln().abs())
 }
 
-/// "1.04 times".
+/// Formats a ratio: "1.04 times".
 fn times(ratio: f64) -> String {
     format!("{} times", sentence::digits(ratio))
 }
 
-/// Where drawn maps have other slopes than the scan, tries the scan's own covariance in place of a model, or in its place `model`, which
-/// meets the scan's spectrum, and what it was changed from; the covariance whose maps are nearest is taken.
+/// Compares trial maps of other covariances if those of the selected one have other slopes than the scan, and selects the nearest.
+///
+/// A model is compared with the covariance of the scan. The covariance of the scan is compared with `model`, which meets the
+/// spectrum of the scan, and with itself before it was changed for the marginal distribution.
 fn nearest(
-    mut chosen: Chosen,
+    mut chosen: SelectedCovariance,
     model: Option<(CovarianceFit, SurfaceCovariance)>,
-    measured: &Measured,
+    measured: &ScannedSurface,
     judge: &Judge<'_>,
-    draw: impl Fn(&SurfaceCovariance) -> Result<Option<Trial>, StudyError>,
-) -> Result<Chosen, StudyError> {
+    draw: impl Fn(&SurfaceCovariance) -> Result<Option<TrialMaps>, SurfaceModelError>,
+) -> Result<SelectedCovariance, SurfaceModelError> {
     let Some(ratio) = chosen.slope_ratio.filter(|ratio| !is_near(Some(*ratio), SLOPE_WARNING)) else {
         return Ok(chosen);
     };
     let failure = |name: &str| format!("maps drawn with {name} have {} the scan's Sdq", times(ratio));
     let own = own_covariance(measured, chosen.covariance.std_m()).ok();
-    let others: Vec<Chosen> = match &chosen.covariance {
+    let others: Vec<SelectedCovariance> = match &chosen.covariance {
         SurfaceCovariance::Model(found) => {
             let failure = failure(&format!("the {} model", found.model().name()));
             own.into_iter().map(|own| own_choice(judge, own, &failure)).collect()
@@ -335,13 +353,13 @@ fn nearest(
                 let reason = Some(format!(
                     "The {name} model was fitted to the scan's spectrum by likelihood because {failure}."
                 ));
-                Chosen { misfit: Some(fit.misfit), reason, ..Chosen::new(covariance) }
+                SelectedCovariance { misfit: Some(fit.misfit), reason, ..SelectedCovariance::new(covariance) }
             });
             let unchanged = own.filter(|own| judge.ratio(own) != judge.ratio(&chosen.covariance));
             let unchanged = unchanged.map(|own| {
                 let reason =
                     format!("The scan's own covariance was taken as it is: changed for the marginal law, {failure}.");
-                Chosen { reason: Some(reason), ..Chosen::new(own) }
+                SelectedCovariance { reason: Some(reason), ..SelectedCovariance::new(own) }
             });
             model.into_iter().chain(unchanged).collect()
         }
@@ -350,13 +368,13 @@ fn nearest(
         other.try_out(draw(&other.covariance)?);
         let candidates = [chosen.candidates.as_slice(), &other.candidates].concat();
         let is_nearer = distance(other.slope_ratio) < distance(chosen.slope_ratio);
-        chosen = Chosen { candidates, ..if is_nearer { other } else { chosen } };
+        chosen = SelectedCovariance { candidates, ..if is_nearer { other } else { chosen } };
     }
     Ok(chosen)
 }
 
-/// A warning where the slopes of a drawn map differ from the scan's.
-fn slope_warning(chosen: &Chosen, judge: &Judge<'_>, marginal: &Marginal) -> Option<String> {
+/// Returns a warning if the slopes of a trial map differ from those of the scan.
+fn slope_warning(chosen: &SelectedCovariance, judge: &Judge<'_>, marginal: &Marginal) -> Option<String> {
     let trial = chosen.trial.as_ref()?;
     let (least, most) = trial.slope_range();
     if is_near(Some(least), SLOPE_WARNING) && is_near(Some(most), SLOPE_WARNING) {

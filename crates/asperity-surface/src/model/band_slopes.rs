@@ -1,61 +1,70 @@
-//! Slopes of a scan within its reliable band, and those that random surfaces will have there.
+//! Slopes of scans and of random surfaces within the reliable band of the scans.
 
-use crate::correlation::{BlockSpectrum, StationaryCovariance};
-use crate::distribution::translation::Translation;
-use crate::map::HeightMap;
-use crate::study::StudyError;
-use crate::surface::filter::GaussianFilter;
+use std::f64::consts::{PI, TAU};
 
-/// √(ln 2/π), which makes half of a wave of the cutoff's length pass a Gaussian filter.
+use super::SurfaceModelError;
+use crate::filter::GaussianFilter;
+use crate::preparation::PreparationError;
+use asperity_base::correlation::{BlockSpectrum, StationaryCovariance};
+use asperity_base::distribution::translation::Translation;
+use asperity_base::map::HeightMap;
+
+/// √(ln 2/π): a Gaussian filter with this constant halves a wave of the cutoff length.
 const ALPHA: f64 = 0.469_718_639_349_825_5;
-/// Lags, in cutoffs, beyond which the filter's weights on the covariance are negligible: e^{−π·1.5²/2α²} = 1e-7.
+/// Lag in cutoffs beyond which the weights of the filter on the covariance are negligible: e^{−π·1.5²/2α²} = 1e-7.
 const REACH: f64 = 1.5;
-/// The shortest cutoff in pixels.
+/// Shortest cutoff in pixels.
 const FEWEST_PIXELS: f64 = 4.0;
 
 /// Spectra and slopes of one scan or several.
 #[derive(Debug, Clone)]
-pub(super) struct Roughness {
-    pub(super) spectra: Vec<BlockSpectrum>,
-    pub(super) slopes: Option<BandSlopes>,
+pub struct Roughness {
+    /// Power spectral densities of the scans, for the fit of covariance models.
+    pub spectra: Vec<BlockSpectrum>,
+    /// Slopes within the band; `None` if the cutoff exceeds a scan or no neighbours are present.
+    pub slopes: Option<BandSlopes>,
 }
 
 impl Roughness {
-    /// Of maps of one surface with one pitch.
-    pub(super) fn of(maps: &[&HeightMap]) -> Result<Self, StudyError> {
+    /// Estimates spectra and slopes from maps of one surface with one pitch.
+    ///
+    /// # Errors
+    /// A map has no spectrum, or cannot be filtered.
+    pub fn new(maps: &[&HeightMap]) -> Result<Self, SurfaceModelError> {
         let spectra = maps.iter().map(|map| BlockSpectrum::new(map)).collect::<Result<Vec<BlockSpectrum>, _>>()?;
         let end = spectra.iter().map(|spectrum| spectrum.reliable().high_rad_per_m).fold(f64::INFINITY, f64::min);
-        let slopes = BandSlopes::of(maps, end)?;
+        let slopes = BandSlopes::new(maps, end)?;
         Ok(Self { spectra, slopes })
     }
 }
 
-/// Mean squared slopes of one scan or several after an S-filter at the end of their reliable bands.
+/// Mean squared slopes of one scan, or of several, after an S-filter at the end of their reliable bands.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct BandSlopes {
+pub struct BandSlopes {
     /// Cutoff of the S-filter in metre.
-    pub(super) cutoff_m: f64,
+    pub cutoff_m: f64,
     pitch_m: [f64; 2],
     /// Mean squares of the slopes along x and y.
     squares: [f64; 2],
 }
 
 impl BandSlopes {
-    /// The slopes of maps of one pitch whose bands end at `high_rad_per_m`; none where no neighbours are present or the cutoff
-    /// exceeds a map.
-    pub(super) fn of(maps: &[&HeightMap], high_rad_per_m: f64) -> Result<Option<Self>, StudyError> {
+    /// Measures the slopes of maps of one pitch whose bands end at `high_rad_per_m`; `None` if no neighbours are present or the
+    /// cutoff exceeds a map.
+    ///
+    /// # Errors
+    /// A map cannot be filtered.
+    pub fn new(maps: &[&HeightMap], high_rad_per_m: f64) -> Result<Option<Self>, SurfaceModelError> {
         let Some(grid) = maps.first().map(|map| map.grid()) else { return Ok(None) };
         let pitch_m = [grid.dx_m(), grid.dy_m()];
-        let cutoff_m = (std::f64::consts::TAU / high_rad_per_m).max(FEWEST_PIXELS * pitch_m[0].max(pitch_m[1]));
+        let cutoff_m = (TAU / high_rad_per_m).max(FEWEST_PIXELS * pitch_m[0].max(pitch_m[1]));
         let (mut sums, mut pairs) = ([0.0; 2], [0.0; 2]);
         for map in maps {
             let own = map.grid();
             if cutoff_m > own.width_m().min(own.height_m()) {
                 return Ok(None);
             }
-            let smooth = GaussianFilter::linear(cutoff_m)
-                .smooth(map)
-                .map_err(|error| StudyError::from(crate::surface::preparation::PreparationError::SFilter(error)))?;
+            let smooth = GaussianFilter::linear(cutoff_m).smooth(map).map_err(PreparationError::SFilter)?;
             let (nx, heights) = (own.nx(), smooth.map.values_m());
             for (place, z) in heights.iter().enumerate() {
                 let right = (place % nx + 1 < nx).then(|| heights[place + 1]);
@@ -73,31 +82,33 @@ impl BandSlopes {
         Ok(known.then(|| Self { cutoff_m, pitch_m, squares: [sums[0] / pairs[0], sums[1] / pairs[1]] }))
     }
 
-    /// Sdq of random surfaces over that of the scan, both within the band.
+    /// Returns Sdq of random surfaces over Sdq of the scan, both within the band.
     ///
-    /// The surfaces have the covariance σ²T(ρ) with σ and ρ those of `covariance` and T the distortion of a translation, where
-    /// there is one. After the filter their mean squared slope is Σ W(h) σ²T(ρ(h)) over the lags h of the grid, W the second
+    /// The surfaces have the covariance σ²T(ρ) with σ and ρ of `covariance` and T the distortion of the translation, if any. After the filter their mean squared slope is Σ W(h) σ²T(ρ(h)) over the lags h of the grid, W the second
     /// difference of the filter's weights convolved with themselves: an expectation, without sampling.
-    pub(super) fn ratio(&self, covariance: &dyn StationaryCovariance, translation: Option<&Translation>) -> f64 {
+    pub fn ratio(&self, covariance: &dyn StationaryCovariance, translation: Option<&Translation>) -> f64 {
         let squares = self.expected(covariance, translation);
         ((squares[0] + squares[1]) / (self.squares[0] + self.squares[1])).max(0.0).sqrt()
     }
 
-    /// Sdq of a map over that of the scan, both within the band; none where the cutoff exceeds the map.
-    pub(super) fn ratio_of(&self, map: &HeightMap) -> Result<Option<f64>, StudyError> {
-        let found = Self::of(&[map], std::f64::consts::TAU / self.cutoff_m)?;
+    /// Returns Sdq of a map over Sdq of the scan, both within the band; `None` if the cutoff exceeds the map.
+    ///
+    /// # Errors
+    /// The map cannot be filtered.
+    pub fn ratio_of(&self, map: &HeightMap) -> Result<Option<f64>, SurfaceModelError> {
+        let found = Self::new(&[map], TAU / self.cutoff_m)?;
         let sum = |slopes: &Self| slopes.squares[0] + slopes.squares[1];
         Ok(found.map(|found| (sum(&found) / sum(self)).sqrt()))
     }
 
-    /// Expected mean squared slopes along x and y.
+    /// Returns the expected mean squared slopes along x and y.
     fn expected(&self, covariance: &dyn StationaryCovariance, translation: Option<&Translation>) -> [f64; 2] {
-        // The filter's weights exp(−π(h/αλ)²), convolved with themselves, on the lags −R−1 … R+1, R the reach.
+        // The weights exp(−π(h/αλ)²) of the filter, convolved with themselves, on the lags −R−1 … R+1 with the reach R.
         let weights = |axis: usize| -> Vec<f64> {
             let reach = (REACH * self.cutoff_m / self.pitch_m[axis]).ceil() as i64;
             let weight = |lag: i64| {
                 let u = lag as f64 * self.pitch_m[axis] / (ALPHA * self.cutoff_m);
-                if lag.abs() > reach { 0.0 } else { (-0.5 * std::f64::consts::PI * u * u).exp() }
+                if lag.abs() > reach { 0.0 } else { (-0.5 * PI * u * u).exp() }
             };
             let sum: f64 = (-reach..=reach).map(weight).sum();
             (-reach - 1..=reach + 1).map(|lag| weight(lag) / sum).collect()
@@ -115,7 +126,7 @@ impl BandSlopes {
         let [half_x, half_y] = [along[0].len() / 2, along[1].len() / 2];
         let variance = covariance.std_m().powi(2);
         let mut squares = [0.0; 2];
-        // Lags (x, y) and (−x, −y) have the same correlation: the rows y ≥ 0 hold all.
+        // Lags (x, y) and (−x, −y) have the same correlation: the rows y ≥ 0 contain all.
         for row in half_y..along[1].len() {
             let times = if row == half_y { 1.0 } else { 2.0 };
             for column in 0..along[0].len() {
@@ -134,11 +145,11 @@ impl BandSlopes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correlation::{CorrelationModel, Covariance};
-    use crate::distribution::Marginal;
-    use crate::map::Grid;
-    use crate::random;
-    use crate::surface::{RandomSurface, SpectralField, Translated};
+    use crate::{RandomSurface, SpectralField, Translated};
+    use asperity_base::correlation::{CorrelationModel, Covariance};
+    use asperity_base::distribution::Marginal;
+    use asperity_base::map::Grid;
+    use asperity_base::random;
 
     #[test]
     fn the_slope_of_a_filtered_squared_exponential_surface_is_known() {
@@ -147,7 +158,7 @@ mod tests {
         let (length_m, cutoff_m) = (2e-5, 1.2e-5);
         let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 1e-6, length_m).unwrap();
         let slopes = BandSlopes { cutoff_m, pitch_m: [2e-7, 3e-7], squares: [0.5, 0.5] };
-        let wide = length_m * length_m + 2.0 * (ALPHA * cutoff_m).powi(2) / std::f64::consts::PI;
+        let wide = length_m * length_m + 2.0 * (ALPHA * cutoff_m).powi(2) / PI;
         let wanted = 4.0 * 1e-12 * (length_m * length_m / wide) / wide;
         // Differences over a pitch fall short by (Δ/ℓ)²/2.
         assert!((slopes.ratio(&covariance, None).powi(2) / wanted - 1.0).abs() < 1e-3);
@@ -167,7 +178,7 @@ mod tests {
                     field.generate(&xi)
                 })
                 .collect();
-            let slopes = BandSlopes::of(&maps.iter().collect::<Vec<_>>(), 1e6).unwrap().unwrap();
+            let slopes = BandSlopes::new(&maps.iter().collect::<Vec<_>>(), 1e6).unwrap().unwrap();
             let ratio = slopes.ratio(&covariance, Some(&translation));
             // 12 maps of some 400 patches each: under 2 % for the skewed law; at the edges the filter sees less.
             assert!((ratio - 1.0).abs() < 0.05, "{ratio}");

@@ -1,56 +1,82 @@
-//! The friction that the oscillator slides on: of one window, computed or stated, and how much of it the nominal area keeps.
+//! Friction of one window as a process, computed, fitted or stated, and its variance over the nominal area.
 
-use std::path::Path;
+use asperity_base::distribution::Marginal;
+use asperity_base::sentence;
+use asperity_process::{CorrelationShape, FittedProcess, Generator, TranslationKind};
 
-use crate::distribution::Marginal;
-use crate::friction::process::{CorrelationShape, FittedProcess, Generator, TranslationKind};
-use crate::friction::upscaling::{exponential, variance_reduction};
-use crate::study::StudyError;
-use crate::study::check::{StatedFriction, VibrationStudy};
-use crate::study::file::FrictionSection;
-use crate::study::friction_stage::SolvedStrips;
-use crate::study::plausibility::implausible_friction;
-use crate::study::sentence;
+use crate::solved_level::SolvedLevel;
+use crate::upscaling::{exponential, variance_reduction};
+use crate::window::Window;
 
-/// Windows above which their mean counts as normal, whatever the law of one.
+/// Number of windows above which their mean is normal for any distribution of one window.
 const MANY_WINDOWS: f64 = 30.0;
 
-/// The friction of one window as a process.
-pub(super) struct WindowFriction {
-    pub(super) mean: f64,
-    pub(super) std: f64,
-    /// Shape of the correlation, a window in metre.
-    pub(super) shape: CorrelationShape,
-    /// Correlation length, which contains the window unless the shape has it.
-    pub(super) length_m: f64,
-    /// Whose correlation it is.
-    pub(super) correlation: TranslationKind,
-    pub(super) marginal: Marginal,
-    /// How a fitted process is made, where it says so.
-    pub(super) generator: Option<Generator>,
-    /// Area over which this friction is averaged, where it is known.
-    pub(super) area_m2: Option<f64>,
-    /// Stribeck coefficient per unit of dimensionless velocity, if the law has one.
-    pub(super) stribeck: Option<f64>,
-    pub(super) level_percentile: Option<f64>,
-    pub(super) level_mean_pressure_pa: Option<f64>,
-    /// Variance over the nominal area over that of one window.
-    pub(super) variance_reduction: f64,
-    /// Whether the friction stage computed it.
-    pub(super) computed: bool,
-    /// Where it comes from, in words.
-    pub(super) origin: String,
-    pub(super) warnings: Vec<String>,
+/// Nominal area and the normal force on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NominalContact {
+    /// Nominal area in m².
+    pub area_m2: f64,
+    /// Normal force over nominal area in pascal.
+    pub pressure_pa: f64,
+}
+
+/// Stated friction of a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedFriction {
+    /// Mean friction coefficient.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Correlation length in metre.
+    pub length_m: f64,
+    /// Marginal distribution; its mean and standard deviation are replaced.
+    pub marginal: Marginal,
+    /// Length and width of the window in metre.
+    pub window_m: [f64; 2],
+}
+
+/// Friction of one window as a process.
+#[derive(Debug, Clone)]
+pub struct WindowFriction {
+    /// Mean friction coefficient.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Shape of the correlation; its window is in metre.
+    pub shape: CorrelationShape,
+    /// Correlation length in metre; it contains the effect of the window unless the shape does.
+    pub length_m: f64,
+    /// Translation under which the correlation is given.
+    pub correlation: TranslationKind,
+    /// Marginal distribution; its mean and standard deviation are replaced.
+    pub marginal: Marginal,
+    /// Generator of a fitted process; `None` if it states none.
+    pub generator: Option<Generator>,
+    /// Area in m² over which this friction is averaged; `None` is unknown.
+    pub area_m2: Option<f64>,
+    /// Stribeck coefficient per unit of dimensionless velocity; `None` for other velocity laws.
+    pub stribeck: Option<f64>,
+    /// Percentile of the level; `None` if the friction is not computed at one.
+    pub level_percentile: Option<f64>,
+    /// Mean pressure of the level in pascal; `None` is unknown.
+    pub level_mean_pressure_pa: Option<f64>,
+    /// Variance over the nominal area divided by the variance of one window.
+    pub variance_reduction: f64,
+    /// Whether the friction was computed from solved strips.
+    pub computed: bool,
+    /// Origin of the friction, for sentences.
+    pub origin: String,
+    /// Warnings in sentences.
+    pub warnings: Vec<String>,
 }
 
 impl WindowFriction {
-    /// That of the level that the study names, or of the one at the nominal pressure, at the mean load.
-    pub(super) fn computed(study: &VibrationStudy, strips: &SolvedStrips) -> Result<Self, StudyError> {
-        let level = strips.levels.get(strips.lead).ok_or(StudyError::NoStage("friction"))?;
+    /// Returns the friction of `window` at a level and the mean load; `stribeck` is per unit of dimensionless velocity.
+    pub fn from_level(level: &SolvedLevel, window: &Window, nominal: NominalContact, stribeck: Option<f64>) -> Self {
         let process = &level.process;
         let mut warnings = Vec::new();
         let varies = process.moments.std > 0.0;
-        // Constant friction has no correlation and no law; any will do, since nothing is drawn.
+        // Constant friction has neither correlation nor distribution; the values are not used.
         let length_m = match &process.correlation {
             Ok(correlation) => correlation.exponential.length_m,
             Err(error) => {
@@ -58,7 +84,7 @@ impl WindowFriction {
                     warnings
                         .push(format!("friction has no correlation ({error}); the window's length is taken for it"));
                 }
-                strips.window.length_m()
+                window.length_m()
             }
         };
         let marginal = process.marginal().map(|fit| fit.marginal.clone()).unwrap_or_else(|| {
@@ -72,12 +98,11 @@ impl WindowFriction {
         let origin = match level.control.percentile() {
             None => format!("of the level at the nominal pressure, {pressure}, at the mean load"),
             Some(percentile) => {
-                let nominal_pa = study.nominal_pressure_pa();
-                warnings.extend(unlike(&format!("at percentile {percentile}"), pressure_pa, nominal_pa));
+                warnings.extend(unlike(&format!("at percentile {percentile}"), pressure_pa, nominal.pressure_pa));
                 format!("of the level at percentile {percentile}, {pressure}, at the mean load")
             }
         };
-        Ok(Self {
+        Self {
             mean: level.mean,
             std: process.moments.std,
             shape: CorrelationShape::Exponential,
@@ -85,36 +110,34 @@ impl WindowFriction {
             correlation: TranslationKind::Corrected,
             marginal,
             generator: None,
-            area_m2: Some(strips.window.area_m2()),
-            stribeck: study.dimensionless_stribeck(),
+            area_m2: Some(window.area_m2()),
+            stribeck,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
-            variance_reduction: level.variance_reduction(&strips.window, study.nominal_area.0),
+            variance_reduction: level.variance_reduction(window, nominal.area_m2),
             computed: true,
             origin,
             warnings,
-        })
+        }
     }
 
-    /// That which the study states, of a window of the customary size. Its correlation length counts in full when windows
-    /// are averaged, since nothing tells how much of it is the window's.
-    pub(super) fn stated(study: &VibrationStudy, friction: &StatedFriction) -> Self {
-        let usual = FrictionSection::default();
-        let (window_m, width_m) = (usual.window.0, usual.strip[1].0);
-        let length_m = friction.correlation_length.0;
+    /// Returns stated friction. Averages over windows use the whole correlation length, because the part due to the window is
+    /// unknown.
+    pub fn from_statement(stated: StatedFriction, nominal_area_m2: f64, stribeck: Option<f64>) -> Self {
+        let StatedFriction { mean, std, length_m, marginal, window_m: [window_m, width_m] } = stated;
         Self {
-            mean: friction.mean,
-            std: friction.std,
+            mean,
+            std,
             shape: CorrelationShape::Exponential,
             length_m,
             correlation: TranslationKind::Plain,
-            marginal: friction.marginal.clone(),
+            marginal,
             generator: None,
             area_m2: Some(window_m * width_m),
-            stribeck: study.dimensionless_stribeck(),
+            stribeck,
             level_percentile: None,
             level_mean_pressure_pa: None,
-            variance_reduction: variance_reduction(window_m, width_m, study.nominal_area.0, &exponential(length_m)),
+            variance_reduction: variance_reduction(window_m, width_m, nominal_area_m2, &exponential(length_m)),
             computed: false,
             origin: format!(
                 "stated, taken for that of a window of {} whose correlation is not the window's",
@@ -124,14 +147,20 @@ impl WindowFriction {
         }
     }
 
-    /// That of a fitted process, which the study reads. A process
-    /// that has a Stribeck coefficient brings it along. Friction of an unknown area is taken for that of the nominal area.
-    pub(super) fn fitted(study: &VibrationStudy, file: &Path, process: &FittedProcess) -> Self {
-        let velocity_m_per_s = study.scales.velocity_m_per_s();
+    /// Returns the friction of a fitted process from the file `file`; `velocity_m_per_s` is the unit of dimensionless velocity.
+    ///
+    /// A Stribeck coefficient of the process replaces `stribeck`. Friction that is averaged over an unknown area is used as that
+    /// of the nominal area.
+    pub fn from_process(
+        process: &FittedProcess,
+        file: &str,
+        nominal: NominalContact,
+        mut stribeck: Option<f64>,
+        velocity_m_per_s: f64,
+    ) -> Self {
         let mut warnings = Vec::new();
-        let file = file.display();
         let area_m2 = process.averaged_over_m.map(|[length_m, width_m]| length_m * width_m);
-        // Constant friction has no correlation and no law; any will do, since nothing is drawn.
+        // Constant friction has neither correlation nor distribution; the values are not used.
         let (shape, length_m) =
             process.correlation.map_or((CorrelationShape::Exponential, 1e-3), |c| (c.shape, c.length_m));
         let own_length_m = process.correlation.map_or(0.0, |correlation| {
@@ -139,7 +168,7 @@ impl WindowFriction {
             correlation.length_without_window_m.unwrap_or(if free { length_m } else { 0.0 })
         });
         let variance_reduction = process.averaged_over_m.map_or(1.0, |[along_m, across_m]| {
-            variance_reduction(along_m, across_m, study.nominal_area.0, &exponential(own_length_m))
+            variance_reduction(along_m, across_m, nominal.area_m2, &exponential(own_length_m))
         });
         if area_m2.is_none() && !process.is_constant() {
             warnings.push(format!(
@@ -147,8 +176,7 @@ impl WindowFriction {
                  both upscalings are the same"
             ));
         }
-        // The same but for the rounding of units is the same.
-        let mut stribeck = study.dimensionless_stribeck();
+        // Conversions between units round.
         if let Some((own, stated)) = process.stribeck(velocity_m_per_s).zip(stribeck)
             && (own - stated).abs() > 1e-9 * stated
         {
@@ -161,11 +189,9 @@ impl WindowFriction {
                 sentence::digits(stated)
             ));
         }
-        let nominal_pa = study.nominal_pressure_pa();
         if let Some(pressure_pa) = process.mean_pressure_pa {
-            warnings.extend(unlike(&format!("from {file}"), pressure_pa, nominal_pa));
+            warnings.extend(unlike(&format!("from {file}"), pressure_pa, nominal.pressure_pa));
         }
-        warnings.extend(implausible_friction(process.mean).map(|warning| format!("{file}: {warning}")));
         let described = if process.origin.description.is_empty() { "stated" } else { &process.origin.description };
         Self {
             mean: process.mean,
@@ -186,18 +212,18 @@ impl WindowFriction {
         }
     }
 
-    /// Whether the nominal area holds so many windows that their mean is normal, by the central limit theorem.
-    pub(super) fn holds_many(&self) -> bool {
+    /// Returns whether the nominal area contains so many windows that their mean is normal, by the central limit theorem.
+    pub fn holds_many(&self) -> bool {
         self.variance_reduction * MANY_WINDOWS < 1.0
     }
 
-    /// Law of the mean over the nominal area.
-    pub(super) fn area_marginal(&self) -> Marginal {
+    /// Returns the distribution of the mean over the nominal area.
+    pub fn area_marginal(&self) -> Marginal {
         if self.holds_many() { Marginal::STANDARD_NORMAL } else { self.marginal.clone() }
     }
 }
 
-/// A warning where the level that the study names is pressed otherwise than the normal force presses the nominal area.
+/// Returns a warning if the mean pressure of the level differs from that of the normal force on the nominal area.
 fn unlike(place: &str, pressure_pa: f64, nominal_pa: f64) -> Option<String> {
     let ratio = pressure_pa / nominal_pa;
     (!(0.5..=2.0).contains(&ratio)).then(|| {

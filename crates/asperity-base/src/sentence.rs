@@ -1,11 +1,11 @@
-//! Numbers in sentences: engineering units and few digits.
+//! Numbers and quantities as text for sentences: engineering units, four significant digits.
 
 /// SI prefixes and their powers of ten.
 const PREFIXES: [(&str, i32); 9] =
     [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
 
-/// A value of an SI unit in four digits with the prefix that suits it: "300 µm", "3.001 MPa".
-pub(super) fn si(value: f64, unit: &str) -> String {
+/// Formats a value of an SI unit with four digits and a prefix: "300 µm", "3.001 MPa".
+pub fn si(value: f64, unit: &str) -> String {
     let magnitude = |power: i32| value.abs() / 10_f64.powi(power);
     // 999.96 would round to 1000 of the smaller unit.
     let prefix = PREFIXES.iter().rev().find(|(_, power)| magnitude(*power) >= 0.999_95);
@@ -13,18 +13,18 @@ pub(super) fn si(value: f64, unit: &str) -> String {
     format!("{} {name}{unit}", digits(value / 10_f64.powi(power)))
 }
 
-/// Length × width in engineering units.
-pub(super) fn size(width_m: f64, height_m: f64) -> String {
+/// Formats a length and a width: "6 mm × 75 µm".
+pub fn size(width_m: f64, height_m: f64) -> String {
     format!("{} × {}", si(width_m, "m"), si(height_m, "m"))
 }
 
-/// A compliance, of solids a small number in m/Pa and a readable one in nm/MPa.
-pub(super) fn compliance(m_per_pa: f64) -> String {
+/// Formats a compliance, in nm/MPa below 1 mm/Pa and otherwise in m/Pa.
+pub fn compliance(m_per_pa: f64) -> String {
     if m_per_pa < 1e-3 { format!("{} nm/MPa", digits(m_per_pa * 1e15)) } else { format!("{} m/Pa", digits(m_per_pa)) }
 }
 
-/// A number in four significant digits, without trailing zeros; with an exponent where it is tiny or huge.
-pub(super) fn digits(value: f64) -> String {
+/// Formats a number with four significant digits, without trailing zeros; very small and large numbers have an exponent.
+pub fn digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
@@ -36,8 +36,8 @@ pub(super) fn digits(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
-/// "1 window carries", "12 windows carry".
-pub(super) fn count(number: usize, one: &str, many: &str) -> String {
+/// Formats a count with its noun in the singular or the plural: "1 window", "12 windows".
+pub fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 

@@ -1,53 +1,52 @@
-//! Random maps drawn beside the scan that they are like, to compare their slopes and their contact.
+//! Trial maps of a model on the grid of the scan, for comparisons of slopes and contact with the scan.
 
 use rayon::prelude::*;
 
-use crate::map::{Grid, HeightMap};
-use crate::random;
-use crate::study::StudyError;
-use crate::study::band_slopes::BandSlopes;
-use crate::study::surface_model::SurfaceModel;
-use crate::study::twin::treatment;
-use crate::surface::RandomSurface;
-use crate::surface::level::Level;
-use crate::surface::preparation::Preparation;
+use asperity_base::map::{Grid, HeightMap};
+use asperity_base::random;
 
-/// Points a side of the maps at most.
+use super::{BandSlopes, SurfaceModel, SurfaceModelError, XiOrder};
+use crate::RandomSurface;
+use crate::level::Level;
+use crate::preparation::Preparation;
+
+/// Most points along a side of the maps.
 const POINTS: usize = 512;
-/// Maps drawn.
+/// Number of maps.
 const MAPS: u64 = 3;
 
-/// Random maps on the grid of a scan, or on as much of it as is needed, levelled like the scan.
+/// Random maps on the grid of a scan, or on at most 512 × 512 points of it, levelled like the scan.
 #[derive(Debug, Clone)]
-pub(super) struct Trial {
-    pub(super) maps: Vec<HeightMap>,
-    /// Sdq of each map over that of the scan, within the band.
+pub struct TrialMaps {
+    /// Levelled maps.
+    pub maps: Vec<HeightMap>,
+    /// Sdq of each map over Sdq of the scan, within the band.
     slope_ratios: Vec<f64>,
     /// Fraction of the variance that the generator clipped.
     pub(super) clipped_variance: f64,
 }
 
-impl Trial {
-    /// Draws maps of a model on the grid of a scan, whose slopes count `scale` times; none where such a map is too small for the
-    /// S-filter of `slopes`.
+impl TrialMaps {
+    /// Draws maps of a model on the grid of a scan and multiplies their slope ratios by `scale`; `None` if a map is too small for
+    /// the S-filter of `slopes`.
     pub(super) fn draw(
         model: &SurfaceModel,
         scale: f64,
         grid: Grid,
         level: Level,
         slopes: &BandSlopes,
-    ) -> Result<Option<Self>, StudyError> {
+    ) -> Result<Option<Self>, SurfaceModelError> {
         let grid = Grid::new(grid.nx().min(POINTS), grid.ny().min(POINTS), grid.dx_m(), grid.dy_m())
-            .map_err(|error| StudyError::Grid { section: "trial maps", error })?;
-        let generated = model.strip(grid, false)?;
+            .map_err(SurfaceModelError::TrialGrid)?;
+        let generated = model.strip(grid, false, XiOrder::Variance)?;
         let surface = &generated.surface;
         let drawn = (0..MAPS).into_par_iter().map(|index| {
             let mut stream = random::stream(1, "trial maps", index);
             let map = surface.generate(&random::standard_normal(&mut stream, surface.xi_len()));
-            let map = Preparation { level: treatment(level), ..Preparation::default() }.apply(&map)?.map;
+            let map = Preparation { level: level.as_polynomial(), ..Preparation::default() }.apply(&map)?.map;
             Ok(slopes.ratio_of(&map)?.map(|ratio| (map, scale * ratio)))
         });
-        let drawn: Option<Vec<(HeightMap, f64)>> = drawn.collect::<Result<Option<_>, StudyError>>()?;
+        let drawn: Option<Vec<(HeightMap, f64)>> = drawn.collect::<Result<Option<_>, SurfaceModelError>>()?;
         let clipped_variance = generated.clipped_variance;
         Ok(drawn.map(|drawn| {
             let (maps, slope_ratios) = drawn.into_iter().unzip();
@@ -55,13 +54,13 @@ impl Trial {
         }))
     }
 
-    /// Sdq of the maps over that of the scan, in the root mean square.
+    /// Returns the root mean square of the ratios of Sdq.
     pub(super) fn slope_ratio(&self) -> f64 {
         let squares: f64 = self.slope_ratios.iter().map(|ratio| ratio * ratio).sum();
         (squares / self.slope_ratios.len() as f64).sqrt()
     }
 
-    /// The least and the largest ratio of a map.
+    /// Returns the smallest and the largest ratio of Sdq.
     pub(super) fn slope_range(&self) -> (f64, f64) {
         let over = |pick: fn(f64, f64) -> f64, start| self.slope_ratios.iter().copied().fold(start, pick);
         (over(f64::min, f64::INFINITY), over(f64::max, 0.0))
@@ -71,10 +70,10 @@ impl Trial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correlation::{CorrelationModel, Covariance};
-    use crate::distribution::Marginal;
-    use crate::study::surface_model::{SurfaceCovariance, Texture};
-    use crate::translation::TranslationKind;
+    use crate::model::{SurfaceCovariance, Texture};
+    use asperity_base::correlation::{CorrelationModel, Covariance};
+    use asperity_base::distribution::Marginal;
+    use asperity_base::translation::TranslationKind;
 
     #[test]
     fn drawn_maps_have_the_expected_slopes() {
@@ -86,8 +85,8 @@ mod tests {
         // A wave of slope 0.2 along x, sampled at 1 µm: what the maps are compared with.
         let grid = Grid::new(600, 120, 1e-6, 1e-6).unwrap();
         let wave = HeightMap::from_function(grid, |x, _| 4e-6 * (x / 2e-5).sin()).unwrap();
-        let slopes = BandSlopes::of(&[&wave], 1e6).unwrap().unwrap();
-        let trial = Trial::draw(&model, 2.0, grid, Level::Plane, &slopes).unwrap().unwrap();
+        let slopes = BandSlopes::new(&[&wave], 1e6).unwrap().unwrap();
+        let trial = TrialMaps::draw(&model, 2.0, grid, Level::Plane, &slopes).unwrap().unwrap();
         assert_eq!(trial.maps.iter().map(|map| map.grid().shape()).collect::<Vec<_>>(), [(120, POINTS); 3]);
         // The closed form of the expectation, without sampling; three maps of some thousand patches each.
         let expected = 2.0 * slopes.ratio(&covariance, None);

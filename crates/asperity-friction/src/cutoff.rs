@@ -1,0 +1,246 @@
+//! Mean friction against the shortest waves of the strips and against their pitch: plan, blocks and reduction.
+//!
+//! In elastic contact μ is inversely proportional to the root-mean-square slope of the surface, which its shortest waves determine.
+//! Strips of the random surface are solved again at the mean pressure of the operating level, without the waves below cutoffs in
+//! octaves, and with half the pitch. All use the same random numbers, so the ratio of their friction to that of the unchanged
+//! strips has a smaller variance than either. The mean of the operating level is multiplied by this ratio.
+
+use asperity_base::map::MapError;
+use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::stats::{Interval, student_quantile};
+use asperity_contact::{Boundary, Control, rms_gradient};
+use asperity_surface::RandomSurface;
+use asperity_surface::filter::{Edges, Respaced};
+
+use crate::PartOf;
+use crate::solved_level::SolvedLevel;
+use crate::strip::{Record, StripProblem};
+
+/// Number of strips for each cutoff.
+pub const STRIPS: usize = 4;
+/// Largest number of octaves above the cutoff of the unchanged strips.
+const OCTAVES: u32 = 4;
+/// Largest cutoff over the shorter side of a strip.
+const LONGEST: f64 = 1.0;
+/// Work of a strip of half the pitch over the work of a strip: four times the cells and a few iterations more.
+const HALVED_WORK: f64 = 5.0;
+/// Largest work over the work of the levels; longer strips are halved,
+const WORK: f64 = 0.3;
+/// but not below this fraction of their length, so many widths or so many points.
+const SHORTEST: f64 = 1.0 / 16.0;
+const LEAST_WIDTHS: f64 = 4.0;
+const LEAST_POINTS: usize = 64;
+/// Relative change of μ below which a change is negligible.
+const NEGLIGIBLE: f64 = 0.01;
+
+/// Strips that are solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutoffPlan {
+    /// Points (x, y) of a strip at the pitch of the levels.
+    pub points: [usize; 2],
+    /// Length of a strip in metre.
+    pub length_m: f64,
+    /// Octaves above the cutoff of the unchanged strips.
+    pub octaves: u32,
+}
+
+impl CutoffPlan {
+    /// Plans the strips for levels with `solves` strips in all of this number of points and size in metre.
+    pub fn new([mut nx, ny]: [usize; 2], [length_m, width_m]: [f64; 2], solves: usize) -> Self {
+        let (whole, dx_m, dy_m) = (nx, length_m / nx as f64, width_m / ny as f64);
+        let longest_m = LONGEST * length_m.min(width_m) * (1.0 + 1e-9);
+        let fits = |octave: &u32| 2.0 * dx_m.max(dy_m) * f64::from(1_u32 << octave) <= longest_m;
+        let octaves = (1..=OCTAVES).take_while(fits).count() as u32;
+        let plan = |nx: usize| Self { points: [nx, ny], length_m: nx as f64 * dx_m, octaves };
+        let halves = |nx: usize| {
+            let shorter = (nx / 2) as f64;
+            nx.is_multiple_of(2)
+                && shorter >= SHORTEST * whole as f64
+                && nx / 2 >= LEAST_POINTS
+                && shorter * dx_m >= LEAST_WIDTHS * width_m
+        };
+        while plan(nx).work(whole) > WORK * solves as f64 && halves(nx) {
+            nx /= 2;
+        }
+        plan(nx)
+    }
+
+    /// Returns the work in solutions of strips of `nx` points along x.
+    pub fn work(&self, nx: usize) -> f64 {
+        let share = self.points[0] as f64 / nx as f64;
+        STRIPS as f64 * share * (f64::from(1 + self.octaves) + HALVED_WORK)
+    }
+}
+
+/// Contact problems, random surface and level of a study of the cutoff.
+pub struct CutoffStudy<'a> {
+    plan: CutoffPlan,
+    problem: &'a StripProblem,
+    halved: &'a StripProblem,
+    surface: &'a dyn RandomSurface,
+    finer: Respaced<'a>,
+    edges: Edges,
+    control: Control,
+    seed: u64,
+}
+
+/// Strips of one cutoff or pitch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutoffBlock {
+    /// ΣF/ΣN of each strip.
+    means: Vec<f64>,
+    /// Fraction of the contact cells at the hardness.
+    pub plastic_fraction: f64,
+    /// Root-mean-square slope of the strips.
+    pub rms_slope: f64,
+}
+
+impl<'a> CutoffStudy<'a> {
+    /// Prepares the strips of a plan at a mean pressure in pascal. `problem` has the pitch of the levels and `halved` half of it;
+    /// `closes` states whether the maps of `surface`, on the grid of `problem`, are periodic.
+    ///
+    /// # Errors
+    /// The grid of half the pitch is invalid.
+    pub fn new(
+        plan: CutoffPlan,
+        [problem, halved]: [&'a StripProblem; 2],
+        (surface, closes): (&'a dyn RandomSurface, bool),
+        pascal: f64,
+        seed: u64,
+    ) -> Result<Self, MapError> {
+        let edges = if closes { Edges::Periodic } else { Edges::Mirrored };
+        let (finer, control) = (Respaced::with_half_the_pitch(surface, edges)?, Control::MeanPressure { pascal });
+        Ok(Self { plan, problem, halved, surface, finer, edges, control, seed })
+    }
+
+    /// Returns the larger pitch of the unchanged strips in metre.
+    pub fn pitch_m(&self) -> f64 {
+        let grid = self.problem.grid();
+        grid.dx_m().max(grid.dy_m())
+    }
+
+    /// Returns the number of blocks: the unchanged strips, one block per octave, and the strips of half the pitch.
+    pub fn blocks(&self) -> usize {
+        self.plan.octaves as usize + 2
+    }
+
+    /// Returns the cutoff of block number `index`, which doubles from block to block, in metre; `None` for half the pitch.
+    pub fn cutoff_m(&self, index: usize) -> Option<f64> {
+        (index + 1 < self.blocks()).then(|| 2.0 * self.pitch_m() * f64::from(1_u32 << index))
+    }
+
+    /// Solves block number `index`; returns the reason if a strip has no solution or carries no load.
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub fn solve(&self, index: usize, monitor: &dyn Monitor) -> Result<Result<CutoffBlock, String>, Cancelled> {
+        let (before, total) = (index * STRIPS, self.blocks() * STRIPS);
+        let part = PartOf { monitor, task: "friction cut-off", before, total };
+        let own = self.surface;
+        match self.cutoff_m(index) {
+            Some(_) if index == 0 => self.solve_strips(self.problem, own, &part),
+            Some(cutoff_m) => self.solve_strips(self.problem, &Respaced::smoothed(own, self.edges, cutoff_m), &part),
+            None => self.solve_strips(self.halved, &self.finer, &part),
+        }
+    }
+
+    fn solve_strips(
+        &self,
+        problem: &StripProblem,
+        surface: &dyn RandomSurface,
+        monitor: &dyn Monitor,
+    ) -> Result<Result<CutoffBlock, String>, Cancelled> {
+        let strips = problem.strips(surface, STRIPS, self.seed);
+        let level = match strips.solve(&[self.control], monitor)?.remove(0) {
+            Ok(level) => level,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let means: Vec<f64> = level.records.chunks(level.tracks).map(|strip| Record::at_mean_load(strip).0).collect();
+        if means.iter().any(|mean| !mean.is_finite()) {
+            return Ok(Err("a strip carries no load".into()));
+        }
+        let squares = (0..STRIPS).map(|index| {
+            // Differences across the edges are not slopes of the surface.
+            rms_gradient(strips.map(index).heights_m(), problem.grid(), Boundary::Free).powi(2)
+        });
+        let rms_slope = (squares.sum::<f64>() / STRIPS as f64).sqrt();
+        Ok(Ok(CutoffBlock { means, plastic_fraction: level.plastic_fraction, rms_slope }))
+    }
+}
+
+/// Mean friction of the operating level, which the ratios of blocks multiply.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OperatingMean {
+    /// Mean.
+    pub mean: f64,
+    /// Half of its 95 % interval; 0 if friction does not vary, `None` if unknown.
+    pub half: Option<f64>,
+}
+
+impl OperatingMean {
+    /// Returns the mean of a level at the mean load.
+    pub fn new(level: &SolvedLevel) -> Self {
+        let process = &level.process;
+        let varies = process.moments.std > 0.0;
+        let interval = process.estimates.mean.map(|mean| mean.interval);
+        let half = if varies { interval.map(|i| 0.5 * (i.high - i.low)) } else { Some(0.0) };
+        Self { mean: level.mean, half }
+    }
+
+    /// Returns the mean of changed strips with its 95 % interval.
+    pub fn of(&self, changed: &CutoffBlock, unchanged: &CutoffBlock) -> (f64, Option<Interval>) {
+        let [ratio, ratio_half] = ratio(&changed.means, &unchanged.means);
+        let mean = self.mean * ratio;
+        let half = self.half.map(|half| (ratio * half).hypot(self.mean * ratio_half));
+        (mean, half.map(|half| Interval { low: mean - half, high: mean + half }))
+    }
+
+    /// Returns the difference between the means of changed and unchanged strips with its 95 % interval.
+    pub fn change(&self, changed: &CutoffBlock, unchanged: &CutoffBlock) -> (f64, Interval) {
+        let [ratio, ratio_half] = ratio(&changed.means, &unchanged.means);
+        let (change, half) = (self.mean * ratio - self.mean, self.mean * ratio_half);
+        (change, Interval { low: change - half, high: change + half })
+    }
+
+    /// Returns the smallest change that is not negligible.
+    pub fn material(&self) -> f64 {
+        self.half.unwrap_or(0.0).max(NEGLIGIBLE * self.mean)
+    }
+}
+
+/// Returns the ratio of the sums over strips of the same random numbers, and half of its 95 % interval.
+fn ratio(changed: &[f64], unchanged: &[f64]) -> [f64; 2] {
+    let n = changed.len() as f64;
+    let base = unchanged.iter().sum::<f64>() / n;
+    let value = changed.iter().sum::<f64>() / n / base;
+    let squares: f64 = changed.iter().zip(unchanged).map(|(a, b)| (a - value * b).powi(2)).sum();
+    [value, student_quantile(0.975, n - 1.0) * (squares / (n * (n - 1.0))).sqrt() / base]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn common_factors_have_a_ratio_without_an_interval_and_others_students() {
+        let [value, half] = ratio(&[0.11, 0.22, 0.33], &[0.1, 0.2, 0.3]);
+        assert!((value - 1.1).abs() < 1e-12 && half < 1e-12);
+        // Residuals ∓1 about the ratio 1: s² = 2/(2·1), over the mean 10, times t = 12.706 of one degree of freedom.
+        let [value, half] = ratio(&[9.0, 11.0], &[10.0, 10.0]);
+        assert!((value - 1.0).abs() < 1e-12 && (half - 12.706_205 * 0.1).abs() < 1e-6, "{half}");
+    }
+
+    #[test]
+    fn the_strips_cost_less_than_a_third_of_the_levels() {
+        let (points, size_m) = ([2048, 32], [6e-3, 75e-6]);
+        for levels in [5, 6] {
+            let plan = CutoffPlan::new(points, size_m, levels * 20);
+            let share = plan.work(points[0]) / (levels * 20) as f64;
+            assert!(share <= WORK && share > 0.1, "{share}");
+        }
+        let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, octaves: 4 };
+        assert_eq!(CutoffPlan::new([4096, 64], size_m, 6 * 20), wanted);
+        // One level of few strips: the shortest strips, at least four widths and 64 points.
+        assert_eq!(CutoffPlan::new([4096, 64], size_m, 2).points, [256, 64]);
+    }
+}

@@ -1,0 +1,54 @@
+//! Friction of several random surfaces with the same strips: plan and blocks.
+
+use asperity_base::distribution::Marginal;
+use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_contact::Control;
+use asperity_surface::RandomSurface;
+
+use crate::PartOf;
+use crate::level_control::LevelControl;
+use crate::replicates::MomentReplicates;
+use crate::strip::StripProblem;
+
+/// Strips of several random surfaces, each with other parameters. All surfaces use the same random numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct UncertainPlan<'a> {
+    /// Contact problem of the strips.
+    pub problem: &'a StripProblem,
+    /// Levels; a percentile refers to the heights of each surface.
+    pub levels: &'a [LevelControl],
+    /// Number of surfaces.
+    pub points: usize,
+    /// Number of strips of each surface.
+    pub realisations: usize,
+    /// Seed of the strips.
+    pub seed: u64,
+}
+
+/// Moments of the friction of one surface by level: of the quotient F/N and at the mean load, or the reason of the failure.
+pub type PointMoments = Vec<Result<[MomentReplicates; 2], String>>;
+
+impl UncertainPlan<'_> {
+    /// Solves block number `index`: the strips of one surface, with this marginal distribution of its heights, at all levels.
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub fn solve(
+        &self,
+        index: usize,
+        surface: &dyn RandomSurface,
+        marginal: &Marginal,
+        monitor: &dyn Monitor,
+    ) -> Result<PointMoments, Cancelled> {
+        let strips = self.problem.strips(surface, self.realisations, self.seed);
+        let controls: Vec<Control> = self.levels.iter().map(|level| level.contact(marginal)).collect();
+        let each = self.realisations * self.levels.len();
+        let part = PartOf { monitor, task: "friction uncertainty", before: index * each, total: self.points * each };
+        let step_m = self.problem.window.step_m();
+        let levels = strips.solve(&controls, &part)?.into_iter().map(|level| {
+            let level = level.map_err(|error| error.to_string())?;
+            Ok([MomentReplicates::of_quotient(&level, step_m), MomentReplicates::at_mean_load(&level, step_m)])
+        });
+        Ok(levels.collect())
+    }
+}

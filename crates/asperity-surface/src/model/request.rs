@@ -1,0 +1,103 @@
+//! Requests for a random surface, and the model that meets them.
+
+use asperity_base::correlation::{CorrelationFamily, CorrelationModel};
+use asperity_base::distribution::Marginal;
+use asperity_base::translation::TranslationKind;
+
+use super::selection::{SelectedCovariance, select};
+use super::{Expansion, SurfaceModel, SurfaceModelError, Texture};
+use crate::scanned::ScannedSurface;
+
+/// Quantity that is stated or measured on the scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Measurable<T> {
+    /// Measured on the scan.
+    Measured,
+    /// Stated value.
+    Stated(T),
+}
+
+/// Covariance of a random surface, stated or measured on the scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CovarianceRequest {
+    /// The model, or the covariance of the scan, that keeps the spectrum and the slopes of the scan.
+    Measured,
+    /// Covariance of the scan, made positive definite.
+    Empirical,
+    /// Stated model.
+    Stated {
+        /// Correlation model.
+        model: CorrelationModel,
+        /// Lengths of the model along x and y in metre.
+        lengths_m: [f64; 2],
+    },
+}
+
+/// Request for a random surface.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SurfaceRequest {
+    /// Translated Gaussian field.
+    Translated {
+        /// Root-mean-square height in metre.
+        rms_height_m: Measurable<f64>,
+        /// Covariance.
+        covariance: CovarianceRequest,
+        /// Covariance models that are fitted to the scan. With fewer than [`CorrelationFamily::ALL`], a measured covariance is the
+        /// best of them.
+        families: Vec<CorrelationFamily>,
+        /// Marginal distribution; its mean and standard deviation are replaced.
+        marginal: Measurable<Marginal>,
+        /// Kind of translation.
+        translation: TranslationKind,
+        /// Karhunen–Loève expansion of patches; `None` uses all Fourier modes.
+        expansion: Option<Expansion>,
+    },
+    /// Weierstrass–Mandelbrot function. Its heights are nearly normal, because it is a sum of cosines of random phase.
+    WeierstrassMandelbrot {
+        /// Root-mean-square height in metre.
+        rms_height_m: Measurable<f64>,
+        /// Fractal dimension, between 2 and 3.
+        dimension: Measurable<f64>,
+    },
+}
+
+impl<T> Measurable<T> {
+    /// Returns the stated value, or measures it.
+    fn or_measure(self, measure: impl FnOnce() -> Result<T, SurfaceModelError>) -> Result<T, SurfaceModelError> {
+        match self {
+            Self::Measured => measure(),
+            Self::Stated(value) => Ok(value),
+        }
+    }
+}
+
+impl SurfaceModel {
+    /// Makes the model that a request describes and, for a translated field, reports the selection of its covariance.
+    ///
+    /// # Errors
+    /// A quantity is to be measured without a scan, the scan has no such quantity, or a stated quantity is invalid.
+    pub fn new(
+        request: SurfaceRequest,
+        scan: Option<&ScannedSurface>,
+    ) -> Result<(Self, Option<SelectedCovariance>), SurfaceModelError> {
+        let needed = |quantity| scan.ok_or(SurfaceModelError::NoScan(quantity));
+        let rms_m = || Ok(needed("the rms height")?.sq_m());
+        match request {
+            SurfaceRequest::Translated { rms_height_m, covariance, families, marginal, translation, expansion } => {
+                let std_m = rms_height_m.or_measure(rms_m)?;
+                let heights = || Ok(Marginal::empirical(needed("the marginal distribution")?.heights_of_all_m())?);
+                let marginal = marginal.or_measure(heights)?.standardised(0.0, std_m)?;
+                let selected = select(covariance, translation, &families, &marginal, scan)?;
+                let texture = Texture::Translated { covariance: selected.covariance.clone(), translation, expansion };
+                Ok((Self { marginal, texture }, Some(selected)))
+            }
+            SurfaceRequest::WeierstrassMandelbrot { rms_height_m, dimension } => {
+                let own =
+                    || scan.and_then(ScannedSurface::fractal_dimension).ok_or(SurfaceModelError::FractalDimension);
+                let dimension = dimension.or_measure(own)?;
+                let marginal = Marginal::normal(0.0, rms_height_m.or_measure(rms_m)?)?;
+                Ok((Self { marginal, texture: Texture::WeierstrassMandelbrot { dimension } }, None))
+            }
+        }
+    }
+}
