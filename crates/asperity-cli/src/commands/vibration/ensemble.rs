@@ -1,4 +1,4 @@
-//! Many paths over a random friction fluctuation.
+//! Many trajectories over a random friction fluctuation.
 
 use asperity::study::{cloud_table, points_table, survival_table};
 use asperity::vibration::Drive;
@@ -9,16 +9,17 @@ use serde_json::{Value, json};
 
 use super::folder::Folder;
 use super::random::{Paths, Source};
-use super::{Damping, Machine, refused, series};
+use super::{Damping, Machine, series, vibration_failure};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Paths of a cloud.
+/// Trajectories of the phase cloud.
 const CLOUD: usize = 200;
 
-/// Follows many paths, counts their cycles (slips that reach a negative velocity) and the time in vibration of any kind.
+/// Simulates many trajectories. Counts their cycles (slips that reach a negative velocity) and the time in vibration of
+/// any kind.
 #[derive(Debug, Args)]
 pub(crate) struct Ensemble {
     #[command(flatten)]
@@ -27,16 +28,16 @@ pub(crate) struct Ensemble {
     damping: Damping,
     #[command(flatten)]
     source: Source,
-    /// What the fluctuation is a function of.
+    /// Argument of the fluctuation.
     #[arg(long, value_parser = args::named::<Drive>(), default_value = "distance")]
     drive: Drive,
-    /// How slip is integrated.
+    /// Integration method of slip.
     #[arg(long, value_parser = args::named::<Method>(), default_value = "taylor")]
     integrator: Method,
-    /// Number of paths.
+    /// Number of trajectories.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     duration: f64,
     /// Seed of every random draw.
@@ -61,24 +62,28 @@ impl Ensemble {
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let wanted = self.folder.wanted(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
-        Paths { belt_velocity, duration, count }.announce(&process, monitor);
+        Paths { belt_velocity, duration, count }.print_long_time(&process, monitor);
         let answer =
             |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
-            .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
+            .or_else(|e| Err(vibration_failure(&e).print_if_not_converged(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
-            monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
+            monitor.warn(&format!(
+                "{failed} of {total} trajectories failed and are left out; the first: {}",
+                first.reason
+            ));
         }
         let kind = monitor
-            .at_once(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
-            .map_err(|e| refused(&e))?;
+            .with_immediate_exit(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
+            .map_err(|e| vibration_failure(&e))?;
         let answer = answer(Some(kind), Some(&ensemble));
         if wanted {
-            let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;
+            let cloud =
+                cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| vibration_failure(&e))?;
             let mut tables =
                 vec![("phase_cloud", cloud), ("survival", survival_table(&ensemble.passages, self.duration))];
-            tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
+            tables.extend(series::cycle(&oscillator).map_err(|e| vibration_failure(&e))?);
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));
             }
