@@ -1,4 +1,4 @@
-//! The fitted process that the friction stage hands on, as `friction_process.json`, and that a study can begin with.
+//! Fitted process of the friction stage, written as `friction_process.json`, and read by other studies.
 
 use std::fs;
 use std::path::Path;
@@ -9,8 +9,8 @@ use crate::study::result::pair;
 use crate::study::sentence;
 use crate::study::{StudyError, Table};
 
-/// The process of one level at the mean load. Constant friction has neither law nor correlation; of varying friction without a
-/// correlation there is no process, and the reason is given.
+/// Returns the process of one level at the mean load, or the reason why there is none. Constant friction has neither
+/// distribution nor correlation. Varying friction without a correlation gives no process.
 pub(super) fn of_level(
     strips: &SolvedStrips,
     level: &SolvedLevel,
@@ -25,7 +25,7 @@ pub(super) fn of_level(
         length_without_window_m: level
             .window_study
             .as_ref()
-            // Who carries it on takes it for that of an exponential.
+            // Users of the process treat the length as that of an exponential.
             .map(|study| study.model.integral_scale_m(study.length_m)),
     });
     let varies = process.moments.std > 0.0;
@@ -57,10 +57,10 @@ pub(super) fn of_level(
     Ok(fitted)
 }
 
-/// A record drawn from a process: `position_m`, `mu` and `fluctuation`, what μ has beyond its mean.
+/// Simulates a record of a process: `position_m`, `mu` and `fluctuation`, the deviation of μ from its mean.
 ///
 /// # Errors
-/// As [`FittedProcess::simulate`].
+/// See [`FittedProcess::simulate`].
 pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, seed: u64) -> Result<Table, ProcessError> {
     let mu = process.simulate(length_m, step_m, seed, 0)?;
     Ok(Table::new([
@@ -70,10 +70,10 @@ pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, see
     ]))
 }
 
-/// Reads a process that a study names; `path` is where it lies, `name` what the study calls it.
+/// Reads the process that a study names; `path` is its location, `name` its name in the study.
 ///
 /// # Errors
-/// The file cannot be read, or holds no process.
+/// The file cannot be read, or contains no process.
 pub(super) fn read(path: &Path, name: &Path) -> Result<FittedProcess, StudyError> {
     let failed = |reason: String| StudyError::FrictionProcess { file: name.display().to_string(), reason };
     let text = fs::read_to_string(path).map_err(|error| match error.kind() {

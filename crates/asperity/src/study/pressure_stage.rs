@@ -1,4 +1,4 @@
-//! The law of the random pressure on a patch.
+//! Pressure stage: distribution of the random pressure on a patch.
 
 mod entries;
 mod indices;
@@ -21,10 +21,10 @@ use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
 use entries::Posed;
 
-/// Bias over the mean pressure of a method from which it is warned.
+/// Bias of a method over the mean pressure above which the stage warns.
 const LARGE_BIAS: f64 = 0.25;
 
-/// The half-space of a section, and its mean compliance where it is periodic.
+/// Returns the half-space of a section, and its mean compliance if it is periodic.
 pub(super) fn half_space(
     section: &'static str,
     grid: Grid,
@@ -45,12 +45,12 @@ pub(super) fn half_space(
     Ok((half_space, compliance))
 }
 
-/// The plane that `percent` of the ensemble's heights exceed.
+/// Returns the plane that `percent` of the ensemble's heights exceed.
 pub(super) fn plane(marginal: &Marginal, percent: f64) -> Control {
     Control::Plane { height_m: marginal.quantile(1.0 - percent / 100.0) }
 }
 
-/// What the pressure stage hands on.
+/// Output of the pressure stage.
 pub(super) struct PressureStage {
     pub(super) result: PressureResult,
     pub(super) output: StageOutput,
@@ -69,7 +69,7 @@ pub(super) fn run(
     let (half_space, mean_compliance_m_per_pa) =
         half_space("pressure", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
     let control = match study.control.contact(marginal) {
-        // Heights that truncation leaves lower have a lower plane.
+        // Truncation lowers the heights, so the plane is scaled down too.
         Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
         control => control,
     };
@@ -168,7 +168,7 @@ fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> Str
     )
 }
 
-/// One random surface and its pressure, to look at.
+/// Returns one random surface and its pressure, as an example.
 fn sample_fields(
     surface: &dyn RandomSurface,
     half_space: &HalfSpace,

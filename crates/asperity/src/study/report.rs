@@ -1,4 +1,4 @@
-//! From a run to its report.
+//! Report of a run.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use asperity_results::Provenance;
 
 use crate::study::{Outcome, StoredRun, Table};
 
-/// Files of a report by their path in the run folder.
+/// Files of a report, by their path in the run folder.
 pub type ReportFiles = Vec<(String, Vec<u8>)>;
 
 /// Renders the report of a run that was just computed; `study` is the text of the resolved study.
@@ -27,7 +27,7 @@ pub(super) fn of_outcome(study: &str, outcome: &Outcome, provenance: &Provenance
 }
 
 impl StoredRun {
-    /// Renders the report again: `report.html` and the figures, by their path in the run folder.
+    /// Renders the report again. Returns `report.html` and the figures, by their path in the run folder.
     ///
     /// # Errors
     /// A figure or the page could not be drawn.
@@ -62,7 +62,7 @@ fn of_field(dx_m: f64, dy_m: f64, values: &ndarray::Array2<f64>) -> Field {
     Field { nx, ny, dx_m, dy_m, values: values.iter().copied().collect() }
 }
 
-/// Every key of a study with its value as it stands in the file, by section.
+/// Returns every key of a study with its value as written in the file, by section.
 fn inputs(study: &str) -> Vec<Input> {
     let Ok(document) = study.parse::<toml::Table>() else { return Vec::new() };
     let input = |section: &str, key: &str, value: &toml::Value| Input {

@@ -1,8 +1,8 @@
-//! Twins: random maps that are statistically like a measured one, and how alike they are.
+//! Twins: random maps with the statistics of a measured one, and their comparison with it.
 //!
-//! [`Twins::like`] measures a scan and fits the model, [`Twins::draw`] draws a twin, [`Twins::compare`] draws many and sets
-//! every statistic of the scan beside those of its twins. A twin is read off as the scan was: the scan's missing points are
-//! masked out and the form is removed, so that the biases of estimators on a finite map cancel.
+//! [`Twins::new`] measures a scan and fits the model, [`Twins::draw`] draws a twin, and [`Twins::compare`] draws many
+//! and compares every statistic of the scan with those of its twins. A twin is measured like the scan: the scan's
+//! missing points are masked out and the form is removed, so that the biases of estimators on a finite map cancel.
 
 mod band;
 mod comparison;
@@ -37,31 +37,31 @@ pub use band::BandMethod;
 pub use comparison::{Comparison, CurveComparison, StatisticComparison, TwinModel};
 pub use options::TwinOptions;
 
-/// Names of the random stages of the twins, and of the maps on which the share of the form is found.
+/// Stream names of the random numbers: of the twins, and of the maps that estimate the variance of the form.
 const STAGE: &str = "twin";
 const TRIAL_STAGE: &str = "twin trial";
-/// Maps on which the share of the form is found.
+/// Number of maps that estimate the fraction of variance in the form.
 const TRIALS: u64 = 8;
-/// Share of the form from which the height of the long waves is called a guess.
+/// Fraction of variance in the form above which the height of the long waves is reported as uncertain.
 const LARGE_FORM_SHARE: f64 = 0.25;
-/// Kurtosis from which a scan is suspected of spikes. That of heights whose logarithm is normal with σ = 0.9 is 20.
+/// Kurtosis above which a scan is suspected of spikes. Lognormal heights with σ = 0.9 have a kurtosis of 20.
 const SPIKY: f64 = 20.0;
 
-/// Why twins could not be compared; `E` is the caller's, who kept them.
+/// Error of comparing twins; `E` is the error of the caller that stores them.
 #[derive(Debug, Error)]
 pub enum TwinError<E> {
-    /// A twin has no statistics, or the comparison was stopped.
+    /// A twin has no statistics, or the comparison was cancelled.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// A twin could not be kept.
+    /// A twin could not be stored.
     #[error("{0}")]
     Keep(E),
 }
 
-/// Draws the twins of a scan.
+/// Generator of the twins of a scan.
 ///
-/// Twins are complete maps about the height zero: a form may be added to them, and none was removed. Their rms height is
-/// such that it is the scan's Sq *after* the form is removed, unless the options state it.
+/// Twins are complete maps about the height zero. They may contain a form; none is removed. Unless the options state
+/// their rms height, it gives the scan's Sq *after* the form is removed.
 pub struct Twins {
     file: String,
     seed: u64,
@@ -78,14 +78,14 @@ pub struct Twins {
 }
 
 impl Twins {
-    /// Measures a scan and makes the generator of its twins; `file` names the scan.
+    /// Measures a scan and builds the generator of its twins; `file` names the scan.
     ///
     /// # Errors
-    /// The scan has no texture or no covariance that could be fitted, the model is not valid, or the grid is not one.
+    /// The scan has no texture or no covariance that can be fitted, or the model or the grid is invalid.
     pub fn like(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
         let mut section = SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
         let mut output = StageOutput::default();
-        // The file's own warnings come first.
+        // Warnings of the file come first.
         let measured = measure(&section, file, scan, &mut output)?;
         output.warnings.extend(section.idle_keys());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
@@ -137,7 +137,7 @@ impl Twins {
         Ok(twins)
     }
 
-    /// Share of the variance that goes with the form removed from maps on the scan's grid.
+    /// Returns the fraction of the variance that is removed with the form from maps on the scan's grid.
     fn form_share(&self, surface: &dyn RandomSurface) -> Result<f64, StudyError> {
         let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
         let squares: Vec<(f64, f64)> = (0..TRIALS)
@@ -147,7 +147,7 @@ impl Twins {
                 let trial =
                     masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
                 let left = Preparation { level: self.level, ..Preparation::default() }.apply(&trial)?.map;
-                // Statistics are about the mean, whether or not it counts as form.
+                // Statistics are relative to the mean, whether or not the form includes it.
                 let points = left.present_m().count() as f64;
                 let mean = left.present_m().sum::<f64>() / points;
                 Ok((square(&trial), square(&left) - points * mean * mean))
@@ -157,7 +157,7 @@ impl Twins {
         Ok((1.0 - after / before).clamp(0.0, 1.0 - f64::EPSILON))
     }
 
-    /// Raises the twins so that their variance without the form is the scan's.
+    /// Scales the twins so that their variance without the form equals the scan's.
     fn make_up_for(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
         self.gain = 1.0 / (1.0 - share).sqrt();
         let model = &mut self.model;
@@ -183,7 +183,7 @@ impl Twins {
         Ok(())
     }
 
-    /// Tells how twins are read off, and what they cannot be.
+    /// Adds assumptions about the measurement of twins, and warnings about their limits.
     fn say(&mut self, section: &SurfaceSection, grid: Grid) {
         if section.s_filter.is_some() || section.l_filter.is_some() {
             self.assumptions.push(
@@ -235,37 +235,37 @@ impl Twins {
         }
     }
 
-    /// The scan as it was prepared.
+    /// Returns the scan after preparation.
     pub fn scan(&self) -> &HeightMap {
         &self.scan
     }
 
-    /// Grid of the twins.
+    /// Returns the grid of the twins.
     pub fn grid(&self) -> Grid {
         self.surface.grid()
     }
 
-    /// What to be wary of before any twin is drawn, in sentences.
+    /// Returns the warnings that are known before any twin is drawn.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// Twin number `index`, counted from 0: a function of the seed and the number alone.
+    /// Draws twin number `index`, counted from 0. The twin depends on the seed and the number alone.
     pub fn draw(&self, index: u64) -> HeightMap {
         let mut stream = random::stream(self.seed, STAGE, index);
         let twin = self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()));
         twin.scaled(self.gain)
     }
 
-    /// A twin as the scan is read off: with its missing points, without its form.
+    /// Prepares a twin like the scan: masks its missing points and removes the form.
     fn treated(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
         let twin = if self.grid() == self.scan.grid() { masked(twin, &self.scan)? } else { twin.clone() };
         Ok(Preparation { level: self.level, ..Preparation::default() }.apply(&twin)?)
     }
 
-    /// Draws twins 0 … `count` − 1, hands each to `keep`, and compares the scan with them.
+    /// Draws twins 0 … `count` − 1, passes each to `keep`, and compares the scan with them.
     ///
-    /// As many are in memory at once as there are threads; `keep` is called from any of these, in any order.
+    /// Memory holds as many twins at once as there are threads. `keep` runs on any of the threads, in any order.
     ///
     /// # Errors
     /// Cancelled, or `keep` failed.
@@ -334,7 +334,7 @@ impl Twins {
     }
 }
 
-/// What the twins of a generator cannot be, whatever was fitted.
+/// Returns sentences about features that twins of a generator lack, whatever the fit.
 fn limits(section: &SurfaceSection) -> Vec<String> {
     let mut limits = vec![
         "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."
@@ -367,7 +367,7 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
     limits
 }
 
-/// The form that is removed from twins, which have no cylinder or sphere of their own: the polynomial that follows one.
+/// Returns the form to remove from twins. They have no cylinder or sphere of their own, so a polynomial replaces these.
 pub(super) fn treatment(level: Level) -> Level {
     match level {
         Level::Cylinder | Level::Sphere => Level::Quadratic,

@@ -33,27 +33,27 @@ use crate::vibration::{
     limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
 
-/// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
+/// Points of a plotted limit cycle and trajectory, and the duration τ of the trajectory.
 const CYCLE_POINTS: usize = 600;
 const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
-/// Trajectories of a cloud.
+/// Number of trajectories of a cloud.
 const CLOUD_TRAJECTORIES: usize = 60;
-/// Levels of the mean time in vibration whose damping ratios are results.
+/// Levels of the mean fraction of time in vibration whose damping ratios are reported.
 const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
-/// Multiples of the fastest expected slip for which friction is kept positive, tried in turn while slips turn out to be faster.
+/// Multiples of the fastest expected slip for which friction is kept positive; the next is tried if slips are faster.
 const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
-/// Scatter of μ below which friction counts as constant.
+/// Standard deviation of μ below which friction counts as constant.
 const NO_SCATTER: f64 = 1e-12;
 
-/// The fluctuation of friction under one upscaling.
+/// Fluctuation of friction under one upscaling.
 struct Scatter {
     name: &'static str,
     std: f64,
     marginal: Marginal,
 }
 
-/// The fluctuation under both upscalings, that of one window first.
+/// Returns the fluctuation under both upscalings, first that of one window.
 fn scatters(window: &WindowFriction) -> [Scatter; 2] {
     let area_std = window.std * window.variance_reduction.sqrt();
     [
@@ -62,7 +62,7 @@ fn scatters(window: &WindowFriction) -> [Scatter; 2] {
     ]
 }
 
-/// What the vibration stage hands on.
+/// Output of the vibration stage.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
     pub(super) output: StageOutput,
@@ -81,7 +81,7 @@ pub(super) fn run(
     let area_std = area_scatter.std;
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
-    // Of a study without a measured process the file alone tells.
+    // For a study without a measured process, the study file alone decides.
     let is_stated = || window.stribeck == study.dimensionless_stribeck();
     warnings.extend(study.load_warning().filter(|_| matches!(study.friction, FrictionSource::File(_)) && is_stated()));
     let critical = if_found(critical_damping(&oscillator))?;
@@ -139,7 +139,7 @@ pub(super) fn run(
     Ok(VibrationStage { result, output: StageOutput { tables, fields: Vec::new(), assumptions, warnings } })
 }
 
-/// The answer of a search, or none if it found nothing.
+/// Converts a failed search to `None`.
 fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, VibrationError> {
     match answer {
         Ok(found) => Ok(Some(found)),
@@ -148,7 +148,7 @@ fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, Vibration
     }
 }
 
-/// The ensembles of a study that slides on this friction.
+/// Prepares the ensembles of a study with this friction.
 fn ensembles<'a>(
     study: &'a VibrationStudy,
     window: &'a WindowFriction,
@@ -165,7 +165,7 @@ fn ensembles<'a>(
     })
 }
 
-/// The ensembles of one study.
+/// Ensembles of one study.
 struct Ensembles<'a> {
     study: &'a VibrationStudy,
     oscillator: Oscillator,
@@ -176,7 +176,7 @@ struct Ensembles<'a> {
 }
 
 impl Ensembles<'_> {
-    /// The process of a scatter; `None` where friction is constant.
+    /// Returns the process of a fluctuation; `None` if friction is constant.
     ///
     /// # Errors
     /// More of its values are clipped than the study allows.
@@ -189,7 +189,7 @@ impl Ensembles<'_> {
         Ok(Some(FrictionProcess::new(model)?))
     }
 
-    /// The process of a machine under a multiple of the load.
+    /// Returns the process model for a multiple of the load.
     fn model(&self, oscillator: &Oscillator, marginal: Marginal, std: f64, load: f64, margin: f64) -> ProcessModel {
         let model = ProcessModel {
             shape: self.shape.in_unit(load),
@@ -200,8 +200,8 @@ impl Ensembles<'_> {
         clipped_to_positive(oscillator, model, margin)
     }
 
-    /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
-    /// own, and the mean over many windows is normal.
+    /// Returns the generator of the study, else of the fitted process, else the one that suits the correlation. A
+    /// diffusion produces only its own distribution, and the mean over many windows is normal.
     fn generator(&self, marginal: &Marginal) -> Generator {
         let stated = self.study.generator.or(self.window.generator);
         let able = stated.filter(|generator| {
@@ -227,8 +227,8 @@ impl Ensembles<'_> {
         }
     }
 
-    /// Ensembles over the sweep, and the one at the study's own damping ratio. Where slips turn out faster than expected,
-    /// so that friction would change its sign, the process is cut off higher, and the result says so.
+    /// Simulates ensembles over the sweep, and one at the study's own damping ratio. If slips are faster than expected,
+    /// so that friction would change its sign, retries with a stronger clipping, which the result reports.
     fn run(
         &self,
         scatter: &Scatter,
@@ -290,7 +290,7 @@ impl Ensembles<'_> {
         Ok((result, Some(lead)))
     }
 
-    /// The same of constant friction: every trajectory is the deterministic one.
+    /// Returns the result of constant friction: every trajectory is the deterministic one.
     fn without_scatter(
         &self,
         std: f64,
@@ -333,7 +333,7 @@ impl Ensembles<'_> {
         })
     }
 
-    /// The limit cycle, and the end of one trajectory, for a phase portrait.
+    /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
     fn portraits(&self, scatter: &Scatter, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
@@ -344,7 +344,7 @@ impl Ensembles<'_> {
         for margin in MARGINS {
             let process = match self.process(scatter, margin) {
                 Ok(Some(process)) => process,
-                // The ensembles needed no such speed.
+                // The ensembles did not reach this velocity.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,
                 Err(error) => return Err(error),
             };

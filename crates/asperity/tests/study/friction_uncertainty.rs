@@ -178,7 +178,7 @@ fn what_cannot_be_is_an_error_that_names_its_line() {
         ("correlation_length = \"10 %\"", "skewness = \"measured\"", 21, "state a standard deviation"),
         ("points = 24", "points = 11", 22, "at least 12"),
         ("realisations = 8", "realisations = 2", 23, "at least 4"),
-        ("rms_height = \"5 %\"\ncorrelation_length = \"10 %\"\n", "", 19, "nothing is uncertain"),
+        ("rms_height = \"5 %\"\ncorrelation_length = \"10 %\"\n", "", 19, "no parameter is uncertain"),
     ] {
         assert!(STUDY.contains(from), "{from}");
         let error = Study::parse(&STUDY.replace(from, to), "study.toml").unwrap_err();

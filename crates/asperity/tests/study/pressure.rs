@@ -242,8 +242,8 @@ fn keys_that_do_not_fit_each_other_point_at_their_line() {
     let case_c = text("pressure_case_c.toml");
     for (from, to, wanted) in [
         ("boundary = \"periodic\"", "boundary = \"free\"", "only periodic patches have a constant Fourier mode"),
-        ("marginal = \"normal\"", "marginal = \"beta:2,5\"", "belongs to marginal = \"normal\""),
-        ("\"karhunen_loeve\"", "\"spectral\"", "belongs to the generator karhunen_loeve"),
+        ("marginal = \"normal\"", "marginal = \"beta:2,5\"", "requires marginal = \"normal\""),
+        ("\"karhunen_loeve\"", "\"spectral\"", "requires generator = \"karhunen_loeve\""),
         ("points = [64, 64]", "points = [64, 32]\ncell = [40, 3]", "wanted [row, column] below [32, 64]"),
         ("rescale = true", "rescal = true", "did you mean `rescale`?"),
     ] {

@@ -761,6 +761,6 @@ fn a_study_that_reads_the_process_of_another_finds_the_same_vibration() {
         MODEL.to_owned() + "friction_process = \"process.json\"\n",
     ] {
         let error = Study::parse(&text, "study.toml").unwrap_err();
-        assert!(error.message.contains("friction_process") && error.message.contains("leave one out"), "{error}");
+        assert!(error.message.contains("friction_process") && error.message.contains("remove one"), "{error}");
     }
 }

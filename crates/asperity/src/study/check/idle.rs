@@ -1,11 +1,11 @@
-//! Keys that are stated and have no effect.
+//! Keys of a study that have no effect.
 
 use crate::map::BoundaryKind;
 use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile, SurfaceSection};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 impl StudyFile {
-    /// Keys that are stated and change nothing, each in a sentence.
+    /// Returns a sentence for each stated key that has no effect.
     pub fn idle_keys(&self) -> Vec<String> {
         let mut idle: Vec<String> = self.surface.iter().flat_map(SurfaceSection::idle_keys).collect();
         if let Some(surface) = self.surface.as_ref().filter(|_| self.pressure.is_none() && self.friction.is_some()) {
@@ -31,7 +31,7 @@ impl StudyFile {
 }
 
 impl FrictionSection {
-    /// Its keys that are stated and change nothing, each in a sentence.
+    /// Returns a sentence for each stated key that has no effect.
     fn idle_keys(&self) -> Vec<String> {
         let pressure = self.pressure_coefficient.is_some() && self.law != FrictionLawKind::PressureDependent;
         let coulomb = self.coefficient.is_some() && self.law != FrictionLawKind::Coulomb;
@@ -44,7 +44,7 @@ impl FrictionSection {
 }
 
 impl SurfaceSection {
-    /// Its keys that are stated and change nothing, each in a sentence.
+    /// Returns a sentence for each stated key that has no effect.
     pub(in crate::study) fn idle_keys(&self) -> Vec<String> {
         let fractal = self.generator == SurfaceGenerator::WeierstrassMandelbrot;
         let measured = self.covariance.is_of_the_scan();

@@ -1,4 +1,4 @@
-//! The law of the pressure as entries of `results.json`.
+//! Conversion of the pressure distribution to entries of `results.json`.
 
 use crate::pressure::{Estimate, MethodResult, Quantity, Results, ScalarResult};
 use crate::study::pressure_stage::{indices, maps};
@@ -6,10 +6,10 @@ use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
 };
 
-/// Probabilities of the quantiles that are told.
+/// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
 
-/// What was prescribed, beside the sizes.
+/// Prescribed control, in addition to the sizes.
 pub(super) struct Posed {
     pub(super) cell: (usize, usize),
     pub(super) mean_compliance_m_per_pa: Option<f64>,
@@ -95,7 +95,7 @@ fn quantiles(estimate: &Estimate) -> Vec<PressureQuantile> {
     PROBABILITIES.into_iter().map(quantile).collect()
 }
 
-/// The name of a scalar with its unit.
+/// Returns the name of a scalar with its unit.
 pub(super) fn scalar_name(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Pressure => "pressure_pa",

@@ -44,7 +44,7 @@ fn index(name: &str, first: Estimate, total: Estimate) -> IndexEntry {
     }
 }
 
-/// One row for each variable of each expansion; its name says quantity, variables and variable.
+/// Returns a row for each variable of each expansion; its name consists of quantity, variables and variable.
 pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
     let rows = || entries.iter().flat_map(|entry| entry.indices.iter().map(move |index| (entry, index)));
     let names = rows().map(|(entry, index)| format!("{}: {}: {}", entry.quantity, entry.variables, index.name));
@@ -73,7 +73,7 @@ mod tests {
     use crate::stats::Interval;
 
     #[test]
-    fn indices_stand_by_variable_and_a_failed_expansion_has_a_reason_and_no_row() {
+    fn indices_are_listed_by_variable_and_a_failed_expansion_has_a_reason_and_no_row() {
         let estimate = |value: f64| Estimate {
             value,
             standard_error: 0.01,

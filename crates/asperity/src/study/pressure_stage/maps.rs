@@ -1,10 +1,10 @@
-//! The laws of the pressures of all cells as fields and entries of `results.json`.
+//! Pressure distributions of all cells, as fields and entries of `results.json`.
 
 use crate::pressure::{FieldLaws, GlobalExpansion, Homogeneity, MethodError};
 use crate::study::Field;
 use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, finite};
 
-/// The maps, in pascal and shares.
+/// Returns the maps, in pascal and fractions.
 pub(super) fn fields(laws: &FieldLaws) -> Vec<(&'static str, Field)> {
     let field = |unit, values: &ndarray::Array2<f64>| Field { grid: laws.grid, unit, values: values.clone() };
     let mut fields = vec![
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_not_be_had_is_a_reason_and_no_field() {
+    fn a_failed_result_gives_a_reason_and_no_field() {
         let few = MethodError::TooFewSamples { samples: 3, wanted: 40 };
         let laws = laws(Err(few.clone()), Err(few));
         assert!(fields(&laws).iter().all(|(name, _)| *name != "expansion_error"));

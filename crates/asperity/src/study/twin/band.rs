@@ -1,4 +1,4 @@
-//! In which the statistic of a further twin lies.
+//! Bands that contain the statistic of a further twin.
 
 use serde::Serialize;
 
@@ -7,28 +7,28 @@ use crate::stats::{Interval, Moments, sorted_present};
 
 /// Probability of a band.
 pub(super) const LEVEL: f64 = 0.95;
-/// Probability below it, and above.
+/// Probability below a band, and above it.
 const TAIL: f64 = 0.025;
-/// Share of the statistics that chance puts outside.
+/// Fraction of the statistics expected outside by chance.
 pub(super) const CHANCE_OUTSIDE: f64 = 2.0 * TAIL;
-/// From so many twins on bands end at order statistics: the lowest and the highest of 39 hold another one with
-/// probability 38/40.
+/// Number of twins from which bands end at order statistics: the lowest and the highest of 39 contain a further one
+/// with probability 38/40.
 const ENOUGH_FOR_QUANTILES: usize = 39;
 
-/// How the ends of a band were found.
+/// Method that determines the ends of a band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BandMethod {
-    /// A single twin does not spread.
+    /// No band: a single twin has no variability.
     None,
-    /// Student's prediction interval, m ± t₀.₉₇₅ s √(1 + 1/n), exact for normal values; of the logarithm of what is positive
-    /// and of the log-odds of shares, so that no band leaves the range of its statistic.
+    /// Student's prediction interval, m ± t₀.₉₇₅ s √(1 + 1/n), exact for normal values. It uses the logarithm of
+    /// positive statistics and the log-odds of fractions, so that no band leaves the range of its statistic.
     StudentT,
-    /// The order statistics at (n + 1)·2.5 % and (n + 1)·97.5 %: whatever the law of the statistic.
+    /// Order statistics at (n + 1)·2.5 % and (n + 1)·97.5 %, valid for any distribution of the statistic.
     Quantiles,
 }
 
-/// How bands of so many twins are found.
+/// Returns the method for a number of twins.
 pub(super) fn band_method(count: usize) -> BandMethod {
     match count {
         0 | 1 => BandMethod::None,
@@ -37,20 +37,20 @@ pub(super) fn band_method(count: usize) -> BandMethod {
     }
 }
 
-/// On which scale values are taken for normal where they must be.
+/// Scale on which values are assumed normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Scale {
-    /// They spread by differences.
+    /// Values vary by differences.
     Linear,
-    /// They lie above a bound, from which they spread by factors: the logarithm of x − a.
+    /// Values lie above a bound a and vary by factors: the logarithm of x − a.
     Above(f64),
-    /// They lie between 0 and 1: the logarithm of x/(1 − x).
+    /// Fractions between 0 and 1: the logarithm of x/(1 − x).
     Share,
 }
 use Scale::{Above, Linear, Share};
 
 impl Scale {
-    /// Onto the real line.
+    /// Maps a value onto the real line.
     fn unfold(self, value: f64) -> f64 {
         match self {
             Linear => value,
@@ -59,7 +59,7 @@ impl Scale {
         }
     }
 
-    /// And back.
+    /// Maps a number from the real line back to a value.
     fn fold(self, value: f64) -> f64 {
         match self {
             Linear => value,
@@ -68,8 +68,8 @@ impl Scale {
         }
     }
 
-    /// The least and the greatest that such values can be; none where they keep to no range, as estimates of a spectrum that
-    /// fall below zero.
+    /// Returns the smallest and the largest possible value, or `None` if the values leave that range, for example
+    /// estimates of a spectrum below zero.
     fn range(self, sorted: &[f64]) -> Option<(f64, f64)> {
         let (least, greatest) = match self {
             Linear => return None,
@@ -81,7 +81,7 @@ impl Scale {
     }
 }
 
-/// Mean, standard deviation and band of the values that are defined.
+/// Mean, standard deviation and band of the defined values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spread {
     pub(super) mean: f64,
@@ -105,7 +105,8 @@ impl Spread {
                     let band = prediction_interval(&Moments::of(&unfolded));
                     Some(Interval { low: scale.fold(band.low), high: scale.fold(band.high) })
                 } else {
-                    // A share is just one, a peak height zero: on their own scale, cut at the ends of their range.
+                    // A fraction of exactly one, or a peak height of zero: use the original scale and clip the band to
+                    // the range.
                     let band = prediction_interval(&moments);
                     let (least, greatest) = scale.range(&sorted).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
                     Some(Interval { low: band.low.max(least), high: band.high.min(greatest) })
@@ -116,8 +117,9 @@ impl Spread {
     }
 }
 
-/// The value at the rank p(n + 1) of sorted values, linear between ranks: another value of the same law lies below it with
-/// probability p, on average over samples (type 6 of Hyndman & Fan 1996, <https://doi.org/10.1080/00031305.1996.10473566>).
+/// Returns the value at the rank p(n + 1) of sorted values, linear between ranks. A further value of the same
+/// distribution lies below it with probability p, on average over samples (type 6 of Hyndman & Fan 1996,
+/// <https://doi.org/10.1080/00031305.1996.10473566>).
 fn order_statistic(sorted: &[f64], probability: f64) -> f64 {
     let n = sorted.len();
     let rank = (probability * (n as f64 + 1.0)).clamp(1.0, n as f64);
@@ -126,14 +128,14 @@ fn order_statistic(sorted: &[f64], probability: f64) -> f64 {
     sorted[left - 1] + (rank - left as f64) * (sorted[right - 1] - sorted[left - 1])
 }
 
-/// In which another value lies with probability 95 % if all are normal: m ± t s √(1 + 1/n).
+/// Returns the interval that contains a further value with probability 95 % if all are normal: m ± t s √(1 + 1/n).
 fn prediction_interval(moments: &Moments) -> Interval {
     let n = moments.n as f64;
     let half = student_t(n - 1.0) * moments.sample_std() * (1.0 + 1.0 / n).sqrt();
     Interval { low: moments.mean - half, high: moments.mean + half }
 }
 
-/// Student's t₀.₉₇₅: of ν degrees of freedom, ν/(ν + t²) has the Beta law of ν/2 and ½.
+/// Returns Student's t₀.₉₇₅ for ν degrees of freedom; ν/(ν + t²) has the Beta distribution of ν/2 and ½.
 fn student_t(freedom: f64) -> f64 {
     let law = Marginal::Beta { a: 0.5 * freedom, b: 0.5, low: 0.0, high: 1.0 };
     let x = law.quantile(CHANCE_OUTSIDE);
@@ -145,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn students_quantiles_are_the_tabulated_ones() {
+    fn student_quantiles_equal_tabulated_values() {
         // Abramowitz & Stegun, table 26.10, P = 0.975.
         for (freedom, wanted) in [(1.0, 12.706), (2.0, 4.303), (9.0, 2.262), (30.0, 2.042)] {
             assert!((student_t(freedom) - wanted).abs() < 6e-4, "{freedom}: {}", student_t(freedom));
@@ -158,7 +160,7 @@ mod tests {
     #[test]
     fn no_band_leaves_the_range_of_its_statistic() {
         let band = |values: &[f64], scale| Spread::of(values.iter().copied(), scale).band.unwrap();
-        // As wide as two values make it: t(1) = 12.7.
+        // As wide as two values allow: t(1) = 12.7.
         for values in [[0.1, 0.9], [0.999, 0.2], [1e-9, 0.5]] {
             let share = band(&values, Share);
             assert!(share.low > 0.0 && share.low < values[0].min(values[1]), "{share:?}");

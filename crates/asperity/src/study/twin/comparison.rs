@@ -1,4 +1,4 @@
-//! A scan against its twins, statistic by statistic.
+//! Comparison of a scan with its twins, statistic by statistic.
 
 use serde::{Serialize, Serializer};
 
@@ -17,10 +17,10 @@ use super::curve::Curve;
 
 type Reading = fn(&SurfaceStatistics) -> Option<f64>;
 
-/// What is positive.
+/// Scale of positive statistics.
 const POSITIVE: Scale = Above(0.0);
 
-/// The statistics that are compared; a kurtosis is at least 1.
+/// Compared statistics; a kurtosis is at least 1.
 const STATISTICS: [(&str, Scale, Reading); 24] = [
     ("Sa_m", POSITIVE, |s| Some(s.Sa_m)),
     ("Sq_m", POSITIVE, |s| Some(s.Sq_m)),
@@ -48,80 +48,81 @@ const STATISTICS: [(&str, Scale, Reading); 24] = [
     ("Vvv_m", POSITIVE, |s| Some(s.Vvv_m)),
 ];
 
-/// What the twins are made from.
+/// Random surface model of the twins.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TwinModel {
-    /// The generator.
+    /// Generator of the surfaces.
     pub generator: SurfaceGenerator,
-    /// What lies beyond the edge of a twin.
+    /// Continuation beyond the edge of a twin.
     pub boundary: BoundaryKind,
-    /// How the marginal law is imposed; a Weierstrass–Mandelbrot surface has its own.
+    /// Method that imposes the marginal distribution; `None` for Weierstrass–Mandelbrot surfaces.
     pub translation: Option<TranslationKind>,
     /// Standard deviation of the heights before a form is removed.
     pub rms_height_m: f64,
-    /// Share of the twins' variance that goes with the form removed, where it was made up for.
+    /// Fraction of the twins' variance that is removed with the form, if the twins were scaled for it.
     pub form_share: Option<f64>,
-    /// Covariance, if the twins are made from one.
+    /// Covariance, if the generator uses one.
     pub covariance: Option<CovarianceResult>,
-    /// Marginal law, before a form is removed.
+    /// Marginal distribution before a form is removed.
     pub marginal: LawResult,
 }
 
-/// One statistic of the scan beside that of its twins. `None` is undefined.
+/// Statistic of the scan and of its twins. `None` is undefined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StatisticComparison {
-    /// The scan's.
+    /// Value of the scan.
     pub target: Option<f64>,
     /// Mean over the twins.
     pub mean: Option<f64>,
     /// Standard deviation over the twins, divisor n − 1.
     pub std: Option<f64>,
-    /// In which the statistic of a further twin lies with probability 95 %.
+    /// Interval that contains the statistic of a further twin with probability 95 %.
     pub band: Option<Pair>,
-    /// Whether the scan's lies there.
+    /// Whether the value of the scan lies in the band.
     pub inside: Option<bool>,
-    /// Twins in which the statistic is defined.
+    /// Number of twins in which the statistic is defined.
     pub defined: usize,
 }
 
-/// A function of the scan beside that of its twins.
+/// Function of the scan, compared with that of its twins.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CurveComparison {
-    /// Share of the abscissas at which the scan lies in the pointwise band.
+    /// Fraction of the abscissas at which the scan lies in the pointwise band.
     pub inside_share: Option<f64>,
-    /// Their number.
+    /// Number of these abscissas.
     pub inside: usize,
-    /// Abscissas compared.
+    /// Number of abscissas compared.
     pub points: usize,
 }
 
-/// A scan beside its twins: the content of `comparison.json`, and the tables behind the figures.
+/// Comparison of a scan with its twins: the content of `comparison.json`, and the tables behind the figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The scan's file.
+    /// File of the scan.
     pub file: String,
     /// Number of twins.
     pub count: usize,
-    /// Seed of every draw.
+    /// Seed of every random draw.
     pub seed: u64,
     /// Points of a twin along x and y.
     pub points: [usize; 2],
     /// Pitch of a twin along x and y in metre.
     pub pitch_m: Pair,
-    /// How the bands were found.
+    /// Method that determines the bands.
     pub band_method: BandMethod,
     /// Probability of a band.
     pub band_level: f64,
-    /// Statistics of the scan that lie in their band.
+    /// Number of statistics of the scan that lie in their band.
     pub inside: usize,
-    /// Statistics that are defined on the scan and have a band.
+    /// Number of statistics that are defined on the scan and have a band.
     pub compared: usize,
-    /// Abscissas of all functions at which the scan lies in the pointwise band. Neighbours go together in density and
-    /// autocorrelation, so that their share scatters far more about 95 % than that of as many independent values would.
+    /// Number of abscissas of all functions at which the scan lies in the pointwise band. Neighbouring values of
+    /// density and autocorrelation are correlated, so this fraction varies far more about 95 % than for independent
+    /// values.
     pub curves_inside: usize,
-    /// Abscissas of all functions at which scan and twins are compared.
+    /// Number of abscissas of all functions at which scan and twins are compared.
     pub curves_compared: usize,
-    /// What the twins are made from.
+    /// Random surface model of the twins.
     pub model: TwinModel,
     /// Statistics of the scan.
     pub target: SurfaceStatistics,
@@ -131,11 +132,11 @@ pub struct Comparison {
     /// Every function by the name of its table.
     #[serde(serialize_with = "by_name")]
     pub curves: Vec<(&'static str, CurveComparison)>,
-    /// What such twins cannot be, in sentences.
+    /// Features that the twins lack, in sentences.
     pub limits: Vec<String>,
-    /// What was assumed, in sentences.
+    /// Assumptions, in sentences.
     pub assumptions: Vec<String>,
-    /// What to be wary of, in sentences.
+    /// Warnings, in sentences.
     pub warnings: Vec<String>,
     /// Functions with their bands, and the statistics of every twin.
     #[serde(skip)]
@@ -147,24 +148,25 @@ fn by_name<S: Serializer, T: Serialize>(entries: &[(&'static str, T)], serialize
 }
 
 impl Comparison {
-    /// Share of the abscissas of all functions at which the scan lies in the pointwise band.
+    /// Returns the fraction of the abscissas of all functions at which the scan lies in the pointwise band.
     pub fn curves_inside_share(&self) -> Option<f64> {
         finite(self.curves_inside as f64 / self.curves_compared as f64)
     }
 
-    /// Names of the statistics of the scan that lie outside of their band.
+    /// Returns the names of the statistics of the scan that lie outside their band.
     pub fn outside(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.twins.iter().filter(|(_, statistic)| statistic.inside == Some(false)).map(|(name, _)| *name)
     }
 }
 
-/// What is known of the scan before its twins are drawn.
+/// Statistics and functions of the scan before its twins are drawn.
 pub(super) struct Target {
     pub(super) statistics: MapStatistics,
     pub(super) curves: Vec<Curve>,
 }
 
-/// The same of one twin: values in the order of [`STATISTICS`], and of the target's curves.
+/// Statistics and functions of one twin: values in the order of [`STATISTICS`], and at the abscissas of the target's
+/// curves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TwinTraits {
     statistics: Vec<f64>,
@@ -177,7 +179,7 @@ impl Target {
         Self { statistics: measured.statistics.clone(), curves }
     }
 
-    /// Reads off a twin what was read off the scan.
+    /// Measures a twin like the scan.
     pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
         let Measured { map, statistics, correlation, .. } = Measured::point_values_of(twin)?;
         let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics.results).unwrap_or(f64::NAN)).collect();
@@ -185,7 +187,7 @@ impl Target {
         Ok(TwinTraits { statistics, curves })
     }
 
-    /// Every statistic of the scan beside those of its twins.
+    /// Compares every statistic of the scan with those of its twins.
     pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(&'static str, StatisticComparison)> {
         let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
             let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
@@ -204,7 +206,7 @@ impl Target {
         entries.collect()
     }
 
-    /// Every function of the scan beside those of its twins, with its table.
+    /// Compares every function of the scan with those of its twins; returns its table too.
     pub(super) fn compare_curves(&self, twins: &[TwinTraits]) -> Vec<(&'static str, CurveComparison, Table)> {
         let compare = |(i, curve): (usize, &Curve)| {
             let scale = if curve.kind.is_spectrum() { POSITIVE } else { Linear };
@@ -218,7 +220,7 @@ impl Target {
             let compared: Vec<bool> = spreads
                 .iter()
                 .zip(&curve.y)
-                // Where all twins are equal, as at zero lag, there is nothing to compare.
+                // If all twins are equal, as at zero lag, there is nothing to compare.
                 .filter(|(spread, value)| value.is_finite() && spread.std > 0.0)
                 .filter_map(|(spread, value)| Some(spread.band?.contains(*value)))
                 .collect();
@@ -238,7 +240,7 @@ impl Target {
     }
 }
 
-/// The statistics of every twin, one row each.
+/// Returns the statistics of every twin, one row each.
 pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
     let number = ("twin", (1..=twins.len()).map(|number| number as f64).collect());
     let columns = STATISTICS.iter().enumerate().map(|(i, (name, _, _))| {
@@ -248,7 +250,7 @@ pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
     Table::new(std::iter::once(number).chain(columns))
 }
 
-/// A sentence on what lies outside; none where nothing does.
+/// Returns a sentence about the statistics outside their band; `None` if there are none.
 pub(super) fn outside_sentence(twins: &[(&'static str, StatisticComparison)]) -> Option<String> {
     let compared = twins.iter().filter(|(_, statistic)| statistic.inside.is_some()).count();
     let outside: Vec<String> = twins
@@ -274,7 +276,7 @@ pub(super) fn outside_sentence(twins: &[(&'static str, StatisticComparison)]) ->
     })
 }
 
-/// A twin with the scan's missing points.
+/// Returns a twin with the scan's missing points.
 pub(super) fn masked(twin: &HeightMap, scan: &HeightMap) -> Result<HeightMap, StudyError> {
     let mut heights = twin.heights_m().clone();
     heights.zip_mut_with(scan.heights_m(), |z, measured| *z = if measured.is_nan() { f64::NAN } else { *z });
@@ -286,7 +288,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sentence_names_what_lies_outside_and_what_chance_would_put_there() {
+    fn a_sentence_names_outliers_and_the_number_expected_by_chance() {
         let statistic = |inside| StatisticComparison {
             target: Some(0.3),
             mean: Some(0.1),

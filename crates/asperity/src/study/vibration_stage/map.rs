@@ -1,4 +1,4 @@
-//! The stability map of a study.
+//! Stability map of a study.
 
 use super::{Ensembles, NO_SCATTER, Scatter};
 use crate::friction::process::{FrictionProcess, ProcessModel};
@@ -32,8 +32,8 @@ impl Ensembles<'_> {
         Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
     }
 
-    /// The machine at a point of the map and its friction process, `None` where friction is constant. Velocities are in units of the
-    /// stated load.
+    /// Returns the machine at a point of the map and its friction process, `None` if friction is constant. Velocities
+    /// are in units of the stated load.
     pub(super) fn machine_and_model(
         &self,
         over: MapOver,
@@ -47,8 +47,8 @@ impl Ensembles<'_> {
     }
 }
 
-/// Tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the end of
-/// vibration without fluctuation, `map_limit`.
+/// Returns the tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the
+/// end of vibration without fluctuation, `map_limit`.
 pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
     let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
     let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
@@ -78,7 +78,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
     ]
 }
 
-/// The points of numbered lines, with the level of each if lines have one.
+/// Returns the points of numbered lines, with the level of each if lines have levels.
 fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
     let mut columns = [(); 4].map(|()| Vec::new());
     for (number, (level, line)) in lines.enumerate() {
