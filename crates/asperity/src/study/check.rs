@@ -1,7 +1,7 @@
 //! Conversion of a study file to a checked study: checks of values that their types do not exclude.
 
 mod friction;
-mod idle;
+mod keys_without_effect;
 mod pressure;
 mod surface;
 mod vibration;

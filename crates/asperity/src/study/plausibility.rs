@@ -77,7 +77,7 @@ impl Study {
     /// Returns the warnings that follow from the study file alone: keys without effect and implausible values.
     pub fn warnings(&self) -> Vec<String> {
         let file = self.file();
-        let mut warnings = file.idle_keys();
+        let mut warnings = file.keys_without_effect();
         if let Some(material) = &file.material {
             let [hardness, shear] = [material.hardness, material.shear_strength].map(|stated| stated.map(|q| q.0));
             let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law != FrictionLawKind::Coulomb));

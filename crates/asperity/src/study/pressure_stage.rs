@@ -19,7 +19,7 @@ use crate::study::result::PressureResult;
 use crate::study::surface_model::Generated;
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
-use entries::Posed;
+use entries::Prescribed;
 
 /// Bias of a method over the mean pressure above which the stage warns.
 const LARGE_BIAS: f64 = 0.25;
@@ -108,8 +108,8 @@ pub(super) fn run(
             ));
         }
     }
-    let posed = Posed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
-    let result = entries::summary(&results, &posed);
+    let prescribed = Prescribed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
+    let result = entries::summary(&results, &prescribed);
     let mut fields = sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?;
     fields.extend(results.fields.iter().flat_map(maps::fields));
     Ok(PressureStage {
@@ -179,9 +179,9 @@ fn sample_fields(
 ) -> Result<Vec<(&'static str, Field)>, StudyError> {
     let germ = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&germ);
-    let posed = |error| StudyError::Contact { section: "pressure", error };
-    let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(posed)?;
-    let solution = solver.solve(&problem).map_err(posed)?;
+    let prescribed = |error| StudyError::Contact { section: "pressure", error };
+    let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
+    let solution = solver.solve(&problem).map_err(prescribed)?;
     let grid = map.grid();
     Ok(vec![
         ("surface_sample", Field { grid, unit: "m", values: map.heights_m().clone() }),

@@ -73,7 +73,7 @@ impl Study {
     }
 
     /// Returns the warnings that are known before anything is computed, including those of the known friction.
-    fn foreseen(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
+    fn known_warnings(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
         let mut warnings = self.warnings();
         if let (Some(section), Some(known)) = (&self.vibration, known) {
             vibration_stage::refuse_clipping(section, known)?;
@@ -89,7 +89,7 @@ impl Study {
     /// The study cannot run: its friction process cannot be read, or more of the friction is clipped than the study
     /// allows.
     pub fn check_before_run(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
-        self.foreseen(self.known_friction(folder)?.as_mut())
+        self.known_warnings(self.known_friction(folder)?.as_mut())
     }
 
     /// Runs the stages of the study, or, with `only`, one stage and the stages it needs. `folder` is the folder of the
@@ -106,7 +106,7 @@ impl Study {
         let mut gathered = Gathered::default();
         gathered.results.seed = self.seed();
         let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
-        gathered.results.warnings = self.foreseen(known.as_mut())?;
+        gathered.results.warnings = self.known_warnings(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
         if let Some(section) = &self.file().surface {
             monitor.progress("surface", 0, 1);
@@ -150,7 +150,11 @@ impl Study {
                 .vibration
                 .as_ref()
                 .and_then(|vibration| Some(vibration.stribeck()?.s_per_m(vibration.scales.velocity_m_per_s())));
-            match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
+            match friction_process::level_process(
+                &stage.solved,
+                &stage.solved.levels[stage.solved.lead],
+                stribeck_s_per_m,
+            ) {
                 Ok(process) => gathered.friction_process = Some(process),
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
             }

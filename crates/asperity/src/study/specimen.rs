@@ -75,8 +75,8 @@ impl Specimen {
         let scans = names.zip(self.surface.read_scans(folder)?).collect();
         let stage = surface_stage::run(&self.surface, scans)?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryKind::Periodic)?;
-        let idle = self.surface.idle_keys().into_iter();
-        let warnings = idle.chain(stage.output.warnings).chain(generated.warnings).collect();
+        let keys = self.surface.keys_without_effect().into_iter();
+        let warnings = keys.chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }
 }

@@ -85,7 +85,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The destination contains files that asperity did not write, or that have changed since.
-    #[error("{} is not replaced: asperity did not write {}; move it away, or choose another folder", path.display(), first_of(foreign))]
+    #[error("{} is not replaced: asperity did not write {}; move it away, or choose another folder", path.display(), first_names(foreign))]
     Foreign {
         /// The destination.
         path: PathBuf,
@@ -154,7 +154,7 @@ fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
 }
 
 /// Returns the first three names of a list, and the number of the others.
-fn first_of(names: &[String]) -> String {
+fn first_names(names: &[String]) -> String {
     const SHOWN: usize = 3;
     let first = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(SHOWN) {

@@ -45,7 +45,7 @@ const TRIALS: u64 = 8;
 /// Fraction of variance in the form above which the height of the long waves is reported as uncertain.
 const LARGE_FORM_SHARE: f64 = 0.25;
 /// Kurtosis above which a scan is suspected of spikes. Lognormal heights with σ = 0.9 have a kurtosis of 20.
-const SPIKY: f64 = 20.0;
+const SPIKE_KURTOSIS: f64 = 20.0;
 
 /// Error of comparing twins; `E` is the error of the caller that stores them.
 #[derive(Debug, Error)]
@@ -82,15 +82,15 @@ impl Twins {
     ///
     /// # Errors
     /// The scan has no texture or no covariance that can be fitted, or the model or the grid is invalid.
-    pub fn like(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
+    pub fn new(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
         let mut section = SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
         let mut output = StageOutput::default();
         // Warnings of the file come first.
         let measured = measure(&section, file, scan, &mut output)?;
-        output.warnings.extend(section.idle_keys());
+        output.warnings.extend(section.keys_without_effect());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
         let (model, chosen) = match model {
-            Err(StudyError::Empirical(error)) if options.model_in_need => {
+            Err(StudyError::Empirical(error)) if options.fallback_to_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
                 model_of(&section, Some(&measured), &options.families, &mut output)?
@@ -108,7 +108,7 @@ impl Twins {
             file: file.to_owned(),
             seed: options.seed,
             level: treatment(section.level),
-            target: Target::of(&measured),
+            target: Target::new(&measured),
             scan: measured.map,
             surface: generated.surface,
             gain: 1.0,
@@ -131,9 +131,9 @@ impl Twins {
             } else {
                 twins.form_share(&*model.patch(own, periodic)?.surface)?
             };
-            twins.make_up_for(share, &model.marginal)?;
+            twins.compensate_form(share, &model.marginal)?;
         }
-        twins.say(section, grid);
+        twins.add_sentences(section, grid);
         Ok(twins)
     }
 
@@ -158,7 +158,7 @@ impl Twins {
     }
 
     /// Scales the twins so that their variance without the form equals the scan's.
-    fn make_up_for(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
+    fn compensate_form(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
         self.gain = 1.0 / (1.0 - share).sqrt();
         let model = &mut self.model;
         model.rms_height_m *= self.gain;
@@ -184,7 +184,7 @@ impl Twins {
     }
 
     /// Adds assumptions about the measurement of twins, and warnings about their limits.
-    fn say(&mut self, section: &SurfaceSection, grid: Grid) {
+    fn add_sentences(&mut self, section: &SurfaceSection, grid: Grid) {
         if section.s_filter.is_some() || section.l_filter.is_some() {
             self.assumptions.push(
                 "Twins are like the filtered scan. They were not filtered again: a wave that the filter halves would be \
@@ -193,7 +193,7 @@ impl Twins {
             );
         }
         let kurtosis = self.target.statistics.results.Sku.unwrap_or(f64::NAN);
-        if kurtosis > SPIKY && section.outliers.is_none() {
+        if kurtosis > SPIKE_KURTOSIS && section.outliers.is_none() {
             self.warnings.push(format!(
                 "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
                 sentence::digits(kurtosis)
@@ -258,7 +258,7 @@ impl Twins {
     }
 
     /// Prepares a twin like the scan: masks its missing points and removes the form.
-    fn treated(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
+    fn prepared_twin(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
         let twin = if self.grid() == self.scan.grid() { masked(twin, &self.scan)? } else { twin.clone() };
         Ok(Preparation { level: self.level, ..Preparation::default() }.apply(&twin)?)
     }
@@ -287,16 +287,16 @@ impl Twins {
                     }
                     let twin = self.draw(index as u64);
                     keep(index, &twin).map_err(TwinError::Keep)?;
-                    Ok(self.target.read_off(self.treated(&twin)?)?)
+                    Ok(self.target.measure_twin(self.prepared_twin(&twin)?)?)
                 })
                 .collect();
             traits.extend(read?);
             monitor.progress("twins", traits.len(), count);
         }
-        Ok(self.compared(&traits))
+        Ok(self.comparison(&traits))
     }
 
-    fn compared(&self, traits: &[TwinTraits]) -> Comparison {
+    fn comparison(&self, traits: &[TwinTraits]) -> Comparison {
         let twins = self.target.compare_statistics(traits);
         let mut tables = vec![("statistics", statistics_table(traits))];
         let mut curves = Vec::new();

@@ -8,7 +8,7 @@ mod tables;
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
 use self::entries::{
-    crossing_result, cycle_result, damping_result, kind_result, law_in_words, motion_result, points_result,
+    crossing_result, cycle_result, damping_result, describe_law, kind_result, motion_result, points_result,
 };
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
@@ -40,25 +40,25 @@ const TRAJECTORY_SPAN: f64 = 120.0;
 /// Number of trajectories of a cloud.
 const CLOUD_TRAJECTORIES: usize = 60;
 /// Levels of the mean fraction of time in vibration whose damping ratios are reported.
-const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
+const CROSSING_FRACTIONS: [f64; 3] = [0.95, 0.5, 0.05];
 /// Multiples of the fastest expected slip for which friction is kept positive; the next is tried if slips are faster.
 const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Standard deviation of μ below which friction counts as constant.
-const NO_SCATTER: f64 = 1e-12;
+const CONSTANT_STD: f64 = 1e-12;
 
 /// Fluctuation of friction under one upscaling.
-struct Scatter {
+struct Fluctuation {
     name: &'static str,
     std: f64,
     marginal: Marginal,
 }
 
 /// Returns the fluctuation under both upscalings, first that of one window.
-fn scatters(window: &WindowFriction) -> [Scatter; 2] {
+fn fluctuations(window: &WindowFriction) -> [Fluctuation; 2] {
     let area_std = window.std * window.variance_reduction.sqrt();
     [
-        Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() },
-        Scatter { name: "area", std: area_std, marginal: window.area_marginal() },
+        Fluctuation { name: "paper", std: window.std, marginal: window.marginal.clone() },
+        Fluctuation { name: "area", std: area_std, marginal: window.area_marginal() },
     ]
 }
 
@@ -77,36 +77,36 @@ pub(super) fn run(
     let ensembles = ensembles(study, window, seed)?;
     let (oscillator, correlation_length) = (ensembles.oscillator.clone(), ensembles.correlation_length);
     let mut warnings = window.warnings.clone();
-    let [paper_scatter, area_scatter] = scatters(window);
-    let area_std = area_scatter.std;
-    let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
-    let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
+    let [paper_fluctuation, area_fluctuation] = fluctuations(window);
+    let area_std = area_fluctuation.std;
+    let (paper, paper_ensemble) = ensembles.run(&paper_fluctuation, monitor, &mut warnings)?;
+    let (area, area_ensemble) = ensembles.run(&area_fluctuation, monitor, &mut warnings)?;
     // For a study without a measured process, the study file alone decides.
     let is_stated = || window.stribeck == study.dimensionless_stribeck();
     warnings.extend(study.load_warning().filter(|_| matches!(study.friction, FrictionSource::File(_)) && is_stated()));
-    let critical = if_found(critical_damping(&oscillator))?;
+    let critical = found_or_none(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;
     let velocity_scale = study.scales.velocity_m_per_s();
-    let kick = if free { if_found(smallest_kick(&oscillator))?.flatten() } else { None };
-    let lead = match study.upscaling {
-        Upscaling::Area => &area_scatter,
-        Upscaling::Paper => &paper_scatter,
+    let kick = if free { found_or_none(smallest_kick(&oscillator))?.flatten() } else { None };
+    let main = match study.upscaling {
+        Upscaling::Area => &area_fluctuation,
+        Upscaling::Paper => &paper_fluctuation,
     };
     let mut tables = vec![("cycles_over_damping", damping_table(&paper, &area))];
-    tables.extend(ensembles.portraits(lead, monitor)?);
-    for (name, lead) in [("reattachment_paper", &paper_lead), ("reattachment_area", &area_lead)] {
-        if let Some(table) = lead.as_ref().and_then(|lead| points_table(&lead.reattachments)) {
+    tables.extend(ensembles.portraits(main, monitor)?);
+    for (name, ensemble) in [("reattachment_paper", &paper_ensemble), ("reattachment_area", &area_ensemble)] {
+        if let Some(table) = ensemble.as_ref().and_then(|ensemble| points_table(&ensemble.reattachments)) {
             tables.push((name, table));
         }
     }
-    for (name, lead) in [("survival_paper", &paper_lead), ("survival_area", &area_lead)] {
-        tables.extend(lead.as_ref().map(|lead| (name, survival_table(&lead.passages, study.duration))));
+    for (name, ensemble) in [("survival_paper", &paper_ensemble), ("survival_area", &area_ensemble)] {
+        tables.extend(ensemble.as_ref().map(|ensemble| (name, survival_table(&ensemble.passages, study.duration))));
     }
     let mut map = None;
     if let Some(plan) = &study.map {
-        warnings.extend(ensembles.clipping_of_map(plan, lead)?);
-        let found = ensembles.map(plan, lead, monitor)?;
+        warnings.extend(ensembles.map_clipping_warning(plan, main)?);
+        let found = ensembles.map(plan, main, monitor)?;
         let [x, y] = plan.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
         let MapResolution { x: width, y: height, unresolved_share } = found.resolution;
@@ -122,16 +122,16 @@ pub(super) fn run(
         level_mean_pressure_pa: window.level_mean_pressure_pa,
         friction_correlation_length_m: window.length_m,
         correlation_length,
-        marginal: (window.std >= NO_SCATTER).then(|| law_result(&window.marginal)),
+        marginal: (window.std >= CONSTANT_STD).then(|| law_result(&window.marginal)),
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
-        limit_damping_ratio: if_found(limit_damping(&oscillator))?,
+        limit_damping_ratio: found_or_none(limit_damping(&oscillator))?,
         kind: kind_result(regime.kind()),
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
         kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
-        upscaling: lead.name.into(),
+        upscaling: main.name.into(),
         map,
         paper,
         area,
@@ -140,7 +140,7 @@ pub(super) fn run(
 }
 
 /// Converts a failed search to `None`.
-fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, VibrationError> {
+fn found_or_none<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, VibrationError> {
     match answer {
         Ok(found) => Ok(Some(found)),
         Err(VibrationError::NotFound { .. }) => Ok(None),
@@ -180,12 +180,12 @@ impl Ensembles<'_> {
     ///
     /// # Errors
     /// More of its values are clipped than the study allows.
-    fn process(&self, scatter: &Scatter, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
-        if scatter.std < NO_SCATTER {
+    fn process(&self, fluctuation: &Fluctuation, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
+        if fluctuation.std < CONSTANT_STD {
             return Ok(None);
         }
-        let model = self.model(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, margin);
-        self.clipped(&model, scatter.name)?;
+        let model = self.model(&self.oscillator, fluctuation.marginal.clone(), fluctuation.std, 1.0, margin);
+        self.clipped(&model, fluctuation.name)?;
         Ok(Some(FrictionProcess::new(model)?))
     }
 
@@ -231,31 +231,31 @@ impl Ensembles<'_> {
     /// so that friction would change its sign, retries with a stronger clipping, which the result reports.
     fn run(
         &self,
-        scatter: &Scatter,
+        fluctuation: &Fluctuation,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let mut ended = self.run_clamped(scatter, MARGINS[0], monitor, warnings);
+        let mut result = self.run_with_margin(fluctuation, MARGINS[0], monitor, warnings);
         for margin in &MARGINS[1..] {
-            if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = ended {
-                ended = self.run_clamped(scatter, *margin, monitor, warnings);
+            if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = result {
+                result = self.run_with_margin(fluctuation, *margin, monitor, warnings);
             }
         }
-        ended
+        result
     }
 
-    fn run_clamped(
+    fn run_with_margin(
         &self,
-        scatter: &Scatter,
+        fluctuation: &Fluctuation,
         margin: f64,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.study.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
-        let name = scatter.name;
-        let Some(process) = self.process(scatter, margin)? else {
-            return Ok((self.without_scatter(scatter.std, ratios, monitor)?, None));
+        let name = fluctuation.name;
+        let Some(process) = self.process(fluctuation, margin)? else {
+            return Ok((self.constant_friction_result(fluctuation.std, ratios, monitor)?, None));
         };
         let clipped_fraction = process.model().clipped_fraction();
         let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
@@ -271,27 +271,27 @@ impl Ensembles<'_> {
             ensembles.push(ensemble);
         }
         monitor.progress(&task, count, count + 2);
-        let lead = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
+        let ensemble = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
         monitor.progress(&task, count + 1, count + 2);
         let sweep = DampingSweep { damping_ratios, ensembles };
-        let crossings = sweep.crossings(&self.oscillator, &process, &SHARES, &self.settings(), monitor)?;
+        let crossings = sweep.crossings(&self.oscillator, &process, &CROSSING_FRACTIONS, &self.settings(), monitor)?;
         monitor.progress(&task, count + 2, count + 2);
         let clipping = clipping_warning(clipped_fraction);
         warnings.extend(clipping.map(|warning| format!("with the {name} upscaling, {warning}")));
         let result = EnsembleResult {
-            friction_std: scatter.std,
+            friction_std: fluctuation.std,
             clipped_fraction,
             damping,
             crossings: crossings.into_iter().map(crossing_result).collect(),
-            reattachment: points_result(&lead.reattachments),
-            release: points_result(&lead.releases),
-            motion: Some(motion_result(&lead)),
+            reattachment: points_result(&ensemble.reattachments),
+            release: points_result(&ensemble.releases),
+            motion: Some(motion_result(&ensemble)),
         };
-        Ok((result, Some(lead)))
+        Ok((result, Some(ensemble)))
     }
 
     /// Returns the result of constant friction: every trajectory is the deterministic one.
-    fn without_scatter(
+    fn constant_friction_result(
         &self,
         std: f64,
         ratios: impl Iterator<Item = f64>,
@@ -319,7 +319,8 @@ impl Ensembles<'_> {
                 failed_samples: 0,
             });
         }
-        let crossings = crossings_without_fluctuation(&self.oscillator, &SHARES, self.study.damping_sweep.1, monitor)?;
+        let crossings =
+            crossings_without_fluctuation(&self.oscillator, &CROSSING_FRACTIONS, self.study.damping_sweep.1, monitor)?;
         let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
@@ -334,7 +335,11 @@ impl Ensembles<'_> {
     }
 
     /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, scatter: &Scatter, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn portraits(
+        &self,
+        fluctuation: &Fluctuation,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));
@@ -342,7 +347,7 @@ impl Ensembles<'_> {
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for margin in MARGINS {
-            let process = match self.process(scatter, margin) {
+            let process = match self.process(fluctuation, margin) {
                 Ok(Some(process)) => process,
                 // The ensembles did not reach this velocity.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,
@@ -370,7 +375,7 @@ impl Ensembles<'_> {
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
              starting in stick. The damping ratios at which vibration falls through 95, 50 and 5 % belong to the second half of this \
              time: the longer it is, the more trajectories leave vibration.",
-            law_in_words(self.oscillator.law()),
+            describe_law(self.oscillator.law()),
             sentence::digits(self.oscillator.belt_velocity()),
             self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
                 ", under the force {} cos {}τ in units of N",
@@ -379,7 +384,7 @@ impl Ensembles<'_> {
             )),
             study.duration
         )];
-        if window.std < NO_SCATTER {
+        if window.std < CONSTANT_STD {
             sentences.push(format!(
                 "Friction ({}) is constant at {}: every trajectory is the deterministic one.",
                 window.origin,

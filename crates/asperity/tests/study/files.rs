@@ -72,7 +72,7 @@ fn the_paper_s_study_holds_the_paper_s_numbers() {
 #[test]
 fn the_quickstart_takes_everything_from_its_scan_and_leads_with_the_area() {
     let study = study("quickstart.toml");
-    assert!(study.file().idle_keys().is_empty(), "{:?}", study.file().idle_keys());
+    assert!(study.file().keys_without_effect().is_empty(), "{:?}", study.file().keys_without_effect());
     let surface = study.file().surface.as_ref().unwrap();
     assert!(study.scan_paths(&studies())[0].is_file());
     assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceSource::Measured, "measured"));

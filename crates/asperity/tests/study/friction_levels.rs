@@ -236,7 +236,7 @@ fn keys_that_cannot_be_right_are_errors_with_their_line() {
     assert!(Study::parse(&none, "study.toml").unwrap_err().message.contains("at least one level"));
     assert!(Study::parse(&format!("{none}penetrations = [\"1 um\"]\n"), "study.toml").is_ok());
     let idle = Study::parse(&format!("{STUDY}coefficient = 0.2\npressure_coefficient = 0.1\n"), "study.toml");
-    let idle = idle.unwrap().file().idle_keys();
+    let idle = idle.unwrap().file().keys_without_effect();
     assert_eq!(idle.len(), 2, "{idle:?}");
     assert!(idle[0].contains("pressure_coefficient has no effect") && idle[1].contains("[friction] coefficient"));
 }

@@ -575,11 +575,11 @@ fn a_key_without_effect_is_warned_about() {
         MODEL,
         &[("modes = 30", "modes = 30\nhurst = 0.8"), ("[pressure]", "[pressure]\nmean_compliance = \"20 nm/MPa\"")],
     );
-    let idle = study(&text).file().idle_keys();
+    let idle = study(&text).file().keys_without_effect();
     assert_eq!(idle.len(), 2, "{idle:?}");
     assert!(idle[0].contains("hurst") && idle[1].contains("[pressure] mean_compliance"), "{idle:?}");
     assert_eq!(run(&text, Some(Stage::Surface)).results.warnings[..2], idle);
-    assert!(study(MODEL).file().idle_keys().is_empty());
+    assert!(study(MODEL).file().keys_without_effect().is_empty());
 }
 
 #[test]

@@ -178,7 +178,7 @@ impl Twin {
         Ok(TwinOptions {
             surface,
             families,
-            model_in_need: model.covariance.is_none(),
+            fallback_to_model: model.covariance.is_none(),
             size_m: model.size.map(OneOrTwo::both).map(|(x, y)| [x.0, y.0]),
             points: model.points.map(|points| <[usize; 2]>::from(points.both())),
             boundary: model.boundary,
@@ -203,7 +203,7 @@ impl Twin {
         let (printed, source) = (scan.warnings.len(), input::source(&scan));
         let file = self.file.display().to_string();
         let twins =
-            monitor.with_immediate_exit(|| Twins::like(scan, &file, &options))?.map_err(|e| self.study_failure(&e))?;
+            monitor.with_immediate_exit(|| Twins::new(scan, &file, &options))?.map_err(|e| self.study_failure(&e))?;
         // The warnings of the file were printed when it was read.
         twins.warnings().iter().skip(printed).for_each(|warning| monitor.warn(warning));
 

@@ -40,7 +40,7 @@ impl Manifest {
     }
 
     /// Builds a manifest of every file in a folder.
-    pub(super) fn of(folder: &Path) -> io::Result<Self> {
+    pub(super) fn from_folder(folder: &Path) -> io::Result<Self> {
         let files = entries(folder)?.into_iter().filter(|entry| entry.is_file);
         files.map(|entry| Ok((entry.path, hash(&entry.location)?))).collect::<io::Result<_>>().map(Self)
     }
@@ -159,7 +159,7 @@ mod tests {
         fs::write(folder.path().join("tables/abc.csv"), "abc").unwrap();
         // FIPS 180-2, appendix B.1.
         let line = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  tables/abc.csv\n";
-        let manifest = Manifest::of(folder.path()).unwrap();
+        let manifest = Manifest::from_folder(folder.path()).unwrap();
         assert_eq!(manifest.text(), line);
         assert_eq!(Manifest::parse(&format!("{line}-  ../thesis.txt\n-  /etc/passwd\n-  a/../../b\n")), manifest);
         assert!(manifest.foreign(folder.path()).unwrap().is_empty());
@@ -196,7 +196,7 @@ mod tests {
             fs::write(name.join("a.csv"), "a").unwrap();
         }
         std::os::unix::fs::symlink(&target, run.join("tables")).unwrap();
-        let mut manifest = Manifest::of(&run).unwrap();
+        let mut manifest = Manifest::from_folder(&run).unwrap();
         assert_eq!(manifest.foreign(&run).unwrap(), ["tables"]);
         manifest.update(&run, ["tables/a.csv"].into_iter()).unwrap();
         manifest.remove(&run).unwrap();

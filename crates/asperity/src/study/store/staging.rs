@@ -103,7 +103,7 @@ impl Staging {
         self.finish_manifest().map_err(at(&self.destination.join(MANIFEST)))?;
         let aside = match self.set_aside() {
             Ok(aside) => aside,
-            Err(source) => return Err(self.keep_beside(source)),
+            Err(source) => return Err(self.keep_under_new_name(source)),
         };
         let moved = fs::rename(&self.partial, &self.destination);
         if let Some((aside, old, _lock)) = aside {
@@ -114,13 +114,13 @@ impl Staging {
         }
         match moved {
             Ok(()) => Ok(self.destination.clone()),
-            Err(source) => Err(self.keep_beside(source)),
+            Err(source) => Err(self.keep_under_new_name(source)),
         }
     }
 
     /// Replaces the unfinished manifest by one with the hashes of all files.
     fn finish_manifest(&self) -> io::Result<()> {
-        let text = Manifest::of(&self.partial)?.text();
+        let text = Manifest::from_folder(&self.partial)?.text();
         let mut file = &self.manifest;
         file.rewind()?;
         file.set_len(0)?;
@@ -153,7 +153,7 @@ impl Staging {
     }
 
     /// Moves a finished folder whose destination was taken to a new name, so that no result is lost.
-    fn keep_beside(&self, source: io::Error) -> StoreError {
+    fn keep_under_new_name(&self, source: io::Error) -> StoreError {
         let name = self.destination.file_name().unwrap_or_default();
         let free = (2..MAX_ATTEMPTS).find_map(|number| {
             let mut other = name.to_os_string();

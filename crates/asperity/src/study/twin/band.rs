@@ -91,7 +91,7 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub(super) fn of(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
+    pub(super) fn new(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
         let sorted = sorted_present(values);
         let moments = Moments::of(&sorted);
         let band = match band_method(sorted.len()) {
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn no_band_leaves_the_range_of_its_statistic() {
-        let band = |values: &[f64], scale| Spread::of(values.iter().copied(), scale).band.unwrap();
+        let band = |values: &[f64], scale| Spread::new(values.iter().copied(), scale).band.unwrap();
         // As wide as two values allow: t(1) = 12.7.
         for values in [[0.1, 0.9], [0.999, 0.2], [1e-9, 0.5]] {
             let share = band(&values, Share);
@@ -179,20 +179,20 @@ mod tests {
 
     #[test]
     fn bands_are_order_statistics_of_many_and_students_of_few() {
-        let spread = |n: usize| Spread::of((0..n).map(|i| ((7 * i) % n) as f64), Linear);
+        let spread = |n: usize| Spread::new((0..n).map(|i| ((7 * i) % n) as f64), Linear);
         // 2.5 % of 40 is the first of 39, of 80 the second of 79.
         assert_eq!(spread(39).band, Some(Interval { low: 0.0, high: 38.0 }));
         assert_eq!(spread(79).band, Some(Interval { low: 1.0, high: 77.0 }));
-        let few = Spread::of([1.0, 2.0, f64::NAN, 3.0].into_iter(), Linear);
+        let few = Spread::new([1.0, 2.0, f64::NAN, 3.0].into_iter(), Linear);
         // t(2) · 1 · √(4/3) about 2.
         let half = 4.302_652_73 * (4.0_f64 / 3.0).sqrt();
         let band = few.band.unwrap();
         assert!((band.low - 2.0 + half).abs() < 1e-6 && (band.high - 2.0 - half).abs() < 1e-6 && few.defined == 3);
-        let factors = Spread::of([1.0, std::f64::consts::E].into_iter(), Above(0.0)).band.unwrap();
+        let factors = Spread::new([1.0, std::f64::consts::E].into_iter(), Above(0.0)).band.unwrap();
         assert!((factors.low * factors.high / std::f64::consts::E - 1.0).abs() < 1e-12, "symmetric about √e");
-        let shares = Spread::of([0.2, 0.3, 0.8].into_iter(), Share).band.unwrap();
+        let shares = Spread::new([0.2, 0.3, 0.8].into_iter(), Share).band.unwrap();
         assert!(shares.low > 0.0 && shares.high < 1.0, "{shares:?}");
-        assert_eq!(Spread::of([1.0].into_iter(), Linear).band, None);
-        assert!(Spread::of(std::iter::empty(), Linear).mean.is_nan());
+        assert_eq!(Spread::new([1.0].into_iter(), Linear).band, None);
+        assert!(Spread::new(std::iter::empty(), Linear).mean.is_nan());
     }
 }

@@ -174,23 +174,23 @@ pub(super) struct TwinTraits {
 }
 
 impl Target {
-    pub(super) fn of(measured: &Measured) -> Self {
+    pub(super) fn new(measured: &Measured) -> Self {
         let curves = Curve::all(&measured.map, &measured.correlation);
         Self { statistics: measured.statistics.clone(), curves }
     }
 
     /// Measures a twin like the scan.
-    pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
+    pub(super) fn measure_twin(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
         let Measured { map, statistics, correlation, .. } = Measured::point_values_of(twin)?;
         let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics.results).unwrap_or(f64::NAN)).collect();
-        let curves = self.curves.iter().map(|curve| curve.of_another(&map, &correlation)).collect();
+        let curves = self.curves.iter().map(|curve| curve.evaluate_on(&map, &correlation)).collect();
         Ok(TwinTraits { statistics, curves })
     }
 
     /// Compares every statistic of the scan with those of its twins.
     pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(&'static str, StatisticComparison)> {
         let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
-            let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
+            let spread = Spread::new(twins.iter().map(|twin| twin.statistics[i]), *scale);
             let target = read(&self.statistics.results).and_then(finite);
             let inside = target.zip(spread.band).map(|(value, band)| band.contains(value));
             let comparison = StatisticComparison {
@@ -211,7 +211,7 @@ impl Target {
         let compare = |(i, curve): (usize, &Curve)| {
             let scale = if curve.kind.is_spectrum() { POSITIVE } else { Linear };
             let spreads: Vec<Spread> = (0..curve.x.len())
-                .map(|place| Spread::of(twins.iter().map(|twin| twin.curves[i][place]), scale))
+                .map(|place| Spread::new(twins.iter().map(|twin| twin.curves[i][place]), scale))
                 .collect();
             // A density below zero is an artefact of a symmetric band.
             let least = if curve.kind.is_density() { 0.0 } else { f64::NEG_INFINITY };

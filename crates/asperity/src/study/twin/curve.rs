@@ -69,7 +69,7 @@ impl CurveKind {
         matches!(self, Self::Spectrum(_) | Self::RadialSpectrum)
     }
 
-    fn of(self, map: &HeightMap, correlation: &Autocorrelation) -> Option<Curve> {
+    fn evaluate(self, map: &HeightMap, correlation: &Autocorrelation) -> Option<Curve> {
         let (x, y) = match self {
             Self::HeightDensity => {
                 let centred: Vec<f64> = map.present_m().map(|z| z - correlation.mean_m()).collect();
@@ -114,19 +114,19 @@ impl Curve {
         for kind in CurveKind::ALL {
             let stands_in = kind == CurveKind::RadialSpectrum;
             if !(stands_in && found.iter().any(|curve| curve.kind.is_spectrum())) {
-                found.extend(kind.of(map, correlation));
+                found.extend(kind.evaluate(map, correlation));
             }
         }
         found
     }
 
     /// Evaluates the same function of another map at the same abscissas; NaN beyond its range.
-    pub(super) fn of_another(&self, map: &HeightMap, correlation: &Autocorrelation) -> Vec<f64> {
+    pub(super) fn evaluate_on(&self, map: &HeightMap, correlation: &Autocorrelation) -> Vec<f64> {
         if self.kind == CurveKind::HeightDensity {
             let centred: Vec<f64> = map.present_m().map(|z| z - correlation.mean_m()).collect();
             return density_in(&self.x, &centred);
         }
-        match self.kind.of(map, correlation) {
+        match self.kind.evaluate(map, correlation) {
             Some(own) if own.x == self.x => own.y,
             Some(own) => self.x.iter().map(|x| own.at(*x)).collect(),
             None => vec![f64::NAN; self.x.len()],
@@ -202,10 +202,10 @@ mod tests {
         let names: Vec<&str> = curves.iter().map(|curve| curve.kind.name()).collect();
         assert_eq!(names, ["height_pdf", "acf_x", "acf_y", "psd_x", "psd_y"]);
         let own = correlation(&fine);
-        let along_x = curves[1].of_another(&fine, &own);
+        let along_x = curves[1].evaluate_on(&fine, &own);
         assert_eq!(along_x[3], own.correlation(6, 0));
         // Half of the fine map's 24 rows is 12: the lags 14 and 16 of the coarse one lie beyond.
-        let along_y = curves[2].of_another(&fine, &own);
+        let along_y = curves[2].evaluate_on(&fine, &own);
         assert!(along_y[6].is_finite() && along_y[7].is_nan());
         let linear = Curve { kind: CurveKind::RadialSpectrum, x: vec![1.0, 2.0, 4.0], y: vec![0.0, 1.0, 3.0] };
         assert_eq!([linear.at(1.0), linear.at(3.0), linear.at(4.0 + 1e-12)], [0.0, 2.0, 3.0]);

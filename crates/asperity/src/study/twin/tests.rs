@@ -73,7 +73,7 @@ fn coverage(count: usize, maps: u64) -> (Vec<f64>, Vec<f64>) {
         let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (36, 40), index);
         // Holes, which twins share.
         heights.indexed_iter_mut().filter(|((r, c), _)| r.pow(2) + c.pow(2) < 90).for_each(|(_, z)| *z = f64::NAN);
-        let comparison = compare(&Twins::like(scan_of(heights), "map", &stated(&covariance, index)).unwrap(), count);
+        let comparison = compare(&Twins::new(scan_of(heights), "map", &stated(&covariance, index)).unwrap(), count);
         assert!(comparison.compared > 18, "{}", comparison.compared);
         let shares = comparison.curves.iter().map(|(_, curve)| curve.inside_share.unwrap());
         let curves = shares.sum::<f64>() / comparison.curves.len() as f64;
@@ -116,7 +116,7 @@ fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
     // A requested model is used, although it averages the lay away.
     let mut options = TwinOptions { families: vec![CorrelationFamily::Matern], ..plain(1) };
     let mean_of_twins = |options: &TwinOptions| {
-        let twins = Twins::like(scan_of(scan.heights_m().clone()), "map", options).unwrap();
+        let twins = Twins::new(scan_of(scan.heights_m().clone()), "map", options).unwrap();
         let all: Vec<(f64, f64)> = (0..12).map(|index| diagonals(&twins.draw(index))).collect();
         (all.iter().map(|d| d.0).sum::<f64>() / 12.0, all.iter().map(|d| d.1).sum::<f64>() / 12.0)
     };
@@ -133,12 +133,12 @@ fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning()
     let heights = map_of(&smooth(16e-6, 16e-6), &Marginal::STANDARD_NORMAL, (40, 40), 3);
     let mut options = TwinOptions::new(1);
     options.surface.level = Level::None;
-    let twins = Twins::like(scan_of(heights.clone()), "map", &options).unwrap();
+    let twins = Twins::new(scan_of(heights.clone()), "map", &options).unwrap();
     assert_ne!(twins.model.covariance.as_ref().unwrap().model, "empirical");
     assert!(twins.warnings().iter().any(|warning| warning.contains("independent patches")), "{:?}", twins.warnings());
     // Without the fallback it is an error.
-    options.model_in_need = false;
-    assert!(matches!(Twins::like(scan_of(heights), "map", &options), Err(StudyError::Empirical(_))));
+    options.fallback_to_model = false;
+    assert!(matches!(Twins::new(scan_of(heights), "map", &options), Err(StudyError::Empirical(_))));
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlatio
     for index in 0..24 {
         let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (64, 64), 100 + index);
         let options = TwinOptions { families: vec![CorrelationFamily::SquaredExponential], ..plain(index) };
-        let comparison = compare(&Twins::like(scan_of(heights), "map", &options).unwrap(), 8);
+        let comparison = compare(&Twins::new(scan_of(heights), "map", &options).unwrap(), 8);
         let table = &comparison.tables[0].1;
         let target = statistic(&comparison, "Sq_m").target.unwrap();
         let mean_square = table.column("Sq_m").unwrap().iter().map(|sq| sq * sq).sum::<f64>() / 8.0;
@@ -173,7 +173,7 @@ fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlatio
 fn a_twin_depends_on_seed_and_number_alone() {
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 40), 0);
-    let twins = |seed| Twins::like(scan_of(heights.clone()), "map", &plain(seed)).unwrap();
+    let twins = |seed| Twins::new(scan_of(heights.clone()), "map", &plain(seed)).unwrap();
     let (one, same, other) = (twins(1), twins(1), twins(2));
     assert_eq!(one.draw(5), same.draw(5));
     assert_ne!(one.draw(5), one.draw(6));
@@ -211,7 +211,7 @@ fn a_skewed_marginal_is_reproduced_and_a_normal_one_lies_outside() {
     let with = |marginal: &str| {
         let mut options = TwinOptions::new(4);
         options.surface.marginal = marginal.into();
-        compare(&Twins::like(scan_of(heights.clone()), "map", &options).unwrap(), 39)
+        compare(&Twins::new(scan_of(heights.clone()), "map", &options).unwrap(), 39)
     };
     let measured = with("measured");
     // e^{σ²}: skewness (e^{σ²} + 2) √(e^{σ²} − 1) = 1.75 in the limit of a large map.
@@ -235,12 +235,12 @@ fn missing_points_are_masked_in_the_comparison_only() {
     let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (48, 56), 5);
     heights.indexed_iter_mut().filter(|((r, c), _)| (r * 7 + c * 3) % 11 == 0).for_each(|(_, z)| *z = f64::NAN);
     let missing = heights.iter().filter(|z| z.is_nan()).count();
-    let twins = Twins::like(scan_of(heights), "map", &plain(6)).unwrap();
+    let twins = Twins::new(scan_of(heights), "map", &plain(6)).unwrap();
     assert_eq!(twins.draw(0).missing_points(), 0);
-    let treated = twins.treated(&twins.draw(0)).unwrap();
-    assert_eq!((treated.map.missing_points(), treated.outliers), (missing, 0));
-    let plane = Preparation::default().apply(&treated.map).unwrap().map;
-    let largest = plane.present_m().zip(treated.map.present_m()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    let prepared_twin = twins.prepared_twin(&twins.draw(0)).unwrap();
+    assert_eq!((prepared_twin.map.missing_points(), prepared_twin.outliers), (missing, 0));
+    let plane = Preparation::default().apply(&prepared_twin.map).unwrap().map;
+    let largest = plane.present_m().zip(prepared_twin.map.present_m()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     assert!(largest < 1e-18, "the form is gone: {largest:e}");
     let comparison = compare(&twins, 8);
     assert_eq!(comparison.target.missing_points, missing);
@@ -256,7 +256,7 @@ fn twins_are_not_filtered_a_second_time() {
     let heights = map_of(&smooth(3e-6, 3e-6), &Marginal::STANDARD_NORMAL, (160, 160), 8);
     let mut options = plain(9);
     options.surface.s_filter = Some(Length(10e-6));
-    let twins = Twins::like(scan_of(heights), "map", &options).unwrap();
+    let twins = Twins::new(scan_of(heights), "map", &options).unwrap();
     let comparison = compare(&twins, 10);
     let again = Preparation { s_filter_m: Some(10e-6), ..Preparation::default() };
     let twice: Vec<f64> = (0..10)
@@ -280,7 +280,7 @@ fn twins_of_another_size_are_drawn_with_a_warning() {
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (40, 40), 10);
     let with = |points, size_m| {
         let options = TwinOptions { points, size_m, ..plain(11) };
-        Twins::like(scan_of(heights.clone()), "map", &options)
+        Twins::new(scan_of(heights.clone()), "map", &options)
     };
     let wide = with(Some([80, 50]), None).unwrap();
     assert_eq!((wide.grid().nx(), wide.grid().ny(), wide.grid().dx_m()), (80, 50, PITCH_M));
@@ -301,13 +301,13 @@ fn twins_of_another_size_are_drawn_with_a_warning() {
 
 #[test]
 fn a_flat_scan_an_invalid_distribution_and_cancellation_are_errors() {
-    let flat = Twins::like(scan_of(Array2::from_elem((16, 16), 2e-6)), "flat", &TwinOptions::new(1));
+    let flat = Twins::new(scan_of(Array2::from_elem((16, 16), 2e-6)), "flat", &TwinOptions::new(1));
     assert_eq!(flat.err().unwrap().kind(), crate::study::FailureKind::Input);
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 32), 12);
     let mut options = TwinOptions::new(1);
     options.surface.marginal = "gamma:2".into();
-    let error = Twins::like(scan_of(heights.clone()), "map", &options).err().unwrap();
+    let error = Twins::new(scan_of(heights.clone()), "map", &options).err().unwrap();
     assert_eq!(error.kind(), crate::study::FailureKind::Configuration);
 
     struct Stopped;
@@ -317,7 +317,7 @@ fn a_flat_scan_an_invalid_distribution_and_cancellation_are_errors() {
             true
         }
     }
-    let twins = Twins::like(scan_of(heights), "map", &plain(1)).unwrap();
+    let twins = Twins::new(scan_of(heights), "map", &plain(1)).unwrap();
     let stopped = twins.compare(3, &Stopped, |_, _| Ok::<(), StudyError>(()));
     assert!(matches!(stopped, Err(TwinError::Study(StudyError::Cancelled(_)))));
     let full = twins.compare(3, &Silent, |_, _| Err("the disk is full"));

@@ -83,7 +83,7 @@ pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
 }
 
 /// Describes a friction law with its parameters, per unit of dimensionless velocity.
-pub(super) fn law_in_words(law: &FrictionLaw) -> String {
+pub(super) fn describe_law(law: &FrictionLaw) -> String {
     let digits = sentence::digits;
     match law {
         FrictionLaw::Coulomb { kinetic } => digits(*kinetic),
