@@ -1,4 +1,4 @@
-//! Contact problems drawn at random, each a function of its number, and a rough surface for tables.
+//! Random contact problems, each determined by its number, and a rough surface for tables.
 
 use std::error::Error;
 
@@ -10,7 +10,7 @@ use ndarray::{Array2, s};
 use rand::RngExt;
 
 const SEED: u64 = 2016;
-/// Columns and rows: even, odd, prime and eight times as long as wide.
+/// Columns and rows: even, odd, prime, and eight times as long as wide.
 const SIZES: [(usize, usize); 20] = [
     (16, 16),
     (17, 17),
@@ -35,34 +35,44 @@ const SIZES: [(usize, usize); 20] = [
 ];
 /// Pitch along y over that along x.
 const ASPECTS: [f64; 8] = [1.0, 1.0, 1.0, 1.0, 2.0, 0.5, 5.0, 0.125];
-const KINDS: [Kind; 9] = [
-    Kind::SelfAffine,
-    Kind::Smooth,
-    Kind::Lay,
-    Kind::Bump,
-    Kind::RoughBump,
-    Kind::Wave,
-    Kind::WhiteNoise,
-    Kind::Step,
-    Kind::Plateaus,
+const KINDS: [SurfaceKind; 9] = [
+    SurfaceKind::SelfAffine,
+    SurfaceKind::Smooth,
+    SurfaceKind::Lay,
+    SurfaceKind::Bump,
+    SurfaceKind::RoughBump,
+    SurfaceKind::Wave,
+    SurfaceKind::WhiteNoise,
+    SurfaceKind::Step,
+    SurfaceKind::Plateaus,
 ];
 
-/// What a surface looks like.
+/// SurfaceKind of surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum SurfaceKind {
+    /// Self-affine spectrum.
     SelfAffine,
+    /// Gaussian spectrum.
     Smooth,
+    /// Lay along y.
     Lay,
+    /// Paraboloid.
     Bump,
+    /// Rough paraboloid.
     RoughBump,
+    /// One wave.
     Wave,
+    /// White noise.
     WhiteNoise,
+    /// Rough step.
     Step,
+    /// Plateaus of equal height.
     Plateaus,
 }
 
-impl Kind {
-    pub(crate) fn name(self) -> &'static str {
+impl SurfaceKind {
+    /// Returns the name of the kind in tables.
+    pub fn name(self) -> &'static str {
         match self {
             Self::SelfAffine => "self-affine",
             Self::Smooth => "Gaussian spectrum",
@@ -77,22 +87,28 @@ impl Kind {
     }
 }
 
-/// A problem with what it refers to.
-pub(crate) struct Posed {
-    pub(crate) kind: Kind,
-    pub(crate) half_space: HalfSpace,
+/// Random contact problem with its half-space and heights.
+pub struct RandomProblem {
+    /// Kind of surface.
+    pub kind: SurfaceKind,
+    /// Half-space.
+    pub half_space: HalfSpace,
     heights_m: Array2<f64>,
     control: Control,
     hardness_pa: Option<f64>,
 }
 
-impl Posed {
-    pub(crate) fn problem(&self) -> Result<Problem<'_>, ContactError> {
+impl RandomProblem {
+    /// Returns the problem for the solver.
+    ///
+    /// # Errors
+    /// The problem is invalid.
+    pub fn problem(&self) -> Result<Problem<'_>, ContactError> {
         Problem::new(&self.half_space, &self.heights_m, self.control, self.hardness_pa)
     }
 }
 
-/// A generator of uniform choices.
+/// Generator of uniform choices.
 struct Draw(random::Stream);
 
 impl Draw {
@@ -100,7 +116,7 @@ impl Draw {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// Uniform in the logarithm between 10^low and 10^high.
+    /// Draws a number uniform in the logarithm between 10^low and 10^high.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         10.0_f64.powf(self.between(low, high))
     }
@@ -110,8 +126,11 @@ impl Draw {
     }
 }
 
-/// The problem of a number. Kinds of surface, boundaries and controls take turns; all else is drawn.
-pub(crate) fn draw(number: u64) -> Result<Posed, Box<dyn Error>> {
+/// Draws problem `number`. Kinds of surface, boundaries and controls alternate; everything else is random.
+///
+/// # Errors
+/// A drawn value is invalid, which does not happen.
+pub fn random_problem(number: u64) -> Result<RandomProblem, Box<dyn Error>> {
     let mut draw = Draw(random::stream(SEED, "contact validation", number));
     let kind = KINDS[number as usize % KINDS.len()];
     let (nx, ny) = draw.one_of(&SIZES);
@@ -140,10 +159,10 @@ pub(crate) fn draw(number: u64) -> Result<Posed, Box<dyn Error>> {
         (true, Control::MeanPressure { .. } | Control::Load { .. }) => Some(mean_pa * (1.0 + draw.decades(-2.0, 2.5))),
         (true, _) => Some(unit_pa * draw.decades(-1.5, 0.7)),
     };
-    Ok(Posed { kind, half_space: HalfSpace::new(grid, modulus_pa, boundary)?, heights_m, control, hardness_pa })
+    Ok(RandomProblem { kind, half_space: HalfSpace::new(grid, modulus_pa, boundary)?, heights_m, control, hardness_pa })
 }
 
-/// White noise whose amplitude at the given cycles per longer side along x and y is multiplied by `filter`.
+/// Returns white noise whose amplitude at the given cycles per longer side along x and y is multiplied by `filter`.
 fn filtered(stream: &mut random::Stream, grid: Grid, filter: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let (nx, ny) = (grid.nx(), grid.ny());
     let fft = RealFft2::new(nx, ny);
@@ -160,7 +179,7 @@ fn filtered(stream: &mut random::Stream, grid: Grid, filter: impl Fn(f64, f64) -
     map
 }
 
-fn heights(draw: &mut Draw, kind: Kind, grid: Grid) -> Vec<f64> {
+fn heights(draw: &mut Draw, kind: SurfaceKind, grid: Grid) -> Vec<f64> {
     let (nx, ny) = (grid.nx(), grid.ny());
     let (x0, y0, waves) = (draw.between(0.3, 0.7), draw.between(0.3, 0.7), draw.one_of(&[1.0, 2.0, 5.0]));
     let hurst = draw.between(0.3, 0.9);
@@ -169,19 +188,21 @@ fn heights(draw: &mut Draw, kind: Kind, grid: Grid) -> Vec<f64> {
     let noise = random::standard_normal(&mut draw.0, grid.points());
     let of = |height: &dyn Fn(usize) -> f64| (0..grid.points()).map(height).collect();
     match kind {
-        Kind::SelfAffine => filtered(&mut draw.0, grid, |qx, qy| qx.hypot(qy).max(2.0).powf(-1.0 - hurst)),
-        Kind::Smooth => filtered(&mut draw.0, grid, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
-        Kind::Lay => filtered(&mut draw.0, grid, |qx, qy| (qx / 16.0).hypot(qy / 2.0).max(0.5).powf(-1.0 - hurst)),
-        Kind::Bump => of(&bump),
-        Kind::RoughBump => of(&|i| bump(i) + 0.02 * noise[i]),
-        Kind::Wave => of(&|i| (std::f64::consts::TAU * (waves * at(i).0 + at(i).1)).cos()),
-        Kind::WhiteNoise => noise,
-        Kind::Step => of(&|i| f64::from(at(i).0 < x0) + 0.01 * noise[i]),
-        Kind::Plateaus => noise.iter().map(|z| z.round()).collect(),
+        SurfaceKind::SelfAffine => filtered(&mut draw.0, grid, |qx, qy| qx.hypot(qy).max(2.0).powf(-1.0 - hurst)),
+        SurfaceKind::Smooth => filtered(&mut draw.0, grid, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
+        SurfaceKind::Lay => {
+            filtered(&mut draw.0, grid, |qx, qy| (qx / 16.0).hypot(qy / 2.0).max(0.5).powf(-1.0 - hurst))
+        }
+        SurfaceKind::Bump => of(&bump),
+        SurfaceKind::RoughBump => of(&|i| bump(i) + 0.02 * noise[i]),
+        SurfaceKind::Wave => of(&|i| (std::f64::consts::TAU * (waves * at(i).0 + at(i).1)).cos()),
+        SurfaceKind::WhiteNoise => noise,
+        SurfaceKind::Step => of(&|i| f64::from(at(i).0 < x0) + 0.01 * noise[i]),
+        SurfaceKind::Plateaus => noise.iter().map(|z| z.round()).collect(),
     }
 }
 
-/// Of mean zero and unit standard deviation.
+/// Scales heights to mean zero and unit standard deviation.
 fn standardised(heights: Vec<f64>) -> ndarray::Array1<f64> {
     let heights = ndarray::Array1::from_vec(heights);
     let mean = heights.sum() / heights.len() as f64;
@@ -190,9 +211,12 @@ fn standardised(heights: Vec<f64>) -> ndarray::Array1<f64> {
     centred.mapv(|z| z / rms)
 }
 
-/// Periodic heights over the unit square, self-affine with H = 0.8 between four cycles and `cutoff` cycles per side and flat
-/// below, with an rms gradient of 1; known at `points` × `points` places, of which every `stride`-th is kept.
-pub(crate) fn rough(points: usize, cutoff: f64, stride: usize) -> Result<Array2<f64>, Box<dyn Error>> {
+/// Returns periodic heights over the unit square, self-affine with H = 0.8 between four cycles and `cutoff` cycles per side and flat
+/// below, with an rms gradient of 1, on every `stride`-th of `points` × `points` points.
+///
+/// # Errors
+/// The grid is invalid.
+pub fn rough(points: usize, cutoff: f64, stride: usize) -> Result<Array2<f64>, Box<dyn Error>> {
     let grid = Grid::covering(points, points, 1.0, 1.0)?;
     let filter = |qx: f64, qy: f64| match qx.hypot(qy) {
         q if q > cutoff => 0.0,
