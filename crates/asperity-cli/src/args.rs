@@ -231,8 +231,8 @@ pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")
 }
 
-fn within(x: f64, allowed: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, Refusal> {
-    if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {wanted}").into()) }
+fn within(x: f64, allowed: impl Fn(f64) -> bool, requirement: &str) -> Result<f64, Refusal> {
+    if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {requirement}").into()) }
 }
 
 #[cfg(test)]

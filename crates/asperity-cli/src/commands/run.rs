@@ -135,8 +135,8 @@ fn headline(results: &Results, folder: &Path) -> Answer {
     }
     if let Some(vibration) = vibration {
         // The standard deviation of the study's main upscaling.
-        let lead = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
-        show("friction_std", lead.friction_std.into());
+        let main = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
+        show("friction_std", main.friction_std.into());
         show("friction_correlation_length_m", vibration.friction_correlation_length_m.into());
         show("critical_damping_ratio", vibration.critical_damping_ratio.into());
         show("limit_damping_ratio", vibration.limit_damping_ratio.into());

@@ -92,7 +92,7 @@ fn force_on_the_folder_of_all_runs_keeps_every_run() {
     assert_eq!(run(at, "run study.toml --out runs/one").code, 0);
     assert_eq!(run(at, "run study.toml --out runs/two").code, 0);
     run(at, "run study.toml --out runs --force").refuses(2, &["--out runs", "asperity did not write it"]);
-    run(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "a folder is wanted"]);
+    run(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "give a folder"]);
     run(at, &format!("run study.toml --out {}", "n".repeat(256))).refuses(2, &["--out", "too long"]);
     run(at, "run study.toml --out . --force").refuses(2, &["--out .", "study.toml"]);
     run(at, "run runs/one/study.toml --out runs/one --force").refuses(2, &["runs/one", "input"]);

@@ -75,7 +75,7 @@ fn inputs_are_not_overwritten() {
     for line in
         ["generate in/measured.toml --count 2 --out in --force", "fill in/scan.x3p --seed 1 --count 2 --out in --force"]
     {
-        surface(at, line).refuses(2, &["in holds", "the input"]);
+        surface(at, line).refuses(2, &["in contains", "the input"]);
     }
     assert_eq!(fs::read(at.join("in/scan.x3p")).unwrap(), bytes);
     assert_eq!(listing(at), ["in", "spec.toml"]);

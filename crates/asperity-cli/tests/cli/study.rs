@@ -205,7 +205,7 @@ fn a_folder_with_foreign_files_is_kept() {
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         run_in(folder.path(), "run study.toml --only surface --out socket --force")
-            .refuses(2, &["--out socket", "a folder is wanted"]);
+            .refuses(2, &["--out socket", "give a folder"]);
         fs::remove_file(socket).unwrap();
     }
     run_in(folder.path(), &format!("{line} --force")).refuses(2, &["--out out", "asperity did not write it"]);

@@ -634,6 +634,6 @@ fn an_unresolved_correlation_length_is_refused_and_no_foreign_folder_is_replaced
     };
     report("keep --force", &["--report keep", "asperity did not write it"]);
     report("keep", &["--report", "not empty"]);
-    report("file --force", &["--report file", "a folder is wanted"]);
+    report("file --force", &["--report file", "give a folder"]);
     assert_eq!(fs::read_to_string(folder.path().join("keep/thesis.txt")).unwrap(), "years");
 }

@@ -60,12 +60,12 @@ fn within(
     key: &'static str,
     value: f64,
     fits: impl Fn(f64) -> bool,
-    wanted: &str,
+    expected: &str,
 ) -> Result<(), InvalidValue> {
     if value.is_finite() && fits(value) {
         Ok(())
     } else {
-        Err(invalid(section, key, format!("found {value}, expected {wanted}")))
+        Err(invalid(section, key, format!("found {value}, expected {expected}")))
     }
 }
 

@@ -58,7 +58,7 @@ pub struct StageEstimate {
 impl Study {
     /// Returns the rough cost of every stage of the study with `threads` threads. Reads and computes nothing.
     pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
-        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, germ: usize| {
+        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, xi_len: usize| {
             let cells = points[0] as f64 * points[1] as f64;
             let per_cell = if boundary == BoundaryKind::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
             StageEstimate {
@@ -68,7 +68,7 @@ impl Study {
                 trajectories: 0,
                 core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
                 memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
-                    + DOUBLE_BYTES * germ as f64 * (cells + solutions as f64),
+                    + DOUBLE_BYTES * xi_len as f64 * (cells + solutions as f64),
             }
         };
         let mut stages = Vec::new();
@@ -103,12 +103,12 @@ impl Study {
             };
             let generator = |[nx, ny]: [usize; 2]| nx as f64 * ny as f64 * GENERATOR_BYTES;
             // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
-            let of_cutoff = plan.map_or(0.0, |plan| {
+            let cutoff_bytes = plan.map_or(0.0, |plan| {
                 let halved = plan.points.map(|points| points.saturating_mul(2));
                 generator(plan.points) + solvers(threads.min(cutoff::STRIPS), halved)
             });
             stage.memory_bytes = generator(f.points)
-                + solvers(threads, f.points).max(of_cutoff)
+                + solvers(threads, f.points).max(cutoff_bytes)
                 + levels as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
@@ -170,8 +170,8 @@ fn record_bytes(section: &FrictionSection) -> f64 {
         .filter(|cells| *cells >= 4.0 || section.window.0 >= section.strip[0].0)
         .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
         .sum();
-    let lanes = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
-    lanes * positions * 12.0 * DOUBLE_BYTES
+    let tracks = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
+    tracks * positions * 12.0 * DOUBLE_BYTES
 }
 
 #[cfg(test)]

@@ -98,18 +98,18 @@ fn explain(message: &str) -> String {
 
 /// Rewrites serde's "invalid type: floating point `2.5`, expected usize" as "`2.5` is not a whole number".
 fn wrong_type(message: &str) -> Option<String> {
-    let (found, wanted) = message
+    let (found, expected) = message
         .strip_prefix("invalid type: ")
         .or(message.strip_prefix("invalid value: "))?
         .rsplit_once(", expected ")?;
-    let wanted = match wanted {
+    let expected = match expected {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0 on",
         "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
         "f32" | "f64" => "a number",
         "a boolean" => "true or false",
         "a sequence" => "a list",
         "a map" => "a table",
-        wanted => wanted,
+        expected => expected,
     };
     // "integer `7`", "string \"640 s\"", "integer `99999999999999999999` as i128".
     let found = found
@@ -121,7 +121,7 @@ fn wrong_type(message: &str) -> Option<String> {
             found => found.strip_prefix("string ").unwrap_or(found).into(),
         });
     let is_too_large = message.contains("` as i128");
-    Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {wanted}") })
+    Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {expected}") })
 }
 
 #[cfg(test)]
@@ -176,7 +176,7 @@ percentile = 50.0
         };
         assert_eq!(lengths("\"20 um\"").unwrap(), lengths("[\"20 um\", \"20 um\"]").unwrap());
         assert_ne!(lengths("[\"20 um\", \"10 um\"]").unwrap(), lengths("\"20 um\"").unwrap());
-        for (value, wanted) in [
+        for (value, expected) in [
             ("20.0", "with its unit"),
             ("\"20\"", "no unit"),
             ("\"20 GPa\"", "`GPa` is not a unit of length"),
@@ -186,7 +186,7 @@ percentile = 50.0
             ("\"-20 um\"", "positive"),
         ] {
             let error = lengths(value).unwrap_err();
-            assert!(error.line == 7 && error.message.contains(wanted), "{value}: {error}");
+            assert!(error.line == 7 && error.message.contains(expected), "{value}: {error}");
         }
         let pixel = STUDY.replace("covariance", "file = \"a.npy\"\npixel_size = \"1e-155 m\"\ncovariance");
         let error = Study::parse(&pixel, "study.toml").unwrap_err();
@@ -198,7 +198,7 @@ percentile = 50.0
 
     #[test]
     fn errors_point_at_their_line() {
-        for (from, to, line, wanted) in [
+        for (from, to, line, expected) in [
             ("\"1 um\"", "\"1 GPa\"", 6, "`GPa` is not a unit of length"),
             ("\"1 um\"", "1.0", 6, "with its unit"),
             ("\"1 um\"", "\"1\"", 6, "no unit"),
@@ -218,7 +218,7 @@ percentile = 50.0
         ] {
             let error = error(from, to);
             assert_eq!(error.line, line, "{from} → {to}: {error}");
-            assert!(error.message.contains(wanted), "{from} → {to}: {error}");
+            assert!(error.message.contains(expected), "{from} → {to}: {error}");
         }
     }
 }

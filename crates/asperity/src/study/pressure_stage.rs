@@ -160,10 +160,10 @@ fn patch_sentence(
 }
 
 fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> String {
-    let germ = surface.xi_len();
-    let variables = study.variables.min(germ);
+    let xi_len = surface.xi_len();
+    let variables = study.variables.min(xi_len);
     format!(
-        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {germ} variables at total degree {}.",
+        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {xi_len} variables at total degree {}.",
         study.degree
     )
 }
@@ -177,8 +177,8 @@ fn sample_fields(
     solver: Solver,
     seed: u64,
 ) -> Result<Vec<(&'static str, Field)>, StudyError> {
-    let germ = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
-    let map = surface.generate(&germ);
+    let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
+    let map = surface.generate(&xi);
     let prescribed = |error| StudyError::Contact { section: "pressure", error };
     let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
     let solution = solver.solve(&problem).map_err(prescribed)?;

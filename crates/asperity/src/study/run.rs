@@ -128,22 +128,30 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.file().friction, &self.file().material, &surface, wants_friction)
         {
-            let lead = match &self.vibration {
+            let operating_point = match &self.vibration {
                 None => Lead::Deepest,
                 Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
                     Lead::Percentile(*percentile)
                 }
                 Some(vibration) => Lead::NominalPressure(vibration.nominal_pressure_pa()),
             };
-            let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let stated = section.nominal_area.or_else(of_vibration);
+            let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
+            let stated = section.nominal_area.or_else(vibration_area);
             let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
             if stated.is_none() {
                 let assumed =
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed(), monitor)?;
+            let stage = friction_stage::run(
+                section,
+                material,
+                surface,
+                operating_point,
+                nominal_area_m2,
+                self.seed(),
+                monitor,
+            )?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = self

@@ -146,7 +146,7 @@ generator = "spectral"
 
     #[test]
     fn a_wrong_specification_points_at_its_line() {
-        for (from, to, line, wanted) in [
+        for (from, to, line, expected) in [
             ("size =", "siz =", 3, "did you mean `size`?"),
             ("\"1 um\"", "\"1 GPa\"", 8, "length"),
             ("rms_height = \"1 um\"", "", 5, "rms_height"),
@@ -154,7 +154,7 @@ generator = "spectral"
         ] {
             let error = Specimen::parse(&SPECIFICATION.replace(from, to), "spec.toml").unwrap_err();
             assert_eq!((error.line, error.file.as_str()), (line, "spec.toml"), "{error}");
-            assert!(error.message.contains(wanted), "{error}");
+            assert!(error.message.contains(expected), "{error}");
         }
         let flat = SPECIFICATION.replace("[64, 32]", "[1, 32]");
         assert!(Specimen::parse(&flat, "spec.toml").unwrap().sampler(Path::new(".")).is_err());

@@ -53,7 +53,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The destination is no folder.
-    #[error("{} is {found}; a folder is wanted", path.display())]
+    #[error("{} is {found}; give a folder", path.display())]
     NoFolder {
         /// The destination.
         path: PathBuf,
@@ -67,7 +67,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The destination contains an input file.
-    #[error("{} holds the input {}; replacing the folder would delete it; choose another folder", path.display(), input.display())]
+    #[error("{} contains the input {}; replacing the folder would delete it; choose another folder", path.display(), input.display())]
     HoldsInput {
         /// The destination.
         path: PathBuf,

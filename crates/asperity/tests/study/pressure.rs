@@ -242,7 +242,7 @@ fn inconsistent_keys_are_errors_with_their_line() {
         ("boundary = \"periodic\"", "boundary = \"free\"", "only periodic patches have a constant Fourier mode"),
         ("marginal = \"normal\"", "marginal = \"beta:2,5\"", "requires marginal = \"normal\""),
         ("\"karhunen_loeve\"", "\"spectral\"", "requires generator = \"karhunen_loeve\""),
-        ("points = [64, 64]", "points = [64, 32]\ncell = [40, 3]", "wanted [row, column] below [32, 64]"),
+        ("points = [64, 64]", "points = [64, 32]\ncell = [40, 3]", "expected [row, column] below [32, 64]"),
         ("rescale = true", "rescal = true", "did you mean `rescale`?"),
     ] {
         assert!(case_c.contains(from), "{from}");

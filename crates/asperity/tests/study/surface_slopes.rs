@@ -71,8 +71,8 @@ fn synthetic(
 ) -> (String, HeightMap) {
     let grid = Grid::new(240, 220, 1e-6, 1e-6).unwrap();
     let field = SpectralField::free(covariance, grid).unwrap();
-    let germ = random::standard_normal(&mut random::stream(8, name, 0), field.xi_len());
-    let heights = field.generate(&germ).heights_m().mapv(|z| height_m(z / covariance.std_m()));
+    let xi = random::standard_normal(&mut random::stream(8, name, 0), field.xi_len());
+    let heights = field.generate(&xi).heights_m().mapv(|z| height_m(z / covariance.std_m()));
     let file = format!("{name}.x3p");
     asperity_formats::write(&Scan::new(heights.clone(), Some((1e-6, 1e-6))), &folder.join(&file)).unwrap();
     let map = remove_form(&HeightMap::new(grid, heights).unwrap(), Level::Plane).unwrap().map;

@@ -122,14 +122,14 @@ fn detrend(text: &str) -> Result<Detrend, args::Refusal> {
 }
 
 fn cut(text: &str) -> Result<Cut, args::Refusal> {
-    let wanted = "give two times or two distances, such as 2s,30s or 1mm,20mm";
-    let (from, to) = text.split_once(',').ok_or(wanted)?;
+    let message = "give two times or two distances, such as 2s,30s or 1mm,20mm";
+    let (from, to) = text.split_once(',').ok_or(message)?;
     if let (Ok(from), Ok(to)) = (from.parse::<Time>(), to.parse::<Time>()) {
         return Ok(Cut::Time(from.0, to.0));
     }
     match (from.parse::<Length>(), to.parse::<Length>()) {
         (Ok(from), Ok(to)) => Ok(Cut::Distance(from.0, to.0)),
-        (Err(e), _) | (_, Err(e)) => Err(format!("{wanted}: {e}").into()),
+        (Err(e), _) | (_, Err(e)) => Err(format!("{message}: {e}").into()),
     }
 }
 

@@ -79,13 +79,13 @@ impl Fill {
         }
         self.warn(&filling, monitor);
         let maps = self.target.open(self.count, &[&self.input])?;
-        let germ = |index: usize| {
+        let xi = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
             random::standard_normal(&mut stream, filling.xi_len())
         };
         for first in (0..self.count).step_by(FILLED_AT_ONCE) {
             let some = first..(first + FILLED_AT_ONCE).min(self.count);
-            let drawn = filling.draw(some.clone().map(germ), monitor)?;
+            let drawn = filling.draw(some.clone().map(xi), monitor)?;
             for (index, map) in some.zip(&drawn) {
                 monitor.check()?;
                 maps.write(index, map)?;
@@ -94,9 +94,9 @@ impl Fill {
         }
         monitor.check()?;
         let written = maps.commit()?;
-        let share = 100.0 * filled as f64 / points as f64;
+        let percent = 100.0 * filled as f64 / points as f64;
         monitor.note(&format!(
-            "{written}: {filled} of {points} heights ({share:.1} %) are filled in, {} are measured",
+            "{written}: {filled} of {points} heights ({percent:.1} %) are filled in, {} are measured",
             points - filled
         ));
         Ok(())

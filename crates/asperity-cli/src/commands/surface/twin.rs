@@ -336,13 +336,13 @@ fn table(comparison: &Comparison) -> String {
     let header = ["", "scan", "mean of twins", "95 % band of twins", ""].map(str::to_owned);
     let rows: Vec<[String; 5]> = std::iter::once(header).chain(comparison.twins.iter().map(line)).collect();
     let Comparison { inside, compared, .. } = comparison;
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    let curves = comparison.curves_inside_share().map_or(String::new(), |share| {
+    let percent = |fraction: f64| format!("{:.0} %", 100.0 * fraction);
+    let curves = comparison.curves_inside_share().map_or(String::new(), |fraction| {
         let each = comparison
             .curves
             .iter()
             .filter_map(|(name, curve)| Some(format!("{} {}", name.replace('_', " "), percent(curve.inside_share?))));
-        format!(" and {} of the points of its curves ({})", percent(share), each.collect::<Vec<_>>().join(", "))
+        format!(" and {} of the points of its curves ({})", percent(fraction), each.collect::<Vec<_>>().join(", "))
     });
     format!(
         "{}{inside} of {compared} statistics of the scan{curves} lie within the band of its twins\n",

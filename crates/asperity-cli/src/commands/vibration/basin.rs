@@ -57,7 +57,7 @@ impl Basin {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let oscillator = oscillator.with_forcing(None).map_err(Failure::usage)?;
         let inputs: Vec<&Path> = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let area = self.area(&oscillator, monitor)?;
         let [columns, rows] = area.cells;
         require_memory(CELL_BYTES * columns as f64 * rows as f64, "the map of the starts")?;
@@ -68,7 +68,7 @@ impl Basin {
         let cycles = monitor.with_immediate_exit(|| slip_cycles(&oscillator))?.map_err(|e| vibration_failure(&e))?;
         let answer = answer(&found, border.as_ref()).with("slip_cycles", json!(cycles));
         let whole = answer.clone().with("attractors", json!(found.attractors));
-        if wanted {
+        if has_folder {
             let mut tables = vec![("basin", table(&found))];
             tables.extend(border.map(|border| ("separatrix", portrait_table(&border.points))));
             tables.extend(series::cycle(&oscillator).map_err(|e| vibration_failure(&e))?);
@@ -85,8 +85,8 @@ impl Basin {
         }
         let regime = monitor.with_immediate_exit(|| limit_cycle(oscillator))?.map_err(|e| vibration_failure(&e))?;
         let Regime::Cycle(cycle) = regime else {
-            let wanted = "there is no cycle to derive the box of starts from; give --displacements and --velocities";
-            return Err(Failure::usage(wanted));
+            let message = "there is no cycle to derive the box of starts from; give --displacements and --velocities";
+            return Err(Failure::usage(message));
         };
         let around = |low: f64, high: f64| [low - MARGIN * (high - low), high + MARGIN * (high - low)];
         let displacement = around(cycle.displacement_min, cycle.displacement_max);
@@ -99,15 +99,15 @@ impl Basin {
 }
 
 fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
-    let share = |wanted: MotionKind| {
-        let count = found.attractors.iter().filter(|attractor| **attractor == wanted).count();
+    let fraction = |kind: MotionKind| {
+        let count = found.attractors.iter().filter(|attractor| **attractor == kind).count();
         count as f64 / found.attractors.len() as f64
     };
     Answer::default()
         .with("sliding_share", found.sliding_share)
-        .with("slip_cycle_share", share(MotionKind::SlipCycle))
-        .with("stick_slip_share", share(MotionKind::StickSlip))
-        .with("overtaking_share", share(MotionKind::Overtaking))
+        .with("slip_cycle_share", fraction(MotionKind::SlipCycle))
+        .with("stick_slip_share", fraction(MotionKind::StickSlip))
+        .with("overtaking_share", fraction(MotionKind::Overtaking))
         .with("displacements", json!(found.area.displacement))
         .with("velocities", json!(found.area.velocity))
         .with("cells", json!(found.area.cells))

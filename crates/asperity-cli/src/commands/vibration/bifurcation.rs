@@ -53,10 +53,10 @@ impl Bifurcation {
         require_memory(POINT_BYTES * self.points as f64, "the diagram")?;
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
         let inputs = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let diagram =
             bifurcation_diagram(&oscillator, self.over, &settings, monitor).map_err(|e| vibration_failure(&e))?;
-        if wanted {
+        if has_folder {
             self.folder.write(&inputs, &Answer::from_result(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
         }
         if self.json {

@@ -36,13 +36,13 @@ pub(crate) struct CriticalCurve {
 /// Fails if the oscillator lacks the parameter, or if the range does not rise or has an impossible end.
 pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
     if over.value(oscillator).is_none() {
-        let wanted = match over {
+        let reason = match over {
             Parameter::ForcingAmplitude | Parameter::ForcingFrequency => {
                 "the machine has no forcing; give --forcing and --forcing-frequency"
             }
             _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
         };
-        return Err(Failure::usage(format!("--over {over}: {wanted}")));
+        return Err(Failure::usage(format!("--over {over}: {reason}")));
     }
     if from >= to {
         return Err(Failure::usage(format!("--to is {to}, but must be above --from, {from}")));
@@ -63,11 +63,11 @@ impl CriticalCurve {
         }
         check_over(self.over, &oscillator, self.from, self.to)?;
         let inputs = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);
         let curve = if oscillator.forcing().is_some() { locked_curve } else { critical_curve };
         let branch = curve(&oscillator, self.over, &settings, monitor).map_err(|e| vibration_failure(&e))?;
-        if wanted {
+        if has_folder {
             let tables = vec![("critical_curve", branch_columns(&branch, self.over.name()))];
             self.folder.write(&inputs, &Answer::from_result(&branch)?, tables, monitor)?;
         }

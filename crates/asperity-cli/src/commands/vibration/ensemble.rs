@@ -60,7 +60,7 @@ impl Ensemble {
             ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.print_long_time(&process, monitor);
         let answer =
@@ -78,7 +78,7 @@ impl Ensemble {
             .with_immediate_exit(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
             .map_err(|e| vibration_failure(&e))?;
         let answer = answer(Some(kind), Some(&ensemble));
-        if wanted {
+        if has_folder {
             let cloud =
                 cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| vibration_failure(&e))?;
             let mut tables =
@@ -95,9 +95,9 @@ impl Ensemble {
 
 fn answer(kind: Option<vibration::MotionKind>, ensemble: Option<&vibration::Ensemble>) -> Answer {
     let rate = |of: fn(&vibration::Passages) -> Option<vibration::Rate>| ensemble.and_then(|e| of(&e.passages));
-    let share = |of: fn(&vibration::Passages) -> vibration::Fraction| ensemble.map(|e| of(&e.passages));
+    let fraction = |of: fn(&vibration::Passages) -> vibration::Fraction| ensemble.map(|e| of(&e.passages));
     let (exit, entry) = (rate(|p| p.exit_rate), rate(|p| p.entry_rate));
-    let (left, sustained) = (share(|p| p.left), share(|p| p.sustained));
+    let (left, sustained) = (fraction(|p| p.left), fraction(|p| p.sustained));
     let pair = |interval: Option<[f64; 2]>| interval.map_or(Value::Null, |[low, high]| json!([low, high]));
     Answer::default()
         .with("kind", kind.map(vibration::MotionKind::name))

@@ -30,7 +30,7 @@ pub(super) struct Folder {
 
 impl Folder {
     /// Returns whether a folder is requested. Fails if it cannot be written.
-    pub(super) fn wanted(&self, inputs: &[&Path]) -> Result<bool, Failure> {
+    pub(super) fn is_requested(&self, inputs: &[&Path]) -> Result<bool, Failure> {
         let Some(folder) = &self.report else { return Ok(false) };
         begin_folder("--report", folder, self.force, inputs)?;
         require_disk(REPORT_BYTES, folder, "the report")?;

@@ -65,20 +65,20 @@ pub(crate) struct Map {
 }
 
 fn axis(text: &str) -> Result<MapAxis, String> {
-    axis_range(text)?.check().map_err(|wanted| format!("found `{text}`: {wanted}"))
+    axis_range(text)?.check().map_err(|reason| format!("found `{text}`: {reason}"))
 }
 
 /// Parses FROM,TO,N: a rising range and its number of cells.
 pub(super) fn axis_range(text: &str) -> Result<MapAxis, String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-    let wanted =
+    let message =
         || format!("found `{text}`, expected the least and the largest value and a number of cells: FROM,TO,N");
-    let [from, to, cells] = parts[..] else { return Err(wanted()) };
+    let [from, to, cells] = parts[..] else { return Err(message()) };
     match (from.parse::<f64>(), to.parse::<f64>(), cells.parse::<usize>()) {
         (Ok(from), Ok(to), Ok(cells)) if from < to && cells > 0 => Ok(MapAxis { from, to, cells }),
         (Ok(_), Ok(_), Ok(0)) => Err(format!("found `{text}`, expected at least 1 cell")),
         (Ok(_), Ok(_), Ok(_)) => Err(format!("found `{text}`, expected a last value above the first")),
-        _ => Err(wanted()),
+        _ => Err(message()),
     }
 }
 
@@ -97,9 +97,9 @@ impl Map {
             (Some(x), None, Some(y), None) => (MapOver::DampingScatter, x, y),
             (None, Some(x), None, Some(y)) => (MapOver::VelocityLoad, x, y),
             _ => {
-                let wanted = "wanted two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
+                let message = "the map needs two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
                               --belt-velocities with --loads";
-                return Err(Failure::usage(wanted));
+                return Err(Failure::usage(message));
             }
         };
         // Points of the first grid only: refined points hardly change the order of magnitude.
@@ -130,7 +130,7 @@ impl Map {
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         let inputs = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let map = stability_map(&machine, &settings, monitor).map_err(|e| vibration_failure(&e))?;
         let names = over.axes();
         let MapResolution { x, y, unresolved_share } = map.resolution;
@@ -143,10 +143,10 @@ impl Map {
                 names[1]
             ));
         }
-        if wanted || self.json {
+        if has_folder || self.json {
             let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::from_result(&map)?);
             let answer = answer.with("clipped_fraction", clipped);
-            if wanted {
+            if has_folder {
                 self.folder.write(&inputs, &answer, stability_map_tables(&map, names), monitor)?;
             }
             if self.json {

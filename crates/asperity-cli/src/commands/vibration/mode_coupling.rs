@@ -122,9 +122,9 @@ struct Noise {
 }
 
 fn number_pair(text: &str) -> Result<[f64; 2], Refusal> {
-    let wanted = || format!("found `{text}`, expected two numbers, such as 0.01,0.02");
-    let (first, second) = text.split_once(',').ok_or_else(wanted)?;
-    Ok([args::number(first.trim()).map_err(|_| wanted())?, args::number(second.trim()).map_err(|_| wanted())?])
+    let message = || format!("found `{text}`, expected two numbers, such as 0.01,0.02");
+    let (first, second) = text.split_once(',').ok_or_else(message)?;
+    Ok([args::number(first.trim()).map_err(|_| message())?, args::number(second.trim()).map_err(|_| message())?])
 }
 
 impl Springs {
@@ -166,7 +166,7 @@ impl ModeCoupling {
             ratios.map(implausible_damping).into_iter().chain([implausible_friction(self.friction.static_friction)]);
         warnings.flatten().for_each(|warning| monitor.warn(&warning));
         let inputs: Vec<&Path> = self.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         require_memory(POINT_BYTES * self.points as f64, "the scan of the modes")?;
         let scan = self.scan(&model).map_err(|e| vibration_failure(&e))?;
         let modes_answer = answer::modes_answer(&model, &scan);
@@ -188,7 +188,7 @@ impl ModeCoupling {
         }
         let answer = modes_answer.and(answer::motion_answer(&found));
         let whole = answer.clone().with("scan", answer::scan(&found.scan));
-        if wanted {
+        if has_folder {
             self.folder.write(&inputs, &whole, tables(&found).map_err(|e| vibration_failure(&e))?, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.print(false) }

@@ -106,8 +106,8 @@ impl Source {
                     .map_err(Failure::usage)?
             }
             _ => {
-                let wanted = "give --friction-std, --correlation-length and --marginal, or --friction-process";
-                return Err(Failure::usage(wanted));
+                let message = "give --friction-std, --correlation-length and --marginal, or --friction-process";
+                return Err(Failure::usage(message));
             }
         };
         self.clipping.accept(process.model().clipped_fraction(), monitor)?;

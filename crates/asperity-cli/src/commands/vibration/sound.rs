@@ -66,7 +66,7 @@ impl Sound {
             },
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         self.wav.check(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.print_long_time(&process, monitor);
@@ -79,7 +79,7 @@ impl Sound {
         let period = cycle_period(&oscillator, monitor)?;
         let clipped = process.model().clipped_fraction();
         let answer = Answer::from_result(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
-        if wanted {
+        if has_folder {
             self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
         }
         self.wav.write(wave.as_ref(), monitor)?;

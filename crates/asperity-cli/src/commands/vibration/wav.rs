@@ -62,7 +62,7 @@ impl Wav {
         monitor: &Terminal,
     ) -> Result<Option<Waveform>, Failure> {
         let Some(natural_frequency_hz) = self.natural_frequency else { return Ok(None) };
-        let wanted = WaveformSettings {
+        let waveform = WaveformSettings {
             natural_frequency_hz,
             sampling_rate_hz: f64::from(SAMPLING_RATE_HZ),
             seconds: self.seconds.unwrap_or(SECONDS),
@@ -71,7 +71,7 @@ impl Wav {
         };
         let path = process.path(settings.seed, 0);
         let wave = monitor
-            .with_immediate_exit(|| Waveform::record(oscillator, path, &wanted))?
+            .with_immediate_exit(|| Waveform::record(oscillator, path, &waveform))?
             .map_err(|e| vibration_failure(&e))?;
         Ok(Some(wave))
     }

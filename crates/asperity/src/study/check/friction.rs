@@ -66,11 +66,11 @@ impl StudyFile {
             let message = "no parameter is uncertain; state rms_height, correlation_length or skewness";
             return Err(invalid(SECTION, "rms_height", message));
         }
-        for (key, scatter) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
-            match scatter {
-                Some(LengthScatter::Relative(share)) => {
-                    let wanted = "a standard deviation above 0 % and of at most 100 %";
-                    within(SECTION, key, 100.0 * share, |percent| percent > 0.0 && percent <= 100.0, wanted)?;
+        for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
+            match std {
+                Some(LengthScatter::Relative(fraction)) => {
+                    let expected = "a standard deviation above 0 % and of at most 100 %";
+                    within(SECTION, key, 100.0 * fraction, |percent| percent > 0.0 && percent <= 100.0, expected)?;
                 }
                 Some(LengthScatter::Absolute(length)) => within(SECTION, key, length.0, positive, POSITIVE)?,
                 Some(LengthScatter::Measured) | None => {}

@@ -121,8 +121,8 @@ impl StudyFile {
                 format!("found {}, which gives more than {MAX_TERMS} terms in {} variables", p.degree, p.variables);
             return Err(invalid(PRESSURE, "degree", message));
         }
-        let wanted = "a relative tolerance between 0 and 0.1";
-        within(PRESSURE, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, wanted)?;
+        let expected = "a relative tolerance between 0 and 0.1";
+        within(PRESSURE, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, expected)?;
         Ok(Some(PressureStudy {
             material,
             grid,

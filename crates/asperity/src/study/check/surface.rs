@@ -23,8 +23,8 @@ impl StudyFile {
         if let Some(pixel) = s.pixel_size {
             for side in pixel {
                 let (low, high) = (PITCH_RANGE_M.start(), PITCH_RANGE_M.end());
-                let wanted = format!("a size between {low:e} m and {high:e} m");
-                within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &wanted)?;
+                let expected = format!("a size between {low:e} m and {high:e} m");
+                within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &expected)?;
             }
         }
         if let Some(Err(error)) = s.height_unit.as_deref().map(str::parse::<LengthUnit>) {
@@ -39,8 +39,8 @@ impl StudyFile {
             }
         }
         if let (Some(short), Some(long)) = (s.s_filter, s.l_filter) {
-            let wanted = "a cutoff longer than `s_filter`, so that some wavelengths remain";
-            within(SECTION, "l_filter", long.0, |cutoff| cutoff > short.0, wanted)?;
+            let expected = "a cutoff longer than `s_filter`, so that some wavelengths remain";
+            within(SECTION, "l_filter", long.0, |cutoff| cutoff > short.0, expected)?;
         }
         if let Some(rms) = s.rms_height {
             within(SECTION, "rms_height", rms.0, positive, POSITIVE)?;

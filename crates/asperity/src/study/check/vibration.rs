@@ -20,9 +20,9 @@ const SECTION: &str = "vibration";
 const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
-const SHARE: &str = "a ratio above 0, at most 1";
+const RATIO: &str = "a ratio above 0, at most 1";
 
-fn share(value: f64) -> bool {
+fn ratio(value: f64) -> bool {
     value > 0.0 && value <= 1.0
 }
 
@@ -192,7 +192,7 @@ impl StudyFile {
                 return Err(invalid(SECTION, "belt_velocity", message));
             }
         };
-        within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
+        within(SECTION, "kinetic_share", v.kinetic_share, ratio, RATIO)?;
         let weakening = weakening(v, &scales)?;
         let forcing = forcing(v)?;
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
@@ -372,7 +372,7 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
         }
         (_, _, Some((velocity, high_speed_share))) => {
             within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
-            within(SECTION, "high_speed_share", high_speed_share, share, SHARE)?;
+            within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
         }
         (stribeck, None, None) => {
@@ -407,9 +407,10 @@ fn check_map(map: &MapSection) -> Result<(), InvalidValue> {
             "friction_std" => (0.0, f64::INFINITY),
             _ => (f64::MIN_POSITIVE, f64::INFINITY),
         };
-        let wanted = format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
-        within(SECTION, key, from, |value| value >= least && value < most, &wanted)?;
-        within(SECTION, key, to, |value| value > from && value < most, &wanted)?;
+        let expected =
+            format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
+        within(SECTION, key, from, |value| value >= least && value < most, &expected)?;
+        within(SECTION, key, to, |value| value > from && value < most, &expected)?;
         at_least(SECTION, key, cells, 1)?;
         if cells > 1000 {
             return Err(invalid(SECTION, key, format!("found {cells} cells, expected at most 1000")));

@@ -83,16 +83,16 @@ mod tests {
 
     fn laws(global: Result<GlobalExpansion, MethodError>, homogeneity: Result<Homogeneity, MethodError>) -> FieldLaws {
         let grid = Grid::covering(2, 2, 1.0, 1.0).unwrap();
-        let shares = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
+        let probabilities = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
         let quantile =
             |probability| QuantileMap { probability, pressure_pa: Array2::from_elem((2, 2), 1e6 * probability) };
         FieldLaws {
             grid,
             samples: 40,
             kept_samples: 30,
-            contact_probability: shares(0.0),
-            contact_probability_low: shares(-0.125),
-            contact_probability_high: shares(0.125),
+            contact_probability: probabilities(0.0),
+            contact_probability_low: probabilities(-0.125),
+            contact_probability_high: probabilities(0.125),
             mean_pa: Array2::from_elem((2, 2), 1e6),
             mean_se_pa: array![[1e5, 2e5], [f64::NAN, 1e5]],
             quantiles: [0.1, 0.5, 0.9].map(quantile).into(),

@@ -32,10 +32,10 @@ fn cdf(results: &Results) -> Table {
     let highest = reference.quantile(1.0);
     let mut pressures = vec![0.0];
     for k in 0..ROWS {
-        let share = (k as f64 + 0.5) / ROWS as f64;
-        pressures.push(reference.quantile(atom + (1.0 - atom) * share));
+        let fraction = (k as f64 + 0.5) / ROWS as f64;
+        pressures.push(reference.quantile(atom + (1.0 - atom) * fraction));
         // Even steps too: with a hardness most quantiles are equal to it.
-        pressures.push(highest * share);
+        pressures.push(highest * fraction);
     }
     pressures.push(highest);
     pressures.sort_by(f64::total_cmp);
