@@ -76,7 +76,7 @@ impl Failure {
     }
 
     /// Prints `answer` with `converged: false` if the computation did not converge, and returns the failure.
-    pub(crate) fn print_if_not_converged(self, answer: Answer, json: bool) -> Result<Self, Self> {
+    pub(crate) fn print(self, answer: Answer, json: bool) -> Result<Self, Self> {
         if self.kind == Kind::NotConverged {
             answer.with("converged", false).print(json)?;
         }

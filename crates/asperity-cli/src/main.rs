@@ -73,7 +73,7 @@ fn main() -> ExitCode {
                 .or_else(|| payload.downcast_ref::<&str>().copied())
                 .unwrap_or("no message");
             let place = PANIC_LOCATION.get().map_or("", String::as_str);
-            output::print_message(&format!("error: internal error: {what}{place}; please report it"));
+            output::print_message(&format!("internal error: {what}{place}; please report it"));
             Kind::Runtime
         }
     };

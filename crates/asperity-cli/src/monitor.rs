@@ -133,7 +133,7 @@ impl Terminal {
     }
 
     /// Runs a computation that cannot be cancelled and writes nothing. A signal ends the program immediately.
-    pub(crate) fn with_immediate_exit<T>(&self, compute: impl FnOnce() -> T) -> Result<T, Cancelled> {
+    pub(crate) fn killable<T>(&self, compute: impl FnOnce() -> T) -> Result<T, Cancelled> {
         self.exit_immediately.store(true, Ordering::SeqCst);
         self.check()?;
         let found = compute();

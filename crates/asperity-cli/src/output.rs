@@ -41,7 +41,7 @@ impl Answer {
     }
 
     /// Returns the fields of a library result, in their order.
-    pub(crate) fn from_result(result: &impl Serialize) -> Result<Self, Failure> {
+    pub(crate) fn new(result: &impl Serialize) -> Result<Self, Failure> {
         let text = serde_json::to_string(result);
         text.and_then(|text| serde_json::from_str(&text)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))
     }

@@ -33,7 +33,7 @@ impl Check {
         match study.check_before_run(study_file::folder_of(&self.study)) {
             Ok(found) => warnings.extend(found),
             Err(e) => {
-                let failure = study_file::study_failure(&self.study, &e);
+                let failure = study_file::failure(&self.study, &e);
                 // A friction process that cannot be read or used is an error.
                 if failure.kind() == Kind::Data {
                     return Err(failure);

@@ -120,11 +120,7 @@ impl Press {
             self.load.map(|q| Control::Load { newton: q.0 }),
             self.mean_gap.map(|q| Control::MeanGap { metre: q.0 }),
         ];
-        given.into_iter().flatten().next().ok_or_else(|| {
-            Failure::usage(
-                "no load is stated; give one of --penetration, --percentile, --mean-pressure, --load and --mean-gap",
-            )
-        })
+        given.into_iter().flatten().next().ok_or_else(|| Failure::usage("state a load, pressure, depth or mean gap"))
     }
 }
 
@@ -160,10 +156,9 @@ impl Contact {
         if let Some(tolerance) = self.tolerance {
             solver.tolerance = tolerance;
         }
-        let solution = monitor.with_immediate_exit(|| solver.solve(&problem))?.map_err(failed)?;
+        let solution = monitor.killable(|| solver.solve(&problem))?.map_err(failed)?;
         let unloaded = self.unload.then(|| Unloaded::new(&solution, map.heights_m()));
-        let analysis =
-            monitor.with_immediate_exit(|| Analysis::new(&problem, &solution, self.stiffness))?.map_err(failed)?;
+        let analysis = monitor.killable(|| Analysis::new(&problem, &solution, self.stiffness))?.map_err(failed)?;
         if let Some(out) = &self.out {
             let (gap_m, plastic_m) = (solution.gap_m(), solution.plastic_displacement_m());
             let clusters = analysis.clusters.labels().mapv(f64::from);

@@ -50,10 +50,7 @@ impl Init {
         // Write nothing unless all files can be written. An existing file may contain someone's work.
         if let Some((name, _)) = pieces.iter().find(|(name, _)| self.dir.join(name).exists()) {
             let path = self.dir.join(name);
-            return Err(Failure::usage(format!(
-                "{} exists and is not overwritten; choose another folder",
-                path.display()
-            )));
+            return Err(Failure::usage(format!("{} exists already; choose another folder", path.display())));
         }
         if self.dir.is_file() {
             return Err(Failure::usage(format!("{} is a file; choose a folder", self.dir.display())));

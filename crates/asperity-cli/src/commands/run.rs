@@ -61,7 +61,7 @@ impl Run {
         require_disk(study.disk_bytes() + scan_field_bytes(&read), &destination, "the run")?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
-            Err(study_file::study_failure(&self.study, &e).print_if_not_converged(reason, self.json)?)
+            Err(study_file::failure(&self.study, &e).print(reason, self.json)?)
         })?;
         for warning in &outcome.results.warnings {
             monitor.warn(warning);
@@ -71,8 +71,7 @@ impl Run {
         monitor.check()?;
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
-        let answer =
-            if self.json { Answer::from_result(&outcome.results)? } else { headline(&outcome.results, &written) };
+        let answer = if self.json { Answer::new(&outcome.results)? } else { headline(&outcome.results, &written) };
         answer.print(self.json)
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 }
 
 /// Converts an error of a study; `path` is its file.
-pub(super) fn study_failure(path: &Path, error: &StudyError) -> Failure {
+pub(super) fn failure(path: &Path, error: &StudyError) -> Failure {
     let kind = match error.kind() {
         FailureKind::Configuration => Kind::Usage,
         FailureKind::Input => Kind::Data,

@@ -199,13 +199,15 @@ fn code(kind: MotionKind) -> f64 {
     }
 }
 
-/// Converts an error: a failed search has not converged, any other error is due to the flags.
-fn vibration_failure(error: &VibrationError) -> Failure {
-    match error {
-        VibrationError::NotFound { .. } | VibrationError::Stalled { .. } | VibrationError::TooFewValid { .. } => {
-            Failure::new(Kind::NotConverged, error.to_string())
+/// A failed search has not converged; any other error is due to the flags.
+impl From<VibrationError> for Failure {
+    fn from(error: VibrationError) -> Self {
+        match error {
+            VibrationError::NotFound { .. } | VibrationError::Stalled { .. } | VibrationError::TooFewValid { .. } => {
+                Self::new(Kind::NotConverged, error.to_string())
+            }
+            VibrationError::Cancelled(cancelled) => cancelled.into(),
+            error => Self::usage(error),
         }
-        VibrationError::Cancelled(cancelled) => Failure::from(*cancelled),
-        _ => Failure::usage(error),
     }
 }

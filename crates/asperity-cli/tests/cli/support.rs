@@ -146,7 +146,7 @@ impl Finished {
         for word in words {
             assert!(self.stderr.contains(word), "`{word}` is missing: {self:?}");
         }
-        for word in ["panicked", "RUST_BACKTRACE", "defect", "Err(", "Some("] {
+        for word in ["panicked", "RUST_BACKTRACE", "internal error", "Err(", "Some("] {
             assert!(!self.stderr.contains(word), "`{word}` in the message: {self:?}");
         }
     }

@@ -70,11 +70,7 @@ fn within(
 }
 
 fn at_least(section: &'static str, key: &'static str, value: usize, least: usize) -> Result<(), InvalidValue> {
-    if value >= least {
-        Ok(())
-    } else {
-        Err(invalid(section, key, format!("found {value}, expected at least {least}")))
-    }
+    within(section, key, value as f64, |value| value >= least as f64, &format!("at least {least}"))
 }
 
 /// Fails if a value of a list occurs twice.

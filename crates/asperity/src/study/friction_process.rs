@@ -11,7 +11,7 @@ use crate::study::{StudyError, Table};
 
 /// Returns the process of one level at the mean load, or the reason why there is none. Constant friction has neither
 /// distribution nor correlation. Varying friction without a correlation gives no process.
-pub(super) fn level_process(
+pub(super) fn fitted(
     strips: &SolvedStrips,
     level: &SolvedLevel,
     stribeck_s_per_m: Option<f64>,

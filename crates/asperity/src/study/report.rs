@@ -11,11 +11,7 @@ use crate::study::{Outcome, StoredRun, Table};
 pub type ReportFiles = Vec<(String, Vec<u8>)>;
 
 /// Renders the report of a run that was just computed; `study` is the text of the resolved study.
-pub(super) fn render_outcome(
-    study: &str,
-    outcome: &Outcome,
-    provenance: &Provenance,
-) -> Result<ReportFiles, ReportError> {
+pub(super) fn new_report(study: &str, outcome: &Outcome, provenance: &Provenance) -> Result<ReportFiles, ReportError> {
     let fields = outcome.fields.iter().map(|(name, field)| {
         let ((dx_m, dy_m), values) = ((field.grid.dx_m(), field.grid.dy_m()), &field.values);
         (name.clone(), report_field(dx_m, dy_m, values))

@@ -128,7 +128,7 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.file().friction, &self.file().material, &surface, wants_friction)
         {
-            let operating_point = match &self.vibration {
+            let level = match &self.vibration {
                 None => Lead::Deepest,
                 Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
                     Lead::Percentile(*percentile)
@@ -143,26 +143,14 @@ impl Study {
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(
-                section,
-                material,
-                surface,
-                operating_point,
-                nominal_area_m2,
-                self.seed(),
-                monitor,
-            )?;
+            let stage = friction_stage::run(section, material, surface, level, nominal_area_m2, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = self
                 .vibration
                 .as_ref()
                 .and_then(|vibration| Some(vibration.stribeck()?.s_per_m(vibration.scales.velocity_m_per_s())));
-            match friction_process::level_process(
-                &stage.solved,
-                &stage.solved.levels[stage.solved.lead],
-                stribeck_s_per_m,
-            ) {
+            match friction_process::fitted(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
                 Ok(process) => gathered.friction_process = Some(process),
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
             }

@@ -51,10 +51,7 @@ impl Table {
     ///
     /// # Panics
     /// If the columns differ in length, or the number of names differs from it.
-    pub fn with_row_names<N: Into<String>>(
-        names: Vec<String>,
-        columns: impl IntoIterator<Item = (N, Vec<f64>)>,
-    ) -> Self {
+    pub fn with_names<N: Into<String>>(names: Vec<String>, columns: impl IntoIterator<Item = (N, Vec<f64>)>) -> Self {
         let table = Self::new(columns);
         assert!(table.columns.iter().all(|(_, values)| values.len() == names.len()), "names differ from rows");
         Self { names, ..table }
@@ -143,7 +140,7 @@ mod tests {
     #[test]
     fn rows_keep_their_names_in_csv() {
         let names = vec!["monte_carlo".to_owned(), "a, \"quoted\"".to_owned()];
-        let table = Table::with_row_names(names, [("work", vec![1.0, 2.0])]);
+        let table = Table::with_names(names, [("work", vec![1.0, 2.0])]);
         let text = table.to_csv().unwrap();
         assert!(text.starts_with(b"name,work\nmonte_carlo,1.0\n"), "{}", String::from_utf8_lossy(&text));
         assert_eq!(Table::from_csv(&text).unwrap(), table);

@@ -90,7 +90,7 @@ impl Twins {
         output.warnings.extend(section.keys_without_effect());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
         let (model, chosen) = match model {
-            Err(StudyError::Empirical(error)) if options.fallback_to_model => {
+            Err(StudyError::Empirical(error)) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
                 model_of(&section, Some(&measured), &options.families, &mut output)?

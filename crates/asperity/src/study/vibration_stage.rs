@@ -40,7 +40,7 @@ const TRAJECTORY_SPAN: f64 = 120.0;
 /// Number of trajectories of a cloud.
 const CLOUD_TRAJECTORIES: usize = 60;
 /// Levels of the mean fraction of time in vibration whose damping ratios are reported.
-const CROSSING_FRACTIONS: [f64; 3] = [0.95, 0.5, 0.05];
+const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
 /// Multiples of the fastest expected slip for which friction is kept positive; the next is tried if slips are faster.
 const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Standard deviation of μ below which friction counts as constant.
@@ -105,7 +105,7 @@ pub(super) fn run(
     }
     let mut map = None;
     if let Some(plan) = &study.map {
-        warnings.extend(ensembles.map_clipping_warning(plan, main)?);
+        warnings.extend(ensembles.map_clipping(plan, main)?);
         let found = ensembles.map(plan, main, monitor)?;
         let [x, y] = plan.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
@@ -180,12 +180,12 @@ impl Ensembles<'_> {
     ///
     /// # Errors
     /// More of its values are clipped than the study allows.
-    fn process(&self, fluctuation: &Fluctuation, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
-        if fluctuation.std < CONSTANT_STD {
+    fn process(&self, noise: &Fluctuation, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
+        if noise.std < CONSTANT_STD {
             return Ok(None);
         }
-        let model = self.model(&self.oscillator, fluctuation.marginal.clone(), fluctuation.std, 1.0, margin);
-        self.clipped(&model, fluctuation.name)?;
+        let model = self.model(&self.oscillator, noise.marginal.clone(), noise.std, 1.0, margin);
+        self.clipped(&model, noise.name)?;
         Ok(Some(FrictionProcess::new(model)?))
     }
 
@@ -231,14 +231,14 @@ impl Ensembles<'_> {
     /// so that friction would change its sign, retries with a stronger clipping, which the result reports.
     fn run(
         &self,
-        fluctuation: &Fluctuation,
+        noise: &Fluctuation,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let mut result = self.run_with_margin(fluctuation, MARGINS[0], monitor, warnings);
+        let mut result = self.run_with_margin(noise, MARGINS[0], monitor, warnings);
         for margin in &MARGINS[1..] {
             if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = result {
-                result = self.run_with_margin(fluctuation, *margin, monitor, warnings);
+                result = self.run_with_margin(noise, *margin, monitor, warnings);
             }
         }
         result
@@ -246,16 +246,16 @@ impl Ensembles<'_> {
 
     fn run_with_margin(
         &self,
-        fluctuation: &Fluctuation,
+        noise: &Fluctuation,
         margin: f64,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.study.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
-        let name = fluctuation.name;
-        let Some(process) = self.process(fluctuation, margin)? else {
-            return Ok((self.constant_friction_result(fluctuation.std, ratios, monitor)?, None));
+        let name = noise.name;
+        let Some(process) = self.process(noise, margin)? else {
+            return Ok((self.constant_friction(noise.std, ratios, monitor)?, None));
         };
         let clipped_fraction = process.model().clipped_fraction();
         let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
@@ -274,12 +274,12 @@ impl Ensembles<'_> {
         let ensemble = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
         monitor.progress(&task, count + 1, count + 2);
         let sweep = DampingSweep { damping_ratios, ensembles };
-        let crossings = sweep.crossings(&self.oscillator, &process, &CROSSING_FRACTIONS, &self.settings(), monitor)?;
+        let crossings = sweep.crossings(&self.oscillator, &process, &LEVELS, &self.settings(), monitor)?;
         monitor.progress(&task, count + 2, count + 2);
         let clipping = clipping_warning(clipped_fraction);
         warnings.extend(clipping.map(|warning| format!("with the {name} upscaling, {warning}")));
         let result = EnsembleResult {
-            friction_std: fluctuation.std,
+            friction_std: noise.std,
             clipped_fraction,
             damping,
             crossings: crossings.into_iter().map(crossing_result).collect(),
@@ -291,7 +291,7 @@ impl Ensembles<'_> {
     }
 
     /// Returns the result of constant friction: every trajectory is the deterministic one.
-    fn constant_friction_result(
+    fn constant_friction(
         &self,
         std: f64,
         ratios: impl Iterator<Item = f64>,
@@ -319,8 +319,7 @@ impl Ensembles<'_> {
                 failed_samples: 0,
             });
         }
-        let crossings =
-            crossings_without_fluctuation(&self.oscillator, &CROSSING_FRACTIONS, self.study.damping_sweep.1, monitor)?;
+        let crossings = crossings_without_fluctuation(&self.oscillator, &LEVELS, self.study.damping_sweep.1, monitor)?;
         let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
@@ -335,11 +334,7 @@ impl Ensembles<'_> {
     }
 
     /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(
-        &self,
-        fluctuation: &Fluctuation,
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn portraits(&self, noise: &Fluctuation, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));
@@ -347,7 +342,7 @@ impl Ensembles<'_> {
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for margin in MARGINS {
-            let process = match self.process(fluctuation, margin) {
+            let process = match self.process(noise, margin) {
                 Ok(Some(process)) => process,
                 // The ensembles did not reach this velocity.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,

@@ -79,7 +79,7 @@ pub fn write_run(
     }
     staging.write(FIELD_INDEX, &json_bytes(&index)?)?;
     #[cfg(feature = "report")]
-    for (relative, bytes) in super::report::render_outcome(&study, outcome, provenance)? {
+    for (relative, bytes) in super::report::new_report(&study, outcome, provenance)? {
         staging.write(&relative, &bytes)?;
     }
     Ok(())

@@ -140,9 +140,7 @@ impl ColumnOptions {
             (_, Some(column), _) => Abscissa::Distance { column: column.clone(), unit: self.distance_unit.clone() },
             (_, _, Some(rate)) => Abscissa::SamplingRate { hertz: rate.0 },
             (None, None, None) => {
-                return Err(Failure::usage(
-                    "no positions of the values; give one of --time-column, --distance-column and --sampling-rate",
-                ));
+                return Err(Failure::usage("give one of --time-column, --distance-column and --sampling-rate"));
             }
         };
         let column =
@@ -185,17 +183,13 @@ impl FitRecord {
         let name = self.record.file_name().unwrap_or_default().to_string_lossy();
         let description = format!("{name}, column {}, trend {}", columns.column, preparation.detrend);
         let (prepared, fitted) = monitor
-            .with_immediate_exit(|| {
+            .killable(|| {
                 let record = MeasuredRecord::new(&ColumnTable::read(&bytes)?, &columns)?;
                 let prepared = preparation.apply(&record)?;
                 let fitted = FittedRecord::new(&prepared, self.law, &description)?;
                 Ok((prepared, fitted))
             })?
-            .or_else(|e| {
-                Err(self
-                    .record_failure(&e)
-                    .print_if_not_converged(Answer::default().with("reason", e.to_string()), self.json)?)
-            })?;
+            .or_else(|e| Err(self.failure(&e).print(Answer::default().with("reason", e.to_string()), self.json)?))?;
         for warning in prepared.record.warnings.iter().chain(&fitted.warnings) {
             monitor.warn(&format!("{}: {warning}", self.record.display()));
         }
@@ -213,7 +207,7 @@ impl FitRecord {
         answer.print(self.json)
     }
 
-    fn record_failure(&self, error: &MeasuredError) -> Failure {
+    fn failure(&self, error: &MeasuredError) -> Failure {
         let kind = match error {
             error if error.is_request() => Kind::Usage,
             error if error.is_too_few() => Kind::NotConverged,

@@ -57,7 +57,7 @@ impl Simulate {
         check_target("--out", &self.out, &[&self.process])?;
         let process = read_process(&self.process)?;
         let record = monitor
-            .with_immediate_exit(|| simulated_record(&process, self.length.0, self.step.0, self.seed))?
+            .killable(|| simulated_record(&process, self.length.0, self.step.0, self.seed))?
             .map_err(|e| Failure::usage(format_args!("{}: {e}", self.process.display())))?;
         let bytes = match record.column("fluctuation").filter(|_| npy) {
             Some(fluctuation) => write_series(fluctuation),

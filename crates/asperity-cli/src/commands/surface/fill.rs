@@ -71,8 +71,7 @@ impl Fill {
         require_memory(filling_memory_bytes(points), "filling a map of this size")?;
         probe.require_disk(self.count, points)?;
         drop(probe);
-        let filling =
-            monitor.with_immediate_exit(|| Filling::new(&map, options, monitor))?.map_err(|e| self.fill_failure(&e))?;
+        let filling = monitor.killable(|| Filling::new(&map, options, monitor))?.map_err(|e| self.fill_failure(&e))?;
         let (filled, points) = (filling.filled_points(), filling.grid().points());
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));

@@ -46,7 +46,7 @@ impl Generate {
         let maps = self.target.open(self.count, &inputs)?;
         require_memory(specimen.memory_bytes(), "a map of this size")?;
         maps.require_disk(self.count, specimen.points.iter().map(|n| *n as f64).product())?;
-        let sampler = specimen.sampler(folder).map_err(|e| study_file::study_failure(&self.spec, &e))?;
+        let sampler = specimen.sampler(folder).map_err(|e| study_file::failure(&self.spec, &e))?;
         for warning in sampler.warnings() {
             monitor.warn(warning);
         }

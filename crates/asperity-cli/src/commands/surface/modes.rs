@@ -68,8 +68,8 @@ impl Modes {
         let points = self.points.given();
         require_memory(modes_memory_bytes(&points, self.modes, self.route), "the eigenproblem")?;
         let found = monitor
-            .with_immediate_exit(|| modes(&covariance, &sizes_m, &points, self.modes, self.route))?
-            .or_else(|e| Err(generator_failure(&e).print_if_not_converged(answer(None, sizes_m.len()), self.json)?))?;
+            .killable(|| modes(&covariance, &sizes_m, &points, self.modes, self.route))?
+            .or_else(|e| Err(generator_failure(&e).print(answer(None, sizes_m.len()), self.json)?))?;
         answer(Some(&found), sizes_m.len()).print(self.json)
     }
 }

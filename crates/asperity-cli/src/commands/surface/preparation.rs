@@ -32,7 +32,7 @@ impl LevelOption {
     /// names the map.
     pub(crate) fn remove(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
         if self.level.is_none()
-            && let Some(form) = monitor.with_immediate_exit(|| dominant_form(&map))?
+            && let Some(form) = monitor.killable(|| dominant_form(&map))?
         {
             let (level, file) = (form.level, file.display());
             let shown = |height_m: f64| row("height_m", &height_m.into()).1;
@@ -43,7 +43,7 @@ impl LevelOption {
             ));
         }
         let Some(level) = self.level.filter(|_| self.removes()) else { return Ok(map) };
-        let levelled = monitor.with_immediate_exit(|| remove_form(&map, level))?;
+        let levelled = monitor.killable(|| remove_form(&map, level))?;
         Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
     }
 }

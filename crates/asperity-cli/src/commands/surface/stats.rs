@@ -48,7 +48,7 @@ impl Stats {
             sources.push(source);
         }
         if let ([(_, statistics)], [source]) = (scans.as_slice(), sources.as_slice()) {
-            let answer = Answer::from_result(&statistics.results)?;
+            let answer = Answer::new(&statistics.results)?;
             return if self.json { answer.and(source.clone()).print(true) } else { answer.print(false) };
         }
         for (place, file) in self.files.iter().enumerate() {
@@ -56,13 +56,11 @@ impl Stats {
                 |other: &PathBuf| file.canonicalize().is_ok_and(|file| other.canonicalize().is_ok_and(|o| o == file));
             if self.files[..place].iter().any(same) {
                 let file = file.display();
-                monitor.warn(&format!(
-                    "{file} is listed twice and counts as two independent scans; intervals are too narrow"
-                ));
+                monitor.warn(&format!("{file} is listed twice and counts as two scans; intervals are too narrow"));
             }
         }
         let pooled = PooledStatistics::of(scans).map_err(|e| Failure::data("the scans", &e))?;
-        let answer = Answer::from_result(&pooled.results())?;
+        let answer = Answer::new(&pooled.results())?;
         if self.json { answer.and(Answer::lists(&sources)).print(true) } else { answer.without("scans").print(false) }
     }
 
@@ -73,7 +71,7 @@ impl Stats {
         let map = input::height_map(scan, file)?;
         let preparation = self.preparation.preparation();
         let unusable = |e: &dyn Error| Failure::data(file.display(), e);
-        let prepared = monitor.with_immediate_exit(|| preparation.apply(&map))?.map_err(|e| match e {
+        let prepared = monitor.killable(|| preparation.apply(&map))?.map_err(|e| match e {
             // An invalid band or cutoff is an error of the flags.
             PreparationError::EmptyBand { .. } | PreparationError::SFilter(_) | PreparationError::LFilter(_) => {
                 Failure::usage(format_args!("{}: {e}", file.display()))
@@ -86,7 +84,7 @@ impl Stats {
                 "{file}: the robust filter found no surface around {lost} heights; they count as missing"
             ));
         }
-        let statistics = monitor.with_immediate_exit(|| statistics(&prepared))?.map_err(|e| unusable(&e))?;
+        let statistics = monitor.killable(|| statistics(&prepared))?.map_err(|e| unusable(&e))?;
         Ok((statistics, source))
     }
 }

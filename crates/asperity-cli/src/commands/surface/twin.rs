@@ -178,7 +178,7 @@ impl Twin {
         Ok(TwinOptions {
             surface,
             families,
-            fallback_to_model: model.covariance.is_none(),
+            allow_model: model.covariance.is_none(),
             size_m: model.size.map(OneOrTwo::both).map(|(x, y)| [x.0, y.0]),
             points: model.points.map(|points| <[usize; 2]>::from(points.both())),
             boundary: model.boundary,
@@ -202,18 +202,17 @@ impl Twin {
         require_disk(8.0 * points as f64 * self.count as f64, &self.out, "the folder of twins")?;
         let (printed, source) = (scan.warnings.len(), input::source(&scan));
         let file = self.file.display().to_string();
-        let twins =
-            monitor.with_immediate_exit(|| Twins::new(scan, &file, &options))?.map_err(|e| self.study_failure(&e))?;
+        let twins = monitor.killable(|| Twins::new(scan, &file, &options))?.map_err(|e| self.failure(&e))?;
         // The warnings of the file were printed when it was read.
         twins.warnings().iter().skip(printed).for_each(|warning| monitor.warn(warning));
 
         let staging = begin_folder("--out", &self.out, self.force, &[&self.file])?;
-        let comparison = twins
-            .compare(self.count, monitor, |index, twin| self.write_twin(&staging, index, twin))
-            .map_err(|e| match e {
-                TwinError::Study(e) => self.study_failure(&e),
+        let comparison = twins.compare(self.count, monitor, |index, twin| self.store(&staging, index, twin)).map_err(
+            |e| match e {
+                TwinError::Study(e) => self.failure(&e),
                 TwinError::Keep(failure) => failure,
-            })?;
+            },
+        )?;
         comparison.warnings.iter().skip(twins.warnings().len()).for_each(|warning| monitor.warn(warning));
         provenance.seconds = monitor.seconds();
         let report = page(&name, &twins, &comparison, &provenance)?;
@@ -222,15 +221,11 @@ impl Twin {
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         self.note_lost_pitch(&twins, monitor);
         monitor.note(&format!("wrote {}", written.join("twins.html").display()));
-        if self.json {
-            source.and(Answer::from_result(&comparison)?).print(true)
-        } else {
-            output::print(&table(&comparison))
-        }
+        if self.json { source.and(Answer::new(&comparison)?).print(true) } else { output::print(&table(&comparison)) }
     }
 
     /// Writes one twin; file names count from 1.
-    fn write_twin(&self, staging: &Staging, index: usize, twin: &HeightMap) -> Result<(), Failure> {
+    fn store(&self, staging: &Staging, index: usize, twin: &HeightMap) -> Result<(), Failure> {
         let name = format!("twin_{:04}.{}", index + 1, self.format);
         let grid = twin.grid();
         let scan = Scan::new(twin.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
@@ -270,7 +265,7 @@ impl Twin {
     }
 
     /// Converts an error of the library, which refers to a study file, to a message about the flags.
-    fn study_failure(&self, error: &StudyError) -> Failure {
+    fn failure(&self, error: &StudyError) -> Failure {
         let file = self.file.display();
         match error {
             StudyError::Map { error: MapError::NoPitch, .. } => {
@@ -291,7 +286,7 @@ impl Twin {
             StudyError::Covariance(error) => Failure::usage(format_args!("covariance: {error}")),
             StudyError::Grid { error, .. } => Failure::usage(format_args!("--size, --points: {error}")),
             StudyError::Cancelled(Cancelled) => Cancelled.into(),
-            error => study_file::study_failure(&self.file, error),
+            error => study_file::failure(&self.file, error),
         }
     }
 }

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::folder::Folder;
 use super::map::axis_range;
-use super::{Damping, Machine, code, series, vibration_failure};
+use super::{Damping, Machine, code, series};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
@@ -61,17 +61,15 @@ impl Basin {
         let area = self.area(&oscillator, monitor)?;
         let [columns, rows] = area.cells;
         require_memory(CELL_BYTES * columns as f64 * rows as f64, "the map of the starts")?;
-        let found = vibration::basin(&oscillator, &area, monitor).map_err(|e| vibration_failure(&e))?;
-        let border = monitor
-            .with_immediate_exit(|| separatrix(&oscillator, BORDER_POINTS))?
-            .map_err(|e| vibration_failure(&e))?;
-        let cycles = monitor.with_immediate_exit(|| slip_cycles(&oscillator))?.map_err(|e| vibration_failure(&e))?;
+        let found = vibration::basin(&oscillator, &area, monitor)?;
+        let border = monitor.killable(|| separatrix(&oscillator, BORDER_POINTS))??;
+        let cycles = monitor.killable(|| slip_cycles(&oscillator))??;
         let answer = answer(&found, border.as_ref()).with("slip_cycles", json!(cycles));
         let whole = answer.clone().with("attractors", json!(found.attractors));
         if has_folder {
             let mut tables = vec![("basin", table(&found))];
             tables.extend(border.map(|border| ("separatrix", portrait_table(&border.points))));
-            tables.extend(series::cycle(&oscillator).map_err(|e| vibration_failure(&e))?);
+            tables.extend(series::cycle(&oscillator)?);
             self.folder.write(&inputs, &whole, tables, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.without("slip_cycles").print(false) }
@@ -83,7 +81,7 @@ impl Basin {
             let cells = [x.cells, y.cells];
             return Ok(BasinBox { displacement: [x.from, x.to], velocity: [y.from, y.to], cells });
         }
-        let regime = monitor.with_immediate_exit(|| limit_cycle(oscillator))?.map_err(|e| vibration_failure(&e))?;
+        let regime = monitor.killable(|| limit_cycle(oscillator))??;
         let Regime::Cycle(cycle) = regime else {
             let message = "there is no cycle to derive the box of starts from; give --displacements and --velocities";
             return Err(Failure::usage(message));

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::critical_curve::check_over;
 use super::folder::Folder;
-use super::{Damping, Machine, code, vibration_failure};
+use super::{Damping, Machine, code};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -54,13 +54,12 @@ impl Bifurcation {
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
         let inputs = self.machine.friction.inputs();
         let has_folder = self.folder.is_requested(&inputs)?;
-        let diagram =
-            bifurcation_diagram(&oscillator, self.over, &settings, monitor).map_err(|e| vibration_failure(&e))?;
+        let diagram = bifurcation_diagram(&oscillator, self.over, &settings, monitor)?;
         if has_folder {
-            self.folder.write(&inputs, &Answer::from_result(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
+            self.folder.write(&inputs, &Answer::new(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
         }
         if self.json {
-            return Answer::from_result(&diagram)?.print(true);
+            return Answer::new(&diagram)?.print(true);
         }
         let heading = ["way", "parameter", "attractor", "multiplicity", "least velocity", "largest velocity"];
         let mut rows = vec![heading.map(str::to_owned)];

@@ -4,8 +4,8 @@ use asperity::study::Table;
 use asperity::vibration::{Branch, BranchPoint, CurveSettings, Oscillator, Parameter, critical_curve, locked_curve};
 use clap::Args;
 
+use super::Machine;
 use super::folder::Folder;
-use super::{Machine, vibration_failure};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -57,21 +57,19 @@ impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0, monitor)?;
         if self.over == Parameter::DampingRatio {
-            return Err(Failure::usage(
-                "--over damping_ratio: the curve itself gives the critical damping ratio; vary another parameter",
-            ));
+            return Err(Failure::usage("--over damping_ratio: the curve itself gives the critical damping ratio"));
         }
         check_over(self.over, &oscillator, self.from, self.to)?;
         let inputs = self.machine.friction.inputs();
         let has_folder = self.folder.is_requested(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);
         let curve = if oscillator.forcing().is_some() { locked_curve } else { critical_curve };
-        let branch = curve(&oscillator, self.over, &settings, monitor).map_err(|e| vibration_failure(&e))?;
+        let branch = curve(&oscillator, self.over, &settings, monitor)?;
         if has_folder {
             let tables = vec![("critical_curve", branch_columns(&branch, self.over.name()))];
-            self.folder.write(&inputs, &Answer::from_result(&branch)?, tables, monitor)?;
+            self.folder.write(&inputs, &Answer::new(&branch)?, tables, monitor)?;
         }
-        if self.json { Answer::from_result(&branch)?.print(true) } else { table(&branch) }
+        if self.json { Answer::new(&branch)?.print(true) } else { table(&branch) }
     }
 }
 

@@ -3,7 +3,7 @@
 use asperity::vibration::{self, VibrationError, critical_damping, limit_damping};
 use clap::Args;
 
-use super::{Machine, vibration_failure};
+use super::Machine;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -32,7 +32,7 @@ impl CriticalDamping {
             monitor.note("the forcing is ignored; the damping ratios are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(0.0, monitor)?;
-        let found = monitor.with_immediate_exit(|| {
+        let found = monitor.killable(|| {
             let critical = critical_damping(&oscillator)?;
             let limit = match limit_damping(&oscillator) {
                 Err(VibrationError::NotFound { .. }) => None,
@@ -40,7 +40,7 @@ impl CriticalDamping {
             };
             Ok::<_, VibrationError>((critical, limit))
         })?;
-        let found = found.or_else(|e| Err(vibration_failure(&e).print_if_not_converged(answer(None), self.json)?))?;
+        let found = found.or_else(|e| Err(Failure::from(e).print(answer(None), self.json)?))?;
         if found.1.is_none() {
             monitor.warn("the search for slip cycles above the other two damping ratios failed; the limit is unknown");
         }

@@ -3,7 +3,7 @@
 use asperity::vibration::{LimitCycle, Regime, VibrationError, limit_cycle, smallest_kick};
 use clap::Args;
 
-use super::{Damping, Machine, vibration_failure};
+use super::{Damping, Machine};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
@@ -32,12 +32,12 @@ impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let free = oscillator.forcing().is_none();
-        let found = monitor.with_immediate_exit(|| -> Result<_, VibrationError> {
+        let found = monitor.killable(|| -> Result<_, VibrationError> {
             let regime = limit_cycle(&oscillator)?;
             let kick = if free { smallest_kick(&oscillator)? } else { None };
             Ok(Found { regime, steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()), kick })
         })?;
-        let found = found.or_else(|e| Err(vibration_failure(&e).print_if_not_converged(answer(None), self.json)?))?;
+        let found = found.or_else(|e| Err(Failure::from(e).print(answer(None), self.json)?))?;
         match (found.regime, found.kick) {
             (Regime::Cycle(_), Some(kick)) => monitor.note(&format!(
                 "the machine vibrates once started (from stick, or by a kick of {kick:.4e}); steady sliding alone is stable"

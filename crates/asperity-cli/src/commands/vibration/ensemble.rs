@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::folder::Folder;
 use super::random::{Paths, Source};
-use super::{Damping, Machine, series, vibration_failure};
+use super::{Damping, Machine, series};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -62,28 +62,22 @@ impl Ensemble {
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let has_folder = self.folder.is_requested(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
-        Paths { belt_velocity, duration, count }.print_long_time(&process, monitor);
+        Paths { belt_velocity, duration, count }.note_time(&process, monitor);
         let answer =
             |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
-            .or_else(|e| Err(vibration_failure(&e).print_if_not_converged(answer(None, None), self.json)?))?;
+            .or_else(|e| Err(Failure::from(e).print(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
-            monitor.warn(&format!(
-                "{failed} of {total} trajectories failed and are left out; the first: {}",
-                first.reason
-            ));
+            monitor.warn(&format!("{failed} of {total} trajectories failed, the first: {}", first.reason));
         }
-        let kind = monitor
-            .with_immediate_exit(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
-            .map_err(|e| vibration_failure(&e))?;
+        let kind = monitor.killable(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))??;
         let answer = answer(Some(kind), Some(&ensemble));
         if has_folder {
-            let cloud =
-                cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| vibration_failure(&e))?;
+            let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor)?;
             let mut tables =
                 vec![("phase_cloud", cloud), ("survival", survival_table(&ensemble.passages, self.duration))];
-            tables.extend(series::cycle(&oscillator).map_err(|e| vibration_failure(&e))?);
+            tables.extend(series::cycle(&oscillator)?);
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));
             }

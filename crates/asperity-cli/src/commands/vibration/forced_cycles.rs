@@ -4,7 +4,7 @@ use asperity::vibration::{ForcedCycle, forced_cycles};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{Damping, Machine, vibration_failure};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -31,7 +31,7 @@ impl ForcedCycles {
         if oscillator.forcing().is_none() {
             return Err(Failure::usage("there is no forcing; give --forcing, above 0, and --forcing-frequency"));
         }
-        let cycles = forced_cycles(&oscillator, self.slips, monitor).map_err(|e| vibration_failure(&e))?;
+        let cycles = forced_cycles(&oscillator, self.slips, monitor)?;
         if self.json {
             let cycles: Vec<Value> = cycles.iter().map(in_json).collect();
             return Answer::default().with("cycles", cycles).print(true);

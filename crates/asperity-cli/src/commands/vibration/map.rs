@@ -3,13 +3,13 @@
 use asperity::friction::process::FrictionProcess;
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapOver, MapResolution, MapSettings, clipped_to_positive, stability_map,
+    EnsembleSettings, MapAxis, MapOver, MapResolution, MapSettings, VibrationError, clipped_to_positive, stability_map,
 };
 use clap::Args;
 
 use super::folder::Folder;
 use super::random::{Clipping, Fluctuation, Paths};
-use super::{Damping, Machine, vibration_failure};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -111,17 +111,17 @@ impl Map {
         // Check the process once, so that an invalid distribution gives an error about the flag and not about a point.
         let process = FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
-        Paths { belt_velocity, duration: self.duration, count }.print_long_time(&process, monitor);
+        Paths { belt_velocity, duration: self.duration, count }.note_time(&process, monitor);
         let model = |point: [f64; 2]| {
             let (oscillator, std, load) = over.at(&stated, self.friction_std, point)?;
             let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
-            Ok((oscillator, model))
+            Ok::<_, VibrationError>((oscillator, model))
         };
         let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
         let mut clipped = 0.0_f64;
         for point in settings.first_grid() {
-            let (_, model) = model(point).map_err(|e| vibration_failure(&e))?;
+            let (_, model) = model(point)?;
             clipped = clipped.max(model.map_or(0.0, |model| model.clipped_fraction()));
         }
         self.clipping.accept(clipped, monitor)?;
@@ -131,7 +131,7 @@ impl Map {
         };
         let inputs = self.machine.friction.inputs();
         let has_folder = self.folder.is_requested(&inputs)?;
-        let map = stability_map(&machine, &settings, monitor).map_err(|e| vibration_failure(&e))?;
+        let map = stability_map(&machine, &settings, monitor)?;
         let names = over.axes();
         let MapResolution { x, y, unresolved_share } = map.resolution;
         if unresolved_share > 0.0 {
@@ -144,7 +144,7 @@ impl Map {
             ));
         }
         if has_folder || self.json {
-            let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::from_result(&map)?);
+            let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::new(&map)?);
             let answer = answer.with("clipped_fraction", clipped);
             if has_folder {
                 self.folder.write(&inputs, &answer, stability_map_tables(&map, names), monitor)?;

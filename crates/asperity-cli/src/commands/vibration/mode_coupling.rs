@@ -14,9 +14,9 @@ use asperity::vibration::mode_coupling::{
 use clap::Args;
 use clap::builder::ArgPredicate;
 
+use super::Friction;
 use super::folder::Folder;
 use super::random::{Fluctuation, Paths};
-use super::{Friction, vibration_failure};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -168,11 +168,11 @@ impl ModeCoupling {
         let inputs: Vec<&Path> = self.friction.inputs();
         let has_folder = self.folder.is_requested(&inputs)?;
         require_memory(POINT_BYTES * self.points as f64, "the scan of the modes")?;
-        let scan = self.scan(&model).map_err(|e| vibration_failure(&e))?;
+        let scan = self.scan(&model)?;
         let modes_answer = answer::modes_answer(&model, &scan);
         let regime = monitor
-            .with_immediate_exit(|| limit_cycle(&model, None))?
-            .or_else(|e| Err(vibration_failure(&e).print_if_not_converged(modes_answer.clone(), self.json)?))?;
+            .killable(|| limit_cycle(&model, None))?
+            .or_else(|e| Err(Failure::from(e).print(modes_answer.clone(), self.json)?))?;
         if model.damping() == [0.0; 3] && modes(&model, model.sliding_friction()).iter().all(|mode| mode.growth == 0.0)
         {
             monitor.warn(
@@ -189,7 +189,7 @@ impl ModeCoupling {
         let answer = modes_answer.and(answer::motion_answer(&found));
         let whole = answer.clone().with("scan", answer::scan(&found.scan));
         if has_folder {
-            self.folder.write(&inputs, &whole, tables(&found).map_err(|e| vibration_failure(&e))?, monitor)?;
+            self.folder.write(&inputs, &whole, tables(&found)?, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.print(false) }
     }
@@ -225,20 +225,15 @@ impl Noise {
         };
         let settling = self.settling;
         let belt_velocity = model.belt_velocity();
-        Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }
-            .print_long_time(&process, monitor);
+        Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }.note_time(&process, monitor);
         let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: MIN_VALID_FRACTION };
-        let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)
-            .map_err(|e| vibration_failure(&e))?;
+        let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)?;
         let least_valid_share = MIN_VALID_FRACTION;
         let settings = EnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
-        let ensemble = Ensemble::simulate(model, &process, &settings, monitor).map_err(|e| vibration_failure(&e))?;
+        let ensemble = Ensemble::simulate(model, &process, &settings, monitor)?;
         if let Some(first) = ensemble.failures.first() {
             let failed = ensemble.failures.len();
-            monitor.warn(&format!(
-                "{failed} of {trajectories} trajectories failed and are left out; the first: {}",
-                first.reason
-            ));
+            monitor.warn(&format!("{failed} of {trajectories} trajectories failed, the first: {}", first.reason));
         }
         found.growth = Some(growth);
         found.ensemble = Some((threshold, ensemble));

@@ -30,7 +30,7 @@ pub(super) struct Paths {
 
 impl Paths {
     /// Prints the estimated time if it is long: a short correlation length requires many steps.
-    pub(super) fn print_long_time(&self, process: &FrictionProcess, monitor: &Terminal) {
+    pub(super) fn note_time(&self, process: &FrictionProcess, monitor: &Terminal) {
         let values = self.belt_velocity * self.duration / process.step();
         let threads = rayon::current_num_threads().min(self.count).max(1);
         let seconds = SECONDS_A_VALUE * values * self.count as f64 / threads as f64;

@@ -9,7 +9,7 @@ use clap::Args;
 use super::folder::Folder;
 use super::random::{Paths, Source};
 use super::wav::Wav;
-use super::{Damping, Machine, vibration_failure};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -69,16 +69,15 @@ impl Sound {
         let has_folder = self.folder.is_requested(&inputs)?;
         self.wav.check(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
-        Paths { belt_velocity, duration, count }.print_long_time(&process, monitor);
+        Paths { belt_velocity, duration, count }.note_time(&process, monitor);
         // Includes the phase portraits and transforms of the velocities.
         let points = self.duration / TAU * settings.points_per_period as f64;
         require_memory(POINT_BYTES * points * self.trajectories as f64, "the record of the velocities")?;
         let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
-        let sound =
-            vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| vibration_failure(&e))?;
+        let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor)?;
         let period = cycle_period(&oscillator, monitor)?;
         let clipped = process.model().clipped_fraction();
-        let answer = Answer::from_result(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
+        let answer = Answer::new(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
         if has_folder {
             self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
         }
@@ -99,7 +98,7 @@ impl Sound {
 
 /// Returns the period of the limit cycle without fluctuation.
 fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f64>, Failure> {
-    let regime = monitor.with_immediate_exit(|| limit_cycle(oscillator))?.map_err(|e| vibration_failure(&e))?;
+    let regime = monitor.killable(|| limit_cycle(oscillator))??;
     Ok(regime.cycle().map(|cycle| cycle.period))
 }
 

@@ -8,7 +8,7 @@ use asperity::vibration::{self, Drive, TrajectorySettings, VibrationError};
 use clap::Args;
 use serde_json::json;
 
-use super::{Damping, Machine, vibration_failure};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::input::read_failure;
@@ -51,13 +51,12 @@ impl Trajectory {
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;
         let (duration, start) = (self.duration, self.start);
         let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: self.integrator };
-        let simulated =
-            monitor.with_immediate_exit(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
+        let simulated = monitor.killable(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
         let path = simulated.map_err(|e| match e {
             VibrationError::ProcessTooShort { .. } | VibrationError::FrictionNotPositive { .. } => {
                 Failure::data(self.friction_file.display(), &e)
             }
-            e => vibration_failure(&e),
+            e => e.into(),
         })?;
         let events: Vec<_> =
             path.events.iter().map(|e| json!([e.kind.code(), e.tau, e.displacement, e.sliding_distance])).collect();

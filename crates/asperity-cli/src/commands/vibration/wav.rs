@@ -10,7 +10,6 @@ use asperity::vibration::{Oscillator, SoundSettings, Waveform, WaveformSettings}
 use clap::Args;
 use hound::{SampleFormat, WavSpec, WavWriter};
 
-use super::vibration_failure;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -70,9 +69,7 @@ impl Wav {
             followed: settings.followed,
         };
         let path = process.path(settings.seed, 0);
-        let wave = monitor
-            .with_immediate_exit(|| Waveform::record(oscillator, path, &waveform))?
-            .map_err(|e| vibration_failure(&e))?;
+        let wave = monitor.killable(|| Waveform::record(oscillator, path, &waveform))??;
         Ok(Some(wave))
     }
 

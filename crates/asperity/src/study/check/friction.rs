@@ -24,8 +24,7 @@ impl StudyFile {
             return Err(invalid(SECTION, "window", message));
         }
         if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
-            let message =
-                format!("found {}, but the strip of {} must be at least ten windows long", f.window, f.strip[0]);
+            let message = format!("found {}, but the strip of {} must span at least ten windows", f.window, f.strip[0]);
             return Err(invalid(SECTION, "window", message));
         }
         if let Some(width) = f.window_width {
@@ -84,11 +83,7 @@ impl StudyFile {
             [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())]
         {
             if stated && fractal {
-                return Err(invalid(
-                    SECTION,
-                    key,
-                    "Weierstrass–Mandelbrot surfaces have no such parameter; remove the key",
-                ));
+                return Err(invalid(SECTION, key, "Weierstrass–Mandelbrot surfaces lack it; remove the key"));
             }
         }
         // A measured interval describes the estimate of the scan, so the study must use that estimate.

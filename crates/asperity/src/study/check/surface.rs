@@ -100,11 +100,7 @@ impl StudyFile {
             }
         }
         if !s.covariance.is_of_the_scan() && s.correlation_length.is_none() {
-            return Err(invalid(
-                SECTION,
-                "correlation_length",
-                "a stated covariance requires its lengths along x and y",
-            ));
+            return Err(invalid(SECTION, "correlation_length", "a stated covariance needs its lengths along x and y"));
         }
         if s.covariance == CovarianceSource::SelfAffine && s.hurst.is_none() {
             return Err(invalid(SECTION, "hurst", "a self-affine covariance requires its Hurst exponent"));

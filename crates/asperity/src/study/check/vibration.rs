@@ -199,8 +199,7 @@ impl StudyFile {
         if let (Some(ByName(Generator::Jacobi)), Some(marginal)) = (v.generator, &stated)
             && !matches!(marginal, Marginal::Beta { .. })
         {
-            let message =
-                format!("the diffusion generator requires a Beta distribution, but friction_marginal is {marginal}");
+            let message = format!("the diffusion requires a Beta distribution, found {marginal}");
             return Err(invalid(SECTION, "generator", message));
         }
         v.map.as_ref().map_or(Ok(()), check_map)?;
@@ -407,10 +406,9 @@ fn check_map(map: &MapSection) -> Result<(), InvalidValue> {
             "friction_std" => (0.0, f64::INFINITY),
             _ => (f64::MIN_POSITIVE, f64::INFINITY),
         };
-        let expected =
-            format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
-        within(SECTION, key, from, |value| value >= least && value < most, &expected)?;
-        within(SECTION, key, to, |value| value > from && value < most, &expected)?;
+        let range = format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
+        within(SECTION, key, from, |value| value >= least && value < most, &range)?;
+        within(SECTION, key, to, |value| value > from && value < most, &range)?;
         at_least(SECTION, key, cells, 1)?;
         if cells > 1000 {
             return Err(invalid(SECTION, key, format!("found {cells} cells, expected at most 1000")));

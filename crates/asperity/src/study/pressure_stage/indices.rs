@@ -62,7 +62,7 @@ pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
         ("cross_validated_error", |entry, _| entry.cross_validated_error.unwrap_or(f64::NAN)),
     ];
     let columns = columns.map(|(name, value)| (name, rows().map(|(entry, index)| value(entry, index)).collect()));
-    Table::with_row_names(names.collect(), columns)
+    Table::with_names(names.collect(), columns)
 }
 
 #[cfg(test)]

@@ -125,7 +125,7 @@ fn methods(summary: &PressureResult) -> Table {
     }
     add("ks_distance", None, of(&|m| m.ks_distance));
     add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
-    Table::with_row_names(names.collect(), columns)
+    Table::with_names(names.collect(), columns)
 }
 
 /// Returns a row for each scalar, in the unit of its name.
@@ -146,7 +146,7 @@ fn scalars(summary: &PressureResult) -> Table {
         add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
         add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
     }
-    Table::with_row_names(names, columns)
+    Table::with_names(names, columns)
 }
 
 /// Returns the quantiles of the scalars at evenly spaced probabilities.

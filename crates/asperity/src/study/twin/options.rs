@@ -17,7 +17,7 @@ pub struct TwinOptions {
     /// Models from which a measured covariance is chosen.
     pub families: Vec<CorrelationFamily>,
     /// Whether the best model replaces an empirical covariance if the scan is too short for it, with a warning.
-    pub fallback_to_model: bool,
+    pub allow_model: bool,
     /// Size (x, y) of a twin in metre; when left out, the scan's size, or the size of the points at the scan's pitch.
     pub size_m: Option<[f64; 2]>,
     /// Points (x, y) of a twin; when left out, the scan's points, or enough to fill the size at the scan's pitch.
@@ -39,15 +39,7 @@ impl TwinOptions {
             ..SurfaceSection::default()
         };
         let families = CorrelationFamily::ALL.to_vec();
-        Self {
-            surface,
-            families,
-            fallback_to_model: true,
-            size_m: None,
-            points: None,
-            boundary: BoundaryKind::Free,
-            seed,
-        }
+        Self { surface, families, allow_model: true, size_m: None, points: None, boundary: BoundaryKind::Free, seed }
     }
 
     /// Estimates the memory in byte for making twins of a scan of `scan_points` points and comparing `at_once` of them

@@ -137,7 +137,7 @@ fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning()
     assert_ne!(twins.model.covariance.as_ref().unwrap().model, "empirical");
     assert!(twins.warnings().iter().any(|warning| warning.contains("independent patches")), "{:?}", twins.warnings());
     // Without the fallback it is an error.
-    options.fallback_to_model = false;
+    options.allow_model = false;
     assert!(matches!(Twins::new(scan_of(heights), "map", &options), Err(StudyError::Empirical(_))));
 }
 

@@ -24,7 +24,7 @@ pub fn clipping_warning(fraction: f64) -> Option<String> {
 /// Fails if friction that is known before the run is clipped more than the study allows.
 pub(in crate::study) fn refuse_clipping(study: &VibrationStudy, window: &WindowFriction) -> Result<(), StudyError> {
     let ensembles = ensembles(study, window, 0)?;
-    fluctuations(window).iter().try_for_each(|fluctuation| ensembles.process(fluctuation, MARGINS[0]).map(|_| ()))
+    fluctuations(window).iter().try_for_each(|noise| ensembles.process(noise, MARGINS[0]).map(|_| ()))
 }
 
 impl Ensembles<'_> {
@@ -46,15 +46,11 @@ impl Ensembles<'_> {
     ///
     /// # Errors
     /// At a point of the first grid more friction is clipped than the study allows.
-    pub(super) fn map_clipping_warning(
-        &self,
-        map: &MapSection,
-        fluctuation: &Fluctuation,
-    ) -> Result<Option<String>, StudyError> {
+    pub(super) fn map_clipping(&self, map: &MapSection, noise: &Fluctuation) -> Result<Option<String>, StudyError> {
         let mut largest = 0.0_f64;
         for point in self.map_settings(map).first_grid() {
-            if let (_, Some(model)) = self.machine_and_model(map.over, fluctuation, point)? {
-                largest = largest.max(self.clipped(&model, fluctuation.name)?);
+            if let (_, Some(model)) = self.machine_and_model(map.over, noise, point)? {
+                largest = largest.max(self.clipped(&model, noise.name)?);
             }
         }
         Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))

@@ -22,11 +22,11 @@ impl Ensembles<'_> {
     pub(super) fn map(
         &self,
         section: &MapSection,
-        fluctuation: &Fluctuation,
+        noise: &Fluctuation,
         monitor: &dyn Monitor,
     ) -> Result<StabilityMap, StudyError> {
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = self.machine_and_model(section.over, fluctuation, [x, y])?;
+            let (oscillator, model) = self.machine_and_model(section.over, noise, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
@@ -37,12 +37,12 @@ impl Ensembles<'_> {
     pub(super) fn machine_and_model(
         &self,
         over: MapOver,
-        fluctuation: &Fluctuation,
+        noise: &Fluctuation,
         point: [f64; 2],
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
-        let (oscillator, std, load) = over.at(&self.oscillator, fluctuation.std, point)?;
+        let (oscillator, std, load) = over.at(&self.oscillator, noise.std, point)?;
         let varies = std >= CONSTANT_STD;
-        let model = varies.then(|| self.model(&oscillator, fluctuation.marginal.clone(), std, load, 1.0));
+        let model = varies.then(|| self.model(&oscillator, noise.marginal.clone(), std, load, 1.0));
         Ok((oscillator, model))
     }
 }
