@@ -14,9 +14,9 @@ const STREAM: &str = "brake disc";
 const POINTS: usize = 512;
 const PITCH_M: f64 = 2e-6;
 const RMS_M: f64 = 0.8e-6;
-/// Scales of the Matérn covariance along x (sliding) and y; the correlation falls to 1/e at about as much.
+/// Scales of the Matérn covariance along x (sliding) and y; the 1/e lengths are about the same.
 const SCALES_M: [f64; 2] = [18e-6, 12e-6];
-/// Its smoothness, a Hurst exponent of 0.8 at short waves.
+/// Smoothness of the covariance: a Hurst exponent of 0.8 at short waves.
 const SMOOTHNESS: f64 = 0.8;
 const GROOVES: u64 = 14;
 const SPIKES: usize = 90;

@@ -47,7 +47,7 @@ const KINDS: [SurfaceKind; 9] = [
     SurfaceKind::Plateaus,
 ];
 
-/// SurfaceKind of surface.
+/// Kind of surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SurfaceKind {
     /// Self-affine spectrum.

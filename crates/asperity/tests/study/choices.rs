@@ -37,18 +37,18 @@ fn every_generator_boundary_control_and_distribution_gives_numbers() {
         assert!((0.0..=1.0).contains(&pressure.contact_probability), "{changes:?}");
         assert!(pressure.methods.iter().any(|method| method.contact_probability.is_some()), "{changes:?}");
     }
-    let told = |generator: &str, stage| {
+    let assumptions = |generator: &str, stage| {
         let corrected = format!("\"beta:2.1,5\"\ntranslation = \"corrected\"\n{generator}");
         run(&changed(MODEL, &[("\"normal\"", &corrected)]), Some(stage)).results.assumptions.join("\n")
     };
     // The smallest correlation of the distribution is that with its own reflection, −0.9516.
-    let expansion = told("", Stage::Pressure);
+    let expansion = assumptions("", Stage::Pressure);
     assert!(
         expansion.contains("distorted beforehand") && expansion.contains("a correlation below -0.9516"),
         "{expansion}"
     );
     for stage in [Stage::Pressure, Stage::Friction] {
-        let modes = told("generator = \"spectral\"", stage);
+        let modes = assumptions("generator = \"spectral\"", stage);
         assert!(modes.matches("Corrected translation meets the correlation").count() == 1, "{modes}");
     }
     let strips: [&[(&str, &str)]; 7] = [
