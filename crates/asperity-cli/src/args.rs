@@ -159,7 +159,7 @@ pub(crate) fn pair<T>(text: &str, parse: impl Fn(&str) -> Result<T, Refusal>) ->
     match parts.as_slice() {
         [one] => Ok(OneOrTwo::One(parse(one)?)),
         [x, y] => Ok(OneOrTwo::Two(parse(x)?, parse(y)?)),
-        _ => Err(format!("{}  values were found; write one, or two as X,Y", parts.len()).into()),
+        _ => Err(format!("{} values were found; write one, or two as X,Y", parts.len()).into()),
     }
 }
 

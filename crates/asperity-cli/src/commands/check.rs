@@ -76,7 +76,7 @@ impl Check {
                 .print(true);
         }
         let resolved = toml::to_string(study.file()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
-        let mut text = format!("# {}  with all its values; this output is a valid study file.\n", self.study.display());
+        let mut text = format!("# {} with all its values; this output is a valid study file.\n", self.study.display());
         for stage in stages {
             text += &format!("# {}\n", describe(stage, threads));
         }

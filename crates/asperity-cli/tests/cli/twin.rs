@@ -116,7 +116,7 @@ fn a_twin_does_not_depend_on_the_count_and_format_selects_the_file_type() {
     assert_eq!(twin(at, &format!("scan.x3p --count 2 --out few {FAST}")).code, 0);
     let many = twin(at, &format!("scan.x3p --count 3 --out many --threads 1 --format npy {FAST}"));
     assert_eq!(many.code, 0);
-    assert!(many.stderr.contains("NPY has no place for the pixel size"), "{many:?}");
+    assert!(many.stderr.contains("NPY cannot store the pixel size"), "{many:?}");
     let of = |path: &str| read(&at.join(path)).unwrap().heights_m;
     assert_eq!(of("few/twin_0002.x3p"), of("many/twin_0002.npy"));
     assert_ne!(of("few/twin_0001.x3p"), of("few/twin_0002.x3p"));

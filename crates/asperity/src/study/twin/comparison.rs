@@ -266,7 +266,7 @@ pub(super) fn outside_sentence(twins: &[(&'static str, StatisticComparison)]) ->
         .collect();
     (!outside.is_empty()).then(|| {
         format!(
-            "{} of {} of the scan {} outside of the 95 % band of its twins, where chance alone puts about {}: {}",
+            "{} of {} of the scan {} outside of the 95 % band of its twins (about {} expected by chance): {}",
             outside.len(),
             sentence::count(compared, "statistic", "statistics"),
             if outside.len() == 1 { "lies" } else { "lie" },
@@ -302,7 +302,7 @@ mod tests {
         (all[0].1, all[1].1) = (statistic(Some(false)), statistic(Some(false)));
         assert_eq!(
             outside_sentence(&all).unwrap(),
-            "2 of 3 statistics of the scan lie outside of the 95 % band of its twins, where chance alone puts about 0.2: \
+            "2 of 3 statistics of the scan lie outside of the 95 % band of its twins (about 0.2 expected by chance): \
              Sq (300 mm, twins 0 m to 200 mm), Sdq (0.3, twins 0 to 0.2)"
         );
     }
