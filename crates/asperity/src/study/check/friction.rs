@@ -135,7 +135,7 @@ impl StudyFile {
     fn check_levels(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
         const SECTION: &str = "friction";
         if f.levels() == 0 {
-            return Err(invalid(SECTION, "percentiles", "found no level, expected at least one"));
+            return Err(invalid(SECTION, "percentiles", "found none, expected at least one level"));
         }
         for percentile in f.percentiles() {
             within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
