@@ -1,4 +1,4 @@
-//! Values of flags: numbers with their range, quantities with their unit, pairs for x and y.
+//! Parsers of flag values: numbers with a range, quantities with a unit, pairs for x and y.
 
 use std::error::Error;
 use std::ffi::OsStr;
@@ -11,12 +11,12 @@ use asperity::quantity::{Compliance, Force, Frequency, Length, Pressure, Velocit
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 
-/// Why a value was refused; clap prints it behind the name of the flag.
+/// Reason why a value is invalid; clap prints it after the name of the flag.
 pub(crate) type Refusal = Box<dyn Error + Send + Sync>;
 
-/// A quantity as its number in SI.
+/// A quantity that converts to SI.
 pub(crate) trait Si: FromStr<Err: Display> + Display {
-    /// The number in SI.
+    /// Returns the number in SI.
     fn si(&self) -> f64;
 }
 
@@ -56,11 +56,11 @@ impl Si for Compliance {
     }
 }
 
-/// A value by its name in study files. Hyphens may stand for its underscores.
+/// Parser of a choice by its name in study files. Accepts hyphens in place of underscores.
 #[derive(Debug, Clone)]
 pub(crate) struct Named<T>(PhantomData<T>);
 
-/// Reads a value by its name.
+/// Returns the parser of a choice by its name.
 pub(crate) fn named<T: Choice>() -> Named<T> {
     Named(PhantomData)
 }
@@ -76,11 +76,11 @@ impl<T: Choice + Send + Sync> TypedValueParser for Named<T> {
 
     fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
         let name = value.to_string_lossy().replace('-', "_");
-        // The curves call the amplitude of the force by a shorter name.
+        // The curves use a shorter name for the amplitude of the force.
         let name = if name == "forcing" { "forcing_amplitude" } else { &name };
         match T::from_name(name) {
             Ok(found) => Ok(found),
-            // The error of clap lists the names.
+            // clap's error lists the names.
             Err(_) => Err(PossibleValuesParser::new(Self::values())
                 .parse_ref(command, arg, value)
                 .map_or_else(|error| error, |_| clap::Error::new(clap::error::ErrorKind::InvalidValue))),
@@ -102,7 +102,7 @@ pub(crate) enum OneOrTwo<T> {
 }
 
 impl<T: Copy> OneOrTwo<T> {
-    /// The values as given.
+    /// Returns the values as given: one or two.
     pub(crate) fn given(self) -> Vec<T> {
         match self {
             Self::One(x) => vec![x],
@@ -110,7 +110,7 @@ impl<T: Copy> OneOrTwo<T> {
         }
     }
 
-    /// (x, y), one value standing for both.
+    /// Returns (x, y), repeating a single value.
     pub(crate) fn both(self) -> (T, T) {
         match self {
             Self::One(x) => (x, x),
@@ -119,7 +119,7 @@ impl<T: Copy> OneOrTwo<T> {
     }
 }
 
-/// No quantity of this field comes near; the squares and sums of larger ones leave the range of a double.
+/// Largest accepted number in SI; squares and sums of larger numbers overflow a double.
 const LARGEST_SI: f64 = 1e30;
 
 fn quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
@@ -131,39 +131,39 @@ fn quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
     }
 }
 
-/// A quantity above zero.
+/// Parses a quantity above zero.
 pub(crate) fn positive_quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
     let value: Q = quantity(text)?;
     if value.si() > 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must be above 0").into()) }
 }
 
-/// A quantity of zero or more.
+/// Parses a quantity of zero or more.
 pub(crate) fn non_negative_quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
     let value: Q = quantity(text)?;
     if value.si() >= 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must not be negative").into()) }
 }
 
-/// `Q` or `Q,Q`, each above zero.
+/// Parses `Q` or `Q,Q`, each above zero.
 pub(crate) fn quantity_pair<Q: Si>(text: &str) -> Result<OneOrTwo<Q>, Refusal> {
     pair(text, positive_quantity)
 }
 
-/// `N` or `N,N`, each at least 1.
+/// Parses `N` or `N,N`, each at least 1.
 pub(crate) fn count_pair(text: &str) -> Result<OneOrTwo<usize>, Refusal> {
     pair(text, count)
 }
 
-/// One value, or two as `X,Y`.
+/// Parses one value, or two as `X,Y`.
 pub(crate) fn pair<T>(text: &str, parse: impl Fn(&str) -> Result<T, Refusal>) -> Result<OneOrTwo<T>, Refusal> {
     let parts: Vec<&str> = text.split(',').collect();
     match parts.as_slice() {
         [one] => Ok(OneOrTwo::One(parse(one)?)),
         [x, y] => Ok(OneOrTwo::Two(parse(x)?, parse(y)?)),
-        _ => Err(format!("{} values were given; write one, or two as X,Y", parts.len()).into()),
+        _ => Err(format!("{} values were found; write one, or two as X,Y", parts.len()).into()),
     }
 }
 
-/// A whole number of at least 1.
+/// Parses a whole number of at least 1.
 pub(crate) fn count(text: &str) -> Result<usize, Refusal> {
     match text.trim().parse() {
         Ok(0) => Err("0 is out of range: it must be at least 1".into()),
@@ -172,12 +172,12 @@ pub(crate) fn count(text: &str) -> Result<usize, Refusal> {
     }
 }
 
-/// A seed: any number of 64 bits.
+/// Parses a seed: any number of 64 bits.
 pub(crate) fn seed(text: &str) -> Result<u64, Refusal> {
     text.trim().parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX).into())
 }
 
-/// A number of threads that a machine can have.
+/// Parses a number of threads, at most 4096.
 pub(crate) fn threads(text: &str) -> Result<usize, Refusal> {
     const MOST: usize = 4096;
     match count(text)? {
@@ -189,50 +189,50 @@ pub(crate) fn threads(text: &str) -> Result<usize, Refusal> {
 fn finite(text: &str) -> Result<f64, Refusal> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
-        // A number that is too large reads as infinite.
-        Ok(_) if text.contains(|c: char| c.is_ascii_digit()) => Err("it is too large a number".into()),
+        // Rust parses a number that is too large as infinite.
+        Ok(_) if text.contains(|c: char| c.is_ascii_digit()) => Err("the number is too large".into()),
         Ok(x) => Err(format!("{x} is not a finite number").into()),
         Err(_) => Err("it is dimensionless and must be a plain number".into()),
     }
 }
 
-/// A finite dimensionless number.
+/// Parses a finite dimensionless number.
 pub(crate) fn number(text: &str) -> Result<f64, Refusal> {
     finite(text)
 }
 
-/// A dimensionless number above zero.
+/// Parses a dimensionless number above zero.
 pub(crate) fn positive(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > 0.0, "it must be above 0")
 }
 
-/// A dimensionless number of zero or more.
+/// Parses a dimensionless number of zero or more.
 pub(crate) fn non_negative(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x >= 0.0, "it must not be negative")
 }
 
-/// A percentage, 0 to 100.
+/// Parses a percentage, 0 to 100.
 pub(crate) fn percent(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| (0.0..=100.0).contains(&x), "it must lie between 0 and 100")
 }
 
-/// A bound on a relative residual, above 0 and below 1.
+/// Parses a bound on a relative residual, above 0 and below 1.
 pub(crate) fn tolerance(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > 0.0 && x < 1.0, "it must be above 0 and below 1")
 }
 
-/// A distance from the median in standard deviations, at least 1.
+/// Parses a distance from the median in standard deviations, at least 1.
 pub(crate) fn outliers(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x >= 1.0, "it must be at least 1 standard deviation")
 }
 
-/// Poisson's ratio of an isotropic solid, above −1 and at most ½.
+/// Parses Poisson's ratio of an isotropic solid, above −1 and at most ½.
 pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")
 }
 
-fn within(x: f64, allowed: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, Refusal> {
-    if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {wanted}").into()) }
+fn within(x: f64, allowed: impl Fn(f64) -> bool, requirement: &str) -> Result<f64, Refusal> {
+    if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {requirement}").into()) }
 }
 
 #[cfg(test)]
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_value_stands_for_both_and_three_are_refused() {
+    fn one_value_applies_to_both_axes_and_three_are_refused() {
         assert_eq!(quantity_pair::<Length>("2um").unwrap().both(), (Length(2e-6), Length(2e-6)));
         assert_eq!(quantity_pair::<Length>("2 um, 3 um").unwrap(), OneOrTwo::Two(Length(2e-6), Length(3e-6)));
         assert!(quantity_pair::<Length>("1um,2um,3um").is_err());

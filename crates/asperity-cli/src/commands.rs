@@ -16,7 +16,7 @@ use clap::Subcommand;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// What to do; help shows what stands at the command itself.
+/// Command of the program. Help shows the documentation of each command's type.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Init(init::Init),
@@ -28,7 +28,7 @@ pub(crate) enum Command {
     Surface(surface::Surface),
     Formats(formats::Formats),
     Contact(contact::Contact),
-    /// The friction coefficient as a process: fitted to measured records, and drawn from.
+    /// Friction coefficient as a random process: fit measured records, draw new ones.
     #[command(subcommand)]
     Friction(friction::Friction),
     /// A mass on a moving belt, in dimensionless form.

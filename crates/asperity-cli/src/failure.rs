@@ -1,4 +1,4 @@
-//! Why a command ended early, and the exit code that says so.
+//! Errors of commands, and their exit codes.
 
 use std::error::Error;
 use std::fmt;
@@ -9,16 +9,16 @@ use asperity_formats::refusal;
 
 use crate::output::Answer;
 
-/// The kind of an early end; its number is the exit code.
+/// Kind of an error; it determines the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Something went wrong while running, for example a file could not be written.
+    /// An error while running, for example a file could not be written.
     Runtime,
     /// A flag, key, unit or value is wrong.
     Usage,
     /// Input data is missing, corrupt or unusable.
     Data,
-    /// The computation did not converge, or too few samples are valid. The answer was printed all the same.
+    /// The computation did not converge, or too few samples are valid. The command has printed its answer all the same.
     NotConverged,
     /// Memory, disk or threads ran out.
     Resources,
@@ -27,7 +27,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// The exit code of the program.
+    /// Returns the exit code of the program.
     pub(crate) fn exit_code(self) -> u8 {
         match self {
             Self::Runtime => 1,
@@ -40,7 +40,7 @@ impl Kind {
     }
 }
 
-/// An early end: its kind and one message for the user.
+/// Error of a command: its kind and one message for the user.
 #[derive(Debug)]
 pub(crate) struct Failure {
     kind: Kind,
@@ -52,18 +52,18 @@ impl Failure {
         Self { kind, message: message.into() }
     }
 
-    /// A wrong flag, key or value.
+    /// Returns the error of a wrong flag, key or value.
     pub(crate) fn usage(cause: impl fmt::Display) -> Self {
         Self::new(Kind::Usage, cause.to_string())
     }
 
-    /// Unusable data of the file or object `what`.
+    /// Returns the error of unusable data in the file or object `what`.
     pub(crate) fn data(what: impl fmt::Display, cause: &dyn Error) -> Self {
         Self::new(Kind::Data, format!("{what}: {}", chain(cause)))
     }
 
-    /// A failed read or write of `what`. A full disk and a place that cannot be written are a lack of resources, a missing
-    /// input is a lack of data.
+    /// Returns the error of a failed read or write of `what`. A full disk and an unwritable place count as a lack of
+    /// resources, a missing input as missing data.
     pub(crate) fn io(kind: Kind, what: impl fmt::Display, cause: &io::Error) -> Self {
         let kind = match cause.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::OutOfMemory => Kind::Resources,
@@ -75,8 +75,8 @@ impl Failure {
         Self::new(kind, format!("{what}: {}", refusal(cause)))
     }
 
-    /// The same failure; if something did not converge, `answer` is printed with `converged: false` first.
-    pub(crate) fn told(self, answer: Answer, json: bool) -> Result<Self, Self> {
+    /// Prints `answer` with `converged: false` if the computation did not converge, and returns the failure.
+    pub(crate) fn print(self, answer: Answer, json: bool) -> Result<Self, Self> {
         if self.kind == Kind::NotConverged {
             answer.with("converged", false).print(json)?;
         }
@@ -107,7 +107,7 @@ impl From<Cancelled> for Failure {
     }
 }
 
-/// The message of an error and of its causes, each once.
+/// Returns the message of an error followed by the messages of its causes, without repetition.
 pub(crate) fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
@@ -126,14 +126,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_refusal_of_the_system_is_told_in_words() {
+    fn errors_of_the_system_are_described_in_words() {
         for number in [2, 13, 28] {
             let failure = Failure::io(Kind::Data, "scan.x3p", &io::Error::from_raw_os_error(number));
             assert!(!failure.message().contains("os error"), "{failure}");
         }
         let gone = Failure::io(Kind::Data, "scan.x3p", &io::ErrorKind::NotFound.into());
         assert_eq!(gone.to_string(), "error: scan.x3p: no such file or folder");
-        // A folder that cannot be written is a lack of resources; an input that cannot be read is a lack of data.
+        // An unwritable folder is a lack of resources; an unreadable input is missing data.
         for (kind, wanted) in [(Kind::Runtime, Kind::Resources), (Kind::Data, Kind::Data)] {
             assert_eq!(Failure::io(kind, "out", &io::ErrorKind::PermissionDenied.into()).kind(), wanted);
         }

@@ -1,4 +1,4 @@
-//! Height maps from files.
+//! Reading of height maps from files.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -13,35 +13,36 @@ use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// What a file does not say of itself.
+/// Metadata that some files lack.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ScanOptions {
-    /// Height map to read of a file that holds several: its name, or its number counted from 1.
+    /// Height map to read from a file that contains several: its name, or its number counted from 1.
     #[arg(long, value_name = "NAME|N", value_parser = channel)]
     channel: Option<Channel>,
-    /// Distance between points, along x and y; needed for files without one (NPY, most text), overrides that of
-    /// others.
+    /// Distance between points, along x and y. Required for files that store none (NPY, most text); replaces the
+    /// distance stored in other files.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     pixel_size: Option<OneOrTwo<Length>>,
-    /// Unit of the heights of a file that states none (NPY, most text, XYZ, TIFF): m, mm, um or nm; overrides
-    /// that of others. It is the unit of the numbers in the file: it also replaces a conversion factor in the header of a text.
+    /// Unit of the heights: m, mm, um or nm. Required for files that state none (NPY, most text, XYZ, TIFF); replaces
+    /// the unit stated in other files. It applies to the numbers in the file and also replaces a conversion factor in
+    /// the header of a text file.
     #[arg(long, value_name = "U", value_parser = height_unit)]
     height_unit: Option<LengthUnit>,
 }
 
 impl ScanOptions {
-    /// The options for another file: pixel size and unit, as a channel belongs to one file.
-    pub(crate) fn of_another_file(&self) -> Self {
+    /// Returns the options for another file: pixel size and unit without the channel, which belongs to one file.
+    pub(crate) fn without_channel(&self) -> Self {
         Self { channel: None, ..self.clone() }
     }
 }
 
-/// Reads a scan and reports its warnings.
+/// Reads a scan and prints its warnings.
 pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Result<Scan, Failure> {
     let pitch_m = options.pixel_size.map(OneOrTwo::both).map(|(dx, dy)| checked_pitch_m((dx.0, dy.0)));
     let pitch_m = pitch_m.transpose().map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
     let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone(), pitch_m };
-    let scan = asperity_formats::read_with(path, &choice).map_err(|e| unreadable(&e))?;
+    let scan = asperity_formats::read_with(path, &choice).map_err(|e| read_failure(&e))?;
     for warning in &scan.warnings {
         monitor.warn(&format!("{}: {warning}", path.display()));
     }
@@ -53,12 +54,12 @@ pub(crate) fn map(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Res
     height_map(scan(path, options, monitor)?, path)
 }
 
-/// The height map of a scan that was read from `path`.
+/// Converts a scan that was read from `path` into a height map.
 pub(crate) fn height_map(scan: Scan, path: &Path) -> Result<HeightMap, Failure> {
     HeightMap::try_from(scan).map_err(|e| no_map(&e, path))
 }
 
-/// The reason why the scan of a file is no map.
+/// Returns the error of a scan that is no valid map.
 pub(crate) fn no_map(error: &MapError, path: &Path) -> Failure {
     match error {
         MapError::NoPitch => Failure::usage(format_args!("{}: {error}", path.display())),
@@ -66,13 +67,13 @@ pub(crate) fn no_map(error: &MapError, path: &Path) -> Failure {
     }
 }
 
-/// The format that was read, and the channel of files that hold several.
+/// Returns the format of a scan, and the channel if the file contains several.
 pub(crate) fn source(scan: &Scan) -> Answer {
     Answer::default().with("format", scan.format.map(Format::name)).with("channel", scan.channel_name())
 }
 
-/// A file that cannot be read is missing or unusable data; the message names the file already.
-pub(crate) fn unreadable(error: &FormatError) -> Failure {
+/// Returns the error of a file that is missing or unusable; the message already names the file.
+pub(crate) fn read_failure(error: &FormatError) -> Failure {
     let kind = match error.cause() {
         FormatError::NoSuchChannel { .. } => Kind::Usage,
         _ => Kind::Data,

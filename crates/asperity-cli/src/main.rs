@@ -1,6 +1,6 @@
-//! The command line of asperity: arguments in, library called, results out.
+//! The command line of asperity: parses arguments, calls the library, prints results.
 //!
-//! Data goes to stdout, talk to stderr, and the exit code says what kind of end it was ([`failure::Kind`]).
+//! Data goes to stdout, messages go to stderr, and the exit code gives the kind of error ([`failure::Kind`]).
 
 mod args;
 mod commands;
@@ -9,9 +9,9 @@ mod input;
 mod monitor;
 mod npz;
 mod output;
-mod page;
 mod provenance;
 mod resources;
+mod run_folder;
 
 use std::panic;
 use std::process::ExitCode;
@@ -38,11 +38,11 @@ Exit codes:
   5    out of memory, disk or threads
   130  cancelled")]
 struct Cli {
-    /// Worker threads; all cores when left out. Results do not depend on it.
+    /// Number of worker threads; all cores when left out. Results do not depend on it.
     #[arg(long, global = true, value_name = "N", value_parser = args::threads, help_heading = "Everywhere")]
     threads: Option<usize>,
 
-    /// Nothing but errors on stderr: no progress, no warnings.
+    /// Print only errors on stderr: no progress, no warnings.
     #[arg(long, short, global = true, help_heading = "Everywhere")]
     quiet: bool,
 
@@ -50,19 +50,20 @@ struct Cli {
     command: Command,
 }
 
-/// Where the first panic was.
-static DEFECT: OnceLock<String> = OnceLock::new();
+/// Source location of the first panic.
+static PANIC_LOCATION: OnceLock<String> = OnceLock::new();
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    // A defect ends in one message, below, and not in a trace of the stack.
+    // A panic prints one message, below, instead of a stack trace.
     panic::set_hook(Box::new(|info| {
-        DEFECT.get_or_init(|| info.location().map_or_else(String::new, |at| format!(" ({}:{})", at.file(), at.line())));
+        PANIC_LOCATION
+            .get_or_init(|| info.location().map_or_else(String::new, |at| format!(" ({}:{})", at.file(), at.line())));
     }));
     let kind = match panic::catch_unwind(|| run(&cli)) {
         Ok(Ok(())) => return ExitCode::SUCCESS,
         Ok(Err(failure)) => {
-            output::talk(&failure.to_string());
+            output::print_message(&failure.to_string());
             failure.kind()
         }
         Err(payload) => {
@@ -71,8 +72,8 @@ fn main() -> ExitCode {
                 .map(String::as_str)
                 .or_else(|| payload.downcast_ref::<&str>().copied())
                 .unwrap_or("no message");
-            let place = DEFECT.get().map_or("", String::as_str);
-            output::talk(&format!("error: asperity met a defect of its own: {what}{place}; please report it"));
+            let place = PANIC_LOCATION.get().map_or("", String::as_str);
+            output::print_message(&format!("internal error: {what}{place}; please report it"));
             Kind::Runtime
         }
     };

@@ -10,21 +10,21 @@ use asperity::monitor::{Cancelled, Monitor};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::failure::{Failure, Kind};
-use crate::output::{record_warning, talk};
+use crate::output::{print_message, record_warning};
 
-/// Time between two lines when stderr is no terminal.
-const LINE_EVERY: Duration = Duration::from_secs(10);
+/// Time between two progress lines if stderr is no terminal.
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
-/// Time after which another signal ends the program at once. `timeout` sends two in a row.
-const IMPATIENT_AFTER: Duration = Duration::from_millis(500);
+/// Time after which another signal ends the program immediately. `timeout` sends two in a row.
+const FORCE_EXIT_AFTER: Duration = Duration::from_millis(500);
 
-/// Shows progress on stderr, takes the time of every task, and receives Ctrl-C and SIGTERM.
+/// Progress display on stderr, timer of tasks, and receiver of Ctrl-C and SIGTERM.
 pub(crate) struct Terminal {
     display: Display,
     tasks: Mutex<BTreeMap<String, Task>>,
     cancelled: Arc<AtomicBool>,
-    /// Set while a computation runs that nobody can ask to stop.
-    abrupt: Arc<AtomicBool>,
+    /// Set during a computation that cannot be cancelled; a signal then ends the program.
+    exit_immediately: Arc<AtomicBool>,
 }
 
 enum Display {
@@ -53,10 +53,11 @@ impl Task {
         self.done >= self.total
     }
 
-    /// Takes a report, which may come late. Returns whether something new is known.
+    /// Records a progress report, possibly out of order. Returns whether it changed anything.
     fn advance(&mut self, done: usize, total: usize) -> bool {
         if self.finished() {
-            // The same task again, as for every damping ratio of a sweep; late reports lie near the end.
+            // The same task begins again, for example for the next damping ratio of a sweep. Late reports are near the
+            // end.
             if done > total / 2 {
                 return false;
             }
@@ -75,23 +76,23 @@ impl Task {
 }
 
 impl Terminal {
-    /// Listens for Ctrl-C and SIGTERM. The first signal asks the computation to stop, a later one ends the program.
+    /// Starts to listen for Ctrl-C and SIGTERM. The first signal cancels the computation, a later one ends the program.
     pub(crate) fn new(quiet: bool) -> Result<Self, Failure> {
         let cancelled = Arc::new(AtomicBool::new(false));
-        let abrupt = Arc::new(AtomicBool::new(false));
-        let (flag, at_once) = (Arc::clone(&cancelled), Arc::clone(&abrupt));
+        let exit_immediately = Arc::new(AtomicBool::new(false));
+        let (flag, exit_now) = (Arc::clone(&cancelled), Arc::clone(&exit_immediately));
         let mut first: Option<Instant> = None;
         on_signal(move || {
             flag.store(true, Ordering::SeqCst);
-            let again = first.is_some_and(|first| first.elapsed() > IMPATIENT_AFTER);
-            if at_once.load(Ordering::SeqCst) {
-                talk(&Failure::from(Cancelled).to_string());
+            let again = first.is_some_and(|first| first.elapsed() > FORCE_EXIT_AFTER);
+            if exit_now.load(Ordering::SeqCst) {
+                print_message(&Failure::from(Cancelled).to_string());
             }
-            if again || at_once.load(Ordering::SeqCst) {
+            if again || exit_now.load(Ordering::SeqCst) {
                 std::process::exit(i32::from(Kind::Cancelled.exit_code()));
             }
             if first.is_none() {
-                talk("stopping at the next block; press Ctrl-C again to end at once");
+                print_message("stopping after the current block; press Ctrl-C again to stop immediately");
                 first = Some(Instant::now());
             }
         })
@@ -103,45 +104,45 @@ impl Terminal {
         } else {
             Display::Lines
         };
-        Ok(Self { display, tasks: Mutex::default(), cancelled, abrupt })
+        Ok(Self { display, tasks: Mutex::default(), cancelled, exit_immediately })
     }
 
-    /// Tells something that is not data, unless quiet.
+    /// Prints a message to stderr, unless quiet.
     pub(crate) fn note(&self, message: &str) {
         if !matches!(self.display, Display::Nothing) {
-            talk(message);
+            print_message(message);
         }
     }
 
-    /// Tells something doubtful, unless quiet; a JSON answer holds it in any case.
+    /// Prints a warning, unless quiet, and records it for the JSON answer.
     pub(crate) fn warn(&self, message: &str) {
         record_warning(message);
         self.note(&format!("warning: {message}"));
     }
 
-    /// Takes the bars off the screen.
+    /// Removes the progress bars from the screen.
     pub(crate) fn finish(&self) {
         for bar in self.tasks().values().filter_map(|task| task.bar.as_ref()) {
             bar.finish_and_clear();
         }
     }
 
-    /// Ends a command that a signal reached while it was in a part that cannot stop.
+    /// Fails if a signal arrived during a part that cannot be cancelled.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// Runs a computation that cannot be asked to stop and that writes nothing: a signal ends the program in the midst of it.
-    pub(crate) fn at_once<T>(&self, compute: impl FnOnce() -> T) -> Result<T, Cancelled> {
-        self.abrupt.store(true, Ordering::SeqCst);
+    /// Runs a computation that cannot be cancelled and writes nothing. A signal ends the program immediately.
+    pub(crate) fn killable<T>(&self, compute: impl FnOnce() -> T) -> Result<T, Cancelled> {
+        self.exit_immediately.store(true, Ordering::SeqCst);
         self.check()?;
         let found = compute();
-        self.abrupt.store(false, Ordering::SeqCst);
+        self.exit_immediately.store(false, Ordering::SeqCst);
         self.check()?;
         Ok(found)
     }
 
-    /// Seconds that each task took so far.
+    /// Returns the seconds that each task took so far.
     pub(crate) fn seconds(&self) -> BTreeMap<String, f64> {
         self.tasks().iter().map(|(what, task)| (what.clone(), task.time().as_secs_f64())).collect()
     }
@@ -178,9 +179,9 @@ impl Monitor for Terminal {
                 bar.set_position(task.done as u64);
             }
             Display::Lines => {
-                if task.last_line.elapsed() >= LINE_EVERY && !task.finished() {
+                if task.last_line.elapsed() >= LINE_INTERVAL && !task.finished() {
                     task.last_line = Instant::now();
-                    talk(&line(what, task.done, total, task.started.elapsed()));
+                    print_message(&line(what, task.done, total, task.started.elapsed()));
                 }
             }
         }
@@ -196,7 +197,7 @@ impl Monitor for Terminal {
 fn on_signal(mut handle: impl FnMut() + Send + 'static) -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut signals = vec![SIGINT, SIGTERM];
-    // `nohup` has the program ignore the end of its terminal.
+    // `nohup` makes the program ignore the hangup of its terminal.
     if !ignores_hangup() {
         signals.push(SIGHUP);
     }
@@ -205,7 +206,7 @@ fn on_signal(mut handle: impl FnMut() + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether SIGHUP was ignored from the start. Systems that do not tell are taken to.
+/// Returns whether SIGHUP was ignored from the start; true on systems that do not report it.
 #[cfg(unix)]
 fn ignores_hangup() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -226,7 +227,7 @@ fn line(what: &str, done: usize, total: usize, elapsed: Duration) -> String {
     format!("{what}: {done} of {total}, about {} left", duration(left))
 }
 
-/// A time in words.
+/// Formats a duration with a unit.
 pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.0} s"),
@@ -240,7 +241,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn late_reports_change_nothing_and_a_second_round_begins_again() {
+    fn late_reports_change_nothing_and_a_second_round_restarts_the_task() {
         let mut task = Task::new();
         assert!(task.advance(1, 10) && task.advance(10, 10));
         let first = task.time();
@@ -253,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn the_time_left_is_that_of_the_blocks_left() {
+    fn the_remaining_time_is_proportional_to_the_remaining_blocks() {
         assert_eq!(line("paths", 0, 9, Duration::from_secs(10)), "paths: 0 of 9");
         assert_eq!(line("paths", 25, 100, Duration::from_secs(10)), "paths: 25 of 100, about 30 s left");
         assert_eq!(line("paths", 1, 61, Duration::from_secs(10)), "paths: 1 of 61, about 10 min left");

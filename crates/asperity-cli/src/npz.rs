@@ -1,4 +1,4 @@
-//! NumPy archives: a ZIP of NPY files, with the same bytes for the same arrays.
+//! NumPy archives: a ZIP of NPY files. Equal arrays give equal bytes.
 
 use std::io::{Seek, Write};
 use std::path::Path;
@@ -11,13 +11,13 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use crate::failure::Failure;
 use crate::output::replace_file;
 
-/// Replaces `path` by an archive of the named arrays, readable with `numpy.load`.
+/// Writes an archive of the named arrays, readable with `numpy.load`, and replaces an existing file.
 pub(crate) fn write(path: &Path, arrays: &[(&str, &Array2<f64>)]) -> Result<(), Failure> {
     replace_file(path, |file| Ok(write_archive(file, arrays)?))
 }
 
 fn write_archive<W: Write + Seek>(target: W, arrays: &[(&str, &Array2<f64>)]) -> zip::result::ZipResult<()> {
-    // No clock and no attributes of this machine: equal arrays give equal bytes.
+    // The archive stores no time and no attributes of this machine, so equal arrays give equal bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
@@ -39,7 +39,7 @@ mod tests {
     use std::io::{Cursor, Read};
 
     #[test]
-    fn an_archive_holds_the_arrays_bit_for_bit_and_equal_arrays_give_equal_bytes() {
+    fn an_archive_stores_arrays_bit_for_bit_and_equal_arrays_give_equal_bytes() {
         let (pressure, gap) = (array![[0.1, 2e9], [-0.0, 1.0 / 3.0]], array![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         let archive = || {
             let mut bytes = Cursor::new(Vec::new());

@@ -1,4 +1,4 @@
-//! What a command says: an answer as JSON or as a table on stdout, talk on stderr, files replaced in one step.
+//! Output of commands: answers as JSON or tables on stdout, messages on stderr, atomic replacement of files.
 
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
@@ -13,23 +13,23 @@ use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
 
-/// The key of the warnings in every JSON object.
+/// Key of the warnings in every JSON object.
 const WARNINGS_KEY: &str = "warnings";
 
-/// Writes one message to stderr. A closed stderr is nobody's concern.
-pub(crate) fn talk(message: &str) {
+/// Writes one message to stderr. Ignores a closed stderr.
+pub(crate) fn print_message(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{message}");
 }
 
-/// The warnings of the command, for the JSON object that it prints.
+/// Warnings of the command, for the JSON object that it prints.
 static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Keeps a warning for the JSON object that the command prints.
+/// Records a warning for the JSON object that the command prints.
 pub(crate) fn record_warning(message: &str) {
     WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
 }
 
-/// Results in the order in which they are shown. Keys end with their SI unit; an undefined number is null.
+/// Results in the order of display. Keys end with their SI unit; an undefined number is null.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Answer(Vec<(String, Value)>);
 
@@ -40,8 +40,8 @@ impl Answer {
         self
     }
 
-    /// The fields of a result of the library, in their order.
-    pub(crate) fn of(result: &impl Serialize) -> Result<Self, Failure> {
+    /// Returns the fields of a library result, in their order.
+    pub(crate) fn new(result: &impl Serialize) -> Result<Self, Failure> {
         let text = serde_json::to_string(result);
         text.and_then(|text| serde_json::from_str(&text)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))
     }
@@ -52,21 +52,21 @@ impl Answer {
         self
     }
 
-    /// The answer without one of its results.
+    /// Returns the answer without the result `key`.
     pub(crate) fn without(mut self, key: &str) -> Self {
         self.0.retain(|(own, _)| own != key);
         self
     }
 
-    /// Answers with the same results as one, with a list of values for each.
+    /// Merges answers with the same keys: each key gets the list of its values.
     pub(crate) fn lists(answers: &[Self]) -> Self {
         let keys = answers.first().map_or(&[][..], |first| &first.0);
         let values = |place: usize| answers.iter().map(|answer| answer.0[place].1.clone()).collect::<Vec<Value>>();
         Self(keys.iter().enumerate().map(|(place, (key, _))| (key.clone(), values(place).into())).collect())
     }
 
-    /// The answer with its own warnings and the `recorded` ones as the last result. Of those that repeat one of its own behind the
-    /// name of a file, its own stays.
+    /// Returns the answer with its own warnings and the `recorded` ones as the last result. Drops a recorded warning
+    /// that repeats an own one after the name of a file.
     fn with_warnings(&self, recorded: &[String]) -> Self {
         let own = self.0.iter().find(|(key, _)| key == WARNINGS_KEY).and_then(|(_, value)| value.as_array());
         let mut warnings: Vec<Value> = own.cloned().unwrap_or_default();
@@ -78,7 +78,7 @@ impl Answer {
         self.clone().without(WARNINGS_KEY).with(WARNINGS_KEY, warnings)
     }
 
-    /// The answer as a JSON object shows it: with the warnings of the command so far.
+    /// Returns the answer with the warnings of the command so far, as printed in JSON.
     pub(crate) fn as_object(&self) -> Self {
         self.with_warnings(&WARNINGS.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -95,7 +95,7 @@ impl Answer {
         print(&text)
     }
 
-    /// A result stands on a line with its interval.
+    /// Formats the answer as a table; a line shows a result with its interval.
     fn table(&self) -> String {
         let of = |key: &str| self.0.iter().find(|(own, _)| own == key).map(|(_, value)| value);
         let companion = |key: &str| {
@@ -137,7 +137,7 @@ impl Serialize for Answer {
 
 impl<'de> Deserialize<'de> for Answer {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        /// Keeps the order of the keys.
+        /// Visitor that keeps the order of the keys.
         struct InOrder;
         impl<'de> Visitor<'de> for InOrder {
             type Value = Answer;
@@ -158,7 +158,7 @@ impl<'de> Deserialize<'de> for Answer {
     }
 }
 
-/// Writes text to stdout. A reader that has gone away (`| head`) is no error.
+/// Writes text to stdout. A closed stdout (`| head`) is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -167,7 +167,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Rows of text in aligned columns, one line each.
+/// Formats rows of text in aligned columns, one line each.
 pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..N).map(width).collect();
@@ -193,7 +193,7 @@ const UNITS: &[(&str, &str, bool)] = &[
     ("_j", "J", true),
 ];
 
-/// Results whose key does not say which of several alike they are.
+/// Labels of results whose key alone is ambiguous.
 const LABELS: &[(&str, &str)] = &[
     ("correlation_length_x_m", "correlation length x (1/e)"),
     ("correlation_length_y_m", "correlation length y (1/e)"),
@@ -208,7 +208,7 @@ const LABELS: &[(&str, &str)] = &[
     ("bgt_contact_fraction", "contact fraction (Bush, Gibson, Thomas)"),
 ];
 
-/// Name and value of a result as a table shows them.
+/// Returns name and value of a result for a table.
 pub(crate) fn row(key: &str, value: &Value) -> (String, String) {
     let (name, unit, prefixed) = UNITS
         .iter()
@@ -231,7 +231,7 @@ fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
             format!("{}{separator}{prefix}{unit}", six_digits(scaled))
         }
         Value::Number(number) => format!("{number} {unit}").trim_end().to_owned(),
-        // A list takes one line per element; the elements of a list within a list stand in columns.
+        // A list takes one line per element; the elements of a nested list are columns.
         Value::Array(items) => items.iter().fold(format!("{} values", items.len()), |text, item| match item {
             Value::Array(parts) => {
                 let columns: Vec<String> = parts.iter().map(|part| format!("{:>12}", shown(part, "", false))).collect();
@@ -243,7 +243,7 @@ fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
     }
 }
 
-/// A number and the prefix of its unit, so that the number lies between 1 and 1000.
+/// Returns a number scaled to between 1 and 1000, and the prefix of its unit.
 fn with_prefix(x: f64) -> (f64, &'static str) {
     const PREFIXES: &[(f64, &str)] = &[
         (1e12, "T"),
@@ -273,17 +273,18 @@ fn six_digits(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Refuses a file that could not be written, or that is one of the `inputs`, before anything is computed. `argument` names it.
+/// Fails if a file cannot be written or is one of the `inputs`. Commands call it before they compute. `argument` names
+/// the flag.
 pub(crate) fn check_target(argument: &str, path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let refuse = |reason: &str| Err(Failure::usage(format!("{argument} {}: {reason}", path.display())));
     if path.is_dir() {
-        return refuse("this is a folder; a file is wanted");
+        return refuse("this is a folder; give a file");
     }
     if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
-        return refuse("this is no regular file; one is wanted");
+        return refuse("this is no regular file; give a regular file");
     }
     if path.file_name().is_none() {
-        return refuse("this names no file");
+        return refuse("this names no file; give a file name");
     }
     if !folder_of(path).is_dir() {
         return refuse(&format!("the folder {} does not exist", folder_of(path).display()));
@@ -291,26 +292,26 @@ pub(crate) fn check_target(argument: &str, path: &Path, inputs: &[&Path]) -> Res
     if let Ok(target) = path.canonicalize()
         && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == target))
     {
-        return refuse("this file is read, and would be lost; choose another");
+        return refuse("this file is an input and would be overwritten; choose another");
     }
-    check_writable(folder_of(path)).map_err(|e| unwritten(path, &e))
+    check_writable(folder_of(path)).map_err(|e| write_failure(path, &e))
 }
 
-/// How the writing of a file is told, asked before it is written: a file that is there does not go in silence.
-pub(crate) fn said_of_writing(path: &Path) -> &'static str {
+/// Returns the verb for the message about a file, "replaced" or "wrote". Call it before writing.
+pub(crate) fn write_verb(path: &Path) -> &'static str {
     if path.exists() { "replaced" } else { "wrote" }
 }
 
-/// Replaces a file in one step: whoever reads it sees the old content or the new, never a part.
+/// Replaces a file atomically: a reader sees the old or the new content, never a mixture.
 pub(crate) fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
-    asperity_formats::replace_file(path, write).map_err(|e| unwritten(path, &e))
+    asperity_formats::replace_file(path, write).map_err(|e| write_failure(path, &e))
 }
 
-/// A file or folder that could not be written.
-pub(crate) fn unwritten(path: &Path, error: &io::Error) -> Failure {
+/// Returns the error of a file or folder that could not be written.
+pub(crate) fn write_failure(path: &Path, error: &io::Error) -> Failure {
     let what = format!("cannot write {}", path.display());
     if error.kind() == io::ErrorKind::NotFound && folder_of(path).is_dir() {
-        // Such is the answer of `/proc`.
+        // `/proc` returns this error.
         return Failure::new(Kind::Resources, format!("{what}: nothing can be created in this folder"));
     }
     Failure::io(Kind::Runtime, what, error)
@@ -328,7 +329,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_undefined_number_is_null_in_json_and_a_word_in_the_table() {
+    fn an_undefined_number_is_null_in_json_and_undefined_in_the_table() {
         let answer = Answer::default().with("period", f64::NAN).with("limit_cycle", false);
         assert_eq!(serde_json::to_string(&answer).unwrap(), r#"{"period":null,"limit_cycle":false}"#);
         assert_eq!(answer.table(), "period       undefined\nlimit cycle  no\n");
@@ -378,12 +379,12 @@ mod tests {
         }
         let file = folder.path().join("file");
         check_target("--out", &file, &[&file]).unwrap();
-        assert_eq!(said_of_writing(&file), "wrote");
+        assert_eq!(write_verb(&file), "wrote");
         fs::write(&file, "old").unwrap();
         check_target("--out", &file, &[]).unwrap();
-        assert_eq!(said_of_writing(&file), "replaced");
+        assert_eq!(write_verb(&file), "replaced");
         let refused = check_target("--out", &file, &[folder.path(), &file]).unwrap_err();
-        assert!(refused.message().contains("is read"), "{refused}");
+        assert!(refused.message().contains("is an input"), "{refused}");
     }
 
     #[test]

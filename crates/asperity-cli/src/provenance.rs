@@ -1,4 +1,4 @@
-//! Clock and host of a run: the only place where they are read for a result.
+//! Clock and host of a run. No other module reads them for a result.
 
 use std::fs;
 use std::path::PathBuf;
@@ -8,11 +8,11 @@ use asperity::study::Provenance;
 use asperity::study::result::Machine;
 
 use crate::failure::Failure;
-use crate::page::load_failure;
+use crate::run_folder::load_failure;
 
-/// Begins the record of a computation from `inputs`.
+/// Starts the provenance record of a computation from `inputs`.
 pub(crate) fn begin(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenance, Failure> {
-    let of_files = asperity::study::provenance(name, seed, inputs).map_err(|e| load_failure(&e))?;
+    let file_record = asperity::study::provenance(name, seed, inputs).map_err(|e| load_failure(&e))?;
     Ok(Provenance {
         started_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
         machine: Machine {
@@ -22,18 +22,18 @@ pub(crate) fn begin(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provena
             instruction_sets: instruction_sets(),
             threads: rayon::current_num_threads(),
         },
-        ..of_files
+        ..file_record
     })
 }
 
-/// The name of the processor, where the system tells it.
+/// Returns the name of the processor, if the system reports it.
 fn processor() -> Option<String> {
     let text = fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// Instruction sets on which the last bits of results may depend.
+/// Returns the instruction sets on which the last bits of results may depend.
 fn instruction_sets() -> Vec<String> {
     let mut found = Vec::new();
     #[cfg(target_arch = "x86_64")]

@@ -1,34 +1,35 @@
-//! Refuses what the machine has no room for, before it is begun.
+//! Checks of free memory and disk space before a computation starts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::failure::{Failure, Kind};
 
-/// An error if `bytes` of memory are more than this machine has free; systems that do not tell are trusted.
+/// Fails if `bytes` exceed the free memory. Systems that do not report it pass.
 pub(crate) fn require_memory(bytes: f64, what: &str) -> Result<(), Failure> {
     let free = fs::read_to_string("/proc/meminfo").ok().and_then(|text| available_bytes(&text));
     match free {
         Some(free) if bytes > free => Err(Failure::new(
             Kind::Resources,
-            format!("{what} needs about {}, and {} of memory are free", shown(bytes), shown(free)),
+            format!("{what} needs about {}; {} of memory are free", shown(bytes), shown(free)),
         )),
         _ => Ok(()),
     }
 }
 
-/// An error if `bytes` are more than the disk of `path` has free; `path` need not exist. Systems that do not tell are trusted.
+/// Fails if `bytes` exceed the free space on the disk of `path`, which need not exist. Systems that do not report it
+/// pass.
 pub(crate) fn require_disk(bytes: f64, path: &Path, what: &str) -> Result<(), Failure> {
     match free_disk_bytes(path) {
         Some(free) if bytes > free => Err(Failure::new(
             Kind::Resources,
-            format!("{what} needs about {} of disk, and {} are free for {}", shown(bytes), shown(free), path.display()),
+            format!("{what} needs about {} of disk; {} are free for {}", shown(bytes), shown(free), path.display()),
         )),
         _ => Ok(()),
     }
 }
 
-/// Free bytes on the disk of the nearest folder above `path` that exists.
+/// Returns the free bytes on the disk of the nearest existing folder above `path`.
 #[cfg(unix)]
 fn free_disk_bytes(path: &Path) -> Option<f64> {
     let path: PathBuf = std::path::absolute(path).ok()?;
@@ -60,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_free_memory_and_disk_are_read_and_more_is_refused() {
+    fn more_than_the_free_memory_or_disk_is_refused() {
         let meminfo = "MemTotal:       16000000 kB\nMemFree:  1 kB\nMemAvailable:    8000000 kB\n";
         assert_eq!(available_bytes(meminfo), Some(8_192_000_000.0));
         assert_eq!(available_bytes("nothing"), None);

@@ -124,7 +124,7 @@ pub fn refusal(error: &io::Error) -> String {
         Kind::FileTooLarge => "the file would be larger than the system allows",
         Kind::OutOfMemory => "out of memory",
         Kind::IsADirectory => "this is a folder; a file is wanted",
-        Kind::NotADirectory => "a part of the path is a file; a folder is wanted",
+        Kind::NotADirectory => "a part of the path is a file; give a folder",
         Kind::InvalidFilename => "the name is too long or has characters that the system refuses",
         Kind::WriteZero => "the device takes no more bytes",
         _ => {

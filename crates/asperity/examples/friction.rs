@@ -1,6 +1,6 @@
 //! A friction process fitted to a record: `cargo run --example friction`.
 //!
-//! The record is simulated from a known process and written as a tribometer would write it: a text of columns.
+//! The record is simulated from a known process and written as text in columns, like the file of a tribometer.
 
 #![expect(clippy::print_stdout, reason = "the numbers are what this example shows")]
 

@@ -1,7 +1,8 @@
 //! Distribution of the random pressure of a small patch: `cargo run --example pressure`.
 //!
-//! The pressure at the centre cell of a periodic Gaussian surface under a plane at its mean height: 64 × 64 points on 1 m, 8 modes
-//! scaled to unit variance, contact modulus 1 Pa (case C of `docs/pressure.md`, where the known values are).
+//! The pressure at the centre cell of a periodic Gaussian surface under a plane at its mean height: 64 × 64 points on 1
+//! m, 8 modes scaled to unit variance, contact modulus 1 Pa (case C of `docs/pressure.md`, which gives the known
+//! values).
 
 #![expect(clippy::print_stdout, reason = "the numbers are what this example shows")]
 
@@ -23,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let half_space = HalfSpace::new(grid, 1.0, boundary)?;
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None)?;
 
-    // 200 contact solutions, counted; and the same number with coarser grids as predictors.
+    // 200 contact solutions: first plain Monte Carlo, then the same number with coarser grids as predictors.
     let samples = solve(&problem, Sampling::monte_carlo(1, "example", 200, 0.95), &Silent)?;
     let (multilevel, _) =
         MethodComparison { fine_solves: 200, ..MethodComparison::new(1) }.estimate_default(&problem, &Silent)?;

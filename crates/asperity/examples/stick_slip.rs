@@ -1,7 +1,7 @@
 //! Stick-slip cycle of a mass on a belt: `cargo run --example stick_slip`.
 //!
-//! The machine of N. Gaus, C. Proppe and C. Zaccardi (2016). Times count in 1/ω₀, displacements in N/c. The reference values come from
-//! an integration in high precision.
+//! The machine of N. Gaus, C. Proppe and C. Zaccardi (2016). Times are in units of 1/ω₀, displacements in N/c. The
+//! reference values come from a high-precision integration.
 
 #![expect(clippy::print_stdout, reason = "the numbers are what this example shows")]
 
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{name:<32} {found:<21.15} {reference:<.15}");
     }
 
-    // In SI: 2.5 kN, 1 kg and 316 rad/s make one unit of displacement 25 mm.
+    // In SI units: with 2.5 kN, 1 kg and 316 rad/s the unit of displacement is 25 mm.
     let unit_m = 2500.0 / (1.0 * 316.0_f64.powi(2));
     let amplitude_m = 0.5 * (cycle.displacement_max - cycle.displacement_min) * unit_m;
     println!("amplitude {:.1} µm at {:.1} Hz", 1e6 * amplitude_m, 316.0 / cycle.period);

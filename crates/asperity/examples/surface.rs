@@ -1,7 +1,7 @@
-//! Statistics of a rough surface, and random surfaces like it: `cargo run --example surface`.
+//! Statistics of a rough surface, and random surfaces with the same statistics: `cargo run --example surface`.
 //!
-//! The surface is drawn from a Gaussian field whose statistics are known, so that each estimate has an exact value beside it.
-//! `asperity_formats::read` and `HeightMap::from_scan` read a measured surface instead.
+//! The surface is drawn from a Gaussian field with known statistics, so that each estimate has an exact value beside
+//! it. `asperity_formats::read` and `HeightMap::from_scan` read a measured surface instead.
 
 #![expect(clippy::print_stdout, reason = "the numbers are what this example shows")]
 
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("kurtosis Sku            {:.2}         3", found.sku);
     println!("correlation length      {:.1} µm      10.0 µm", 1e6 * length_m);
 
-    // Random surfaces with the measured autocorrelation, and no model of it.
+    // Random surfaces with the measured autocorrelation, without a model.
     let measured = MeasuredCovariance::new(&correlation)?;
     let like = SpectralField::free(&measured, Grid::new(256, 256, 1e-6, 1e-6)?)?;
     println!("\nsurfaces like it        Sq           correlation length");

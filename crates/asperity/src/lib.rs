@@ -4,15 +4,15 @@
 //! friction induced vibrations*, Meccanica dei Materiali e delle Strutture VI (2016) 1, 115–122 ("the paper"):
 //!
 //! scan → [`map::HeightMap`] → statistics and random surfaces ([`surface`]) → elastic and elasto-plastic half-space
-//! [`contact`] → the law of the random [`pressure`] → [`friction`] as a process → stochastic stick-slip [`vibration`]
-//! → [`study`].
+//! [`contact`] → distribution of the random [`pressure`] → [`friction`] as a process → stochastic stick-slip
+//! [`vibration`] → [`study`].
 //!
 //! # Conventions
 //! - SI units inside; scalars carry their unit in the name (`modulus_pa`, `pitch_x_m`).
 //! - Maps are indexed `[row y, column x]`, row 0 at the top; options are ordered (x, y).
 //! - Heights point up, pressure is positive in compression, E* = E/(1−ν²).
 //! - Missing heights stay missing: they are masked in every statistic and never silently filled.
-//! - A random draw is a function of (seed, stage, sample index); results do not depend on the number of threads.
+//! - A random draw depends on seed, stage and sample index alone; results do not depend on the number of threads.
 
 pub use asperity_base::{
     choice, correlation, distribution, fourier, map, monitor, quantity, random, stats, translation,

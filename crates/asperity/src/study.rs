@@ -1,4 +1,4 @@
-//! A study: configuration, run, results. The only module that knows the whole chain, and that writes files.
+//! Studies: configuration, run and results. Only this module uses the whole chain and writes files.
 //!
 //! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`write_run`]
 //! writes the run folder through a [`Staging`], so that it appears complete or not at all.

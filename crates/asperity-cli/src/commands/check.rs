@@ -1,4 +1,4 @@
-//! A study, looked at without computing anything.
+//! Check of a study without computing anything.
 
 use std::path::PathBuf;
 
@@ -9,13 +9,13 @@ use serde_json::{Value, json};
 
 use super::{run, study_file};
 use crate::failure::{Failure, Kind};
-use crate::input::unreadable;
+use crate::input::read_failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 use crate::resources::{require_disk, require_memory};
 
-/// Shows a study with all its values filled in, what it will cost, and the warnings of its run that are known beforehand;
-/// computes nothing. Exits with 2 if the study cannot be run as it is, with 5 if the machine has too little memory for it.
+/// Shows a study with all its values filled in, its cost, and the warnings that are known before the run; computes
+/// nothing. Exits with 2 if the study cannot run as it is, with 5 if the machine has too little memory for it.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
     /// Study file.
@@ -28,13 +28,13 @@ pub(crate) struct Check {
 impl Check {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let study = study_file::study(&self.study, None)?;
-        let mut warnings = self.doubts_of_scans(&study)?;
+        let mut warnings = self.scan_warnings(&study)?;
         let mut problems = Vec::new();
         match study.check_before_run(study_file::folder_of(&self.study)) {
             Ok(found) => warnings.extend(found),
             Err(e) => {
-                let failure = study_file::ended(&self.study, &e);
-                // A friction process that cannot be used at all is an error.
+                let failure = study_file::failure(&self.study, &e);
+                // A friction process that cannot be read or used is an error.
                 if failure.kind() == Kind::Data {
                     return Err(failure);
                 }
@@ -76,9 +76,9 @@ impl Check {
                 .print(true);
         }
         let resolved = toml::to_string(study.file()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
-        let mut text = format!("# {} with all its values; a valid study file itself.\n", self.study.display());
+        let mut text = format!("# {} with all its values; this output is a valid study file.\n", self.study.display());
         for stage in stages {
-            text += &format!("# {}\n", in_words(stage, threads));
+            text += &format!("# {}\n", describe(stage, threads));
         }
         for warning in warnings {
             text += &format!("# warning: {warning}\n");
@@ -89,10 +89,10 @@ impl Check {
         print(&(text + "\n" + &resolved))
     }
 
-    /// Warnings about the scans. A scan that cannot be used at all is an error.
-    fn doubts_of_scans(&self, study: &Study) -> Result<Vec<String>, Failure> {
+    /// Returns the warnings about the scans. Fails if a scan is unusable.
+    fn scan_warnings(&self, study: &Study) -> Result<Vec<String>, Failure> {
         let Some(section) = &study.file().surface else { return Ok(Vec::new()) };
-        let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
+        let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| read_failure(&e))?;
         let mut warnings = Vec::new();
         let several = scans.len() > 1;
         for (file, mut scan) in section.files().iter().zip(scans) {
@@ -102,8 +102,8 @@ impl Check {
             if missing > 0 {
                 own.push(format!("{missing} of {points} heights are missing"));
             }
-            let of_file = |warning| if several { format!("{}: {warning}", file.display()) } else { warning };
-            warnings.extend(own.into_iter().map(of_file));
+            let with_name = |warning| if several { format!("{}: {warning}", file.display()) } else { warning };
+            warnings.extend(own.into_iter().map(with_name));
         }
         Ok(warnings)
     }
@@ -121,10 +121,10 @@ fn as_json(stage: &StageEstimate, threads: usize) -> Value {
     })
 }
 
-fn in_words(stage: &StageEstimate, threads: usize) -> String {
+fn describe(stage: &StageEstimate, threads: usize) -> String {
     let work = match (stage.contact_solutions, stage.trajectories) {
         (solutions, 0) if stage.coarse_solutions > 0.0 => format!(
-            "{solutions} contact solutions, and on other grids up to the work of {:.0} more",
+            "{solutions} contact solutions, and solutions on other grids that cost up to {:.0} more",
             stage.coarse_solutions.ceil()
         ),
         (solutions, 0) => format!("{solutions} contact solutions"),

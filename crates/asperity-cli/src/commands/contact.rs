@@ -29,18 +29,19 @@ use crate::output::{Answer, check_target};
 use crate::resources::{require_disk, require_memory};
 use crate::{args, npz};
 
-/// Disk space of the compressed fields of a cell, roughly: displacement and gap hardly shrink.
+/// Approximate disk space of a cell's compressed fields, in bytes: displacement and gap hardly shrink.
 const FIELD_BYTES: f64 = 20.0;
 
 /// Presses a rough surface against a rigid flat, or against a counterface.
 ///
-/// Clusters are cells in contact that share edges, around the border of a periodic map too. The elastic energy ½ Σ p u holds what
-/// the stated mean compliance adds; plastic work is the hardness times the volume displaced. Contact fractions of two theories
-/// stand beside that of the map, for its rms gradient h' by forward differences and the mean pressure p: Persson's, which is
-/// erf(√2 p/(E* h')) without a hardness, and √(2π) p/(E* h') of Bush, Gibson and Thomas, which is for light elastic contact.
+/// Clusters are groups of contact cells that share edges; on a periodic map they continue around the border. The
+/// elastic energy ½ Σ p u includes the energy of the stated mean compliance. Plastic work is the hardness times the
+/// displaced volume. Two theories give contact fractions for comparison, from the rms gradient h' by forward
+/// differences and the mean pressure p: Persson's, erf(√2 p/(E* h')) without a hardness, and Bush, Gibson and Thomas's,
+/// √(2π) p/(E* h'), for light elastic contact.
 #[derive(Debug, Args)]
 pub(crate) struct Contact {
-    /// Measured or generated heights, in any format that `asperity formats` lists; known by its content.
+    /// Measured or generated heights, in any format that `asperity formats` lists; the content decides the format.
     file: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
@@ -54,30 +55,30 @@ pub(crate) struct Contact {
     poisson_ratio: f64,
     #[command(flatten)]
     layering: Layering,
-    /// What lies beyond the edge of the map.
+    /// Continuation of the surface beyond the edge of the map.
     #[arg(long, value_parser = args::named::<BoundaryKind>())]
     boundary: BoundaryKind,
-    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*), or what the
-    /// longest wave has on a layer, where the position of the flat is prescribed; 0, so that displacements have mean
-    /// zero, elsewhere. A layer on a rigid base has its own.
+    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: if the position of the
+    /// flat is prescribed, max(L)/(πE*), or the compliance of the longest wave on a layer; otherwise 0, so that
+    /// displacements have mean zero. A layer on a rigid base has its own.
     #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
     mean_compliance: Option<Compliance>,
     #[command(flatten)]
     counterface: Counterface,
     #[command(flatten)]
     press: Press,
-    /// Upper bound of the pressure; elastic when left out.
+    /// Upper bound of the pressure; the contact is elastic when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     hardness: Option<Pressure>,
-    /// Tell what is left after unloading: the work of plastic flow and the residual heights, with --out
+    /// Also compute the state after unloading: the work of plastic flow and the residual heights; --out then writes
     /// residual_height_m.
     #[arg(long, requires = "hardness")]
     unload: bool,
     /// Bound on the relative residuals, below 1.
     #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Also compute the contact stiffness: load per approach as the surfaces are pressed further. On a periodic map it is that of
-    /// the mean planes, without the mean compliance; infinite (null) in complete contact.
+    /// Also compute the contact stiffness: load per approach as the surfaces are pressed further. On a periodic map it
+    /// is the stiffness of the mean planes, without the mean compliance; infinite (null) in complete contact.
     #[arg(long)]
     stiffness: bool,
     /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, clusters (numbered from
@@ -89,7 +90,7 @@ pub(crate) struct Contact {
     json: bool,
 }
 
-/// What is prescribed: exactly one of these.
+/// Prescribed load or position: exactly one of these.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct Press {
@@ -119,7 +120,7 @@ impl Press {
             self.load.map(|q| Control::Load { newton: q.0 }),
             self.mean_gap.map(|q| Control::MeanGap { metre: q.0 }),
         ];
-        given.into_iter().flatten().next().ok_or_else(|| Failure::usage("state how hard the surfaces are pressed"))
+        given.into_iter().flatten().next().ok_or_else(|| Failure::usage("state a load, pressure, depth or mean gap"))
     }
 }
 
@@ -138,26 +139,26 @@ impl Contact {
             require_disk(FIELD_BYTES * map.grid().points() as f64, out, "writing the fields")?;
         }
         let map = self.level.remove(map, &self.file, monitor)?;
-        let map = self.counterface.laid_on(map, &self.options, self.level, monitor)?;
+        let map = self.counterface.composite_with(map, &self.options, self.level, monitor)?;
         let substrate = self.substrate()?;
         let boundary = self.boundary(map.grid(), &substrate, control)?;
         let hardness_pa = self.hardness.map(|q| q.0);
-        for doubt in implausible_material(self.youngs_modulus.0, self.poisson_ratio, hardness_pa, None) {
-            monitor.warn(&doubt);
+        for warning in implausible_material(self.youngs_modulus.0, self.poisson_ratio, hardness_pa, None) {
+            monitor.warn(&warning);
         }
-        if let Some(doubt) = self.layering.doubt(unloading::span(map.heights_m())) {
-            monitor.warn(&doubt);
+        if let Some(warning) = self.layering.warning(unloading::span(map.heights_m())) {
+            monitor.warn(&warning);
         }
-        let refused = |e: ContactError| self.refused(&e);
-        let half_space = HalfSpace::with_substrate(substrate, map.grid(), boundary).map_err(refused)?;
-        let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(refused)?;
+        let failed = |e: ContactError| self.contact_failure(&e);
+        let half_space = HalfSpace::with_substrate(substrate, map.grid(), boundary).map_err(failed)?;
+        let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(failed)?;
         let mut solver = Solver::default();
         if let Some(tolerance) = self.tolerance {
             solver.tolerance = tolerance;
         }
-        let solution = monitor.at_once(|| solver.solve(&problem))?.map_err(refused)?;
-        let unloaded = self.unload.then(|| Unloaded::after(&solution, map.heights_m()));
-        let analysis = monitor.at_once(|| Analysis::of(&problem, &solution, self.stiffness))?.map_err(refused)?;
+        let solution = monitor.killable(|| solver.solve(&problem))?.map_err(failed)?;
+        let unloaded = self.unload.then(|| Unloaded::new(&solution, map.heights_m()));
+        let analysis = monitor.killable(|| Analysis::new(&problem, &solution, self.stiffness))?.map_err(failed)?;
         if let Some(out) = &self.out {
             let (gap_m, plastic_m) = (solution.gap_m(), solution.plastic_displacement_m());
             let clusters = analysis.clusters.labels().mapv(f64::from);
@@ -182,15 +183,15 @@ impl Contact {
         }
         answer.print(self.json)?;
         let why = match solution.stop_reason() {
-            StopReason::Converged => return analysis.checked(),
-            StopReason::PrecisionLimit => "double precision allows no better",
-            StopReason::IterationLimit => "the iteration limit",
+            StopReason::Converged => return analysis.check_stiffness(),
+            StopReason::PrecisionLimit => "limit of double precision",
+            StopReason::IterationLimit => "iteration limit",
             StopReason::Cancelled => "cancelled",
         };
         Err(Failure::new(
             Kind::NotConverged,
             format!(
-                "not converged after {} iterations ({why}): residual {:.1e}, wanted {:.1e}",
+                "not converged after {} iterations ({why}): residual {:.1e}, tolerance {:.1e}",
                 solution.iterations(),
                 solution.residual().worst(),
                 solver.tolerance
@@ -198,12 +199,12 @@ impl Contact {
         ))
     }
 
-    /// The body under the composite roughness.
+    /// Returns the elastic body under the composite roughness.
     fn substrate(&self) -> Result<Substrate, Failure> {
         let surface = Elastic::new(self.youngs_modulus.0, self.poisson_ratio).map_err(Failure::usage)?;
         match self.layering.layer(surface)? {
             Some(_) if self.counterface.is_elastic() => Err(Failure::usage(
-                "a layer is pressed against a rigid counterface; leave --counterface-youngs-modulus out",
+                "a layer is pressed against a rigid counterface; remove --counterface-youngs-modulus",
             )),
             Some(layer) => Ok(Substrate::Layer(layer)),
             None => Ok(Substrate::HalfSpace { modulus_pa: self.counterface.contact_modulus_pa(surface)? }),
@@ -214,17 +215,17 @@ impl Contact {
         match (self.boundary, self.mean_compliance) {
             (BoundaryKind::Free, None) => Ok(Boundary::Free),
             (BoundaryKind::Free, Some(_)) => {
-                Err(Failure::usage("--mean-compliance belongs to --boundary periodic; a free surface has its own"))
+                Err(Failure::usage("--mean-compliance requires --boundary periodic; a free surface has its own"))
             }
             (BoundaryKind::Periodic, Some(_)) if substrate.mean_compliance_m_per_pa().is_some() => {
-                Err(Failure::usage("--mean-compliance belongs to a surface without rigid base, which has its own"))
+                Err(Failure::usage("--mean-compliance does not apply to a layer on a rigid base, which has its own"))
             }
             (BoundaryKind::Periodic, None)
                 if control.prescribes_plane() && substrate.mean_compliance_m_per_pa() == Some(0.0) =>
             {
                 Err(Failure::usage(
-                    "an incompressible layer bonded to a rigid base does not yield as a whole, so that a periodic one cannot be \
-                     overlapped; control the mean pressure, the load or the mean gap",
+                    "an incompressible layer bonded to a rigid base has zero mean compliance, so a periodic one cannot be \
+                     pressed by a stated distance; prescribe the mean pressure, the load or the mean gap",
                 ))
             }
             (BoundaryKind::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
@@ -235,11 +236,11 @@ impl Contact {
         }
     }
 
-    /// A map that cannot be pressed is unusable data; everything else lies in the flags.
-    fn refused(&self, error: &ContactError) -> Failure {
+    /// Converts an error of the contact stage: unusable data if the map cannot be pressed, otherwise wrong flags.
+    fn contact_failure(&self, error: &ContactError) -> Failure {
         match error {
             ContactError::Flat | ContactError::Missing { .. } => {
-                Failure::data(self.counterface.beside(&self.file), error)
+                Failure::data(self.counterface.names_with(&self.file), error)
             }
             _ => Failure::usage(error),
         }
@@ -263,7 +264,7 @@ fn answer(solution: &Solution, analysis: &Analysis) -> Answer {
         .with("penetration_m", solution.penetration_m())
         .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa);
     analysis
-        .told(answer)
+        .add_to(answer)
         .with("iterations", solution.iterations())
         .with("residual", solution.residual().worst())
         .with("converged", solution.converged())

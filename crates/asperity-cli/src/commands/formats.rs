@@ -1,4 +1,4 @@
-//! Which files can be read and written.
+//! List of readable and writable file formats.
 
 use asperity_formats::{Description, descriptions};
 use clap::Args;
@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 
-/// Lists the formats of surface files: what is read, what is written, and on what that was tried.
+/// Lists the formats of surface files: content read, content written, and the files that the reader was tested on.
 #[derive(Debug, Args)]
 pub(crate) struct Formats {
     /// Print one JSON object instead of a table.
@@ -42,7 +42,7 @@ fn as_json(format: &Description) -> Value {
     })
 }
 
-/// A line per format and, below it, what is read and written.
+/// Formats a line per format, followed by the content that is read and written.
 fn table() -> String {
     let extensions = |format: &Description| {
         format.extensions.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
@@ -61,6 +61,6 @@ fn table() -> String {
             text += &format!("  {:8}{}\n", "tried on", format.tested.describe());
         }
     }
-    text += "Content decides what a file is, not its name; gzip around any of them is unpacked. Row 0 is at the top.\n";
+    text += "The content of a file decides its format, not its name. Files compressed with gzip are unpacked. Row 0 is at the top.\n";
     text
 }

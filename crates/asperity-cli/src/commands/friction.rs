@@ -1,4 +1,4 @@
-//! Friction processes: fitted to measured records, and drawn from.
+//! Friction processes: fits to measured records, and records drawn from fits.
 
 mod fit;
 mod simulate;
@@ -10,7 +10,7 @@ pub(crate) use self::simulate::read_process;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// Commands of friction processes; help shows what stands at each of them.
+/// Commands of friction processes. Help shows the documentation of each command's type.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Friction {
     Fit(Box<fit::FitRecord>),

@@ -1,4 +1,4 @@
-//! A study to begin with.
+//! Creation of an example study.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use crate::output::replace_file;
 /// Writes an annotated study file and the scan it needs.
 #[derive(Debug, Args)]
 pub(crate) struct Init {
-    /// Folder to write into; made if it is not there.
+    /// Folder to write into; created if missing.
     #[arg(default_value = ".")]
     dir: PathBuf,
-    /// Which study.
+    /// Example to write.
     #[arg(long, value_enum, default_value = "quickstart")]
     example: Example,
 }
@@ -28,7 +28,7 @@ enum Example {
     Paper,
 }
 
-/// A file of an example: its name and its bytes.
+/// File of an example: its name and its bytes.
 type Piece = (&'static str, &'static [u8]);
 
 const SCAN: Piece = ("brake_disc.x3p", include_bytes!("../../../../studies/brake_disc.x3p"));
@@ -47,10 +47,10 @@ impl Example {
 impl Init {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let pieces = self.example.pieces();
-        // Nothing is written unless everything can be: a file that is there may hold someone's work.
+        // Write nothing unless all files can be written. An existing file may contain someone's work.
         if let Some((name, _)) = pieces.iter().find(|(name, _)| self.dir.join(name).exists()) {
             let path = self.dir.join(name);
-            return Err(Failure::usage(format!("{} exists and is left alone; choose another folder", path.display())));
+            return Err(Failure::usage(format!("{} exists already; choose another folder", path.display())));
         }
         if self.dir.is_file() {
             return Err(Failure::usage(format!("{} is a file; choose a folder", self.dir.display())));
@@ -67,7 +67,7 @@ impl Init {
     }
 }
 
-/// A path without a leading `./`.
+/// Formats a path without a leading `./`.
 fn shown(path: &Path) -> String {
     path.strip_prefix(".").unwrap_or(path).display().to_string()
 }

@@ -1,4 +1,4 @@
-//! The report of a finished run, rendered again.
+//! Rendering of the report of a finished run.
 
 use std::path::PathBuf;
 
@@ -7,9 +7,9 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::monitor::Terminal;
-use crate::page::{load_failure, store_failure};
+use crate::run_folder::{load_failure, store_failure};
 
-/// Renders report.html and figures/ again from the numbers of a finished run; computes nothing anew.
+/// Renders report.html and figures/ again from the numbers of a finished run; computes nothing.
 #[derive(Debug, Args)]
 pub(crate) struct Report {
     /// Folder of a finished run.

@@ -1,4 +1,4 @@
-//! A study, from its file to a run folder.
+//! Run of a study, from its file to a run folder.
 
 use std::path::{Path, PathBuf};
 
@@ -13,25 +13,26 @@ use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::page::{begin_folder, store_failure};
 use crate::provenance;
 use crate::resources::{require_disk, require_memory};
+use crate::run_folder::{begin_folder, store_failure};
 
 /// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance.
 #[derive(Debug, Args)]
 pub(crate) struct Run {
     /// Study file.
     study: PathBuf,
-    /// Folder to write, which appears complete or not at all; runs/NAME of the study when left out.
+    /// Folder to write; runs/NAME of the study when left out. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Another seed than the study's.
+    /// Seed to use instead of the study's.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
-    /// Only this stage and what it needs.
+    /// Compute only this stage and the stages that it needs.
     #[arg(long, value_parser = args::named::<Stage>(), value_name = "STAGE")]
     only: Option<Stage>,
-    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
+    /// Replace a folder that asperity wrote. A folder that contains an input, or a file that asperity did not write or
+    /// that has changed, is never replaced.
     #[arg(long)]
     force: bool,
     /// Print results.json to stdout as well.
@@ -54,13 +55,13 @@ impl Run {
         let mut provenance = provenance::begin(&name.to_string_lossy(), study.seed(), &inputs)?;
         provenance.only = only.map(|stage| stage.name().to_owned());
         let destination = self.out.clone().unwrap_or_else(|| default_destination(&self.study));
-        // Before hours are spent: may the folder be written?
+        // Check the folder before a long computation.
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         let staging = begin_folder("--out", &destination, self.force, &inputs)?;
         require_disk(study.disk_bytes() + scan_field_bytes(&read), &destination, "the run")?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
-            Err(study_file::ended(&self.study, &e).told(reason, self.json)?)
+            Err(study_file::failure(&self.study, &e).print(reason, self.json)?)
         })?;
         for warning in &outcome.results.warnings {
             monitor.warn(warning);
@@ -70,23 +71,23 @@ impl Run {
         monitor.check()?;
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
-        let answer = if self.json { Answer::of(&outcome.results)? } else { headline(&outcome.results, &written) };
+        let answer = if self.json { Answer::new(&outcome.results)? } else { headline(&outcome.results, &written) };
         answer.print(self.json)
     }
 }
 
-/// The folder of a run that is not told another.
+/// Returns the default folder of a run.
 pub(super) fn default_destination(study: &Path) -> PathBuf {
     Path::new("runs").join(study.file_stem().unwrap_or_default())
 }
 
-/// Disk space of the heights of scans in a run folder, raw and prepared, roughly: scans may be compressed.
+/// Estimates the disk space of the heights of scans in a run folder, raw and prepared. Scans may be compressed.
 fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
     const BYTES_PER_BYTE: f64 = 8.0;
     scans.iter().filter_map(|scan| scan.metadata().ok()).map(|scan| BYTES_PER_BYTE * scan.len() as f64).sum()
 }
 
-/// The numbers to look at first, and where the others are.
+/// Returns the main results, and the folder of the others.
 fn headline(results: &Results, folder: &Path) -> Answer {
     let mut answer = Answer::default();
     let mut show = |key: &str, value: Value| answer = std::mem::take(&mut answer).with(key, value);
@@ -102,8 +103,8 @@ fn headline(results: &Results, folder: &Path) -> Answer {
             }
         }
     }
-    // Of the scan, then of the covariance: a fit need not meet the length of the scan, and what its model calls a length may be
-    // another than that to 1/e.
+    // The lengths of the scan come first, then those of the covariance. A fitted model need not reproduce the scan's
+    // length, and its length parameter may differ from its 1/e length.
     if let Some(covariance) = results.surface.as_ref().and_then(|surface| surface.covariance.as_ref()) {
         show("covariance", covariance.model.as_str().into());
         show("covariance_length_x_m", covariance.length_x_m.into());
@@ -113,13 +114,13 @@ fn headline(results: &Results, folder: &Path) -> Answer {
     }
     let point = results.friction.as_ref().map(|friction| &friction.operating_point);
     let vibration = results.vibration.as_ref();
-    // Contact and friction at the operating point, where there is one: the coefficient that drives the vibration.
+    // Contact and friction at the operating point, if there is one: the coefficient that drives the vibration.
     if let Some(point) = point {
         show("operating_point", point.level.as_str().into());
         show("mean_pressure_pa", point.mean_pressure_pa.into());
         show("contact_probability", point.contact_fraction.into());
         show("friction_mean", point.mean.into());
-        // Short strips leave the mean without an interval.
+        // The mean of short strips has no interval.
         if let Some([low, high]) = point.mean_interval {
             show("friction_mean_interval", vec![low, high].into());
         }
@@ -132,9 +133,9 @@ fn headline(results: &Results, folder: &Path) -> Answer {
         }
     }
     if let Some(vibration) = vibration {
-        // The standard deviation of the upscaling that the study leads with.
-        let lead = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
-        show("friction_std", lead.friction_std.into());
+        // The standard deviation of the study's main upscaling.
+        let main = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
+        show("friction_std", main.friction_std.into());
         show("friction_correlation_length_m", vibration.friction_correlation_length_m.into());
         show("critical_damping_ratio", vibration.critical_damping_ratio.into());
         show("limit_damping_ratio", vibration.limit_damping_ratio.into());

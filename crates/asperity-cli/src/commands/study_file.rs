@@ -1,4 +1,4 @@
-//! Study files, and why a study ended early.
+//! Study files, and errors of studies.
 
 use std::fs;
 use std::path::Path;
@@ -27,7 +27,7 @@ pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<Study, Failure> {
     })
 }
 
-/// The folder of a file, to which its paths are relative.
+/// Returns the folder of a file; the paths in the file are relative to it.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -35,8 +35,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A study that ended early; `path` is its file.
-pub(super) fn ended(path: &Path, error: &StudyError) -> Failure {
+/// Converts an error of a study; `path` is its file.
+pub(super) fn failure(path: &Path, error: &StudyError) -> Failure {
     let kind = match error.kind() {
         FailureKind::Configuration => Kind::Usage,
         FailureKind::Input => Kind::Data,
@@ -44,7 +44,7 @@ pub(super) fn ended(path: &Path, error: &StudyError) -> Failure {
         FailureKind::Cancelled => return Failure::from(asperity::monitor::Cancelled),
         FailureKind::Runtime => Kind::Runtime,
     };
-    // A scan names itself.
+    // The error of a scan already names its file.
     match error {
         StudyError::Scan(_) | StudyError::Map { .. } => Failure::new(kind, error.to_string()),
         _ => Failure::new(kind, format!("{}: {error}", path.display())),

@@ -1,4 +1,4 @@
-//! Rough surfaces: what a map is, and maps like it.
+//! Rough surfaces: statistics, conversion, filling and random generation.
 
 mod convert;
 mod fill;
@@ -14,7 +14,7 @@ use clap::Subcommand;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// Commands of the surface stage; help shows what stands at each of them.
+/// Commands of the surface stage. Help shows the documentation of each command's type.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Surface {
     Stats(stats::Stats),

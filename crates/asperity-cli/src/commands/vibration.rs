@@ -26,7 +26,7 @@ use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 
-/// Commands of the stick-slip oscillator; help shows what stands at each of them.
+/// Commands of the stick-slip oscillator. Help shows the documentation of each command's type.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Vibration {
     Cycle(cycle::Cycle),
@@ -77,24 +77,24 @@ struct Machine {
     forcing_frequency: Option<f64>,
 }
 
-/// The stick limit, and friction in sliding.
+/// Stick limit, and friction in sliding.
 #[derive(Debug, Args)]
 struct Friction {
     /// Static friction coefficient, the stick limit.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     static_friction: f64,
-    /// Kinetic friction coefficient at vanishing velocity; the static one when left out.
+    /// Kinetic friction coefficient at vanishing velocity; the static coefficient when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     kinetic_friction: Option<f64>,
     #[command(flatten)]
     law: Law,
-    /// Friction coefficient at high velocity, of the exponential law.
+    /// Friction coefficient at high velocity, for the exponential law.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
           requires = "stribeck_velocity", conflicts_with_all = ["stribeck", "linear_weakening", "friction_table"])]
     high_speed_friction: Option<f64>,
 }
 
-/// How friction falls with the velocity: one of these.
+/// Dependence of friction on the velocity: exactly one of these.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct Law {
@@ -104,17 +104,17 @@ struct Law {
     /// Slope b of the linear law μ_k − b|v|.
     #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
     linear_weakening: Option<f64>,
-    /// Velocity v₀ of the exponential law μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}, with `--high-speed-friction` μ_∞.
+    /// Velocity v₀ of the exponential law μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}; `--high-speed-friction` is μ_∞.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
           requires = "high_speed_friction")]
     stribeck_velocity: Option<f64>,
-    /// A table of two columns, velocity from 0 on and coefficient, joined by monotone cubics.
+    /// Table of two columns, velocity from 0 upwards and friction coefficient, interpolated by monotone cubics.
     #[arg(long, value_name = "FILE", conflicts_with = "kinetic_friction")]
     friction_table: Option<PathBuf>,
 }
 
 impl Machine {
-    /// The machine, with a warning about implausible values.
+    /// Returns the oscillator; warns about implausible values.
     fn oscillator(&self, damping_ratio: f64, monitor: &Terminal) -> Result<Oscillator, Failure> {
         let parameters = Parameters {
             static_friction: self.friction.static_friction,
@@ -127,14 +127,14 @@ impl Machine {
                 .map(|(amplitude, frequency)| Forcing { amplitude, frequency }),
         };
         let oscillator = Oscillator::new(parameters).map_err(Failure::usage)?;
-        let doubts = [implausible_friction(self.friction.static_friction), implausible_damping(damping_ratio)];
-        doubts.iter().flatten().for_each(|doubt| monitor.warn(doubt));
+        let warnings = [implausible_friction(self.friction.static_friction), implausible_damping(damping_ratio)];
+        warnings.iter().flatten().for_each(|warning| monitor.warn(warning));
         Ok(oscillator)
     }
 }
 
 impl Friction {
-    /// The files that are read.
+    /// Returns the input files.
     fn inputs(&self) -> Vec<&Path> {
         self.law.friction_table.as_deref().into_iter().collect()
     }
@@ -157,7 +157,7 @@ impl Friction {
     }
 }
 
-/// The points of a friction law: two numbers a line, a heading allowed.
+/// Reads the points of a friction law: two numbers per line, with an optional heading.
 fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
     let text = std::fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
     let mut points = Vec::new();
@@ -170,7 +170,7 @@ fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
             _ if points.is_empty() && values.is_empty() => {}
             _ => {
                 let message = format!(
-                    "{}, line {}: found `{line}`, wanted a velocity and a friction coefficient",
+                    "{}, line {}: found `{line}`, expected a velocity and a friction coefficient",
                     path.display(),
                     number + 1
                 );
@@ -181,7 +181,7 @@ fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
     Ok(points)
 }
 
-/// The damper.
+/// Damping of the oscillator.
 #[derive(Debug, Args)]
 struct Damping {
     /// Damping ratio ζ.
@@ -189,7 +189,7 @@ struct Damping {
     damping_ratio: f64,
 }
 
-/// The number of a kind of motion in tables.
+/// Returns the number that denotes a kind of motion in tables.
 fn code(kind: MotionKind) -> f64 {
     match kind {
         MotionKind::None => 0.0,
@@ -199,13 +199,15 @@ fn code(kind: MotionKind) -> f64 {
     }
 }
 
-/// A search that failed has not converged; everything else lies in the flags.
-fn refused(error: &VibrationError) -> Failure {
-    match error {
-        VibrationError::NotFound { .. } | VibrationError::Stalled { .. } | VibrationError::TooFewValid { .. } => {
-            Failure::new(Kind::NotConverged, error.to_string())
+/// A failed search has not converged; any other error is due to the flags.
+impl From<VibrationError> for Failure {
+    fn from(error: VibrationError) -> Self {
+        match error {
+            VibrationError::NotFound { .. } | VibrationError::Stalled { .. } | VibrationError::TooFewValid { .. } => {
+                Self::new(Kind::NotConverged, error.to_string())
+            }
+            VibrationError::Cancelled(cancelled) => cancelled.into(),
+            error => Self::usage(error),
         }
-        VibrationError::Cancelled(cancelled) => Failure::from(*cancelled),
-        _ => Failure::usage(error),
     }
 }

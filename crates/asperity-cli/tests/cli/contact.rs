@@ -1,4 +1,4 @@
-//! `asperity contact`: keys, exit codes, known numbers, and what ends up on disk.
+//! Tests of `asperity contact`: keys, exit codes, reference numbers and output files.
 
 use std::f64::consts::{PI, TAU};
 use std::fs::{self, File};
@@ -8,8 +8,8 @@ use std::path::Path;
 use std::time::Duration;
 
 #[cfg(target_os = "linux")]
-use crate::support::interrupted_in;
-use crate::support::{Ended, asperity_in, close, keys, listing, npy, number};
+use crate::support::run_and_interrupt;
+use crate::support::{Finished, asperity_in, close, keys, listing, npy, number};
 use asperity_formats::read_bytes;
 use ndarray::Array2;
 use serde_json::Value;
@@ -49,7 +49,7 @@ fn wave() -> Array2<f64> {
     Array2::from_shape_fn((4, 256), |(_, column)| 1e-6 * (TAU * (column as f64 + 0.5) / 256.0).cos())
 }
 
-/// A bowl of sums of waves, different in both directions.
+/// A bowl plus a sum of waves, different in both directions.
 fn rough() -> Array2<f64> {
     Array2::from_shape_fn((24, 32), |(row, column)| {
         let (x, y) = (column as f64 / 32.0, row as f64 / 24.0);
@@ -63,7 +63,7 @@ fn folder_with(heights_m: Array2<f64>) -> TempDir {
     folder
 }
 
-fn press(folder: &Path, line: &str) -> Ended {
+fn press(folder: &Path, line: &str) -> Finished {
     let line = format!("contact map.npy --pixel-size 1um {line}");
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
@@ -80,7 +80,8 @@ fn a_quarter_of_the_full_contact_pressure_flattens_a_third_of_a_wave() {
     assert_eq!(keys(&json), KEYS);
     close(number(&json, "mean_pressure_pa"), mean_pressure_pa, 1e-7);
     close(number(&json, "load_n"), mean_pressure_pa * 4.0 * 256.0 * 1e-12, 1e-7);
-    // Two edges, each known to one cell; the pressure maximum 2√(p̄p*) and the gap to first order in 1/256.
+    // Two edges, each located to one cell; the pressure maximum 2√(p̄p*) and the gap are correct to first order in
+    // 1/256.
     assert!((number(&json, "contact_fraction") - 1.0 / 3.0).abs() <= 2.0 / 256.0);
     close(number(&json, "max_pressure_pa"), 4.0 * mean_pressure_pa, 0.01);
     close(number(&json, "mean_gap_m"), 0.403_426_409_7e-6, 0.01);
@@ -101,7 +102,7 @@ fn the_mean_compliance_shifts_the_separation_under_load_and_the_pressure_under_p
     let soft = run("--mean-pressure 3MPa --mean-compliance 0.1um/MPa");
     close(number(&soft, "max_pressure_pa"), number(&rigid, "max_pressure_pa"), 1e-6);
     close(number(&rigid, "separation_m") - number(&soft, "separation_m"), 3e6 * 1e-13, 1e-6);
-    // The default under penetration is that of the longest wave, max(L)/(πE*).
+    // The default under penetration is the compliance of the longest wave, max(L)/(πE*).
     let pressed = run("--penetration 0.5um");
     close(number(&pressed, "mean_compliance_m_per_pa"), 256e-6 / (PI * 1e9), 1e-12);
     let softer = run("--penetration 0.5um --mean-compliance 1um/MPa");
@@ -109,7 +110,7 @@ fn the_mean_compliance_shifts_the_separation_under_load_and_the_pressure_under_p
 }
 
 #[test]
-fn the_controls_agree_on_one_solution() {
+fn all_controls_give_the_same_solution() {
     let folder = folder_with(rough());
     let base = "--youngs-modulus 210GPa --boundary free --tolerance 1e-10 --json";
     let first = press(folder.path(), &format!("{base} --percentile 30")).json(0);
@@ -129,7 +130,7 @@ fn the_controls_agree_on_one_solution() {
 }
 
 #[test]
-fn the_archive_holds_the_fields_of_the_answer_and_replaces_the_old_one() {
+fn the_archive_contains_the_fields_of_the_answer_and_replaces_the_old_file() {
     let folder = folder_with(rough());
     fs::write(folder.path().join("fields.npz"), "old").unwrap();
     let line = "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --out fields.npz --json";
@@ -146,7 +147,7 @@ fn the_archive_holds_the_fields_of_the_answer_and_replaces_the_old_one() {
     assert_eq!(pressure_pa.dim(), (24, 32));
     close(pressure_pa.mean().unwrap(), number(&json, "mean_pressure_pa"), 1e-12);
     close(gap_m.mean().unwrap(), number(&json, "mean_gap_m"), 1e-12);
-    // g = u + u_pl − z + plane, to the residual; the plane lies at mean z + separation.
+    // g = u + u_pl − z + plane, up to the residual; the plane lies at mean z + separation.
     let heights = rough();
     let plane_m = heights.mean().unwrap() + number(&json, "separation_m");
     for ((index, z), gap) in heights.indexed_iter().zip(&gap_m) {
@@ -160,7 +161,7 @@ fn the_archive_holds_the_fields_of_the_answer_and_replaces_the_old_one() {
 }
 
 #[test]
-fn unloading_leaves_the_heights_less_the_plastic_displacement() {
+fn unloading_gives_the_heights_minus_the_plastic_displacement() {
     let folder = folder_with(rough());
     let line = "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --json";
     let plain = press(folder.path(), line).json(0);
@@ -176,13 +177,13 @@ fn unloading_leaves_the_heights_less_the_plastic_displacement() {
     };
     let (plastic_m, residual_m) = (field("plastic_displacement_m"), field("residual_height_m"));
     assert!(residual_m.iter().zip(&(rough() - &plastic_m)).all(|(a, b)| (a - b).abs() < 1e-20));
-    // Every cell of 1 µm² that flows does so at the hardness.
+    // Every plastic cell of 1 µm² carries the hardness.
     close(number(&json, "plastic_work_j"), 2e9 * 1e-12 * plastic_m.sum(), 1e-12);
     close(number(&json, "max_plastic_displacement_m"), plastic_m.iter().copied().fold(0.0, f64::max), 1e-12);
     close(number(&json, "residual_rms_height_m"), residual_m.std(0.0), 1e-9);
     let (low, high) = residual_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
     close(number(&json, "residual_peak_to_valley_m"), high - low, 1e-12);
-    // What is left carries the load it has carried, without flowing again.
+    // The residual surface carries the same load without further flow.
     npy(folder.path(), "map.npy", residual_m);
     let line = format!(
         "--youngs-modulus 210GPa --boundary free --hardness 2GPa --unload --load {:e}N --json",
@@ -192,7 +193,7 @@ fn unloading_leaves_the_heights_less_the_plastic_displacement() {
     close(number(&again, "max_pressure_pa"), 2e9, 1e-6);
     close(number(&again, "contact_fraction"), number(&json, "contact_fraction"), 1e-12);
     assert!(number(&again, "max_plastic_displacement_m") < 1e-7 * number(&json, "max_plastic_displacement_m"));
-    // Without convergence nothing is known.
+    // Without convergence the results are undefined.
     let line =
         "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --tolerance 1e-30 --unload --json";
     let json = press(folder.path(), line).json(4);
@@ -200,7 +201,7 @@ fn unloading_leaves_the_heights_less_the_plastic_displacement() {
 }
 
 #[test]
-fn layers_are_those_of_the_flags() {
+fn the_flags_define_the_layer() {
     let folder = folder_with(wave());
     let base = "--youngs-modulus 1GPa --poisson-ratio 0.25 --boundary periodic --json";
     let run = |line: &str| press(folder.path(), &format!("{base} {line}")).json(0);
@@ -209,16 +210,17 @@ fn layers_are_those_of_the_flags() {
             close(number(one, key), number(other, key), 1e-7);
         }
     };
-    // A layer on its own material is none.
+    // A layer on a base of its own material is a half-space.
     let plain = run("--percentile 20");
     same(&run("--percentile 20 --layer-thickness 10um --base-youngs-modulus 1GPa --base-poisson-ratio 0.25"), &plain);
-    // A bonded layer yields on the whole by h(1+ν)(1−2ν)/((1−ν)E), one on a softer base more than a half-space.
+    // The mean compliance of a bonded layer is h(1+ν)(1−2ν)/((1−ν)E); on a softer base it exceeds the half-space's.
     let rigid = run("--percentile 20 --layer-thickness 10um --rigid-base");
     close(number(&rigid, "mean_compliance_m_per_pa"), 1e-5 * 1.25 * 0.5 / (0.75 * 1e9), 1e-12);
     let soft = run("--percentile 20 --layer-thickness 10um --base-youngs-modulus 0.1GPa");
     assert!(number(&rigid, "mean_pressure_pa") > number(&plain, "mean_pressure_pa"));
     assert!(number(&soft, "mean_pressure_pa") < number(&plain, "mean_pressure_pa"));
-    // Pressed flat, a wave needs its amplitude over the compliance: here that of a thin layer, 1 − O(qh)², on top of the mean.
+    // To press a wave flat, the pressure needs its amplitude over the compliance of a thin layer, 1 − O(qh)², plus the
+    // mean.
     let flat = run("--mean-pressure 0.7GPa --layer-thickness 2um --rigid-base");
     assert_eq!(number(&flat, "contact_fraction"), 1.0);
     close(number(&flat, "max_pressure_pa"), 0.7e9 + 1e-6 * 0.75e9 / (2e-6 * 1.25 * 0.5), 0.01);
@@ -235,7 +237,7 @@ fn layers_are_those_of_the_flags() {
     ] {
         press(folder.path(), &format!("{base} {line}")).refuses(2, &words);
     }
-    // A layer thinner than the surface is high cannot be of one thickness.
+    // A layer thinner than the span of the heights cannot have one thickness.
     let doubtful = press(folder.path(), &format!("{base} --percentile 20 --layer-thickness 1um --rigid-base"));
     assert!(
         doubtful.code == 0
@@ -257,26 +259,26 @@ fn equal_commands_give_equal_bytes_for_any_number_of_threads() {
 }
 
 #[test]
-fn an_unreachable_tolerance_is_not_converged_and_says_so_in_json() {
+fn an_unreachable_tolerance_gives_converged_false_in_json() {
     let folder = folder_with(rough());
-    let ended =
+    let found =
         press(folder.path(), "--youngs-modulus 210GPa --boundary free --percentile 50 --tolerance 1e-30 --json");
-    let json = ended.json(4);
+    let json = found.json(4);
     assert_eq!(keys(&json), KEYS);
     assert_eq!(json["converged"], Value::Bool(false));
     assert!(number(&json, "residual") > 1e-30);
-    assert!(ended.stderr.contains("not converged") && ended.stderr.contains("1.0e-30"), "{ended:?}");
+    assert!(found.stderr.contains("not converged") && found.stderr.contains("1.0e-30"), "{found:?}");
 }
 
 #[test]
-fn absurd_loads_end_without_a_defect() {
+fn absurd_loads_do_not_panic() {
     let folder = folder_with(rough());
     for press_by in ["--mean-pressure 1e30Pa", "--load 1e30N", "--penetration 1e30m", "--mean-gap 1e30m"] {
         for boundary in ["free", "periodic"] {
             let line = format!("--youngs-modulus 210GPa --boundary {boundary} {press_by} --json");
-            let ended = press(folder.path(), &line);
-            let json = ended.json(if ended.code == 4 { 4 } else { 0 });
-            assert_eq!(json["converged"], ended.code == 0, "{line}: {ended:?}");
+            let found = press(folder.path(), &line);
+            let json = found.json(if found.code == 4 { 4 } else { 0 });
+            assert_eq!(json["converged"], found.code == 0, "{line}: {found:?}");
         }
     }
 }
@@ -343,22 +345,22 @@ fn tilted() -> Array2<f64> {
 }
 
 #[test]
-fn a_form_larger_than_the_roughness_is_doubted_and_taken_out_on_request() {
+fn a_form_larger_than_the_roughness_gives_a_warning_and_level_removes_it() {
     let line = "--youngs-modulus 210GPa --boundary free --mean-pressure 50MPa --json";
     let folder = folder_with(tilted());
-    let ended = press(folder.path(), line);
-    let json = ended.json(0);
+    let found = press(folder.path(), line);
+    let json = found.json(0);
     let warning = json["warnings"][0].as_str().unwrap();
-    // The plane over a grid of n points at distance s has the variance s² (n² − 1)/12 along each axis. What the waves
-    // add to it is small beside that.
+    // The plane over a grid of n points at distance s has the variance s² (n² − 1)/12 along each axis. The waves add
+    // little to it.
     let plane = 1e-8 * (4.0 * (32.0 * 32.0 - 1.0) / 12.0 + (24.0 * 24.0 - 1.0) / 12.0_f64).sqrt();
     let shown = format!("{:.0}", plane * 1e9);
     assert!(
         warning.starts_with("map.npy: the form (plane) has an rms height of") && warning.contains("--level plane"),
         "{warning}"
     );
-    assert!(warning.contains(&shown[..1]) && ended.stderr.contains(warning), "{warning}: {shown} nm");
-    // Levelled, the tilted map is pressed like the level one.
+    assert!(warning.contains(&shown[..1]) && found.stderr.contains(warning), "{warning}: {shown} nm");
+    // A levelled tilted map gives the same result as the map without tilt.
     let levelled = press(folder.path(), &format!("{line} --level plane")).json(0);
     assert_eq!(levelled["warnings"], Value::Array(vec![]));
     let level = folder_with(rough());
@@ -367,14 +369,14 @@ fn a_form_larger_than_the_roughness_is_doubted_and_taken_out_on_request() {
         close(number(&levelled, key), number(&wanted, key), 1e-6);
     }
     assert!(number(&json, "mean_gap_m") > 2.0 * number(&levelled, "mean_gap_m"));
-    // Who states that nothing is removed is not asked again, and a level map raises no doubt.
+    // No warning if the user states that nothing is removed, or if the map is level.
     assert_eq!(press(folder.path(), &format!("{line} --level none")).json(0)["warnings"], Value::Array(vec![]));
     assert_eq!(press(level.path(), line).json(0)["warnings"], Value::Array(vec![]));
     press(level.path(), &format!("{line} --level cubic")).refuses(2, &["--level", "cubic", "quadratic"]);
 }
 
 #[test]
-fn a_tilted_counterface_is_levelled_and_doubted_like_the_surface() {
+fn a_tilted_counterface_is_levelled_and_warned_about_like_the_surface() {
     let folder = folder_with(rough());
     npy(folder.path(), "upper.npy", tilted());
     let line = "--youngs-modulus 210GPa --boundary free --mean-pressure 50MPa --json --counterface upper.npy";
@@ -386,8 +388,8 @@ fn a_tilted_counterface_is_levelled_and_doubted_like_the_surface() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn an_interrupted_solution_ends_at_once_and_leaves_the_old_file() {
-    // Far more than a minute of work.
+fn an_interrupted_solution_stops_immediately_and_leaves_the_old_file() {
+    // The problem takes far more than a minute.
     let folder = folder_with(Array2::from_shape_fn((2048, 2048), |(row, column)| {
         let (x, y) = (column as f64, row as f64);
         1e-6 * ((0.011 * x + 0.002 * y).sin() + (0.017 * y - 0.003 * x).cos() + 0.1 * (0.9 * x).sin() * (1.1 * y).sin())
@@ -395,8 +397,8 @@ fn an_interrupted_solution_ends_at_once_and_leaves_the_old_file() {
     fs::write(folder.path().join("f.npz"), "old").unwrap();
     let line = "contact map.npy --pixel-size 1um --youngs-modulus 210GPa --boundary free --percentile 60 \
                 --tolerance 1e-13 --out f.npz --json";
-    let (ended, took) = interrupted_in(folder.path(), line);
-    ended.refuses(130, &["cancelled"]);
+    let (found, took) = run_and_interrupt(folder.path(), line);
+    found.refuses(130, &["cancelled"]);
     assert!(took < Duration::from_secs(5), "{took:?}");
     assert_eq!(fs::read_to_string(folder.path().join("f.npz")).unwrap(), "old");
     assert_eq!(listing(folder.path()), ["f.npz", "map.npy"]);

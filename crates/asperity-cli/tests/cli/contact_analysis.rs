@@ -1,11 +1,11 @@
-//! `asperity contact`: clusters, energies, stiffness and theories of a solution, and rough or elastic counterfaces.
+//! Tests of `asperity contact`: clusters, energies, stiffness, theories, and rough or elastic counterfaces.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number};
+use crate::support::{Finished, asperity, asperity_in, close, listing, npy, number};
 use asperity_formats::read_bytes;
 use ndarray::{Array2, s};
 use serde_json::Value;
@@ -32,13 +32,13 @@ fn folder_with(maps: &[(&str, Array2<f64>)]) -> TempDir {
     folder
 }
 
-fn press(folder: &Path, line: &str) -> Ended {
+fn press(folder: &Path, line: &str) -> Finished {
     let line = format!("contact map.npy --pixel-size 1um {line}");
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
 #[test]
-fn a_pressed_wave_has_its_energy_its_stiffness_and_its_place_among_theories() {
+fn a_pressed_wave_has_its_analytic_energy_stiffness_and_contact_fractions() {
     let folder = folder_with(&[("map.npy", wave())]);
     // Westergaard with s = p̄/p* = 1/4: ḡ/h = 1 − s + s ln s gives the stiffness −dp̄/dḡ and the energy ∫ p̄ d(−ḡ).
     let (h, full_pa, s) = (1e-6, PI * 1e9 * 1e-6 / 256e-6, 0.25_f64);
@@ -61,7 +61,7 @@ fn a_pressed_wave_has_its_energy_its_stiffness_and_its_place_among_theories() {
     close(number(&json, "persson_contact_fraction"), 0.276_326_390_168, 1e-4);
     assert_eq!(number(&json, "persson_plastic_fraction"), 0.0);
     close(number(&json, "bgt_contact_fraction"), PI.sqrt() / 4.0, 1e-4);
-    // The crest lies on the border, and the ridge reaches around the map.
+    // The crest lies on the border, and the ridge continues around the map.
     assert_eq!(json["clusters"], Value::from(1));
     assert_eq!(number(&json, "largest_cluster_fraction"), 1.0);
     close(number(&json, "largest_cluster_m2"), number(&json, "contact_fraction") * area_m2, 1e-12);
@@ -71,7 +71,7 @@ fn a_pressed_wave_has_its_energy_its_stiffness_and_its_place_among_theories() {
     for words in ["contact stiffness", "N/m", "elastic energy", "contact fraction (Persson)", "m²"] {
         assert!(table.contains(words), "`{words}` is missing: {table}");
     }
-    // Complete contact: infinitely stiff.
+    // Complete contact is infinitely stiff.
     let line = line.replace(&format!("{}Pa", s * full_pa), "1GPa");
     let json = press(folder.path(), &line).json(0);
     assert_eq!((number(&json, "contact_fraction"), &json["contact_stiffness_n_per_m"]), (1.0, &Value::Null));
@@ -116,7 +116,7 @@ fn the_archive_numbers_the_clusters() {
 }
 
 #[test]
-fn roughness_and_compliance_may_lie_on_either_side() {
+fn exchanging_surface_and_counterface_changes_nothing() {
     let whole = rough();
     let folder = folder_with(&[
         ("map.npy", whole.clone()),
@@ -133,7 +133,7 @@ fn roughness_and_compliance_may_lie_on_either_side() {
     for (file, line) in [
         // Twice as stiff on both sides.
         ("map.npy", "--youngs-modulus 420GPa --counterface-youngs-modulus 420GPa"),
-        // E/(1−ν²) of 1/3 and 2/3 of the compliance.
+        // Two moduli E/(1−ν²) that give 1/3 and 2/3 of the compliance.
         (
             "map.npy",
             "--youngs-modulus 315GPa --counterface-youngs-modulus 519.2307692307692GPa --counterface-poisson-ratio 0.5",
@@ -157,7 +157,7 @@ fn roughness_and_compliance_may_lie_on_either_side() {
 }
 
 #[test]
-fn a_counterface_that_does_not_fit_is_refused() {
+fn an_unsuitable_counterface_is_refused() {
     let mut holed = rough();
     holed[[3, 4]] = f64::NAN;
     let cast = rough().slice(s![.., ..;-1]).mapv(|z| -z);
@@ -178,7 +178,7 @@ fn a_counterface_that_does_not_fit_is_refused() {
         ("--counterface-as-laid", 2, vec!["--counterface <FILE>"]),
         ("--counterface-poisson-ratio 0.3", 2, vec!["--counterface-youngs-modulus"]),
         ("--counterface-youngs-modulus 0GPa", 2, vec!["--counterface-youngs-modulus", "above 0"]),
-        ("--counterface cast.npy --out cast.npy", 2, vec!["--out", "is read"]),
+        ("--counterface cast.npy --out cast.npy", 2, vec!["--out", "is an input"]),
     ] {
         press(folder.path(), &format!("{base} {line}")).refuses(code, &words);
     }
@@ -186,9 +186,9 @@ fn a_counterface_that_does_not_fit_is_refused() {
 }
 
 #[test]
-fn the_help_says_what_the_results_are() {
+fn the_help_explains_the_results() {
     let help = asperity("contact --help").stdout;
-    for words in ["share edges", "mean compliance adds", "forward differences", "turned over", "approach"] {
+    for words in ["share edges", "stated mean compliance", "forward differences", "turned over", "approach"] {
         assert!(help.contains(words), "{words}: {help}");
     }
 }

@@ -1,4 +1,4 @@
-//! Folders that the program writes: nothing that somebody else wrote is lost, and nothing half-written stays.
+//! Tests of output folders: foreign files are never lost, and no partial folder remains.
 
 use std::fs;
 use std::path::Path;
@@ -6,9 +6,9 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-use crate::support::{Ended, MANIFEST, asperity_in, listing, written};
+use crate::support::{Finished, MANIFEST, asperity_in, listing, written};
 #[cfg(target_os = "linux")]
-use crate::support::{ended, send, signalled_in, started, started_in, wait_until};
+use crate::support::{run_and_signal, send, start, start_in, wait_for, wait_until};
 
 const STUDY: &str = "seed = 5\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
                      correlation_length = \"20 um\"\n";
@@ -24,7 +24,7 @@ const VIBRATION: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
 const INPUTS: [&str; 5] = ["map.x3p", "process.json", "record.csv", "spec.toml", "study.toml"];
 
-fn run(at: &Path, line: &str) -> Ended {
+fn run(at: &Path, line: &str) -> Finished {
     asperity_in(at, &line.split_whitespace().collect::<Vec<_>>())
 }
 
@@ -73,7 +73,7 @@ fn force_never_removes_a_file_that_asperity_did_not_write() {
         run(at, &format!("{line} own --force")).refuses(2, &["own", "thesis.txt"]);
         assert_eq!(fs::read_to_string(thesis("own")).unwrap(), "years of work");
         fs::remove_file(thesis("own")).unwrap();
-        // Without it the folder is replaced.
+        // Without that file the folder is replaced.
         let before = fs::read(at.join("own").join(MANIFEST)).unwrap();
         fs::remove_file(at.join("own").join(&written(&at.join("own"))[0])).ok();
         assert_eq!(run(at, &format!("{line} own --force")).code, 0, "{line}");
@@ -92,19 +92,19 @@ fn force_on_the_folder_of_all_runs_keeps_every_run() {
     assert_eq!(run(at, "run study.toml --out runs/one").code, 0);
     assert_eq!(run(at, "run study.toml --out runs/two").code, 0);
     run(at, "run study.toml --out runs --force").refuses(2, &["--out runs", "asperity did not write it"]);
-    run(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "a folder is wanted"]);
+    run(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "give a folder"]);
     run(at, &format!("run study.toml --out {}", "n".repeat(256))).refuses(2, &["--out", "too long"]);
     run(at, "run study.toml --out . --force").refuses(2, &["--out .", "study.toml"]);
     run(at, "run runs/one/study.toml --out runs/one --force").refuses(2, &["runs/one", "input"]);
     assert!(at.join("runs/one/COMPLETE").is_file() && at.join("runs/two/COMPLETE").is_file());
-    // A run inside a run is not part of it.
+    // A run folder inside a run folder is not part of it.
     assert_eq!(run(at, "run study.toml --out runs/one/more").code, 0);
     run(at, "run study.toml --out runs/one --force").refuses(2, &["runs/one", "more/"]);
     assert!(at.join("runs/one/more/COMPLETE").is_file());
 }
 
 #[test]
-fn changed_and_hidden_files_links_and_empty_folders_are_somebody_s_work() {
+fn changed_and_hidden_files_links_and_empty_folders_are_foreign() {
     let folder = bench();
     let at = folder.path();
     let line = "run study.toml --out out";
@@ -139,7 +139,7 @@ fn changed_and_hidden_files_links_and_empty_folders_are_somebody_s_work() {
         }
         fs::remove_file(at.join("latest")).unwrap();
     }
-    // A rendered report is asperity's again.
+    // A rendered report counts as written by asperity.
     let page = at.join("out/report.html");
     let mut spoiled = fs::read(&page).unwrap();
     spoiled.extend(b"<!-- -->");
@@ -147,7 +147,7 @@ fn changed_and_hidden_files_links_and_empty_folders_are_somebody_s_work() {
     force().refuses(2, &["report.html (changed)"]);
     assert_eq!(run(at, "report out").code, 0);
     assert_eq!(force().code, 0);
-    // A run of an earlier version has no list.
+    // A run of an earlier version has no manifest.
     fs::remove_file(at.join("out").join(MANIFEST)).unwrap();
     force().refuses(2, &["out has no", MANIFEST, "earlier version"]);
     assert_eq!(run(at, "report out").code, 0);
@@ -157,7 +157,7 @@ fn changed_and_hidden_files_links_and_empty_folders_are_somebody_s_work() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn sha256sum_agrees_with_the_list_of_files() {
+fn sha256sum_accepts_the_manifest() {
     let folder = bench();
     let at = folder.path();
     assert_eq!(run(at, "run study.toml --out out").code, 0);
@@ -170,7 +170,7 @@ fn sha256sum_agrees_with_the_list_of_files() {
     assert!(checked.status.success(), "{checked:?}");
 }
 
-/// The hidden folder in which a run is being written.
+/// Returns the hidden folder of a run in progress.
 #[cfg(target_os = "linux")]
 fn partial(at: &Path) -> Option<String> {
     listing(at).into_iter().find(|name| name.contains(".partial-") && at.join(name).join(MANIFEST).is_file())
@@ -178,32 +178,32 @@ fn partial(at: &Path) -> Option<String> {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn of_two_runs_into_one_new_folder_both_results_stay() {
+fn two_runs_into_one_new_folder_lose_no_result() {
     let folder = bench();
     let at = folder.path();
-    // A run that is stopped in its midst, so that others overtake it.
+    // Stop a run midway, so that other runs finish first.
     let slow = |more: &str| {
-        let child = started_in(at, &format!("surface generate spec.toml --count 500 --out maps {more}"));
+        let child = start_in(at, &format!("surface generate spec.toml --count 500 --out maps {more}"));
         wait_until("the hidden folder", || partial(at).is_some());
         send("-STOP", &child);
         child
     };
     let continued = |child| {
         send("-CONT", &child);
-        ended(child)
+        wait_for(child)
     };
     let count = |name: &str| written(&at.join(name)).len();
     let first = slow("");
-    // The second run begins later and ends earlier. It leaves the hidden folder of the first alone.
+    // The second run begins later and ends earlier. It does not remove the hidden folder of the first.
     assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
-    continued(first).refuses(1, &["maps is left as it is: it was written in the meantime", "maps-2"]);
+    continued(first).refuses(1, &["maps is not replaced: it was written in the meantime", "maps-2"]);
     assert_eq!((count("maps"), count("maps-2")), (2, 500));
-    // The same where both may replace an older folder.
+    // The same if both may replace an older folder.
     let first = slow("--force");
     assert_eq!(run(at, "surface generate spec.toml --count 5 --out maps --force").code, 0);
     continued(first).refuses(1, &["maps-3"]);
     assert_eq!((count("maps"), count("maps-2"), count("maps-3")), (5, 500, 500));
-    // A file that comes in the meantime.
+    // A file that appears meanwhile.
     let first = slow("--force");
     fs::write(at.join("maps/thesis.txt"), "years").unwrap();
     continued(first).refuses(1, &["maps-4"]);
@@ -228,21 +228,21 @@ fn sigterm_ends_like_ctrl_c_and_leaves_nothing() {
         "surface twin map.x3p --count 100000 --translation plain --covariance exponential --out deep/out".to_owned(),
         format!("vibration ensemble {VIBRATION} {NOISE} --trajectories 100000000 --duration 1000 --report deep/out"),
     ] {
-        // Ctrl-C during the others has tests of its own.
+        // Other tests cover Ctrl-C during other commands.
         let signals = if line.starts_with("surface") { &["-TERM"][..] } else { &["-TERM", "-INT"] };
         for signal in signals {
-            let (ended, _) = signalled_in(at, &line, signal);
-            assert_eq!((ended.code, ended.stdout.as_str()), (130, ""), "{line} {signal}: {ended:?}");
-            assert!(ended.stderr.contains("cancelled"), "{line} {signal}: {ended:?}");
+            let (found, _) = run_and_signal(at, &line, signal);
+            assert_eq!((found.code, found.stdout.as_str()), (130, ""), "{line} {signal}: {found:?}");
+            assert!(found.stderr.contains("cancelled"), "{line} {signal}: {found:?}");
             assert_eq!(listing(at), INPUTS, "{line} {signal}");
         }
     }
     // `timeout` sends its signal twice in a row.
-    let child = started_in(at, "surface generate spec.toml --count 1000000 --out deep/out");
+    let child = start_in(at, "surface generate spec.toml --count 1000000 --out deep/out");
     wait_until("the hidden folder", || at.join("deep").is_dir() && partial(&at.join("deep")).is_some());
     send("-TERM", &child);
     send("-TERM", &child);
-    assert_eq!(ended(child).code, 130);
+    assert_eq!(wait_for(child).code, 130);
     assert_eq!(listing(at), INPUTS);
 }
 
@@ -254,27 +254,27 @@ fn a_run_under_nohup_outlives_its_terminal() {
     let script = "trap '' HUP; exec \"$0\" surface generate spec.toml --count 1000 --out maps";
     let mut shell = Command::new("sh");
     shell.args(["-c", script, env!("CARGO_BIN_EXE_asperity")]);
-    let child = started(at, shell);
+    let child = start(at, shell);
     wait_until("the hidden folder", || partial(at).is_some());
     send("-HUP", &child);
-    assert_eq!(ended(child).code, 0);
+    assert_eq!(wait_for(child).code, 0);
     assert_eq!(written(&at.join("maps")).len(), 1000);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn the_next_run_removes_what_a_killed_one_left_and_nothing_else() {
+fn the_next_run_removes_only_the_remains_of_a_killed_run() {
     let folder = bench();
     let at = folder.path();
     let killed = || {
-        let child = started_in(at, "surface generate spec.toml --count 1000000 --out maps");
+        let child = start_in(at, "surface generate spec.toml --count 1000000 --out maps");
         wait_until("the first maps", || partial(at).is_some_and(|name| listing(&at.join(name)).len() > 3));
         send("-KILL", &child);
-        assert_eq!(ended(child).code, -1);
+        assert_eq!(wait_for(child).code, -1);
         partial(at).unwrap_or_default()
     };
     let left = killed();
-    // Names alone say nothing: these are a user's, and one in the folder that was left.
+    // A name alone proves nothing: these files are a user's, and one lies in the remaining folder.
     let mine = [".maps.partial-1/thesis.txt", ".asperity-notes.tmp/thesis.txt", ".maps.partial-host-1-1/thesis.txt"];
     for name in mine {
         fs::create_dir(at.join(name).parent().unwrap()).unwrap();
@@ -287,21 +287,21 @@ fn the_next_run_removes_what_a_killed_one_left_and_nothing_else() {
     fs::write(at.join(&left).join("thesis.txt"), "years").unwrap();
     assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
     assert_eq!(listing(&at.join(&left)), [MANIFEST, "thesis.txt"]);
-    // A folder that a killed run was about to replace is put back.
+    // The next run restores a folder that a killed run was about to replace.
     assert_eq!(run(at, "surface generate spec.toml --count 3 --out old").code, 0);
     fs::rename(at.join("old"), at.join(left.replace(".maps.partial-", ".old.replaced-"))).unwrap();
     assert_eq!(run(at, "surface generate spec.toml --count 2 --out new").code, 0);
     assert_eq!(written(&at.join("old")).len(), 3);
-    // Files in the making as well.
+    // The same for temporary files.
     let temporary = at.join(left.replace(".maps.partial-", ".asperity-") + ".tmp");
     fs::write(&temporary, "half").unwrap();
     assert_eq!(run(at, "surface generate spec.toml --out map.x3p").code, 0);
     assert!(!temporary.exists());
 }
 
-/// Runs `asperity` with a small disk in the folder `disk` and lists the disk; `None` where no disk can be made.
+/// Runs `asperity` with a small disk in the folder `disk` and lists the disk; `None` if no disk can be made.
 #[cfg(target_os = "linux")]
-fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Ended> {
+fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Finished> {
     fs::create_dir_all(at.join("disk")).unwrap();
     let mount = format!("mount -t tmpfs -o {options} tmpfs disk");
     let shell = |script: &str| {
@@ -315,7 +315,7 @@ fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Ended> 
     }
     let script = format!("{mount} && {before} \"$0\" {line}; code=$?; ls -A disk; exit $code");
     let output = shell(&script).unwrap();
-    Some(Ended {
+    Some(Finished {
         code: output.status.code().unwrap_or(-1),
         stdout: String::from_utf8(output.stdout).unwrap(),
         stderr: String::from_utf8(output.stderr).unwrap(),
@@ -324,14 +324,14 @@ fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Ended> 
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
+fn a_full_or_read_only_disk_gives_one_message_in_plain_words() {
     let folder = bench();
     let at = folder.path();
-    // A folder of the system in which nobody creates anything.
+    // A system folder in which no user can create files.
     for line in ["run study.toml --out /proc/out", "surface convert map.x3p /proc/map.npy"] {
-        let ended = run(at, line);
-        ended.refuses(5, &["cannot write /"]);
-        assert!(!ended.stderr.contains("os error"), "{ended:?}");
+        let found = run(at, line);
+        found.refuses(5, &["cannot write /"]);
+        assert!(!found.stderr.contains("os error"), "{found:?}");
     }
     let output = Command::new("sh")
         .args(["-c", "\"$0\" surface stats map.x3p --json > /dev/full", env!("CARGO_BIN_EXE_asperity")])
@@ -345,14 +345,14 @@ fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
         return;
     }
     let refuses = |options: &str, before: &str, line: &str, words: &[&str]| {
-        let ended = on_disk(at, options, before, line).unwrap();
-        ended.refuses(5, words);
-        assert_eq!(ended.stderr.matches("error").count(), 1, "{ended:?}");
+        let found = on_disk(at, options, before, line).unwrap();
+        found.refuses(5, words);
+        assert_eq!(found.stderr.matches("error").count(), 1, "{found:?}");
         for leak in ["os error", "No space", "Read-only file system", "ZipError", "Io("] {
-            assert!(!ended.stderr.contains(leak), "{line}: {ended:?}");
+            assert!(!found.stderr.contains(leak), "{line}: {found:?}");
         }
     };
-    // A disk that cannot be written, and disks with too little space.
+    // A read-only disk, and disks with too little space.
     for line in commands() {
         refuses("size=64k,ro", "", &format!("{line} disk/out"), &["disk/out", "read-only"]);
     }
@@ -361,12 +361,12 @@ fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
     }
     refuses("size=256k", "", "run study.toml --out disk/out", &["the run needs about", "are free for disk/out"]);
     refuses("size=256k", "", "surface generate spec.toml --count 1000 --out disk/out", &["needs about 6 MB"]);
-    // A disk that is full from the start, and one that fills up: small maps are larger in files than their heights.
+    // A disk that is full from the start, and one that fills up: the files of small maps are larger than their heights.
     let filled = "head -c 1000000 /dev/zero > disk/filler 2> /dev/null;";
     let full = |line: &str| {
-        let ended = on_disk(at, "size=64k", filled, line).unwrap();
-        assert!(ended.code == 5 && ended.stdout == "filler\n", "{ended:?}");
-        assert!(ended.stderr.contains("the disk is full") && !ended.stderr.contains("os error"), "{ended:?}");
+        let found = on_disk(at, "size=64k", filled, line).unwrap();
+        assert!(found.code == 5 && found.stdout == "filler\n", "{found:?}");
+        assert!(found.stderr.contains("the disk is full") && !found.stderr.contains("os error"), "{found:?}");
     };
     full("run study.toml --out disk/out");
     full("surface generate spec.toml --out disk/map.npy");

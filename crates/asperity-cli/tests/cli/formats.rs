@@ -1,4 +1,4 @@
-//! `asperity formats`, and files of many formats on their way through the program.
+//! Tests of `asperity formats`, and of files of many formats in other commands.
 
 use std::fs;
 
@@ -14,7 +14,7 @@ fn words(line: &str) -> Vec<&str> {
 }
 
 #[test]
-fn the_table_names_every_format_and_what_it_was_tried_on() {
+fn the_table_lists_every_format_and_its_test_files() {
     let table = asperity("formats");
     assert_eq!((table.code, table.stderr.as_str()), (0, ""));
     let json = asperity("formats --json").json(0);
@@ -34,7 +34,7 @@ fn the_table_names_every_format_and_what_it_was_tried_on() {
     }
 }
 
-/// Heights of micrometres with two missing ones, not square, on pixels that are not square either.
+/// Heights in micrometres with two missing points, on a grid and pixels that are not square.
 fn map() -> Array2<f64> {
     let mut heights = Array2::from_shape_fn((7, 9), |(row, column)| 1e-6 * ((row * 9 + column) as f64).sin());
     heights[[0, 3]] = f64::NAN;
@@ -43,7 +43,7 @@ fn map() -> Array2<f64> {
 }
 
 #[test]
-fn a_map_goes_through_every_written_format_and_comes_back() {
+fn every_writable_format_preserves_a_map() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", map());
     for (name, steps) in [
@@ -55,11 +55,11 @@ fn a_map_goes_through_every_written_format_and_comes_back() {
         ("a.csv", 0.0),
     ] {
         let convert = format!("surface convert map.npy {name} --pixel-size 2um,3um");
-        let ended = asperity_in(folder.path(), &words(&convert));
-        assert_eq!(ended.code, 0, "{name}: {ended:?}");
+        let found = asperity_in(folder.path(), &words(&convert));
+        assert_eq!(found.code, 0, "{name}: {found:?}");
         let scan = read(&folder.path().join(name)).unwrap();
         let (dx_m, dy_m) = scan.pitch_m.unwrap();
-        // SUR holds pitches as f32.
+        // SUR stores pitches as f32.
         assert!((dx_m / 2e-6 - 1.0).abs() < 1e-7 && (dy_m / 3e-6 - 1.0).abs() < 1e-7, "{name}: {dx_m} × {dy_m}");
         let tolerance_m = 2e-6 * steps + 1e-21;
         for (found, wanted) in scan.heights_m.iter().zip(&map()) {
@@ -77,7 +77,7 @@ fn a_map_goes_through_every_written_format_and_comes_back() {
 }
 
 #[test]
-fn a_map_of_several_is_chosen_by_name_or_number() {
+fn channel_selects_a_map_by_name_or_number() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", Array2::from_shape_fn((16, 16), |(row, column)| 1e-7 * (row * column % 7) as f64));
     let press =
@@ -106,7 +106,7 @@ fn a_map_of_several_is_chosen_by_name_or_number() {
 
 #[test]
 #[ignore = "slow"]
-fn a_study_names_the_map_of_a_file() {
+fn a_study_selects_the_map_of_a_file() {
     let folder = TempDir::new().unwrap();
     let rough = |seed: usize| {
         Array2::from_shape_fn((32, 32), |(row, column)| {
@@ -139,7 +139,9 @@ fn a_study_names_the_map_of_a_file() {
 #[test]
 fn a_file_in_a_gzip_stream_is_read_and_a_damaged_one_refused() {
     let folder = TempDir::new().unwrap();
-    // Stored without compression (RFC 1951 block of type 0 in RFC 1952); the sum is that of `1e-6 2e-6\n2e-6 1e-6\n`.
+    // Stored without compression (RFC 1951 block of type 0 in RFC 1952); the checksum belongs to `1e-6 2e-6
+    // 2e-6 1e-6
+    // `.
     let text = b"1e-6 2e-6\n2e-6 1e-6\n";
     let mut bytes = vec![0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255, 1];
     bytes.extend((text.len() as u16).to_le_bytes());
@@ -148,8 +150,8 @@ fn a_file_in_a_gzip_stream_is_read_and_a_damaged_one_refused() {
     bytes.extend(crc32(text).to_le_bytes());
     bytes.extend((text.len() as u32).to_le_bytes());
     fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
-    let ended = asperity_in(folder.path(), &words("surface convert map.txt.gz map.npy"));
-    assert_eq!(ended.code, 0, "{ended:?}");
+    let found = asperity_in(folder.path(), &words("surface convert map.txt.gz map.npy"));
+    assert_eq!(found.code, 0, "{found:?}");
     assert_eq!(read(&folder.path().join("map.npy")).unwrap().heights_m, array![[1e-6, 2e-6], [2e-6, 1e-6]]);
     bytes[20] ^= 1;
     fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
@@ -168,12 +170,12 @@ fn json_names_the_format_the_channel_and_the_warnings_also_when_quiet() {
     }
     archive.finish().unwrap();
     for quiet in ["", " --quiet"] {
-        let ended = run(&format!("surface stats two.npz --pixel-size 1um --json{quiet}"));
-        let json = ended.json(0);
+        let found = run(&format!("surface stats two.npz --pixel-size 1um --json{quiet}"));
+        let json = found.json(0);
         assert_eq!((&json["format"], &json["channel"]), (&"NPZ".into(), &"a".into()));
         let warning = json["warnings"][0].as_str().unwrap();
         assert!(warning.contains("two.npz: the file holds 2 height maps (a, b); `a` was read"), "{warning}");
-        assert_eq!(ended.stderr.contains(warning), quiet.is_empty());
+        assert_eq!(found.stderr.contains(warning), quiet.is_empty());
     }
     let json = run("surface convert two.npz out.x3p --channel b --pixel-size 1um,2um --json").json(0);
     assert_eq!(json["format"], "NPZ");
@@ -206,27 +208,27 @@ fn every_json_object_carries_its_warnings() {
         &format!("vibration cycle {machine} --damping-ratio 0.17 --json"),
         &format!("vibration forced-cycles {machine} --damping-ratio 0.17 --forcing 0.01 --forcing-frequency 1 --json"),
     ] {
-        let ended = asperity_in(folder.path(), &words(line));
-        assert!(ended.code == 0, "{line}: {ended:?}");
-        assert!(ended.json(0)["warnings"].is_array(), "{line}: {ended:?}");
+        let found = asperity_in(folder.path(), &words(line));
+        assert!(found.code == 0, "{line}: {found:?}");
+        assert!(found.json(0)["warnings"].is_array(), "{line}: {found:?}");
     }
 }
 
 #[test]
-fn the_unit_of_heights_is_stated_and_a_contradiction_told() {
+fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
     let folder = TempDir::new().unwrap();
     let run = |line: &str| asperity_in(folder.path(), &words(line));
     fs::write(folder.path().join("plain.txt"), "1 2 3\n2 4 1\n5 1 2\n").unwrap();
     fs::write(folder.path().join("named.txt"), "# unit: nm\n1 2 3\n2 4 1\n5 1 2\n").unwrap();
     let sq = |line: &str| number(&run(&format!("surface stats {line} --pixel-size 20um --json")).json(0), "Sz_m");
-    // The plain one counts as metre unless told.
+    // Without a stated unit the plain file is in metres.
     assert!((sq("plain.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
     assert!((sq("named.txt --level none") / 4e-9 - 1.0).abs() < 1e-12);
     assert!((sq("named.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
-    let ended = run("surface convert named.txt out.npy --height-unit um");
+    let found = run("surface convert named.txt out.npy --height-unit um");
     assert!(
-        ended.stderr.contains("warning: named.txt: the stated height unit, um, replaces the file's nm"),
-        "{ended:?}"
+        found.stderr.contains("warning: named.txt: the stated height unit, um, replaces the file's nm"),
+        "{found:?}"
     );
     assert_eq!(read(&folder.path().join("out.npy")).unwrap().heights_m[[0, 0]], 1e-6);
     let contact =
@@ -240,7 +242,7 @@ fn the_unit_of_heights_is_stated_and_a_contradiction_told() {
 #[test]
 fn heights_beyond_the_field_of_a_stated_pixel_size_are_warned_about() {
     let folder = TempDir::new().unwrap();
-    // Micrometre that no unit names: 2 m on a field of 16 µm.
+    // Heights in micrometres without a unit: 2 m on a field of 16 µm.
     let heights = Array2::from_shape_fn((16, 16), |(row, column)| ((row * 5 + column * 3) as f64).sin());
     npy(folder.path(), "a.npy", heights);
     for line in [
@@ -259,10 +261,10 @@ fn heights_beyond_the_field_of_a_stated_pixel_size_are_warned_about() {
 }
 
 #[test]
-fn a_map_is_levelled_on_its_way_to_another_format() {
+fn convert_levels_a_map_on_request() {
     let folder = TempDir::new().unwrap();
     let run = |line: &str| asperity_in(folder.path(), &words(line));
-    // A checkerboard of ±1 µm is orthogonal to a plane but for a small part; the plane goes, voids stay.
+    // A checkerboard of ±1 µm is nearly orthogonal to a plane; the plane is removed, missing points stay.
     let mut heights = Array2::from_shape_fn((8, 8), |(row, column)| {
         1e-6 * (1.0 - 2.0 * ((row + column) % 2) as f64) + 3e-6 * row as f64 - 5e-6 * column as f64 + 1e-3
     });
@@ -280,7 +282,7 @@ fn a_map_is_levelled_on_its_way_to_another_format() {
 }
 
 #[test]
-fn a_file_that_is_not_read_is_named_with_advice() {
+fn an_unsupported_format_is_named_with_a_remedy() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("scan.spm"), b"\\*File list\r\n\\Version: 0x09400202\r\n").unwrap();
     asperity_in(folder.path(), &words("surface stats scan.spm"))

@@ -1,4 +1,4 @@
-//! Friction processes from measured records, and records from processes.
+//! Tests of `asperity friction`: fits to measured records, and records drawn from fits.
 
 use std::fmt::Write;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Ended, asperity_in, close, listing, number, written};
+use crate::support::{Finished, asperity_in, close, listing, number, written};
 
 const PROCESS: &str = r#"{
   "format": "asperity friction process", "version": 1, "mean": 0.2, "std": 0.01,
@@ -14,11 +14,11 @@ const PROCESS: &str = r#"{
   "correlation": {"model": "exponential", "length_m": 250e-6}
 }"#;
 
-fn run(folder: &Path, line: &str) -> Ended {
+fn run(folder: &Path, line: &str) -> Finished {
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
-/// A folder with a process, a record drawn from it, and the same as a time record of forces under 10 N.
+/// A folder with a process, a record drawn from it, and the same record as forces over time under 10 N.
 fn bench() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("process.json"), PROCESS).unwrap();
@@ -42,7 +42,7 @@ fn a_record_of_distance_and_one_of_time_give_the_same_process() {
     let folder = bench();
     let at = folder.path();
     let distance = run(at, "friction fit m.csv --column mu --distance-column position --out fit.json --json").json(0);
-    // 10 mm/s and 5 ms are 50 µm.
+    // 10 mm/s times 5 ms is 50 µm.
     let time =
         run(at, "friction fit forces.csv --column F --time-column time --velocity 10mm/s --normal-force 10N --json");
     let time = time.json(0);
@@ -57,7 +57,7 @@ fn a_record_of_distance_and_one_of_time_give_the_same_process() {
     assert!(
         distance["laws"].as_array().unwrap().len() > 1 && distance["correlation_models"].as_array().unwrap().len() == 3
     );
-    // What was written is a process again, and is drawn from.
+    // The written file is a valid process for `simulate`.
     let fitted: Value = serde_json::from_slice(&fs::read(at.join("fit.json")).unwrap()).unwrap();
     assert_eq!(fitted["mean"], distance["mean"]);
     assert_eq!(fitted["origin"]["kind"], "record");
@@ -73,7 +73,7 @@ fn a_record_of_distance_and_one_of_time_give_the_same_process() {
 }
 
 #[test]
-fn a_report_holds_process_tables_and_figures() {
+fn a_report_contains_process_tables_and_figures() {
     let folder = bench();
     let nested = "friction fit m.csv --column mu --distance-column position --report out --out out/process.json";
     run(folder.path(), nested).refuses(2, &["--out", "report folder"]);
@@ -89,7 +89,7 @@ fn a_report_holds_process_tables_and_figures() {
 }
 
 #[test]
-fn wrong_requests_and_unusable_records_say_what_is_wanted() {
+fn wrong_flags_and_unusable_records_name_the_remedy() {
     let folder = bench();
     let at = folder.path();
     let fit = |rest: &str| run(at, &format!("friction fit {rest}"));

@@ -9,15 +9,15 @@ use ndarray::{Array2, Axis, s};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity, asperity_in, close, number};
+use crate::support::{Finished, asperity, asperity_in, close, number};
 
 /// Runs the program in a folder with arguments separated by spaces.
-fn run_in(folder: &Path, line: &str) -> Ended {
+fn run_in(folder: &Path, line: &str) -> Finished {
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
 /// Runs a study into the folder `run` and returns the output of the program and `results.json`.
-fn study(folder: &Path, text: &str) -> (Ended, Value) {
+fn study(folder: &Path, text: &str) -> (Finished, Value) {
     fs::write(folder.join("study.toml"), text).unwrap();
     let ended = run_in(folder, "run study.toml --out run");
     assert_eq!(ended.code, 0, "{ended:?}");
@@ -264,7 +264,7 @@ fn card_terminal_results_and_machine_have_one_friction_coefficient() {
 }
 
 /// A map over damping ratios from 0.1 to 0.3 in cells of at least 0.025.
-fn map(friction_std: f64, trajectories: usize) -> Ended {
+fn map(friction_std: f64, trajectories: usize) -> Finished {
     asperity(&format!(
         "vibration map {MACHINE} --friction-std {friction_std} --damping-ratio 0.1 --damping-ratios 0.1,0.3,2 \
          --belt-velocities 0.003,0.0035,1 --depth 2 --trajectories {trajectories} --seed 3 --json"

@@ -1,4 +1,4 @@
-//! The program from outside: what it prints, how it ends, what it leaves on disk.
+//! Tests of the program as a whole: output, exit codes and files.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot run the program has failed")]
 

@@ -1,4 +1,5 @@
-//! Where maps are written: a file is replaced and that is told, a folder appears whole or not at all, inputs are spared.
+//! Tests of written maps: a replaced file is reported, a folder appears complete or not at all, inputs are never
+//! overwritten.
 
 use std::fs;
 use std::path::Path;
@@ -6,13 +7,13 @@ use std::path::Path;
 use asperity_formats::read;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity_in, listing, written};
+use crate::support::{Finished, asperity_in, listing, written};
 
 const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
                              covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
                              correlation_length = \"4 um\"\ngenerator = \"spectral\"\n";
 
-fn surface(at: &Path, line: &str) -> Ended {
+fn surface(at: &Path, line: &str) -> Finished {
     asperity_in(at, &format!("surface {line}").split_whitespace().collect::<Vec<_>>())
 }
 
@@ -22,7 +23,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Also with a map of which a corner is missing.
+/// A folder that also contains a map with a missing corner.
 fn folder_with_scan() -> TempDir {
     let folder = folder();
     let at = folder.path();
@@ -36,7 +37,7 @@ fn folder_with_scan() -> TempDir {
 }
 
 #[test]
-fn a_file_that_is_there_is_replaced_and_not_in_silence() {
+fn an_existing_file_is_replaced_with_a_message() {
     let folder = folder_with_scan();
     let at = folder.path();
     for line in ["generate spec.toml --out a.x3p", "fill scan.x3p --seed 1 --out b.x3p", "convert scan.x3p c.x3p"] {
@@ -46,7 +47,7 @@ fn a_file_that_is_there_is_replaced_and_not_in_silence() {
         let second = surface(at, line);
         assert!(second.code == 0 && second.stderr.contains(&format!("replaced {name}")), "{second:?}");
         assert!(read(&at.join(name)).is_ok());
-        // With --force, where there is one, it is the same.
+        // `--force` changes nothing for files.
         if !line.starts_with("convert") {
             assert_eq!(surface(at, &format!("{line} --force")).code, 0);
         }
@@ -55,7 +56,7 @@ fn a_file_that_is_there_is_replaced_and_not_in_silence() {
 }
 
 #[test]
-fn what_is_read_is_not_replaced() {
+fn inputs_are_not_overwritten() {
     let folder = folder_with_scan();
     let at = folder.path();
     fs::create_dir(at.join("in")).unwrap();
@@ -69,12 +70,12 @@ fn what_is_read_is_not_replaced() {
         "fill in/scan.x3p --seed 1 --out ./in/../in/scan.x3p --force",
         "convert in/scan.x3p in/scan.x3p",
     ] {
-        surface(at, line).refuses(2, &["scan.x3p", "is read"]);
+        surface(at, line).refuses(2, &["scan.x3p", "is an input"]);
     }
     for line in
         ["generate in/measured.toml --count 2 --out in --force", "fill in/scan.x3p --seed 1 --count 2 --out in --force"]
     {
-        surface(at, line).refuses(2, &["in holds", "the input"]);
+        surface(at, line).refuses(2, &["in contains", "the input"]);
     }
     assert_eq!(fs::read(at.join("in/scan.x3p")).unwrap(), bytes);
     assert_eq!(listing(at), ["in", "spec.toml"]);
@@ -82,7 +83,7 @@ fn what_is_read_is_not_replaced() {
 }
 
 #[test]
-fn a_folder_holds_the_maps_of_one_run_and_is_replaced_by_force_alone() {
+fn a_folder_contains_the_maps_of_one_run_and_only_force_replaces_it() {
     let folder = folder_with_scan();
     let at = folder.path();
     for (name, line) in [("drawn", "generate spec.toml"), ("filled", "fill scan.x3p")] {
@@ -90,7 +91,7 @@ fn a_folder_holds_the_maps_of_one_run_and_is_replaced_by_force_alone() {
         let run =
             |count: usize, more: &str| surface(at, &format!("{line} --seed 1 --count {count} --out {name} {more}"));
         assert_eq!(run(3, "").code, 0);
-        // Four names of two runs would be two surfaces under one roof.
+        // Maps of two runs must not mix in one folder.
         let before = fs::read(out.join("map_0000.x3p")).unwrap();
         run(2, "").refuses(2, &[name, "not empty", "--force"]);
         surface(at, &format!("{line} --seed 2 --out {name}")).refuses(2, &[name, "not empty"]);
@@ -98,10 +99,10 @@ fn a_folder_holds_the_maps_of_one_run_and_is_replaced_by_force_alone() {
         assert_eq!(fs::read(out.join("map_0000.x3p")).unwrap(), before);
         assert_eq!(run(2, "--force").code, 0);
         assert_eq!(written(&out), ["map_0000.x3p", "map_0001.x3p"]);
-        // An empty folder is nobody's, and a file is no folder.
+        // An empty folder may be replaced; a file is no folder.
         fs::create_dir(at.join("empty")).unwrap();
-        let ended = surface(at, &format!("{line} --seed 1 --out empty"));
-        assert!(ended.code == 0 && ended.stderr.contains("wrote empty"), "{ended:?}");
+        let found = surface(at, &format!("{line} --seed 1 --out empty"));
+        assert!(found.code == 0 && found.stderr.contains("wrote empty"), "{found:?}");
         assert_eq!(written(&at.join("empty")), ["map_0000.x3p"]);
         fs::remove_dir_all(at.join("empty")).unwrap();
         surface(at, &format!("{line} --seed 1 --count 2 --out spec.toml --force")).refuses(2, &["spec.toml", "folder"]);
@@ -115,13 +116,13 @@ fn a_folder_holds_the_maps_of_one_run_and_is_replaced_by_force_alone() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn ctrl_c_and_failures_leave_no_part_of_a_folder() {
+fn ctrl_c_and_failures_leave_no_partial_folder() {
     let folder = folder_with_scan();
     let at = folder.path();
     for line in ["generate spec.toml", "fill scan.x3p"] {
         let line = format!("surface {line} --seed 1 --count 1000000 --out deep/maps");
-        let (ended, _) = crate::support::interrupted_in(at, &line);
-        assert_eq!((ended.code, ended.stdout.as_str()), (130, ""), "{ended:?}");
+        let (found, _) = crate::support::run_and_interrupt(at, &line);
+        assert_eq!((found.code, found.stdout.as_str()), (130, ""), "{found:?}");
         assert_eq!(listing(at), ["scan.x3p", "spec.toml"]);
     }
     fs::write(at.join("wide.toml"), SPECIFICATION.replace("\"32 um\"", "\"1e30 m\"")).unwrap();

@@ -1,4 +1,4 @@
-//! `asperity init`, `check`, `run`, `report` and `surface generate`: studies from file to folder.
+//! Tests of `asperity init`, `check`, `run`, `report` and `surface generate`.
 
 use std::fs;
 use std::path::Path;
@@ -10,9 +10,9 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Ended, MANIFEST, asperity_in, keys, listing, written};
+use crate::support::{Finished, MANIFEST, asperity_in, keys, listing, written};
 
-/// A small study of every stage but friction, whose process is stated.
+/// A small study of every stage but friction; the friction process is stated.
 const STUDY: &str = r#"seed = 5
 [surface]
 covariance = "squared_exponential"
@@ -47,7 +47,7 @@ friction_correlation_length = "250 um"
 friction_marginal = "beta:2.1,5"
 "#;
 
-fn run_in(folder: &Path, line: &str) -> Ended {
+fn run_in(folder: &Path, line: &str) -> Finished {
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
@@ -57,7 +57,7 @@ fn folder_with(text: &str) -> TempDir {
     folder
 }
 
-/// Every file below a folder, by its relative path.
+/// All files below a folder, with their relative paths.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_owned()];
@@ -77,18 +77,18 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
+fn an_example_is_complete_valid_and_never_overwritten() {
     let folder = TempDir::new().unwrap();
     for (example, wanted) in [("quickstart", vec!["brake_disc.x3p", "quickstart.toml"]), ("paper", vec!["paper.toml"])]
     {
-        let ended = run_in(folder.path(), &format!("init {example} --example {example}"));
-        assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
-        assert!(ended.stderr.contains(&format!("asperity run {example}/{example}.toml")), "{ended:?}");
+        let found = run_in(folder.path(), &format!("init {example} --example {example}"));
+        assert_eq!((found.code, found.stdout.as_str()), (0, ""), "{found:?}");
+        assert!(found.stderr.contains(&format!("asperity run {example}/{example}.toml")), "{found:?}");
         assert_eq!(listing(&folder.path().join(example)), wanted);
         let check = run_in(folder.path(), &format!("check {example}/{example}.toml"));
         assert_eq!(check.code, 0, "{check:?}");
         assert!(check.stdout.contains("contact solutions") && check.stdout.contains("MB"), "{check:?}");
-        // What check prints is the same study with nothing left to assume.
+        // `check` prints the same study with all defaults filled in.
         fs::write(folder.path().join(example).join("resolved.toml"), &check.stdout).unwrap();
         let again = run_in(folder.path(), &format!("check {example}/resolved.toml --json")).json(0);
         let first = run_in(folder.path(), &format!("check {example}/{example}.toml --json")).json(0);
@@ -108,9 +108,9 @@ fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
 #[test]
 fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     let folder = folder_with(STUDY);
-    let ended = run_in(folder.path(), "run study.toml --threads 1");
-    assert_eq!(ended.code, 0, "{ended:?}");
-    assert!(ended.stdout.contains("contact probability"), "{ended:?}");
+    let found = run_in(folder.path(), "run study.toml --threads 1");
+    assert_eq!(found.code, 0, "{found:?}");
+    assert!(found.stdout.contains("contact probability"), "{found:?}");
     let run = folder.path().join("runs/study");
     let wanted =
         ["COMPLETE", "fields", "figures", "provenance.json", "report.html", "results.json", "study.toml", "tables"];
@@ -126,12 +126,12 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     for name in ["monte_carlo", "latin_hypercube", "sobol", "polynomial_chaos", "polynomial_chaos_log", "default"] {
         assert!(methods.contains(&name), "{name} is missing in {methods:?}");
     }
-    // The printed object is the file, up to the layout.
+    // The printed object equals the file, up to the layout.
     let again = run_in(folder.path(), "run study.toml --out again --threads 2 --quiet --json");
     assert_eq!(again.json(0), results);
     let but_provenance = |dir: &Path| {
         let mut all = files(dir);
-        // Times of this run, and hashes of files with such times.
+        // Times of this run, and hashes of files that contain such times.
         all.retain(|(name, _)| !["provenance.json", "report.html", MANIFEST].contains(&name.as_str()));
         all
     };
@@ -144,13 +144,13 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     let provenance: Value = serde_json::from_slice(&fs::read(run.join("provenance.json")).unwrap()).unwrap();
     assert_eq!(provenance["asperity"], env!("CARGO_PKG_VERSION"));
     assert_eq!(provenance["inputs"]["study.toml"].as_str().unwrap().len(), 64);
-    // The written study is complete: it runs to the same results.
+    // The written study is complete: it gives the same results.
     fs::copy(run.join("study.toml"), folder.path().join("resolved.toml")).unwrap();
     assert_eq!(run_in(folder.path(), "run resolved.toml --quiet --json").json(0), results);
 }
 
 #[test]
-fn a_report_is_rendered_again_to_the_same_bytes_and_leaves_the_numbers_alone() {
+fn rendering_a_report_again_gives_the_same_bytes_and_keeps_the_numbers() {
     let folder = folder_with(STUDY);
     assert_eq!(run_in(folder.path(), "run study.toml --only surface --quiet").code, 0);
     let run = folder.path().join("runs/study");
@@ -175,7 +175,7 @@ fn a_report_is_rendered_again_to_the_same_bytes_and_leaves_the_numbers_alone() {
 }
 
 #[test]
-fn only_names_a_stage_and_seed_replaces_the_study_s() {
+fn only_selects_a_stage_and_seed_replaces_the_study_s() {
     let folder = folder_with(STUDY);
     let run = |line: &str| run_in(folder.path(), &format!("run study.toml --quiet --json {line}"));
     let surface = run("--only surface --out a").json(0);
@@ -192,7 +192,7 @@ fn only_names_a_stage_and_seed_replaces_the_study_s() {
 }
 
 #[test]
-fn a_folder_with_content_of_others_is_kept() {
+fn a_folder_with_foreign_files_is_kept() {
     let folder = folder_with(STUDY);
     fs::create_dir(folder.path().join("out")).unwrap();
     fs::write(folder.path().join("out/thesis.tex"), "years of work").unwrap();
@@ -205,7 +205,7 @@ fn a_folder_with_content_of_others_is_kept() {
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         run_in(folder.path(), "run study.toml --only surface --out socket --force")
-            .refuses(2, &["--out socket", "a folder is wanted"]);
+            .refuses(2, &["--out socket", "give a folder"]);
         fs::remove_file(socket).unwrap();
     }
     run_in(folder.path(), &format!("{line} --force")).refuses(2, &["--out out", "asperity did not write it"]);
@@ -233,16 +233,16 @@ fn a_wrong_study_names_file_line_key_and_the_nearest_right_one() {
         let line = STUDY[..STUDY.find(from).unwrap()].matches('\n').count() + 1;
         let folder = folder_with(&STUDY.replace(from, to));
         for command in ["check", "run"] {
-            let ended = run_in(folder.path(), &format!("{command} study.toml"));
-            ended.refuses(2, &[&format!("study.toml:{line}: ")]);
-            ended.refuses(2, &words);
+            let found = run_in(folder.path(), &format!("{command} study.toml"));
+            found.refuses(2, &[&format!("study.toml:{line}: ")]);
+            found.refuses(2, &words);
         }
         assert_eq!(listing(folder.path()), ["study.toml"]);
     }
 }
 
 #[test]
-fn a_missing_or_unusable_input_is_data_not_configuration() {
+fn a_missing_or_unusable_input_is_a_data_error_not_a_usage_error() {
     let folder = folder_with(&STUDY.replace("covariance =", "file = \"scan.x3p\"\ncovariance ="));
     run_in(folder.path(), "run gone.toml").refuses(3, &["gone.toml", "no such file"]);
     fs::write(folder.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
@@ -280,7 +280,7 @@ fn an_interrupted_run_ends_with_130_and_leaves_nothing() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // The folder in the making appears when the handler is in place and the computation has begun.
+    // The hidden folder appears once the signal handler is installed and the computation has begun.
     let began = Instant::now();
     while listing(folder.path()).len() < 2 {
         assert!(began.elapsed() < Duration::from_secs(60), "the run does not begin");
@@ -296,7 +296,7 @@ fn an_interrupted_run_ends_with_130_and_leaves_nothing() {
 }
 
 #[test]
-fn the_study_of_a_run_runs_from_where_it_lies_and_its_results_name_no_path() {
+fn the_study_in_a_run_folder_runs_there_and_its_results_contain_no_path() {
     let folder = TempDir::new().unwrap();
     let home = folder.path().join("my study é");
     fs::create_dir(&home).unwrap();
@@ -304,7 +304,7 @@ fn the_study_of_a_run_runs_from_where_it_lies_and_its_results_name_no_path() {
     assert_eq!(run_in(&home, "surface generate spec.toml --out scan.x3p --quiet").code, 0);
     let text = STUDY[..STUDY.find("[material]").unwrap()].replace("covariance =", "file = \"scan.x3p\"\ncovariance =");
     fs::write(home.join("study.toml"), text).unwrap();
-    // The scan lies beside the study, not in the folder that the program is called from.
+    // The scan lies beside the study, not in the working directory.
     let first = asperity_in(folder.path(), &["run", "my study é/study.toml", "--out", "first", "--json"]).json(0);
     let again = run_in(&folder.path().join("first"), "run study.toml --out ../again --json").json(0);
     assert_eq!(first, again);
@@ -316,7 +316,7 @@ fn the_study_of_a_run_runs_from_where_it_lies_and_its_results_name_no_path() {
 
 #[test]
 #[ignore = "slow"]
-fn several_scans_run_from_anywhere_are_inputs_and_each_is_named_when_wrong() {
+fn several_scans_run_from_any_directory_and_an_invalid_one_is_named() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();
     // Two scans of the same name in two folders.
@@ -339,7 +339,8 @@ fn several_scans_run_from_anywhere_are_inputs_and_each_is_named_when_wrong() {
     );
     let again = run_in(&folder.path().join("first"), "run study.toml --out ../again --json").json(0);
     assert_eq!(first, again);
-    // The statistics of a part are those of `surface stats`, and the summary tells the lengths of scans and model apart.
+    // The statistics of a part equal those of `surface stats`, and the summary distinguishes the lengths of scans and
+    // model.
     let stats = run_in(folder.path(), "surface stats one/scan.x3p two/scan.x3p --json").json(0);
     for (key, value) in stats
         .as_object()
@@ -372,17 +373,17 @@ fn several_scans_run_from_anywhere_are_inputs_and_each_is_named_when_wrong() {
     assert_eq!(provenance["inputs"].as_object().unwrap().len(), 3, "{provenance}");
     study("[\"one/scan.x3p\", \"two/skan.x3p\"]");
     for command in ["check", "run"] {
-        let ended = run_in(folder.path(), &format!("{command} study.toml"));
-        ended.refuses(3, &["skan.x3p", "no such file"]);
-        assert!(!ended.stderr.contains("os error"), "{ended:?}");
+        let found = run_in(folder.path(), &format!("{command} study.toml"));
+        found.refuses(3, &["skan.x3p", "no such file"]);
+        assert!(!found.stderr.contains("os error"), "{found:?}");
     }
     study("[]");
     run_in(folder.path(), "run study.toml").refuses(2, &["study.toml:3", "empty"]);
 }
 
 #[test]
-fn a_run_that_fails_leaves_no_folder_behind_and_keeps_those_that_were_there() {
-    // A tolerance below the precision of numbers leaves no valid sample.
+fn a_failed_run_leaves_no_folder_and_keeps_existing_ones() {
+    // A tolerance below double precision leaves no valid sample.
     let folder = folder_with(&STUDY.replace("percentile = 50.0", "percentile = 50.0\ntolerance = 1e-30"));
     let failed = run_in(folder.path(), "run study.toml --only pressure --json").json(4);
     assert_eq!(failed["converged"], false);
@@ -399,9 +400,9 @@ fn a_run_that_fails_leaves_no_folder_behind_and_keeps_those_that_were_there() {
 #[test]
 fn a_study_too_large_for_the_memory_is_a_problem_for_check_and_a_lack_of_resources_for_run() {
     let folder = folder_with(&STUDY.replace("points = [16, 16]", "points = [1000000, 1000000]"));
-    let ended = run_in(folder.path(), "check study.toml --json");
-    let checked = ended.json(5);
-    assert!(ended.stderr.contains("error: the pressure stage needs about"), "{ended:?}");
+    let found = run_in(folder.path(), "check study.toml --json");
+    let checked = found.json(5);
+    assert!(found.stderr.contains("error: the pressure stage needs about"), "{found:?}");
     let problem = checked["problems"][0].as_str().unwrap();
     assert!(problem.contains("pressure stage") && problem.contains("GB"), "{problem}");
     run_in(folder.path(), "run study.toml").refuses(5, &["pressure stage", "GB"]);
@@ -417,9 +418,9 @@ fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
         .replace("damping_ratio = 0.17", "damping_ratio = 1.2")
         .replace("833 mm^2", "1 mm^2");
     let folder = folder_with(&doubtful);
-    let ended = run_in(folder.path(), "check study.toml --json");
+    let found = run_in(folder.path(), "check study.toml --json");
     let warnings: Vec<String> =
-        ended.json(0)["warnings"].as_array().unwrap().iter().map(|w| w.as_str().unwrap().to_owned()).collect();
+        found.json(0)["warnings"].as_array().unwrap().iter().map(|w| w.as_str().unwrap().to_owned()).collect();
     for wanted in [
         "[material] Young's modulus 15 GPa is less than ten times the hardness 2 GPa",
         "[vibration] the friction coefficient 1.6 is above 1.5",
@@ -435,7 +436,7 @@ fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
         assert!(text.stdout.contains(&format!("# warning: {warning}")), "{text:?}");
         assert!(ran.stderr.contains(&format!("warning: {warning}")), "{ran:?}");
     }
-    // The standard deviation of the friction is as large as its mean.
+    // The standard deviation of the friction equals its mean.
     let wild = folder_with(&STUDY.replace("friction_std = 0.001", "friction_std = 0.1\nupscaling = \"paper\""));
     let refused = run_in(wild.path(), "check study.toml --json");
     let problem = refused.json(2)["problems"][0].as_str().unwrap().to_owned();
@@ -450,7 +451,7 @@ fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
 }
 
 #[test]
-fn a_quiet_run_says_nothing_and_a_plain_one_says_where_the_report_is() {
+fn a_quiet_run_prints_nothing_and_a_plain_one_names_the_report() {
     let folder = folder_with(STUDY);
     let quiet = run_in(folder.path(), "run study.toml --only surface --out a --quiet --json");
     assert_eq!((quiet.code, quiet.stderr.as_str()), (0, ""));
@@ -470,12 +471,12 @@ generator = "spectral"
 "#;
 
 #[test]
-fn generated_maps_are_functions_of_seed_and_index() {
+fn generated_maps_depend_on_seed_and_index_alone() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();
     let run = |line: &str| {
-        let ended = run_in(folder.path(), &format!("surface generate spec.toml --quiet {line}"));
-        assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
+        let found = run_in(folder.path(), &format!("surface generate spec.toml --quiet {line}"));
+        assert_eq!((found.code, found.stdout.as_str()), (0, ""), "{found:?}");
     };
     run("--seed 3 --out one.npy");
     run("--seed 3 --count 3 --out maps");

@@ -1,4 +1,4 @@
-//! Runs the real program and reads what it says.
+//! Runs of the real program, and access to its output.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,33 +12,33 @@ use asperity_formats::{Scan, write_npy};
 use ndarray::Array2;
 use serde_json::Value;
 
-/// Name of the list of files in each folder that the program writes.
+/// Name of the manifest in each folder that the program writes.
 pub(crate) const MANIFEST: &str = ".asperity-manifest";
 
-/// How the program ended and what it said.
+/// Exit code and output of a finished program.
 #[derive(Debug)]
-pub(crate) struct Ended {
+pub(crate) struct Finished {
     pub(crate) code: i32,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
 
 /// Runs `asperity` with the given arguments in the folder `at`.
-pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
+pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Finished {
     let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
         .args(arguments.iter().map(AsRef::as_ref))
         .current_dir(at)
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    Ended {
+    Finished {
         code: output.status.code().unwrap_or(-1),
         stdout: String::from_utf8(output.stdout).unwrap(),
         stderr: String::from_utf8(output.stderr).unwrap(),
     }
 }
 
-/// A running process, killed when a test fails.
+/// A running process; killed if the test fails.
 #[cfg(target_os = "linux")]
 pub(crate) struct Started(Option<Child>);
 
@@ -58,17 +58,17 @@ impl Drop for Started {
     }
 }
 
-/// Starts `asperity` with its output kept.
+/// Starts `asperity` and captures its output.
 #[cfg(target_os = "linux")]
-pub(crate) fn started_in(at: &Path, line: &str) -> Started {
+pub(crate) fn start_in(at: &Path, line: &str) -> Started {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asperity"));
     command.args(line.split_whitespace());
-    started(at, command)
+    start(at, command)
 }
 
-/// Starts a command with its output kept.
+/// Starts a command and captures its output.
 #[cfg(target_os = "linux")]
-pub(crate) fn started(at: &Path, mut command: Command) -> Started {
+pub(crate) fn start(at: &Path, mut command: Command) -> Started {
     let child =
         command.current_dir(at).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     Started(Some(child))
@@ -90,48 +90,48 @@ pub(crate) fn send(signal: &str, started: &Started) {
     assert!(Command::new("kill").args([signal, &started.id().to_string()]).status().unwrap().success());
 }
 
-/// Waits for the end of `asperity`.
+/// Waits until `asperity` exits.
 #[cfg(target_os = "linux")]
-pub(crate) fn ended(mut started: Started) -> Ended {
+pub(crate) fn wait_for(mut started: Started) -> Finished {
     let output = started.0.take().unwrap().wait_with_output().unwrap();
-    Ended {
+    Finished {
         code: output.status.code().unwrap_or(-1),
         stdout: String::from_utf8(output.stdout).unwrap(),
         stderr: String::from_utf8(output.stderr).unwrap(),
     }
 }
 
-/// Runs `asperity`, interrupts it in the midst, and measures how long it took to end.
+/// Runs `asperity`, interrupts it, and measures the time until it exits.
 #[cfg(target_os = "linux")]
-pub(crate) fn interrupted_in(at: &Path, line: &str) -> (Ended, Duration) {
-    signalled_in(at, line, "-INT")
+pub(crate) fn run_and_interrupt(at: &Path, line: &str) -> (Finished, Duration) {
+    run_and_signal(at, line, "-INT")
 }
 
-/// Runs `asperity`, sends it a signal in the midst, and measures how long it took to end.
+/// Runs `asperity`, sends it a signal, and measures the time until it exits.
 #[cfg(target_os = "linux")]
-pub(crate) fn signalled_in(at: &Path, line: &str, signal: &str) -> (Ended, Duration) {
+pub(crate) fn run_and_signal(at: &Path, line: &str, signal: &str) -> (Finished, Duration) {
     const SIGINT_BIT: u64 = 1 << 1;
-    let child = started_in(at, line);
+    let child = start_in(at, line);
     let listens = || {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
         let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
         u64::from_str_radix(caught.trim(), 16).unwrap() & SIGINT_BIT != 0
     };
     wait_until("the handler of Ctrl-C", listens);
-    // Time to read the input and to begin.
+    // Time to read the input and to start.
     std::thread::sleep(Duration::from_millis(500));
     let asked = Instant::now();
     send(signal, &child);
-    (ended(child), asked.elapsed())
+    (wait_for(child), asked.elapsed())
 }
 
 /// Runs `asperity` with one line of arguments, separated by spaces.
-pub(crate) fn asperity(line: &str) -> Ended {
+pub(crate) fn asperity(line: &str) -> Finished {
     asperity_in(Path::new("."), &line.split_whitespace().collect::<Vec<_>>())
 }
 
-impl Ended {
-    /// The JSON object on stdout of a run that ended with `code`.
+impl Finished {
+    /// Asserts the exit code and returns the JSON object on stdout.
     pub(crate) fn json(&self, code: i32) -> Value {
         assert_eq!(self.code, code, "{self:?}");
         let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {self:?}"));
@@ -139,30 +139,30 @@ impl Ended {
         value
     }
 
-    /// Asserts the exit code, an empty stdout, no sign of a panic, and that the message names all `words`.
+    /// Asserts the exit code, an empty stdout, no panic, and a message that contains all `words`.
     pub(crate) fn refuses(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "{self:?}");
         assert!(self.stdout.is_empty(), "stdout must stay empty: {self:?}");
         for word in words {
             assert!(self.stderr.contains(word), "`{word}` is missing: {self:?}");
         }
-        for word in ["panicked", "RUST_BACKTRACE", "defect", "Err(", "Some("] {
+        for word in ["panicked", "RUST_BACKTRACE", "internal error", "Err(", "Some("] {
             assert!(!self.stderr.contains(word), "`{word}` in the message: {self:?}");
         }
     }
 }
 
-/// A number of a JSON object.
+/// Returns a number of a JSON object.
 pub(crate) fn number(json: &Value, key: &str) -> f64 {
     json[key].as_f64().unwrap_or_else(|| panic!("`{key}` is no number in {json}"))
 }
 
-/// The keys of a JSON object, in alphabetical order.
+/// Returns the keys of a JSON object, in alphabetical order.
 pub(crate) fn keys(json: &Value) -> Vec<&str> {
     json.as_object().unwrap().keys().map(String::as_str).collect()
 }
 
-/// Asserts that two numbers agree relatively.
+/// Asserts that two numbers agree to a relative tolerance.
 pub(crate) fn close(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance * wanted.abs(), "{found} is not {wanted} within {tolerance}");
 }
@@ -174,14 +174,14 @@ pub(crate) fn npy(folder: &Path, name: &str, heights_m: Array2<f64>) -> PathBuf 
     path
 }
 
-/// The names in a folder that the program wrote, sorted, without its list of files, which must be there.
+/// Returns the sorted names in a folder that the program wrote, without its manifest, which must exist.
 pub(crate) fn written(folder: &Path) -> Vec<String> {
     let mut names = listing(folder);
     assert_eq!(names.remove(0), MANIFEST);
     names
 }
 
-/// The names in a folder, sorted.
+/// Returns the sorted names in a folder.
 pub(crate) fn listing(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

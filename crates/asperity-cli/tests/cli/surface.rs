@@ -1,4 +1,4 @@
-//! `asperity surface …`.
+//! Tests of `asperity surface`.
 
 use std::fs;
 use std::path::Path;
@@ -7,9 +7,9 @@ use asperity_formats::{Scan, X3pData, read, write_x3p};
 use ndarray::{Array2, array};
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number, written};
+use crate::support::{Finished, asperity, asperity_in, close, listing, npy, number, written};
 
-fn surface(folder: &Path, line: &str) -> Ended {
+fn surface(folder: &Path, line: &str) -> Finished {
     let line = format!("surface {line}");
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
@@ -38,11 +38,11 @@ fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
     let folder = TempDir::new().unwrap();
     let scan = Scan::new(array![[1e-8, -2e-8], [-1e-8, 2e-8]], Some((1e-6, 1e-6)));
     fs::write(folder.path().join("map.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
-    let ended = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um");
-    assert_eq!(ended.code, 0);
+    let found = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um");
+    assert_eq!(found.code, 0);
     assert!(
-        ended.stderr.contains("warning: map.x3p: the stated pixel size, 5 µm × 5 µm, replaces the file's"),
-        "{ended:?}"
+        found.stderr.contains("warning: map.x3p: the stated pixel size, 5 µm × 5 µm, replaces the file's"),
+        "{found:?}"
     );
     assert_eq!(read(&folder.path().join("out.x3p")).unwrap().pitch_m, Some((5e-6, 5e-6)));
     let same = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 1um");
@@ -52,7 +52,7 @@ fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
 }
 
 #[test]
-fn a_tilt_left_in_a_converted_map_is_told() {
+fn a_tilt_left_in_a_converted_map_gives_a_warning() {
     let folder = TempDir::new().unwrap();
     let tilted = sine() + Array2::from_shape_fn(sine().dim(), |(_, column)| 1e-6 * column as f64);
     npy(folder.path(), "map.npy", tilted.clone());
@@ -62,8 +62,8 @@ fn a_tilt_left_in_a_converted_map_is_told() {
     assert_eq!(read(&folder.path().join("out.x3p")).unwrap().heights_m, tilted);
     for level in ["plane", "none"] {
         let line = format!("convert map.npy {level}.x3p --pixel-size 1um --level {level}");
-        let ended = surface(folder.path(), &line);
-        assert!(ended.code == 0 && !ended.stderr.contains("form"), "{ended:?}");
+        let found = surface(folder.path(), &line);
+        assert!(found.code == 0 && !found.stderr.contains("form"), "{found:?}");
     }
 }
 
@@ -97,7 +97,7 @@ fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
 }
 
 #[test]
-fn the_exponential_eigenvalues_are_those_of_the_closed_form() {
+fn the_exponential_eigenvalues_equal_the_closed_form() {
     // Unit interval, ℓ = 1; midpoint Nyström converges with order 2, so 400 points leave about 1e-5.
     let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 400 --modes 4 --json";
     let json = asperity(line).json(0);
@@ -111,7 +111,7 @@ fn the_exponential_eigenvalues_are_those_of_the_closed_form() {
 }
 
 #[test]
-fn a_hundred_and_one_modes_hold_the_published_share_of_a_square() {
+fn a_hundred_and_one_modes_capture_the_published_variance_of_a_square() {
     for (covariance, length, share) in
         [("exponential", "0.1m", 0.665), ("squared_exponential", "0.1m", 0.940), ("exponential", "0.2m", 0.839)]
     {
@@ -120,7 +120,7 @@ fn a_hundred_and_one_modes_hold_the_published_share_of_a_square() {
              --modes 101 --json"
         );
         let json = asperity(&line).json(0);
-        // The published shares have three digits; the midpoint rule adds 5e-4 at 256 points.
+        // The published fractions have three digits; the midpoint rule adds 5e-4 at 256 points.
         assert!((number(&json, "captured_variance") - share).abs() < 1e-3, "{covariance} {length}: {json}");
         assert_eq!(json["eigenvalues"].as_array().unwrap().len(), 101);
         assert_eq!(json["eigenvalue_unit"], "m^2");
@@ -157,7 +157,7 @@ fn the_parameters_of_a_sine_have_their_closed_forms() {
     for (key, wanted) in [("nx", 400.0), ("ny", 40.0), ("dx_m", 1e-6), ("dy_m", 2e-6), ("missing_points", 0.0)] {
         assert_eq!(number(&json, key), wanted, "{key}");
     }
-    // Equally spaced points of a whole period: even moments are exact.
+    // Even moments are exact on equally spaced points of a whole period.
     close(number(&json, "Sq_m"), 1e-6 / 2.0_f64.sqrt(), 1e-12);
     close(number(&json, "Sku"), 1.5, 1e-12);
     assert!(number(&json, "Ssk").abs() < 1e-12);
@@ -165,7 +165,7 @@ fn the_parameters_of_a_sine_have_their_closed_forms() {
     // Forward differences over h: √2πA/P times sinc(h/P), here P = 40 h.
     let phase = std::f64::consts::PI / 40.0;
     let slope = 2.0_f64.sqrt() * std::f64::consts::PI * 1e-6 / 40e-6 * phase.sin() / phase;
-    // The last column has no forward neighbour; the others hold all phases but one.
+    // The last column has no forward neighbour; the others cover all phases but one.
     close(number(&json, "Sdq"), slope, 2e-3);
     for key in "Sp_m Sv_m Sz_m Sdq_7point Sdr Sal_m Str Sk_m Spk_m Svk_m Smrk1 Smrk2 correlation_length_x_m \
          correlation_length_y_m hurst fractal_dimension"
@@ -176,7 +176,7 @@ fn the_parameters_of_a_sine_have_their_closed_forms() {
 }
 
 #[test]
-fn levelling_takes_the_form_out_and_missing_points_are_counted() {
+fn levelling_removes_the_form_and_missing_points_are_counted() {
     let folder = TempDir::new().unwrap();
     let mut tilted = sine();
     for ((row, column), z) in tilted.indexed_iter_mut() {
@@ -201,7 +201,7 @@ fn levelling_takes_the_form_out_and_missing_points_are_counted() {
 
 /// A map of white noise, smoothed over 5 × 5 points.
 fn noise(seed: u64, side: usize) -> Array2<f64> {
-    // A linear congruential generator will do.
+    // A linear congruential generator is sufficient.
     let mut state = seed;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -227,9 +227,9 @@ fn statistics_of_a_map_come_with_their_intervals() {
     let table = surface(folder.path(), "stats a.npy --pixel-size 1um").stdout;
     let line = table.lines().find(|line| line.starts_with("Sq ")).unwrap();
     assert!(line.contains("(95 %: ") && line.contains(" to ") && !table.contains("interval"), "{table}");
-    // Which of the correlation lengths they are.
+    // The labels name the definition of the correlation length.
     assert!(table.contains("correlation length x (1/e)") && table.contains("correlation length y (1/e)"), "{table}");
-    // A sine is no sample of a random surface: no intervals, and no talk of them.
+    // A sine is no sample of a random surface: the table shows no intervals.
     npy(folder.path(), "sine.npy", sine());
     let json = surface(folder.path(), "stats sine.npy --pixel-size 1um --json").json(0);
     assert!(json["Sku_interval"].is_null() || json["Sku_interval"].is_array(), "{json}");
@@ -262,7 +262,7 @@ fn several_scans_are_pooled() {
 }
 
 #[test]
-fn maps_without_statistics_are_unusable_data_and_a_missing_scale_is_a_missing_flag() {
+fn maps_without_statistics_are_unusable_data_and_a_missing_pixel_size_is_a_usage_error() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "sine.npy", sine());
     npy(folder.path(), "flat.npy", Array2::from_elem((8, 8), 1e-6));
@@ -286,7 +286,7 @@ fn maps_without_statistics_are_unusable_data_and_a_missing_scale_is_a_missing_fl
     }
 }
 
-/// Heights in metre with the correlation e^{−(|x| + |y|)/5} of points, by recursion, and a rectangle of missing ones.
+/// Heights in metres with the correlation e^{−(|x| + |y|)/5}, in points, by recursion, with a missing rectangle.
 fn rough_with_a_void() -> Array2<f64> {
     let (ny, nx, memory) = (72, 80, (-0.2_f64).exp());
     let mut state = 7_u64;
@@ -314,21 +314,21 @@ fn rough_with_a_void() -> Array2<f64> {
 
 #[test]
 #[ignore = "slow"]
-fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
+fn filling_keeps_measured_heights_and_counts_the_filled_ones() {
     let folder = TempDir::new().unwrap();
     let measured = rough_with_a_void();
     npy(folder.path(), "map.npy", measured.clone());
     let bits = |map: &Array2<f64>| map.iter().map(|z| z.to_bits()).collect::<Vec<_>>();
     let filled = |name: &str| read(&folder.path().join(name)).unwrap().heights_m;
 
-    let ended = surface(folder.path(), "fill map.npy --pixel-size 1um --out out.npy --seed 3");
-    assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
-    assert!(ended.stderr.contains("600 of 5760 heights (10.4 %) are filled in, 5160 are measured"), "{ended:?}");
+    let found = surface(folder.path(), "fill map.npy --pixel-size 1um --out out.npy --seed 3");
+    assert_eq!((found.code, found.stdout.as_str()), (0, ""), "{found:?}");
+    assert!(found.stderr.contains("600 of 5760 heights (10.4 %) are filled in, 5160 are measured"), "{found:?}");
     let out = filled("out.npy");
     assert!(out.iter().all(|z| z.is_finite()));
     let kept = measured.iter().zip(&out).filter(|(z, _)| !z.is_nan());
     assert!(kept.into_iter().all(|(before, after)| before.to_bits() == after.to_bits()));
-    // A function of the seed.
+    // The result depends on the seed alone.
     assert_eq!(surface(folder.path(), "fill map.npy --pixel-size 1um --out same.npy --seed 3 --threads 1").code, 0);
     assert_eq!(bits(&filled("same.npy")), bits(&out));
     assert_eq!(surface(folder.path(), "fill map.npy --pixel-size 1um --out other.npy --seed 4").code, 0);
@@ -343,7 +343,7 @@ fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
     assert_eq!(wide.dim(), (72 + 6, 80 + 8));
     assert_eq!(wide[[3, 4]].to_bits(), measured[[0, 0]].to_bits());
     assert_ne!(bits(&wide), bits(&filled("maps/map_0000.x3p")));
-    // The first of two is the one and only.
+    // The first of two maps equals the single map.
     let line =
         "fill map.npy --pixel-size 1um --out one.x3p --seed 3 --extend 4um,2.5um --marginal normal --covariance fitted";
     assert_eq!(surface(folder.path(), line).code, 0);
@@ -352,8 +352,8 @@ fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
 
 #[test]
 #[ignore = "slow"]
-fn a_smooth_map_is_filled_as_any_other() {
-    // Waves of many points, smooth to the last bit: their heights hardly tell neighbours apart.
+fn a_smooth_map_is_filled_without_error() {
+    // Waves of many points, smooth to the last bit: neighbouring heights are almost linearly dependent.
     let folder = TempDir::new().unwrap();
     let wave = |row: usize, column: usize, k: f64| {
         (0.13 * k * column as f64 + 0.7 * k).sin() * (0.11 * k * row as f64 + 1.3 * k * k).cos()
@@ -367,15 +367,15 @@ fn a_smooth_map_is_filled_as_any_other() {
     let largest = heights.iter().filter(|z| !z.is_nan()).fold(0.0_f64, |m, z| m.max(z.abs()));
     for choice in ["measured", "fitted"] {
         let line = format!("fill map.npy --pixel-size 1um --out {choice}.npy --seed 1 --covariance {choice}");
-        let ended = surface(folder.path(), &line);
-        assert_eq!(ended.code, 0, "{ended:?}");
+        let found = surface(folder.path(), &line);
+        assert_eq!(found.code, 0, "{found:?}");
         let filled = read(&folder.path().join(format!("{choice}.npy"))).unwrap().heights_m;
         assert!(filled.iter().all(|z| z.abs() < 1.5 * largest), "{choice}");
     }
 }
 
 #[test]
-fn what_cannot_be_filled_says_why_and_leaves_nothing_behind() {
+fn a_failed_filling_gives_a_reason_and_leaves_no_file() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", rough_with_a_void());
     npy(folder.path(), "flat.npy", Array2::from_shape_fn((16, 16), |(r, _)| if r > 8 { f64::NAN } else { 1e-6 }));
@@ -387,7 +387,7 @@ fn what_cannot_be_filled_says_why_and_leaves_nothing_behind() {
         ("fill map.npy --pixel-size 1um --out out.npy --seed 1 --extend -1um", 2, vec!["--extend", "negative"]),
         ("fill flat.npy --pixel-size 1um --out out.npy --seed 1", 3, vec!["flat.npy", "equal"]),
         ("fill gone.npy --pixel-size 1um --out out.npy --seed 1", 3, vec!["gone.npy"]),
-        ("fill map.npy --pixel-size 1um --out map.npy --seed 1", 2, vec!["map.npy", "is read"]),
+        ("fill map.npy --pixel-size 1um --out map.npy --seed 1", 2, vec!["map.npy", "is an input"]),
     ] {
         surface(folder.path(), line).refuses(code, &words);
     }

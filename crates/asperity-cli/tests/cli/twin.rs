@@ -1,4 +1,4 @@
-//! `asperity surface twin`.
+//! Tests of `asperity surface twin`.
 
 use std::fs;
 use std::path::Path;
@@ -8,14 +8,14 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity_in, keys, listing, npy, number, written};
+use crate::support::{Finished, asperity_in, keys, listing, npy, number, written};
 
-fn twin(folder: &Path, line: &str) -> Ended {
+fn twin(folder: &Path, line: &str) -> Finished {
     let line = format!("surface twin {line}");
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
-/// A folder with a rough map drawn by the program, holes cut into it.
+/// A folder with a rough map drawn by the program, with holes.
 fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
     let spec = "seed = 3\nsize = [\"60 um\", \"40 um\"]\npoints = [60, 40]\n[surface]\ncovariance = \"exponential\"\n\
@@ -31,11 +31,11 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Fast options: what they choose is not the point.
+/// Fast options.
 const FAST: &str = "--translation plain --covariance exponential";
 
 #[test]
-fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
+fn the_folder_contains_twins_comparison_tables_figures_and_a_page() {
     let folder = folder();
     let at = folder.path();
     let json = twin(at, &format!("scan.x3p --count 4 --out twins --seed 7 --json {FAST}")).json(0);
@@ -84,7 +84,7 @@ fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
     assert_eq!((map.heights_m.dim(), map.pitch_m, map.missing_points()), ((40, 60), Some((1e-6, 1e-6)), 0));
     let page = fs::read_to_string(out.join("twins.html")).unwrap();
     assert!(page.contains("Twins of scan.x3p") && page.contains("4 maps of 60 × 40 points"));
-    // Not the statistics alone: how much of the curves lies within.
+    // The page also states the fraction of the curves within the bands.
     let curves = json["curves"].as_object().unwrap();
     let sum = |key: &str| curves.values().map(|curve| number(curve, key)).sum::<f64>();
     assert_eq!(number(&json, "curves_inside"), sum("inside"));
@@ -94,7 +94,7 @@ fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
         assert!((number(curve, "inside") / number(curve, "points") - number(curve, "inside_share")).abs() < 1e-12);
     }
     assert!(page.contains("of the points of the curves lie within") && page.contains("autocorrelation along x"));
-    // Four twins: bands are Student's, and stay where their statistics can be.
+    // Bands of four twins use Student's distribution and respect the bounds of the statistics.
     for (name, entry) in json["twins"].as_object().unwrap() {
         let (low, high) = (entry["band"][0].as_f64(), entry["band"][1].as_f64());
         let least = match name.as_str() {
@@ -110,23 +110,23 @@ fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
 }
 
 #[test]
-fn a_twin_does_not_depend_on_how_many_are_drawn_and_formats_are_chosen() {
+fn a_twin_does_not_depend_on_the_count_and_format_selects_the_file_type() {
     let folder = folder();
     let at = folder.path();
     assert_eq!(twin(at, &format!("scan.x3p --count 2 --out few {FAST}")).code, 0);
     let many = twin(at, &format!("scan.x3p --count 3 --out many --threads 1 --format npy {FAST}"));
     assert_eq!(many.code, 0);
-    assert!(many.stderr.contains("NPY has no place for the pixel size"), "{many:?}");
+    assert!(many.stderr.contains("NPY cannot store the pixel size"), "{many:?}");
     let of = |path: &str| read(&at.join(path)).unwrap().heights_m;
     assert_eq!(of("few/twin_0002.x3p"), of("many/twin_0002.npy"));
     assert_ne!(of("few/twin_0001.x3p"), of("few/twin_0002.x3p"));
-    // The table names what was compared.
+    // The table names the compared curves.
     assert!(many.stdout.contains("95 % band of twins") && many.stdout.contains("µm"), "{many:?}");
     let last = many.stdout.lines().last().unwrap();
     assert!(last.ends_with("lie within the band of its twins"), "{many:?}");
     assert!(last.contains(" % of the points of its curves (height pdf ") && last.contains("psd y "), "{last}");
 
-    // Another size has no place for the scan's missing points.
+    // A twin of another size cannot have the scan's missing points.
     let wide = twin(at, &format!("scan.x3p --count 2 --out wide --points 90,50 --json {FAST}"));
     assert_eq!(wide.json(0)["points"], serde_json::json!([90, 50]));
     assert!(wide.stderr.contains("different bandwidths"), "{wide:?}");
@@ -134,7 +134,7 @@ fn a_twin_does_not_depend_on_how_many_are_drawn_and_formats_are_chosen() {
 }
 
 #[test]
-fn a_folder_is_replaced_by_force_alone_and_never_one_that_holds_something_else() {
+fn only_force_replaces_a_folder_and_never_one_with_foreign_files() {
     let folder = folder();
     let at = folder.path();
     fs::create_dir(at.join("twins")).unwrap();
@@ -147,7 +147,7 @@ fn a_folder_is_replaced_by_force_alone_and_never_one_that_holds_something_else()
     assert_eq!(twin(at, &line).code, 0);
     assert_eq!(twin(at, &line.replace("--count 2", "--count 1 --force")).code, 0);
     assert!(!at.join("twins/twin_0002.x3p").exists());
-    // The folder that holds the scan is not deleted with it.
+    // The folder that contains the scan is not deleted.
     twin(at, &format!("scan.x3p --count 2 --out . --force {FAST}")).refuses(2, &["scan.x3p", "delete"]);
     assert!(at.join("scan.x3p").is_file());
     twin(at, &format!("scan.x3p --count 2 --out huge --size 1m {FAST}")).refuses(5, &["memory"]);
@@ -183,18 +183,18 @@ fn scans_without_texture_and_wrong_flags_leave_nothing_behind() {
         twin(at, &format!("{line} --out deep/twins")).refuses(code, &words);
     }
     assert_eq!(listing(at), before);
-    // Noise has twins, and a warning.
+    // Noise can have twins; the command warns.
     let noisy = twin(at, "noise.npy --pixel-size 1um --covariance measured --count 2 --out deep/twins");
     assert!(noisy.code == 0 && noisy.stderr.contains("they are noise"), "{noisy:?}");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn ctrl_c_leaves_no_half_folder() {
+fn ctrl_c_leaves_no_partial_folder() {
     let folder = folder();
     let at = folder.path();
     let line = format!("surface twin scan.x3p --count 100000 --out deep/twins {FAST}");
-    let (ended, _) = crate::support::interrupted_in(at, &line);
-    assert_eq!((ended.code, ended.stdout.as_str()), (130, ""), "{ended:?}");
+    let (found, _) = crate::support::run_and_interrupt(at, &line);
+    assert_eq!((found.code, found.stdout.as_str()), (130, ""), "{found:?}");
     assert_eq!(listing(at), ["scan.x3p", "spec.toml", "whole.x3p"]);
 }

@@ -1,4 +1,4 @@
-//! Flags that belong to every command, and what is said when they are wrong.
+//! Tests of the flags of every command, and of messages about wrong ones.
 
 use crate::support::asperity;
 
@@ -39,7 +39,7 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
 }
 
 #[test]
-fn a_wrong_seed_is_told_as_one_and_files_that_are_written_are_not_listed_in_vain() {
+fn a_wrong_seed_is_named_and_help_of_outputs_refers_to_formats() {
     for line in [
         "run study.toml --seed",
         "surface generate spec.toml --out a.x3p --seed",
@@ -52,11 +52,11 @@ fn a_wrong_seed_is_told_as_one_and_files_that_are_written_are_not_listed_in_vain
             asperity(&format!("{line} {seed}")).refuses(2, &["--seed", "whole number from 0 to 18446744073709551615"]);
         }
     }
-    // What a command computes stands in its help, not in its source alone.
+    // The help of a command describes its results.
     for (command, words) in [
-        ("stats", ["where it falls to 1/e", "structure functions", "95 % intervals"]),
+        ("stats", ["at which it falls to 1/e", "structure functions", "95 % intervals"]),
         ("generate", ["falls to 1/e", "the scale for matern", "roll-off length"]),
-        ("modes", ["in m on an interval", "in m² on a rectangle", "the variance is 1"]),
+        ("modes", ["in m on an interval", "in m² on a rectangle", "The variance is 1"]),
         ("twin", ["comparison.json", "roll-off", "39"]),
     ] {
         let help = asperity(&format!("surface {command} --help")).stdout;
@@ -71,7 +71,7 @@ fn a_wrong_seed_is_told_as_one_and_files_that_are_written_are_not_listed_in_vain
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_the_memory_cannot_hold_is_refused_before_it_is_begun() {
+fn computations_beyond_the_memory_are_refused_before_they_start() {
     let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 20000000 --modes 2";
     asperity(line).refuses(5, &["eigenproblem", "GB of memory are free"]);
 }

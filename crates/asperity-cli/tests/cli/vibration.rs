@@ -1,4 +1,4 @@
-//! `asperity vibration …`: the published numbers through the program.
+//! Tests of `asperity vibration` with published numbers.
 
 use std::fs;
 use std::path::Path;
@@ -9,13 +9,13 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 #[cfg(target_os = "linux")]
-use crate::support::interrupted_in;
-use crate::support::{Ended, asperity, asperity_in, close, keys, number};
+use crate::support::run_and_interrupt;
+use crate::support::{Finished, asperity, asperity_in, close, keys, number};
 
-/// The paper's law; periods and displacements are those of a high-precision solver.
+/// The paper's friction law; periods and displacements come from a high-precision solver.
 const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
 
-/// Writes a one-dimensional NPY file, spelled out.
+/// Writes a one-dimensional NPY file byte by byte.
 fn record(folder: &Path, values: &[f64]) {
     let dictionary = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", values.len());
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -25,8 +25,8 @@ fn record(folder: &Path, values: &[f64]) {
     fs::write(folder.join("m.npy"), bytes).unwrap();
 }
 
-/// The program on the words of a line, in a folder.
-fn line_in(folder: &Path, line: &str) -> Ended {
+/// Runs the program in a folder with the arguments of a line.
+fn line_in(folder: &Path, line: &str) -> Finished {
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
@@ -50,7 +50,7 @@ fn the_paper_s_cycle_has_its_period_and_displacements() {
         ]
     );
     assert_eq!(json["limit_cycle"], Value::Bool(true));
-    // ζ_H = .2048: steady sliding needs no kick.
+    // ζ_H = .2048: below it steady sliding needs no kick.
     assert_eq!((&json["kind"], &json["kick"]), (&"stick_slip".into(), &Value::Null));
     assert_eq!(json["steady_sliding_unstable"], Value::Bool(true));
     close(number(&json, "period"), 6.372_163_483_739_709, 1e-12);
@@ -72,15 +72,15 @@ fn a_jump_from_static_to_kinetic_friction_has_its_closed_form() {
 
 #[test]
 fn no_limit_cycle_is_an_answer() {
-    let ended = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
-    let json = ended.json(0);
+    let found = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
+    let json = found.json(0);
     assert_eq!(json["limit_cycle"], Value::Bool(false));
     assert_eq!((&json["kind"], &json["steady_sliding_unstable"]), (&"none".into(), &Value::Bool(false)));
     let stated = ["limit_cycle", "kind", "steady_sliding_unstable", "warnings"];
     for key in keys(&json).into_iter().filter(|key| !stated.contains(key)) {
         assert_eq!(json[key], Value::Null, "{key}");
     }
-    assert!(ended.stderr.contains("no limit cycle"));
+    assert!(found.stderr.contains("no limit cycle"));
     let table = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --quiet"));
     assert!(table.stdout.contains("undefined") && table.stderr.is_empty(), "{table:?}");
 }
@@ -100,12 +100,12 @@ fn between_the_hopf_point_and_the_fold_the_machine_vibrates_once_started() {
     let base = "vibration cycle --static-friction 0.1 --stribeck 4.2 --belt-velocity 0.1";
     // SciPy, DOP853 with bisection.
     for (damping, kick) in [(0.111, 0.0966), (0.109, 0.0821)] {
-        let ended = asperity(&format!("{base} --damping-ratio {damping} --json"));
-        let json = ended.json(0);
+        let found = asperity(&format!("{base} --damping-ratio {damping} --json"));
+        let json = found.json(0);
         assert_eq!((&json["kind"], &json["limit_cycle"]), (&"stick_slip".into(), &Value::Bool(true)));
         assert_eq!(json["steady_sliding_unstable"], Value::Bool(false));
         assert!((number(&json, "kick") - kick).abs() < 2e-4, "{json}");
-        assert!(ended.stderr.contains("once started"), "{}", ended.stderr);
+        assert!(found.stderr.contains("once started"), "{}", found.stderr);
     }
     // An independent integrator: a cycle without stick.
     let fast = "vibration cycle --static-friction 0.432353 --stribeck 4.2 --belt-velocity 3.1416 --damping-ratio 0.001";
@@ -126,7 +126,7 @@ fn forcing_inside_the_locked_region_repeats_with_the_force_and_needs_both_flags(
 }
 
 #[test]
-fn a_record_of_zeros_repeats_the_deterministic_cycle() {
+fn a_record_of_zeros_gives_the_deterministic_cycle() {
     let folder = TempDir::new().unwrap();
     record(folder.path(), &vec![0.0; 4000]);
     let line = format!(
@@ -150,14 +150,14 @@ fn a_record_of_zeros_repeats_the_deterministic_cycle() {
         assert_eq!(event.as_array().unwrap().len(), 4);
     }
     close(events[1][2].as_f64().unwrap(), 0.096_795_689_222_287_6, 1e-10);
-    // From X = μ_st − 2ζV − 1.5 V the belt needs τ = 1.5 to the detachment.
+    // From X = μ_st − 2ζV − 1.5 V the belt takes τ = 1.5 to the detachment.
     let start = 0.1 - 2.0 * 0.17 * 0.003 - 1.5 * 0.003;
     let json = run(&format!("{line} --start {start}")).json(0);
     close(json["events"][0][1].as_f64().unwrap(), 1.5, 1e-10);
 }
 
 #[test]
-fn records_that_cannot_carry_a_path_are_unusable_data() {
+fn unsuitable_records_are_unusable_data() {
     let folder = TempDir::new().unwrap();
     let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
     let line = format!(
@@ -260,7 +260,7 @@ fn an_ensemble_counts_the_published_cycles() {
     ] {
         assert!(!json[key].is_null(), "{key}");
     }
-    // 69.20 (0.07) from two independent codes with 8,000 paths; here 4 standard errors of 200 paths.
+    // 69.20 (0.07) from two independent codes with 8,000 trajectories; here 4 standard errors of 200 trajectories.
     let (mean, se) = (number(&json, "cycles_mean"), number(&json, "cycles_se"));
     assert!((mean - 69.20).abs() < 4.0 * se.hypot(0.07), "{mean} ± {se}");
     assert!((0.2..0.8).contains(&se), "{se}");
@@ -290,7 +290,7 @@ fn overtaking_counts_as_vibration() {
     let points = map["points"].as_array().unwrap();
     let vibrates = |p: &&Value| p["sustained"]["value"] == 1.0;
     assert_eq!(points.iter().filter(vibrates).count(), 2, "{points:?}");
-    // The probability falls from 1 to 0 within a cell.
+    // The probability falls from 1 to 0 within one cell.
     assert_eq!(number(&map["resolution"], "unresolved_share"), 1.0);
     let lines = |k: usize| map["contours"][k]["lines"].as_array().unwrap().len();
     assert_eq!([lines(0), lines(1), lines(2)], [0, 1, 0]);
@@ -303,9 +303,9 @@ fn an_ensemble_is_the_same_for_any_number_of_threads_and_another_for_another_see
             "vibration ensemble {PAPER} --damping-ratio 0.2 {NOISE} --trajectories 16 --drive time \
              --steps-per-length 10 --seed {seed} --threads {threads} --json"
         );
-        let ended = asperity(&line);
-        assert_eq!(ended.code, 0, "{ended:?}");
-        ended.stdout
+        let found = asperity(&line);
+        assert_eq!(found.code, 0, "{found:?}");
+        found.stdout
     };
     assert_eq!(run(1, 7), run(3, 7));
     assert_ne!(run(2, 7), run(2, 8));
@@ -352,7 +352,7 @@ fn implausible_machines_are_warned_about() {
 }
 
 #[test]
-fn an_ensemble_needs_its_seed_and_a_law() {
+fn an_ensemble_needs_a_seed_and_a_distribution() {
     let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 --trajectories 20 --json");
     asperity(&format!("{line} {NOISE}")).refuses(2, &["--seed"]);
     let noise = NOISE.replace("beta:2.1,5", "betta:2.1,5");
@@ -365,13 +365,13 @@ fn an_ensemble_needs_its_seed_and_a_law() {
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupted_ensemble_prints_no_numbers() {
-    // Many paths, and paths over billions of values of friction.
+    // Many trajectories, and trajectories over billions of friction values.
     let short = NOISE.replace("--correlation-length 0.01", "--correlation-length 1e-10");
     for (noise, paths) in [(NOISE, 10_000_000), (short.as_str(), 2)] {
         let line =
             format!("vibration ensemble {PAPER} --damping-ratio 0.17 {noise} --trajectories {paths} --seed 1 --json");
-        let (ended, took) = interrupted_in(Path::new("."), &line);
-        ended.refuses(130, &["cancelled", "values of friction"]);
+        let (found, took) = run_and_interrupt(Path::new("."), &line);
+        found.refuses(130, &["cancelled", "friction values"]);
         assert!(took < Duration::from_secs(5), "{took:?}");
     }
 }
@@ -383,7 +383,7 @@ fn every_friction_law_has_its_flags() {
     fs::write(folder.path().join("wrong.csv"), "velocity,friction\n0,0.4\n0.5,x\n").unwrap();
     let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
     let base = "vibration cycle --static-friction 0.4 --damping-ratio 0.1 --belt-velocity 0.1 --json";
-    // Linear weakening, closed form, by its own law and by a table of a straight line.
+    // Linear weakening has a closed form; by its own flag and as a table of a straight line.
     for law in ["--linear-weakening 0.3", "--friction-table law.csv"] {
         let json = run(&format!("{base} {law}")).json(0);
         close(number(&json, "period"), 6.439_474_890_105_244, 1e-11);
@@ -416,7 +416,7 @@ fn the_curve_of_critical_damping_passes_through_published_points_and_the_diagram
 }
 
 #[test]
-fn the_map_turns_from_surely_to_never_and_the_sound_of_little_noise_is_that_of_the_cycle() {
+fn the_map_falls_from_one_to_zero_and_weak_noise_has_the_sound_of_the_cycle() {
     let noise = "--correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
     let line = format!(
         "vibration map {PAPER} --damping-ratio 0.1 --friction-std 0.001 {noise} --damping-ratios 0.1,0.3,2 \
@@ -439,7 +439,7 @@ fn the_map_turns_from_surely_to_never_and_the_sound_of_little_noise_is_that_of_t
 }
 
 #[test]
-fn a_fitted_process_is_the_fluctuation_of_its_flags() {
+fn a_fitted_process_equals_the_fluctuation_of_its_flags() {
     let folder = TempDir::new().unwrap();
     let process = r#"{"format": "asperity friction process", "version": 1, "mean": 0.1, "std": 0.001,
         "marginal": {"beta": {"a": 2.1, "b": 5.0, "low": 0.0, "high": 1.0}},
@@ -451,7 +451,7 @@ fn a_fitted_process_is_the_fluctuation_of_its_flags() {
     let flags = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --translation corrected";
     let stated = asperity(&format!("vibration ensemble {PAPER} {rest} {flags}")).json(0);
     assert_eq!(read, stated);
-    // Lengths need a unit, and there is one fluctuation.
+    // Lengths need a unit, and only one fluctuation may be stated.
     assert!(line_in(folder.path(), &file).code == 2);
     assert!(line_in(folder.path(), &format!("{file} --length-unit 1m {flags}")).code == 2);
     let absent = format!("vibration ensemble {PAPER} {rest} --friction-process no.json --length-unit 1m");
@@ -486,7 +486,7 @@ fn integrators_find_the_same_events() {
 }
 
 #[test]
-fn over_loads_every_law_holds_in_si() {
+fn a_map_over_loads_scales_every_friction_law_in_si() {
     let folder = TempDir::new().unwrap();
     let points = |factor: f64| format!("0 0.1\n{} 0.08\n{} 0.07\n", 0.1 / factor, 0.4 / factor);
     fs::write(folder.path().join("law.txt"), points(1.0)).unwrap();
@@ -512,27 +512,27 @@ fn over_loads_every_law_holds_in_si() {
 }
 
 #[test]
-fn a_motion_that_neither_sticks_nor_slides_steadily_is_told() {
+fn a_motion_that_neither_sticks_nor_slides_steadily_is_reported() {
     // ζ_c lies far below ζ_H = 375: between them the mass vibrates without sticking.
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("steep.txt"), "0 0.1\n0.001 0.1\n0.0011 0.05\n1 0.04\n").unwrap();
     let law = "--static-friction 0.1 --friction-table steep.txt --belt-velocity 0.00105";
-    let ended = line_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
-    let answer = ended.json(0);
+    let found = line_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
+    let answer = found.json(0);
     assert_eq!((&answer["limit_cycle"], &answer["kind"]), (&Value::Bool(true), &"slip_cycle".into()));
     assert_eq!(answer["steady_sliding_unstable"], Value::Bool(true));
     assert_eq!(answer["slip_duration"], answer["period"]);
     let limit = line_in(folder.path(), &format!("vibration critical-damping {law} --json")).json(0);
     assert!(number(&limit, "hopf_damping_ratio") > 23.0);
     assert!(number(&limit, "critical_damping_ratio") < 23.0);
-    // It is the cycle that every start ends in.
+    // Every start leads to this cycle.
     let starts = "--displacements 0,0.15,8 --velocities -0.001,0.001,8 --json";
     let basin = line_in(folder.path(), &format!("vibration basin {law} --damping-ratio 23 {starts}")).json(0);
     assert_eq!(number(&basin, "slip_cycle_share"), 1.0);
 }
 
 #[test]
-fn flags_that_make_no_machine_or_no_range_are_named() {
+fn flags_of_an_invalid_machine_or_range_are_named() {
     let damping = "--damping-ratio 0.1";
     for (line, words) in [
         (format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.1 --to 0.1"), ["--to", "--from"]),
@@ -560,7 +560,7 @@ fn flags_that_make_no_machine_or_no_range_are_named() {
 }
 
 #[test]
-fn a_linear_law_that_ends_below_zero_names_its_slope() {
+fn a_linear_law_that_becomes_negative_names_its_slope() {
     let line = "--static-friction 0.1 --linear-weakening 3 --belt-velocity 0.05 --damping-ratio 0.1";
     asperity(&format!("vibration cycle {line}")).refuses(2, &["slope"]);
 }
@@ -576,7 +576,7 @@ fn a_forced_motion_that_settles_slowly_is_periodic() {
 }
 
 #[test]
-fn a_short_scan_of_the_modes_knows_their_critical_friction() {
+fn a_short_scan_of_the_modes_finds_their_critical_friction() {
     let line = "vibration mode-coupling --static-friction 0.3 --stribeck 0 --belt-velocity 0.5 --json";
     let whole = asperity(line).json(0);
     let short = asperity(&format!("{line} --friction-to 0.2")).json(0);
@@ -585,7 +585,7 @@ fn a_short_scan_of_the_modes_knows_their_critical_friction() {
 
 #[test]
 fn a_locked_machine_has_the_published_stable_and_unstable_cycle() {
-    // Phases and multipliers by SciPy's DOP853 and differences.
+    // Phases and multipliers from SciPy's DOP853 and finite differences.
     let free = "--static-friction 0.2 --stribeck 4.2 --belt-velocity 0.1 --damping-ratio 0.1";
     let line = format!("vibration forced-cycles {free} --forcing 0.02 --forcing-frequency 0.85");
     let cycles = asperity(&format!("{line} --json")).json(0)["cycles"].as_array().unwrap().clone();
@@ -598,14 +598,14 @@ fn a_locked_machine_has_the_published_stable_and_unstable_cycle() {
         close(number(cycle, "period"), std::f64::consts::TAU / 0.85, 1e-12);
         assert_eq!(cycle["stable"], Value::Bool(stable));
     }
-    let ended = asperity(&line);
-    assert!(ended.code == 0 && ended.stdout.lines().count() == 3, "{}", ended.stdout);
+    let found = asperity(&line);
+    assert!(found.code == 0 && found.stdout.lines().count() == 3, "{}", found.stdout);
     asperity(&format!("vibration forced-cycles {free}")).refuses(2, &["--forcing"]);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_no_memory_holds_is_refused_before_it_is_begun() {
+fn ensembles_beyond_the_memory_are_refused_before_they_start() {
     let damping = "--damping-ratio 0.17";
     for line in [
         format!("sound {PAPER} {damping} {NOISE} --trajectories 1000000000 --seed 1"),
@@ -618,7 +618,7 @@ fn what_no_memory_holds_is_refused_before_it_is_begun() {
 }
 
 #[test]
-fn a_length_that_no_sliding_distance_resolves_is_refused_and_no_folder_of_others_is_replaced() {
+fn an_unresolved_correlation_length_is_refused_and_no_foreign_folder_is_replaced() {
     let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 --trajectories 20 --seed 1");
     for length in ["1e-300", "1e-17"] {
         let noise = NOISE.replace("--correlation-length 0.01", &format!("--correlation-length {length}"));
@@ -634,6 +634,6 @@ fn a_length_that_no_sliding_distance_resolves_is_refused_and_no_folder_of_others
     };
     report("keep --force", &["--report keep", "asperity did not write it"]);
     report("keep", &["--report", "not empty"]);
-    report("file --force", &["--report file", "a folder is wanted"]);
+    report("file --force", &["--report file", "give a folder"]);
     assert_eq!(fs::read_to_string(folder.path().join("keep/thesis.txt")).unwrap(), "years");
 }

@@ -1,4 +1,4 @@
-//! Folders, figures and sound files of `asperity vibration …`, and its newer commands.
+//! Tests of folders, figures and sound files of `asperity vibration`.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -7,14 +7,14 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity, asperity_in, close, keys, listing, number, written};
+use crate::support::{Finished, asperity, asperity_in, close, keys, listing, number, written};
 
 const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
-/// Period of the cycle at ζ = 0.17, of a high-precision solver.
+/// Period of the cycle at ζ = 0.17, from a high-precision solver.
 const PERIOD: f64 = 6.372_163_483_739_709;
 
-fn run(folder: &Path, line: &str) -> Ended {
+fn run(folder: &Path, line: &str) -> Finished {
     asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
@@ -27,7 +27,7 @@ fn column(folder: &Path, table: &str, name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn every_command_that_reports_writes_its_answer_its_tables_and_its_figures() {
+fn every_command_with_a_report_writes_answer_tables_and_figures() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     let damping = "--damping-ratio 0.17";
@@ -73,15 +73,15 @@ fn every_command_that_reports_writes_its_answer_its_tables_and_its_figures() {
         ),
     ] {
         let name = line.split(' ').next().unwrap();
-        let ended = run(at, &format!("vibration {line} --report new/{name} --json"));
-        let json = ended.json(0);
+        let found = run(at, &format!("vibration {line} --report new/{name} --json"));
+        let json = found.json(0);
         let report = at.join("new").join(name);
         assert_eq!(written(&report), ["answer.json", "figures", "tables"], "{name}");
         assert_eq!(listing(&report.join("tables")), tables, "{name}");
         assert_eq!(listing(&report.join("figures")), figures, "{name}");
         let answer: Value = serde_json::from_slice(&fs::read(report.join("answer.json")).unwrap()).unwrap();
         assert_eq!(answer, json, "{name}");
-        // A folder that holds something stays unless it is given up.
+        // A folder with files stays unless `--force` is given.
         run(at, &format!("vibration {line} --report new/{name} --json")).refuses(2, &["not empty"]);
         let again = run(at, &format!("vibration {line} --report new/{name} --force --threads 1 --json"));
         assert_eq!(again.json(0), json, "{name}");
@@ -91,7 +91,7 @@ fn every_command_that_reports_writes_its_answer_its_tables_and_its_figures() {
 }
 
 #[test]
-fn tables_hold_what_the_answer_says() {
+fn tables_agree_with_the_answer() {
     let folder = TempDir::new().unwrap();
     let line = format!("vibration basin {PAPER} --damping-ratio 0.20482 --report basin --json");
     let json = run(folder.path(), &line).json(0);
@@ -101,7 +101,7 @@ fn tables_hold_what_the_answer_says() {
     let sliding = attractors.iter().filter(|a| **a == 0.0).count() as f64 / attractors.len() as f64;
     assert_eq!(sliding, number(&json, "sliding_share"));
     assert_eq!(json["separatrix"], "unstable_cycle");
-    // The area inside the separatrix is that of the cells that end in sliding, but for those at its border.
+    // The area inside the separatrix equals that of the cells that end in sliding, except for cells at its border.
     let [x, y] =
         ["displacements", "velocities"].map(|key| json[key][1].as_f64().unwrap() - json[key][0].as_f64().unwrap());
     close(number(&json, "separatrix_area"), sliding * x * y, 0.01);
@@ -131,10 +131,10 @@ fn a_basin_without_a_cycle_needs_its_box() {
 #[test]
 fn the_modes_of_the_usual_springs_meet_at_three_quarters_and_grow_beyond() {
     let base = "vibration mode-coupling --stribeck 0 --belt-velocity 0.5 --json";
-    // ω² = 2 ± √(1 − 4μ/3) without damping: from μ = 3/4 on 2 ± i√(4μ/3 − 1).
+    // ω² = 2 ± √(1 − 4μ/3) without damping; from μ = 3/4 on, 2 ± i√(4μ/3 − 1).
     let json = asperity(&format!("{base} --static-friction 0.6 --points 5 --friction-to 0.6")).json(0);
     close(number(&json, "coalescence"), 0.75, 1e-12);
-    // Beyond the scan.
+    // Beyond the end of the scan.
     close(number(&json, "critical_friction"), 0.75, 1e-12);
     for (key, wanted) in [("frequency_1", 2.0 - 0.2_f64.sqrt()), ("frequency_2", 2.0 + 0.2_f64.sqrt())] {
         close(number(&json, key), wanted.sqrt(), 1e-12);
@@ -150,7 +150,7 @@ fn the_modes_of_the_usual_springs_meet_at_three_quarters_and_grow_beyond() {
 }
 
 #[test]
-fn fluctuation_of_coupled_modes_comes_whole_or_not_at_all() {
+fn flags_of_the_fluctuation_of_coupled_modes_require_each_other() {
     let base = "vibration mode-coupling --static-friction 0.9 --kinetic-friction 0.8 --stribeck 0 --belt-velocity 0.05 \
                 --dampers 0.02,0.02 --json";
     asperity(&format!("{base} --friction-std 0.05")).refuses(2, &["--correlation-length", "--marginal", "--seed"]);
@@ -162,7 +162,7 @@ fn fluctuation_of_coupled_modes_comes_whole_or_not_at_all() {
     let noise =
         "--friction-std 1e-9 --correlation-length 1 --marginal normal --trajectories 20 --duration 200 --seed 2";
     let json = asperity(&format!("{base} {noise}")).json(0);
-    // Hardly any fluctuation: the growth rate is the mode's, and all vibrate.
+    // With almost no fluctuation the growth rate is the mode's, and all trajectories vibrate.
     let growth = number(&json, "growth_1").max(number(&json, "growth_2"));
     close(number(&json, "growth_rate"), growth, 1e-12);
     close(number(&json, "growth_rate_mean"), growth, 1e-2);
@@ -177,8 +177,8 @@ fn a_sound_file_has_the_cycle_s_peak_and_frequency() {
     let folder = TempDir::new().unwrap();
     let quiet = NOISE.replace("--friction-std 0.001", "--friction-std 1e-9");
     let base = format!("vibration sound {PAPER} --damping-ratio 0.17 {quiet} --trajectories 2 --duration 300 --json");
-    let ended = run(folder.path(), &format!("{base} --wav a.wav --natural-frequency 440Hz --seconds 1"));
-    let cycle = number(&ended.json(0), "cycle_period");
+    let found = run(folder.path(), &format!("{base} --wav a.wav --natural-frequency 440Hz --seconds 1"));
+    let cycle = number(&found.json(0), "cycle_period");
     close(cycle, PERIOD, 1e-12);
     let mut reader = hound::WavReader::open(folder.path().join("a.wav")).unwrap();
     let spec = reader.spec();
@@ -188,7 +188,7 @@ fn a_sound_file_has_the_cycle_s_peak_and_frequency() {
     let peak = samples.iter().fold(0.0_f64, |most, sample| sample.abs().max(most)) / f64::from(i16::MAX);
     close(20.0 * peak.log10(), -6.0, 2e-3);
     assert_eq!((samples[0], samples[44_099]), (0.0, 0.0));
-    // A record of one second has bins of 1 Hz.
+    // A record of one second has frequency bins of 1 Hz.
     let power = |bin: usize| {
         let turn = TAU * bin as f64 / samples.len() as f64;
         let (cos, sin) = samples.iter().enumerate().fold((0.0, 0.0), |(cos, sin), (k, sample)| {
@@ -206,7 +206,7 @@ fn a_sound_file_has_the_cycle_s_peak_and_frequency() {
 }
 
 #[test]
-fn sounds_that_no_file_can_hold_are_refused() {
+fn sounds_beyond_the_limits_of_a_file_are_refused() {
     let folder = TempDir::new().unwrap();
     let base = format!("vibration sound {PAPER} --damping-ratio 0.17 {NOISE} --trajectories 2 --duration 200 --json");
     for (flags, words) in [

@@ -1,7 +1,7 @@
-//! From a study file to a checked study: values that their types do not exclude.
+//! Conversion of a study file to a checked study: checks of values that their types do not exclude.
 
 mod friction;
-mod idle;
+mod keys_without_effect;
 mod pressure;
 mod surface;
 mod vibration;
@@ -12,7 +12,7 @@ use crate::study::file::StudyFile;
 pub(super) use pressure::PressureStudy;
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
-/// Study whose values have been checked. It is made from a [`StudyFile`].
+/// Study with checked values, made from a [`StudyFile`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     file: StudyFile,
@@ -39,7 +39,7 @@ impl Study {
     }
 }
 
-/// A well-formed value that cannot be right.
+/// Error of a well-formed value that is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("[{section}] {key}: {message}")]
 pub struct InvalidValue {
@@ -60,17 +60,17 @@ fn within(
     key: &'static str,
     value: f64,
     fits: impl Fn(f64) -> bool,
-    wanted: &str,
+    expected: &str,
 ) -> Result<(), InvalidValue> {
     if value.is_finite() && fits(value) {
         Ok(())
     } else {
-        Err(invalid(section, key, format!("found {value}, wanted {wanted}")))
+        Err(invalid(section, key, format!("found {value}, expected {expected}")))
     }
 }
 
 fn at_least(section: &'static str, key: &'static str, value: usize, least: usize) -> Result<(), InvalidValue> {
-    if value >= least { Ok(()) } else { Err(invalid(section, key, format!("found {value}, wanted at least {least}"))) }
+    within(section, key, value as f64, |value| value >= least as f64, &format!("at least {least}"))
 }
 
 /// Fails if a value of a list occurs twice.
@@ -94,14 +94,14 @@ impl StudyFile {
     /// Checks the values and returns the study.
     ///
     /// # Errors
-    /// A value is out of range, a needed one is missing, or two exclude each other.
+    /// A value is out of range, a required value is missing, or two values exclude each other.
     pub fn check(mut self) -> Result<Study, InvalidValue> {
         self.check_surface()?;
         let material = self.check_material()?;
         let pressure = self.check_pressure(material.as_ref())?;
         self.check_friction()?;
         self.check_uncertainty()?;
-        // The file of a run states the usual values, too.
+        // The study of a run folder also states the default values.
         if let Some(friction) = self.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
             friction.percentiles = Some(friction.percentiles().to_vec());
         }

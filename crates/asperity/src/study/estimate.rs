@@ -1,4 +1,4 @@
-//! What a study will cost, roughly, before it is run.
+//! Rough cost of a study before it is run.
 
 use crate::contact::memory_bytes;
 use crate::friction::cutoff::STRIPS;
@@ -10,45 +10,45 @@ use crate::study::{Stage, Study};
 use crate::surface::model::MOST_MODES;
 use crate::vibration::EnsembleSettings;
 
-/// Iterations of an ordinary contact solution at the tolerance of a study.
+/// Iterations of a typical contact solution at the tolerance of a study.
 const ITERATIONS: f64 = 30.0;
 /// Seconds per cell and iteration on one core of a desktop computer; the free boundary pads its transforms.
 const PERIODIC_SECONDS: f64 = 20e-9;
 const FREE_SECONDS: f64 = 20e-9;
-/// Most work of the pressure stage on coarser models over that of the fine solves of one method: the same maps to a loose tolerance,
-/// with half and with a quarter of the points along either side, and what pays beyond that.
+/// Upper bound of the work of the pressure stage on coarser models, relative to the fine solves of one method: the same
+/// maps at a loose tolerance, with half and a quarter of the points along either side, and further samples if they pay.
 const COARSE_WORK: f64 = 4.0 + 0.5 + 0.25 + 0.0625;
-/// Work of finding the stiffness of a contact over that of solving it.
+/// Work of computing the stiffness of a contact, relative to solving it.
 const STIFFNESS_WORK: f64 = 0.5;
 /// Seconds per unit of dimensionless time of a trajectory, and per value of its fluctuation.
 const TRAJECTORY_SECONDS: f64 = 0.2e-6;
 const FLUCTUATION_SECONDS: f64 = 60e-9;
-/// Ensembles beside those of the sweep that find the crossings of one upscaling.
+/// Additional ensembles, beside those of the sweep, that locate the crossings of one upscaling.
 const CROSSING_ENSEMBLES: usize = 20;
-/// Values of a fluctuation in its correlation length.
+/// Number of values of a fluctuation per correlation length.
 const FLUCTUATION_VALUES: f64 = 20.0;
-/// Bytes of a point of a stability map, with its share of cells and contours.
+/// Bytes per point of a stability map, including cells and contours.
 const MAP_POINT_BYTES: f64 = 400.0;
-/// Bytes per point of a strip's generator: its covariance embedded in twice the width and height, in complex numbers.
+/// Bytes per point of a strip's generator: its embedded covariance of twice the width and height, in complex numbers.
 const GENERATOR_BYTES: f64 = 64.0;
 /// Bytes of a double.
 const DOUBLE_BYTES: f64 = 8.0;
 /// Bytes of the tables, the figures and the page of one stage in a run folder.
 const STAGE_BYTES: f64 = 1e6;
-/// Maps of a patch in a run folder: one sample with its pressures, and the distribution of the pressure.
+/// Number of maps of a patch in a run folder: one sample with its pressures, and the distribution of the pressure.
 const PATCH_FIELDS: f64 = 8.0;
 
-/// The rough cost of one stage. Times hold within a factor of a few.
+/// Rough cost of one stage. Times are accurate to a factor of a few.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageEstimate {
     /// The stage.
     pub stage: Stage,
-    /// Contact problems to solve.
+    /// Number of contact problems to solve.
     pub contact_solutions: usize,
-    /// Most work of contact problems on other grids beside these, in problems on the stage's own grid: coarser ones of the pressure
-    /// stage, shorter strips and finer ones of the friction stage.
+    /// Upper bound of the work of contact problems on other grids, in problems on the stage's own grid: coarser ones of
+    /// the pressure stage, shorter strips and finer ones of the friction stage.
     pub coarse_solutions: f64,
-    /// Trajectories to follow.
+    /// Number of trajectories to simulate.
     pub trajectories: usize,
     /// Time on one core in second.
     pub core_seconds: f64,
@@ -57,9 +57,9 @@ pub struct StageEstimate {
 }
 
 impl Study {
-    /// The rough cost of every stage that the study has, with `threads` threads. Nothing is read or computed.
+    /// Returns the rough cost of every stage of the study with `threads` threads. Reads and computes nothing.
     pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
-        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, xi: usize| {
+        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, xi_len: usize| {
             let cells = points[0] as f64 * points[1] as f64;
             let per_cell = if boundary == BoundaryKind::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
             StageEstimate {
@@ -69,12 +69,12 @@ impl Study {
                 trajectories: 0,
                 core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
                 memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
-                    + DOUBLE_BYTES * xi as f64 * (cells + solutions as f64),
+                    + DOUBLE_BYTES * xi_len as f64 * (cells + solutions as f64),
             }
         };
         let mut stages = Vec::new();
         if let Some(p) = &self.pressure {
-            // Where the study states none, at most so many terms are expanded.
+            // If the study states no number of terms, the expansion has at most this many.
             let stated = self.file().surface.as_ref().map_or(Some(0), |surface| surface.modes);
             let modes = stated.unwrap_or(MOST_MODES).min(p.grid.points());
             // The reference, and three samplers that the other methods share.
@@ -83,7 +83,7 @@ impl Study {
             let mut stage =
                 contact(Stage::Pressure, (solutions, coarse), [p.grid.nx(), p.grid.ny()], p.boundary, modes);
             if p.stiffness {
-                // Of the Monte Carlo samples and of those on coarser grids.
+                // The stiffness of the Monte Carlo samples and of those on coarser grids.
                 let more = STIFFNESS_WORK * (p.fine_solves as f64 + coarse);
                 stage.core_seconds *= 1.0 + more / (solutions as f64 + coarse);
             }
@@ -97,24 +97,24 @@ impl Study {
             let plan = cutoff::plan(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
-            // On every thread a solver, a ξ, a map and its transform.
+            // Each thread has a solver, normal variables, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
                 let cells = nx.saturating_mul(ny);
                 threads as f64 * (memory_bytes(cells) + cells as f64 * 4.0 * DOUBLE_BYTES)
             };
             let generator = |[nx, ny]: [usize; 2]| nx as f64 * ny as f64 * GENERATOR_BYTES;
-            // The strips of the cut-off have a generator of their own, and are solved with half the pitch, too.
-            let of_cutoff = plan.map_or(0.0, |plan| {
+            // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
+            let cutoff_bytes = plan.map_or(0.0, |plan| {
                 let halved = plan.points.map(|points| points.saturating_mul(2));
                 generator(plan.points) + solvers(threads.min(STRIPS), halved)
             });
             stage.memory_bytes = generator(f.points)
-                + solvers(threads, f.points).max(of_cutoff)
+                + solvers(threads, f.points).max(cutoff_bytes)
                 + levels as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
         if let Some(v) = &self.vibration {
-            // Both upscalings, and a map of which the front is refined: a line of cells at each depth.
+            // Both upscalings, and a map whose front is refined: a line of cells at each depth.
             let points = v.map.as_ref().map_or(0, |map| {
                 let (nx, ny) = (map.x.2, map.y.2);
                 (nx + 1) * (ny + 1) + 4 * nx.max(ny) * ((1 << (map.depth + 1)) - 2)
@@ -122,7 +122,7 @@ impl Study {
             let map = v.map.as_ref().map_or(0, |map| points.saturating_mul(map.trajectories));
             let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
             let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
-            // Friction that a study computes is correlated over a window or more.
+            // Friction that a study computes is correlated over at least one window.
             let length_m = match &v.friction {
                 FrictionSource::Stated(friction) => Some(friction.length_m),
                 FrictionSource::Computed(_) | FrictionSource::File(_) => {
@@ -144,7 +144,8 @@ impl Study {
         stages
     }
 
-    /// The rough disk space of the run folder in byte, without the heights of scans. Nothing is read or computed.
+    /// Returns the rough disk space of the run folder in byte, without the heights of scans. Reads and computes
+    /// nothing.
     pub fn disk_bytes(&self) -> f64 {
         let bytes = |points: [usize; 2], fields: f64| fields * DOUBLE_BYTES * points[0] as f64 * points[1] as f64;
         let surface = self.file().surface.as_ref().map_or(0.0, |_| STAGE_BYTES);
@@ -159,8 +160,8 @@ impl Study {
     }
 }
 
-/// Records of one strip at one level: six numbers at every position of the window and of those of a half, a quarter and an eighth
-/// of it, and again at the mean load.
+/// Returns the bytes of the records of one strip at one level: six numbers at every position of the window and of
+/// windows of a half, a quarter and an eighth of it, and again at the mean load.
 fn record_bytes(section: &FrictionSection) -> f64 {
     let [nx, _] = section.points;
     let cells = (section.window.0 / section.strip[0].0 * nx as f64).max(1.0);
@@ -214,28 +215,30 @@ trajectories = 50
         // Two stated levels and the one at N/A_nom.
         assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
         assert_eq!(stages[2].trajectories, 2 * (11 + CROSSING_ENSEMBLES) * 50);
-        // The hundred fine solves of the default may be followed by as much work again, four times over, and that on the same maps.
+        // The hundred fine solves of the default may be followed by as much work again, four times over, on the same
+        // maps.
         assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 18.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
-        // Maps of 64² points and a strip of doubles, and a few MB of tables, figures and page.
+        // Maps of 64² points, a strip of doubles, and a few MB of tables, figures and page.
         let disk = |text: &str| Study::parse(text, "study.toml").unwrap().disk_bytes();
         let more = disk(&text.replace("points = [64, 64]", "points = [640, 640]")) - disk(text);
         assert!((2e6..10e6).contains(&disk(text)) && more == 8.0 * 8.0 * 99.0 * 4096.0, "{more}");
-        // The stiffness of the Monte Carlo and of the coarse contacts, and of no others.
+        // Only the Monte Carlo and the coarse contacts include the stiffness.
         let stiff = estimate(&text.replace("percentile = 50.0", "percentile = 50.0\nstiffness = true"));
         let more = stiff[0].core_seconds / stages[0].core_seconds - 1.0;
         assert!((more - STIFFNESS_WORK * 581.25 / 1781.25).abs() < 1e-12, "{more}");
         assert_eq!(stiff[1..], stages[1..]);
-        // Twelve surfaces of other parameters, with half of the strips each.
+        // Twelve surfaces with other parameters, each with half of the strips.
         let uncertain =
             text.replace("[vibration]", "[friction.uncertainty]\nrms_height = \"5 %\"\npoints = 12\n[vibration]");
         assert_eq!(estimate(&uncertain)[1].contact_solutions, 3 * (20 + 12 * 10));
-        // However long its trajectories, an ensemble keeps a bounded number of values.
+        // An ensemble stores a bounded number of values, however long its trajectories are.
         let long = |duration: &str| {
             estimate(&text.replace("trajectories = 50", &format!("trajectories = 50\nduration = {duration}")))
         };
         assert!(long("1e12")[2].memory_bytes <= 1e9 && long("1e12")[2].memory_bytes > 2.0 * stages[2].memory_bytes);
-        // Friction of a correlation length a thousandth as long has a thousand times as many values, which take the time.
+        // Friction with a correlation length a thousandth as long has a thousand times as many values, which dominate
+        // the time.
         let stated = |length: &str| {
             let text = text.split("[surface]").next().unwrap().to_owned()
                 + "[vibration]"
@@ -246,7 +249,7 @@ trajectories = 50
         };
         let (short, shorter) = (stated("250 nm"), stated("250 pm"));
         assert!((shorter / short - 1000.0).abs() < 5.0, "{shorter} and {short}");
-        // 20 of them in 250 nm, over 640/316 s at 23.7 mm/s, in each of 3,100 paths.
+        // 20 values in 250 nm, over 640/316 s at 23.7 mm/s, in each of 3,100 trajectories.
         let values = 3100.0 * 20.0 * (640.0 / 316.0 * 23.7e-3) / 250e-9;
         assert!((short / (FLUCTUATION_SECONDS * values) - 1.0).abs() < 0.01, "{short}");
     }

@@ -1,6 +1,6 @@
-//! Study files as they are written, before their values are checked.
+//! Study files as written, before their values are checked.
 //!
-//! Every key is checked by its type: an unknown one is an error that names its line and the nearest known key.
+//! The type of each key checks its form. An unknown key is an error that names its line and the nearest known key.
 
 mod friction;
 mod pressure;
@@ -14,22 +14,22 @@ pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
 pub use vibration::{MapSection, Stribeck, Upscaling, VelocityLaw, VibrationSection};
 
-/// A study: which scan or model, which stages, and the seed of every random draw.
+/// Study file: scan or surface model, stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
     /// Seed of every random draw.
     pub seed: u64,
-    /// The measured or modelled surface; needed by pressure and friction.
+    /// Measured or modelled surface; required by pressure and friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceSection>,
-    /// Elastic and plastic properties; needed by every stage but the first.
+    /// Elastic and plastic properties; required by every stage but the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialSection>,
-    /// The law of the random pressure.
+    /// Distribution of the random pressure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<PressureSection>,
-    /// The friction coefficient as a process.
+    /// Friction coefficient as a process.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionSection>,
     /// Stick-slip of a mass on a belt.

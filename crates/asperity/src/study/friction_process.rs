@@ -6,10 +6,10 @@ use std::path::Path;
 use crate::friction::process::{FittedProcess, ProcessError};
 use crate::study::{StudyError, Table};
 
-/// Draws a record from a process, with the columns `position_m`, `mu` and `fluctuation`, the difference of μ from its mean.
+/// Simulates a record of a process: `position_m`, `mu` and `fluctuation`, the deviation of μ from its mean.
 ///
 /// # Errors
-/// As [`FittedProcess::simulate`].
+/// See [`FittedProcess::simulate`].
 pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, seed: u64) -> Result<Table, ProcessError> {
     let mu = process.simulate(length_m, step_m, seed, 0)?;
     Ok(Table::new([
@@ -19,10 +19,10 @@ pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, see
     ]))
 }
 
-/// Reads the process of a study; `path` is its file, and `name` is its name in the study, for errors.
+/// Reads the process that a study names; `path` is its location, `name` its name in the study.
 ///
 /// # Errors
-/// The file cannot be read, or holds no process.
+/// The file cannot be read, or contains no process.
 pub(super) fn read(path: &Path, name: &Path) -> Result<FittedProcess, StudyError> {
     let failed = |reason: String| StudyError::FrictionProcess { file: name.display().to_string(), reason };
     let text = fs::read_to_string(path).map_err(|error| match error.kind() {

@@ -1,4 +1,4 @@
-//! What every stage hands over beside its own result.
+//! Output of the stages, in addition to their results.
 
 use std::collections::BTreeMap;
 
@@ -6,19 +6,19 @@ use crate::friction::process::FittedProcess;
 use crate::study::result::{Outcome, Results};
 use crate::study::{Field, Table};
 
-/// Series, maps and sentences of one stage.
+/// Tables, fields and sentences of one stage.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StageOutput {
     pub(super) tables: Vec<(&'static str, Table)>,
     pub(super) fields: Vec<(&'static str, Field)>,
-    /// What was assumed, in sentences.
+    /// Assumptions, in sentences.
     pub(super) assumptions: Vec<String>,
-    /// What to be wary of, in sentences.
+    /// Warnings, in sentences.
     pub(super) warnings: Vec<String>,
 }
 
 impl StageOutput {
-    /// Puts a part of the same stage behind this one.
+    /// Appends the output of a part of the same stage.
     pub(super) fn extend(&mut self, part: Self) {
         self.tables.extend(part.tables);
         self.fields.extend(part.fields);
@@ -27,7 +27,7 @@ impl StageOutput {
     }
 }
 
-/// What the stages handed over, in their order.
+/// Output of all stages, in their order.
 #[derive(Default)]
 pub(super) struct Gathered {
     pub(super) results: Results,

@@ -1,4 +1,4 @@
-//! From the text of a study file to a checked [`Study`], with errors that point at a line.
+//! Conversion of the text of a study file to a checked [`Study`], with errors that name a line.
 
 use serde::de::DeserializeOwned;
 use thiserror::Error;
@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::study::{InvalidValue, Study, StudyFile};
 
-/// What is wrong with a study file.
+/// Error of a study file.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{file}:{line}: {message}")]
 pub struct StudyFileError {
@@ -14,7 +14,7 @@ pub struct StudyFileError {
     pub file: String,
     /// Line, counted from 1.
     pub line: usize,
-    /// What was found and what was wanted.
+    /// Description of the error and the expected value.
     pub message: String,
 }
 
@@ -22,7 +22,7 @@ impl Study {
     /// Reads the text of a study file; `file` names it in errors.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its line.
+    /// The first error of the study, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
         StudyFile::parse(text, file)?.check().map_err(|value| StudyFileError::invalid(&value, text, file))
     }
@@ -44,7 +44,7 @@ impl StudyFileError {
         Self { file: file.into(), line: line_of_key(text, value.section, value.key), message: value.to_string() }
     }
 
-    /// Reads TOML into a section or a whole file; unknown keys and wrong units point at their line.
+    /// Reads TOML into a section or a whole file; errors about unknown keys and wrong units name their line.
     pub(super) fn read<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Self> {
         toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| line_at(text, span.start));
@@ -57,8 +57,8 @@ fn line_at(text: &str, byte: usize) -> usize {
     text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
 }
 
-/// The line of `key` in `[section]`, which may be `outer.inner`; of the section where the key is absent; 1 where that is absent
-/// too.
+/// Returns the line of `key` in `[section]`, which may be `outer.inner`; the line of the section if the key is absent;
+/// 1 if the section is absent too.
 fn line_of_key(text: &str, section: &str, key: &str) -> usize {
     let Ok(file) = DeTable::parse(text) else { return 1 };
     let find = |table: &DeTable<'_>, name: &str| table.keys().find(|key| key.get_ref() == name).map(|key| key.span());
@@ -74,7 +74,7 @@ fn line_of_key(text: &str, section: &str, key: &str) -> usize {
     line
 }
 
-/// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a sentence with the nearest known name.
+/// Rewrites serde's "unknown field `x`, expected one of `a`, `b`" as a sentence with the nearest known name.
 fn explain(message: &str) -> String {
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let kind = if message.starts_with("unknown field") {
@@ -96,20 +96,20 @@ fn explain(message: &str) -> String {
     format!("unknown {kind} `{found}`{hint} (known: {})", known.join(", "))
 }
 
-/// Turns serde's "invalid type: floating point `2.5`, expected usize" into "`2.5` is not a whole number".
+/// Rewrites serde's "invalid type: floating point `2.5`, expected usize" as "`2.5` is not a whole number".
 fn wrong_type(message: &str) -> Option<String> {
-    let (found, wanted) = message
+    let (found, expected) = message
         .strip_prefix("invalid type: ")
         .or(message.strip_prefix("invalid value: "))?
         .rsplit_once(", expected ")?;
-    let wanted = match wanted {
+    let expected = match expected {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0 on",
         "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
         "f32" | "f64" => "a number",
         "a boolean" => "true or false",
         "a sequence" => "a list",
         "a map" => "a table",
-        wanted => wanted,
+        expected => expected,
     };
     // "integer `7`", "string \"640 s\"", "integer `99999999999999999999` as i128".
     let found = found
@@ -121,7 +121,7 @@ fn wrong_type(message: &str) -> Option<String> {
             found => found.strip_prefix("string ").unwrap_or(found).into(),
         });
     let is_too_large = message.contains("` as i128");
-    Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {wanted}") })
+    Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {expected}") })
 }
 
 #[cfg(test)]
@@ -168,7 +168,7 @@ percentile = 50.0
     }
 
     #[test]
-    fn one_length_stands_for_both_axes() {
+    fn one_length_applies_to_both_axes() {
         let lengths = |value: &str| {
             let text = STUDY.replace("[\"20 um\", \"20 um\"]", value);
             Study::parse(&text, "study.toml")
@@ -176,7 +176,7 @@ percentile = 50.0
         };
         assert_eq!(lengths("\"20 um\"").unwrap(), lengths("[\"20 um\", \"20 um\"]").unwrap());
         assert_ne!(lengths("[\"20 um\", \"10 um\"]").unwrap(), lengths("\"20 um\"").unwrap());
-        for (value, wanted) in [
+        for (value, expected) in [
             ("20.0", "with its unit"),
             ("\"20\"", "no unit"),
             ("\"20 GPa\"", "`GPa` is not a unit of length"),
@@ -186,7 +186,7 @@ percentile = 50.0
             ("\"-20 um\"", "positive"),
         ] {
             let error = lengths(value).unwrap_err();
-            assert!(error.line == 7 && error.message.contains(wanted), "{value}: {error}");
+            assert!(error.line == 7 && error.message.contains(expected), "{value}: {error}");
         }
         let pixel = STUDY.replace("covariance", "file = \"a.npy\"\npixel_size = \"1e-155 m\"\ncovariance");
         let error = Study::parse(&pixel, "study.toml").unwrap_err();
@@ -198,7 +198,7 @@ percentile = 50.0
 
     #[test]
     fn errors_point_at_their_line() {
-        for (from, to, line, wanted) in [
+        for (from, to, line, expected) in [
             ("\"1 um\"", "\"1 GPa\"", 6, "`GPa` is not a unit of length"),
             ("\"1 um\"", "1.0", 6, "with its unit"),
             ("\"1 um\"", "\"1\"", 6, "no unit"),
@@ -218,7 +218,7 @@ percentile = 50.0
         ] {
             let error = error(from, to);
             assert_eq!(error.line, line, "{from} → {to}: {error}");
-            assert!(error.message.contains(wanted), "{from} → {to}: {error}");
+            assert!(error.message.contains(expected), "{from} → {to}: {error}");
         }
     }
 }

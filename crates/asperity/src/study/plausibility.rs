@@ -1,17 +1,18 @@
-//! Values that are possible but hardly meant, each with its reason.
+//! Warnings about values that are possible but implausible.
 
 use crate::study::Study;
 use crate::study::check::FrictionSource;
 use crate::study::file::FrictionLawKind;
 use crate::study::sentence::{digits, si};
 
-/// Young's modulus over hardness below which a material is implausible: metals have 50 to 300, ceramics and polymers 10 to 30.
+/// Ratio of Young's modulus to hardness below which a material is implausible: metals have 50 to 300, ceramics and
+/// polymers 10 to 30.
 const LEAST_MODULUS_OVER_HARDNESS: f64 = 10.0;
 /// Friction coefficient above which a dry contact is implausible.
 const MOST_FRICTION: f64 = 1.5;
 
-/// Warnings about a material: a hardness above a tenth of Young's modulus, and a shear strength of the contacts above the
-/// hardness or the shear modulus E/(2(1 + ν)).
+/// Returns warnings about a material: a hardness above a tenth of Young's modulus, and a shear strength of the contacts
+/// above the hardness or the shear modulus E/(2(1 + ν)).
 pub fn implausible_material(
     youngs_modulus_pa: f64,
     poisson_ratio: f64,
@@ -52,7 +53,7 @@ pub fn implausible_material(
     warnings
 }
 
-/// A warning about a friction coefficient above 1.5.
+/// Returns a warning if a friction coefficient exceeds 1.5.
 pub fn implausible_friction(coefficient: f64) -> Option<String> {
     (coefficient > MOST_FRICTION).then(|| {
         format!(
@@ -62,7 +63,7 @@ pub fn implausible_friction(coefficient: f64) -> Option<String> {
     })
 }
 
-/// A warning about a damping ratio above 1.
+/// Returns a warning if a damping ratio exceeds 1.
 pub fn implausible_damping(damping_ratio: f64) -> Option<String> {
     (damping_ratio > 1.0).then(|| {
         format!(
@@ -73,10 +74,10 @@ pub fn implausible_damping(damping_ratio: f64) -> Option<String> {
 }
 
 impl Study {
-    /// Warnings that follow from the study file alone: keys without effect and implausible values.
+    /// Returns the warnings that follow from the study file alone: keys without effect and implausible values.
     pub fn warnings(&self) -> Vec<String> {
         let file = self.file();
-        let mut warnings = file.idle_keys();
+        let mut warnings = file.keys_without_effect();
         if let Some(material) = &file.material {
             let [hardness, shear] = [material.hardness, material.shear_strength].map(|stated| stated.map(|q| q.0));
             let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law != FrictionLawKind::Coulomb));
@@ -92,7 +93,7 @@ impl Study {
             };
             let found = [stated, implausible_damping(v.damping_ratio)];
             warnings.extend(found.into_iter().flatten().map(|warning| format!("[vibration] {warning}")));
-            // A measured process may bring another law.
+            // A measured process may have another law.
             warnings.extend(v.load_warning().filter(|_| !matches!(v.friction, FrictionSource::File(_))));
             let nominal_pa = v.nominal_contact().pressure_pa;
             let hardness = file.material.as_ref().and_then(|material| material.hardness);
@@ -114,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_is_implausible_is_warned_about() {
+    fn only_implausible_values_give_warnings() {
         let steel = implausible_material(210e9, 0.3, Some(2e9), Some(385e6));
         let pad = implausible_material(5e9, 0.35, Some(0.3e9), Some(50e6));
         assert!(steel.is_empty() && pad.is_empty(), "{steel:?} {pad:?}");

@@ -1,4 +1,4 @@
-//! The law of the random pressure on a patch.
+//! Pressure stage: distribution of the random pressure on a patch.
 
 mod entries;
 mod indices;
@@ -19,12 +19,12 @@ use crate::study::result::PressureResult;
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::model::Generated;
-use entries::Posed;
+use entries::Prescribed;
 
-/// Bias over the mean pressure of a method from which it is warned.
+/// Bias of a method over the mean pressure above which the stage warns.
 const LARGE_BIAS: f64 = 0.25;
 
-/// The half-space of a section, and its mean compliance where it is periodic.
+/// Returns the half-space of a section, and its mean compliance if it is periodic.
 pub(super) fn half_space(
     section: &'static str,
     grid: Grid,
@@ -45,7 +45,7 @@ pub(super) fn half_space(
     Ok((half_space, compliance))
 }
 
-/// What the pressure stage hands on.
+/// Output of the pressure stage.
 pub(super) struct PressureStage {
     pub(super) result: PressureResult,
     pub(super) output: StageOutput,
@@ -64,7 +64,7 @@ pub(super) fn run(
     let (half_space, mean_compliance_m_per_pa) =
         half_space("pressure", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
     let control = match study.control.contact(marginal) {
-        // Heights that truncation leaves lower have a lower plane.
+        // Truncation lowers the heights, so the plane is scaled down too.
         Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
         control => control,
     };
@@ -103,8 +103,8 @@ pub(super) fn run(
             ));
         }
     }
-    let posed = Posed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
-    let result = entries::summary(&results, &posed);
+    let prescribed = Prescribed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
+    let result = entries::summary(&results, &prescribed);
     let mut fields = sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?;
     fields.extend(results.fields.iter().flat_map(maps::fields));
     Ok(PressureStage {
@@ -155,15 +155,15 @@ fn patch_sentence(
 }
 
 fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> String {
-    let xi = surface.xi_len();
-    let variables = study.variables.min(xi);
+    let xi_len = surface.xi_len();
+    let variables = study.variables.min(xi_len);
     format!(
-        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {xi} variables at total degree {}.",
+        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {xi_len} variables at total degree {}.",
         study.degree
     )
 }
 
-/// One random surface and its pressure, to look at.
+/// Returns one random surface and its pressure, as an example.
 fn sample_fields(
     surface: &dyn RandomSurface,
     half_space: &HalfSpace,
@@ -174,9 +174,9 @@ fn sample_fields(
 ) -> Result<Vec<(&'static str, Field)>, StudyError> {
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&xi);
-    let posed = |error| StudyError::Contact { section: "pressure", error };
-    let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(posed)?;
-    let solution = solver.solve(&problem).map_err(posed)?;
+    let prescribed = |error| StudyError::Contact { section: "pressure", error };
+    let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
+    let solution = solver.solve(&problem).map_err(prescribed)?;
     let grid = map.grid();
     Ok(vec![
         ("surface_sample", Field { grid, unit: "m", values: map.heights_m().clone() }),

@@ -1,4 +1,4 @@
-//! From a run to its report.
+//! Report of a run.
 
 use std::collections::BTreeMap;
 
@@ -7,19 +7,19 @@ use asperity_results::Provenance;
 
 use crate::study::{Outcome, StoredRun, Table};
 
-/// Files of a report by their path in the run folder.
+/// Files of a report, by their path in the run folder.
 pub type ReportFiles = Vec<(String, Vec<u8>)>;
 
 /// Renders the report of a run that was just computed; `study` is the text of the resolved study.
-pub(super) fn of_outcome(study: &str, outcome: &Outcome, provenance: &Provenance) -> Result<ReportFiles, ReportError> {
+pub(super) fn new_report(study: &str, outcome: &Outcome, provenance: &Provenance) -> Result<ReportFiles, ReportError> {
     let fields = outcome.fields.iter().map(|(name, field)| {
         let ((dx_m, dy_m), values) = ((field.grid.dx_m(), field.grid.dy_m()), &field.values);
-        (name.clone(), of_field(dx_m, dy_m, values))
+        (name.clone(), report_field(dx_m, dy_m, values))
     });
-    rendered(Run {
+    render_files(Run {
         name: provenance.study.clone(),
         results: outcome.results.clone(),
-        tables: of_tables(&outcome.tables),
+        tables: report_tables(&outcome.tables),
         fields: fields.collect(),
         inputs: inputs(study),
         provenance: Some(provenance.clone()),
@@ -27,18 +27,18 @@ pub(super) fn of_outcome(study: &str, outcome: &Outcome, provenance: &Provenance
 }
 
 impl StoredRun {
-    /// Renders the report again: `report.html` and the figures, by their path in the run folder.
+    /// Renders the report again. Returns `report.html` and the figures, by their path in the run folder.
     ///
     /// # Errors
     /// A figure or the page could not be drawn.
     pub fn report(&self) -> Result<ReportFiles, ReportError> {
         let fields = self.fields.iter();
-        rendered(Run {
+        render_files(Run {
             name: self.provenance.study.clone(),
             results: self.results.clone(),
-            tables: of_tables(&self.tables),
+            tables: report_tables(&self.tables),
             fields: fields
-                .map(|(name, field)| (name.clone(), of_field(field.dx_m, field.dy_m, &field.values)))
+                .map(|(name, field)| (name.clone(), report_field(field.dx_m, field.dy_m, &field.values)))
                 .collect(),
             inputs: inputs(&self.study),
             provenance: Some(self.provenance.clone()),
@@ -46,29 +46,29 @@ impl StoredRun {
     }
 }
 
-fn rendered(run: Run) -> Result<ReportFiles, ReportError> {
+fn render_files(run: Run) -> Result<ReportFiles, ReportError> {
     let Report { html, figures } = render(&run)?;
     let figures = figures.into_iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.into_bytes()));
     Ok(figures.chain([("report.html".to_owned(), html.into_bytes())]).collect())
 }
 
-fn of_tables(tables: &BTreeMap<String, Table>) -> BTreeMap<String, asperity_report::Table> {
+fn report_tables(tables: &BTreeMap<String, Table>) -> BTreeMap<String, asperity_report::Table> {
     let columns = |table: &Table| asperity_report::Table { columns: table.columns().to_vec() };
     tables.iter().map(|(name, table)| (name.clone(), columns(table))).collect()
 }
 
-fn of_field(dx_m: f64, dy_m: f64, values: &ndarray::Array2<f64>) -> Field {
+fn report_field(dx_m: f64, dy_m: f64, values: &ndarray::Array2<f64>) -> Field {
     let (ny, nx) = values.dim();
     Field { nx, ny, dx_m, dy_m, values: values.iter().copied().collect() }
 }
 
-/// Every key of a study with its value as it stands in the file, by section.
+/// Returns every key of a study with its value as written in the file, by section.
 fn inputs(study: &str) -> Vec<Input> {
     let Ok(document) = study.parse::<toml::Table>() else { return Vec::new() };
     let input = |section: &str, key: &str, value: &toml::Value| Input {
         section: section.to_owned(),
         key: key.to_owned(),
-        value: in_words(value),
+        value: format_value(value),
     };
     let (sections, plain): (Vec<_>, Vec<_>) = document.iter().partition(|(_, value)| value.is_table());
     let top = plain.into_iter().map(|(key, value)| input("study", key, value));
@@ -78,10 +78,10 @@ fn inputs(study: &str) -> Vec<Input> {
     top.chain(below).collect()
 }
 
-fn in_words(value: &toml::Value) -> String {
+fn format_value(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
-        toml::Value::Array(items) => items.iter().map(in_words).collect::<Vec<_>>().join(", "),
+        toml::Value::Array(items) => items.iter().map(format_value).collect::<Vec<_>>().join(", "),
         other => other.to_string(),
     }
 }

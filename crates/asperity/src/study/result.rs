@@ -1,4 +1,4 @@
-//! The outcome of a study: the content of `results.json`, and the series behind its figures.
+//! Outcome of a study: the content of `results.json`, and the data behind its figures.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use crate::friction::process::FittedProcess;
 use crate::stats::Interval;
 use crate::study::{Field, Table};
 
-/// Everything that a run computed.
+/// All results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Numbers.
+    /// Scalar results.
     pub results: Results,
-    /// Series by name.
+    /// Tables by name.
     pub tables: BTreeMap<String, Table>,
-    /// Maps by name.
+    /// Fields by name.
     pub fields: BTreeMap<String, Field>,
     /// Friction process at the operating point.
     pub friction_process: Option<FittedProcess>,

@@ -1,4 +1,4 @@
-//! Runs a study, stage by stage.
+//! Run of a study, stage by stage.
 
 use std::mem;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use crate::study::{
     vibration_stage,
 };
 
-/// Nominal area of a study that states none: a pad at 3 MPa under 2.5 kN.
+/// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
 const NOMINAL_AREA: Area = Area(833e-6);
 
 choice! {
@@ -49,7 +49,7 @@ impl Study {
         }
     }
 
-    /// Whether the study has a section for the stage.
+    /// Returns whether the study has a section for the stage.
     pub fn has(&self, stage: Stage) -> bool {
         match stage {
             Stage::Surface => self.file().surface.is_some(),
@@ -59,7 +59,7 @@ impl Study {
         }
     }
 
-    /// Returns the friction that the study states or reads; none where its friction stage computes it.
+    /// Returns the friction that the study states or reads; `None` if its friction stage computes it.
     fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
         let Some(vibration) = &self.vibration else { return Ok(None) };
         let (nominal, stribeck) = (vibration.nominal_contact(), vibration.dimensionless_stribeck());
@@ -78,8 +78,8 @@ impl Study {
         })
     }
 
-    /// The warnings that are known before anything is computed, those of the known friction included.
-    fn foreseen(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
+    /// Returns the warnings that are known before anything is computed, including those of the known friction.
+    fn known_warnings(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
         let mut warnings = self.warnings();
         if let (Some(section), Some(known)) = (&self.vibration, known) {
             vibration_stage::refuse_clipping(section, known)?;
@@ -88,19 +88,21 @@ impl Study {
         Ok(warnings)
     }
 
-    /// The warnings of a run that are known before anything is computed; `folder` is that of the study file.
+    /// Returns the warnings of a run that are known before anything is computed; `folder` is the folder of the study
+    /// file.
     ///
     /// # Errors
-    /// The study cannot be run: its friction process cannot be read, or more of the friction is clipped than it allows.
+    /// The study cannot run: its friction process cannot be read, or more of the friction is clipped than the study
+    /// allows.
     pub fn check_before_run(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
-        self.foreseen(self.known_friction(folder)?.as_mut())
+        self.known_warnings(self.known_friction(folder)?.as_mut())
     }
 
-    /// Runs the stages that the study has, or, with `only`, one stage and those it needs. `folder` is that of the study
-    /// file. Nothing is written.
+    /// Runs the stages of the study, or, with `only`, one stage and the stages it needs. `folder` is the folder of the
+    /// study file. Writes no files.
     ///
     /// # Errors
-    /// A stage failed, or `only` names a stage that the study has no section for.
+    /// A stage failed, or the study has no section for the stage `only`.
     pub fn run(&self, folder: &Path, only: Option<Stage>, monitor: &dyn Monitor) -> Result<Outcome, StudyError> {
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration);
@@ -110,7 +112,7 @@ impl Study {
         let mut gathered = Gathered::default();
         gathered.results.seed = self.seed();
         let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
-        gathered.results.warnings = self.foreseen(known.as_mut())?;
+        gathered.results.warnings = self.known_warnings(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
         if let Some(section) = &self.file().surface {
             monitor.progress("surface", 0, 1);
@@ -132,23 +134,22 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.file().friction, &self.file().material, &surface, wants_friction)
         {
-            let operating = match &self.vibration {
+            let level = match &self.vibration {
                 None => OperatingLevel::Deepest,
                 Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
                     OperatingLevel::Percentile(*percentile)
                 }
                 Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
             };
-            let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let stated = section.nominal_area.or_else(of_vibration);
+            let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
+            let stated = section.nominal_area.or_else(vibration_area);
             let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
             if stated.is_none() {
                 let assumed =
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage =
-                friction_stage::run(section, material, surface, operating, nominal_area_m2, self.seed(), monitor)?;
+            let stage = friction_stage::run(section, material, surface, level, nominal_area_m2, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = self

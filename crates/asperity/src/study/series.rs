@@ -1,4 +1,4 @@
-//! Tables and fields: the series behind every figure.
+//! Tables and fields: the data behind every figure.
 
 use ndarray::Array2;
 use thiserror::Error;
@@ -8,16 +8,16 @@ use crate::map::Grid;
 /// Header of the column that names rows.
 const NAME: &str = "name";
 
-/// Columns of equal length; NaN is an undefined value and an empty cell in CSV. Rows may have names, which stand in a first
-/// column `name`.
+/// Columns of equal length; NaN is an undefined value and an empty cell in CSV. Rows may have names, in a first column
+/// `name`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Of every row, or none at all.
+    /// Names of all rows; empty if they have none.
     names: Vec<String>,
     columns: Vec<(String, Vec<f64>)>,
 }
 
-/// Why a CSV text is not a table.
+/// Error of reading a CSV text as a table.
 #[derive(Debug, Error)]
 pub enum TableError {
     /// Not CSV.
@@ -30,13 +30,13 @@ pub enum TableError {
         row: usize,
         /// Column name.
         column: String,
-        /// What was found.
+        /// Text of the cell.
         text: String,
     },
 }
 
 impl Table {
-    /// A table from named columns.
+    /// Creates a table from named columns.
     ///
     /// # Panics
     /// If the columns differ in length.
@@ -47,42 +47,42 @@ impl Table {
         Self { names: Vec::new(), columns }
     }
 
-    /// A table from named columns and the names of its rows.
+    /// Creates a table from named columns and the names of its rows.
     ///
     /// # Panics
-    /// If the columns differ in length, or from the names.
-    pub fn named<N: Into<String>>(names: Vec<String>, columns: impl IntoIterator<Item = (N, Vec<f64>)>) -> Self {
+    /// If the columns differ in length, or the number of names differs from it.
+    pub fn with_names<N: Into<String>>(names: Vec<String>, columns: impl IntoIterator<Item = (N, Vec<f64>)>) -> Self {
         let table = Self::new(columns);
         assert!(table.columns.iter().all(|(_, values)| values.len() == names.len()), "names differ from rows");
         Self { names, ..table }
     }
 
-    /// The same table with the named column, its abscissa, first.
+    /// Moves the named column, the abscissa, to the front.
     #[must_use]
     pub fn led_by(mut self, name: &str) -> Self {
         self.columns.sort_by_key(|(own, _)| own != name);
         self
     }
 
-    /// The names of the rows; empty where they have none.
+    /// Returns the names of the rows; empty if they have none.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Names and values.
+    /// Returns the columns with their names.
     pub fn columns(&self) -> &[(String, Vec<f64>)] {
         &self.columns
     }
 
-    /// The values of the named column.
+    /// Returns the values of the named column.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())
     }
 
-    /// Comma-separated text with a header; every number reads back to the same bits.
+    /// Returns comma-separated text with a header; reading it back gives the same bits.
     ///
     /// # Errors
-    /// None in practice: the writer's memory buffer.
+    /// Only if the buffer of the CSV writer fails, which does not happen in memory.
     pub fn to_csv(&self) -> Result<Vec<u8>, TableError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let header = (!self.names.is_empty()).then_some(NAME);
@@ -96,10 +96,10 @@ impl Table {
         writer.into_inner().map_err(|error| TableError::Csv(error.into_error().into()))
     }
 
-    /// Reads what [`Table::to_csv`] wrote.
+    /// Reads the output of [`Table::to_csv`].
     ///
     /// # Errors
-    /// The text is not CSV or holds something else than numbers.
+    /// The text is not CSV or contains cells that are no numbers.
     pub fn from_csv(bytes: &[u8]) -> Result<Self, TableError> {
         let mut reader = csv::Reader::from_reader(bytes);
         let named = usize::from(reader.headers()?.get(0) == Some(NAME));
@@ -122,10 +122,10 @@ impl Table {
     }
 }
 
-/// A map of any quantity on a grid, shape `[ny, nx]`, NaN where undefined.
+/// Map of any quantity on a grid, shape `[ny, nx]`, NaN where undefined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// The grid.
+    /// Grid of the map.
     pub grid: Grid,
     /// SI unit of the values.
     pub unit: &'static str,
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn rows_keep_their_names_in_csv() {
         let names = vec!["monte_carlo".to_owned(), "a, \"quoted\"".to_owned()];
-        let table = Table::named(names, [("work", vec![1.0, 2.0])]);
+        let table = Table::with_names(names, [("work", vec![1.0, 2.0])]);
         let text = table.to_csv().unwrap();
         assert!(text.starts_with(b"name,work\nmonte_carlo,1.0\n"), "{}", String::from_utf8_lossy(&text));
         assert_eq!(Table::from_csv(&text).unwrap(), table);

@@ -1,4 +1,4 @@
-//! Maps drawn from a model: what `[surface]` of a study describes, on any grid.
+//! Random maps of the `[surface]` of a study, on any grid.
 
 use std::path::Path;
 
@@ -12,11 +12,11 @@ use crate::study::file::SurfaceSection;
 use crate::study::{StudyError, StudyFile, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
 
-/// Name of the random stage of drawn maps.
+/// Stream name of the random numbers of drawn maps.
 const STAGE: &str = "specimen";
 
-/// Random maps: a surface, its size and its points. The file has the keys `seed`, `size`, `points`, `boundary` and the
-/// section `[surface]` of a study.
+/// Specification of random maps: a surface, its size and its points. The file has the keys `seed`, `size`, `points`,
+/// `boundary` and the section `[surface]` of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Specimen {
@@ -26,10 +26,10 @@ pub struct Specimen {
     pub size: [Length; 2],
     /// Points (x, y) of a map.
     pub points: [usize; 2],
-    /// Whether a map continues periodically beyond its edge.
+    /// Continuation of a map beyond its edge.
     #[serde(default = "free")]
     pub boundary: BoundaryKind,
-    /// The surface.
+    /// Surface model.
     pub surface: SurfaceSection,
 }
 
@@ -41,7 +41,7 @@ impl Specimen {
     /// Reads the text of a specification; `file` names it in errors.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its line.
+    /// The first error of the specification, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
         let specimen: Self = StudyFileError::read(text, file)?;
         let study = StudyFile {
@@ -56,17 +56,17 @@ impl Specimen {
         Ok(specimen)
     }
 
-    /// Memory in byte that its generator and a map need, roughly.
+    /// Estimates the memory in byte of the generator and a map.
     pub fn memory_bytes(&self) -> f64 {
-        // The covariance embedded in twice the width and height, in complex numbers, and the map with its ξ.
+        // The embedded covariance has twice the width and height, in complex numbers; the map has its normal variables.
         const BYTES_PER_POINT: f64 = 4.0 * 16.0 + 3.0 * 8.0;
         BYTES_PER_POINT * self.points[0] as f64 * self.points[1] as f64
     }
 
-    /// Makes the generator of the maps. `folder` is that of the specification, for a scan that it names.
+    /// Builds the generator of the maps. `folder` is the folder of the specification, to which scan paths are relative.
     ///
     /// # Errors
-    /// The scan cannot be read or has no texture, the model is not valid, or the grid is not one.
+    /// The scan cannot be read or has no texture, or the model or the grid is invalid.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
         let [width, height] = self.size;
         let grid = Grid::with_size(self.points[0], self.points[1], width.0, height.0)
@@ -75,13 +75,13 @@ impl Specimen {
         let scans = names.zip(self.surface.read_scans(folder)?).collect();
         let stage = surface_stage::run(&self.surface, scans)?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryKind::Periodic)?;
-        let idle = self.surface.idle_keys().into_iter();
-        let warnings = idle.chain(stage.output.warnings).chain(generated.warnings).collect();
+        let keys = self.surface.keys_without_effect().into_iter();
+        let warnings = keys.chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }
 }
 
-/// Draws the maps of a [`Specimen`].
+/// Generator of the maps of a [`Specimen`].
 pub struct Sampler {
     seed: u64,
     surface: Box<dyn RandomSurface>,
@@ -89,13 +89,13 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Map number `index`, the same whichever maps are drawn beside it.
+    /// Draws map number `index`, independently of other maps.
     pub fn draw(&self, index: u64) -> HeightMap {
         let mut stream = random::stream(self.seed, STAGE, index);
         self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()))
     }
 
-    /// What to be wary of, in sentences.
+    /// Returns the warnings, in sentences.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -133,7 +133,7 @@ generator = "spectral"
     }
 
     #[test]
-    fn a_fractal_surface_needs_no_covariance_and_an_idle_key_is_told() {
+    fn a_fractal_surface_needs_no_covariance_and_a_key_without_effect_gives_a_warning() {
         let text = "seed = 3\nsize = [\"64 um\", \"32 um\"]\npoints = [64, 32]\n[surface]\nrms_height = \"1 um\"\n\
                     generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.4\nhurst = 0.6\n";
         let sampler = Specimen::parse(text, "spec.toml").unwrap().sampler(Path::new(".")).unwrap();
@@ -146,7 +146,7 @@ generator = "spectral"
 
     #[test]
     fn a_wrong_specification_points_at_its_line() {
-        for (from, to, line, wanted) in [
+        for (from, to, line, expected) in [
             ("size =", "siz =", 3, "did you mean `size`?"),
             ("\"1 um\"", "\"1 GPa\"", 8, "length"),
             ("rms_height = \"1 um\"", "", 5, "rms_height"),
@@ -154,7 +154,7 @@ generator = "spectral"
         ] {
             let error = Specimen::parse(&SPECIFICATION.replace(from, to), "spec.toml").unwrap_err();
             assert_eq!((error.line, error.file.as_str()), (line, "spec.toml"), "{error}");
-            assert!(error.message.contains(wanted), "{error}");
+            assert!(error.message.contains(expected), "{error}");
         }
         let flat = SPECIFICATION.replace("[64, 32]", "[1, 32]");
         assert!(Specimen::parse(&flat, "spec.toml").unwrap().sampler(Path::new(".")).is_err());

@@ -1,8 +1,8 @@
-//! Folders that asperity writes, and finished runs that it reads back.
+//! Folders that asperity writes, and finished runs that it reads.
 //!
-//! [`Staging`] writes a folder beside its destination and moves it there as a whole, so that a destination is either complete
-//! or untouched. Each folder holds a list of the files that asperity wrote ([`manifest`]): a folder is replaced only if it
-//! holds nothing else.
+//! [`Staging`] writes a folder beside its destination and then moves it there in one step, so that a destination is
+//! either complete or unchanged. Each folder has a manifest of the files that asperity wrote ([`manifest`]). A folder
+//! is replaced only if it contains nothing else.
 
 mod manifest;
 mod staging;
@@ -21,18 +21,18 @@ use crate::study::{Table, TableError};
 use manifest::{MANIFEST, Manifest};
 pub use staging::Staging;
 
-/// Last file of a run folder.
+/// Name of the file that is written last.
 const COMPLETE: &str = "COMPLETE";
-/// The process that the friction stage hands on.
+/// Name of the file with the friction process of the friction stage.
 pub(super) const FRICTION_PROCESS: &str = "friction_process.json";
-/// Numbers of the run.
+/// Name of the file with the numbers of the run.
 const RESULTS: &str = "results.json";
-/// Origin of the run.
+/// Name of the file with the provenance of the run.
 const PROVENANCE: &str = "provenance.json";
-/// Grids and units of the fields.
+/// Name of the file with the grids and units of the fields.
 pub(super) const FIELD_INDEX: &str = "fields/index.json";
 
-/// Why a folder could not be written or read.
+/// Error of writing or reading a folder.
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// The operating system refused to read or write a file.
@@ -40,10 +40,10 @@ pub enum StoreError {
     Io {
         /// File or folder.
         path: PathBuf,
-        /// Its answer.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The destination holds something, and replacing it was not asked for.
+    /// The destination is not empty, and replacement was not requested.
     #[error(
         "{} is not empty; choose another folder, or add --force to replace a folder that asperity wrote",
         path.display()
@@ -52,29 +52,29 @@ pub enum StoreError {
         /// The destination.
         path: PathBuf,
     },
-    /// The destination is something else than a folder.
-    #[error("{} is {found}; a folder is wanted", path.display())]
+    /// The destination is no folder.
+    #[error("{} is {found}; give a folder", path.display())]
     NoFolder {
         /// The destination.
         path: PathBuf,
-        /// What it is.
+        /// Description of the destination.
         found: &'static str,
     },
-    /// The destination has no name of its own, such as `.` and `..`.
+    /// The destination has no name of its own, for example `.` or `..`.
     #[error("{} does not name a folder; write its name, for example out/run1", path.display())]
     Unnamed {
         /// The destination.
         path: PathBuf,
     },
-    /// The destination holds a file that is read.
-    #[error("{} holds the input {}; replacing the folder would delete it; choose another folder", path.display(), input.display())]
+    /// The destination contains an input file.
+    #[error("{} contains the input {}; replacing the folder would delete it; choose another folder", path.display(), input.display())]
     HoldsInput {
         /// The destination.
         path: PathBuf,
-        /// The file in it.
+        /// The input file.
         input: PathBuf,
     },
-    /// The destination has no list of the files that asperity wrote.
+    /// The destination has no manifest.
     #[error(
         "{} has no {MANIFEST}, so asperity did not write it, or an earlier version did; it is not replaced; \
          choose another folder, or delete it yourself",
@@ -84,30 +84,30 @@ pub enum StoreError {
         /// The destination.
         path: PathBuf,
     },
-    /// The destination holds files that asperity did not write, or that were changed since.
-    #[error("{} is not replaced: asperity did not write {}; move it away, or choose another folder", path.display(), first_of(foreign))]
+    /// The destination contains files that asperity did not write, or that have changed since.
+    #[error("{} is not replaced: asperity did not write {}; move it away, or choose another folder", path.display(), first_names(foreign))]
     Foreign {
         /// The destination.
         path: PathBuf,
         /// The files, relative to the destination.
         foreign: Vec<String>,
     },
-    /// The finished folder could not take its destination.
-    #[error("{} is left as it is: {reason}; this result is in {}", path.display(), kept.display())]
+    /// The finished folder could not be moved to its destination.
+    #[error("{} is not replaced: {reason}; this result is in {}", path.display(), kept.display())]
     Taken {
         /// The destination.
         path: PathBuf,
-        /// What prevented it.
+        /// Reason.
         reason: String,
-        /// Where the result is instead.
+        /// Folder that contains the result instead.
         kept: PathBuf,
     },
-    /// The folder holds no finished run.
-    #[error("{} is not a finished run: it holds no {missing}", path.display())]
+    /// The folder contains no finished run.
+    #[error("{} is not a finished run: {missing} is missing", path.display())]
     NotARun {
         /// The folder.
         path: PathBuf,
-        /// What is missing.
+        /// Name of the missing file.
         missing: &'static str,
     },
     /// A file of the run cannot be read.
@@ -115,7 +115,7 @@ pub enum StoreError {
     Corrupt {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// A table could not be written.
@@ -124,7 +124,7 @@ pub enum StoreError {
     /// The friction process is invalid.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),
-    /// The results have keys of another version.
+    /// The results have another schema version.
     #[error(
         "{}: {}, but this program reads version {SCHEMA_VERSION}; run the study again with `asperity run {}`",
         path.display(),
@@ -153,8 +153,8 @@ fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
     move |source| StoreError::Io { path: path.into(), source }
 }
 
-/// The first few names of a list, and how many more there are.
-fn first_of(names: &[String]) -> String {
+/// Returns the first three names of a list, and the number of the others.
+fn first_names(names: &[String]) -> String {
     const SHOWN: usize = 3;
     let first = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(SHOWN) {
@@ -170,18 +170,18 @@ pub(super) struct FieldEntry {
     pub(super) unit: String,
 }
 
-/// The part of `results.json` that says which version its other keys have.
+/// Schema version of `results.json`.
 #[derive(serde::Deserialize)]
 struct Version {
     schema_version: Option<u64>,
 }
 
-/// SHA-256 of a file, as lower-case hexadecimal digits.
+/// Returns the SHA-256 of a file as lower-case hexadecimal digits.
 pub(super) fn file_hash(file: &Path) -> Result<String, StoreError> {
     manifest::hash(file).map_err(at(file))
 }
 
-/// A map read back from a run folder.
+/// Map read from a run folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredField {
     /// Pitch along x in metre.
@@ -194,7 +194,7 @@ pub struct StoredField {
     pub values: ndarray::Array2<f64>,
 }
 
-/// A finished run, read back.
+/// Finished run, read from its folder.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
     /// Text of the resolved study.
@@ -213,7 +213,7 @@ impl StoredRun {
     /// Reads the run folder `dir`.
     ///
     /// # Errors
-    /// It is not a finished run, or one of its files cannot be read.
+    /// The folder is no finished run, or one of its files cannot be read.
     pub fn load(dir: &Path) -> Result<Self, StoreError> {
         if !dir.join(COMPLETE).is_file() {
             return Err(StoreError::NotARun { path: dir.into(), missing: COMPLETE });
@@ -258,10 +258,10 @@ impl StoredRun {
         Ok(Self { study, results, provenance, tables, fields })
     }
 
-    /// Replaces files of a finished run, each in one step, and lists them as written by asperity.
+    /// Replaces files of a finished run, each atomically, and updates the manifest.
     ///
     /// # Errors
-    /// The operating system refused; a file is either replaced or as before.
+    /// The operating system refused; each file is then either replaced or unchanged.
     pub fn replace(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<(), StoreError> {
         let write = |path: &Path, bytes: &[u8]| {
             let folder = path.parent().unwrap_or(dir);
@@ -272,7 +272,8 @@ impl StoredRun {
         for (relative, bytes) in files {
             write(&dir.join(relative), bytes)?;
         }
-        // The folder of an earlier version has no list. A new one would have to take all other files for asperity's.
+        // A folder of an earlier version has no manifest. A new one would have to list all files as written by
+        // asperity.
         if let Some(mut manifest) = Manifest::read(dir).map_err(at(dir))? {
             manifest.update(dir, files.iter().map(|(relative, _)| relative.as_str())).map_err(at(dir))?;
             write(&dir.join(MANIFEST), manifest.text().as_bytes())?;
@@ -281,7 +282,7 @@ impl StoredRun {
     }
 }
 
-/// Indented JSON with a final newline.
+/// Returns indented JSON with a final newline.
 pub fn json_bytes(value: &impl serde::Serialize) -> Result<Vec<u8>, StoreError> {
     let mut bytes = serde_json::to_vec_pretty(value)?;
     bytes.push(b'\n');

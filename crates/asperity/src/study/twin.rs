@@ -1,8 +1,8 @@
-//! Twins: random maps that are statistically like a measured one, and how alike they are.
+//! Twins: random maps with the statistics of a measured one, and their comparison with it.
 //!
-//! [`Twins::like`] measures a scan and fits the model, [`Twins::draw`] draws a twin, [`Twins::compare`] draws many and sets
-//! every statistic of the scan beside those of its twins. A twin is read off as the scan was: the scan's missing points are
-//! masked out and the form is removed, so that the biases of estimators on a finite map cancel.
+//! [`Twins::new`] measures a scan and fits the model, [`Twins::draw`] draws a twin, and [`Twins::compare`] draws many
+//! and compares every statistic of the scan with those of its twins. A twin is measured like the scan: the scan's
+//! missing points are masked out and the form is removed, so that the biases of estimators on a finite map cancel.
 
 mod band;
 mod comparison;
@@ -37,34 +37,34 @@ use comparison::{Target, TwinTraits, masked, outside_sentence, statistics_table}
 
 pub use options::TwinOptions;
 
-/// Names of the random stages of the twins, and of the maps on which the share of the form is found.
+/// Stream names of the random numbers: of the twins, and of the maps that estimate the variance of the form.
 const STAGE: &str = "twin";
 const TRIAL_STAGE: &str = "twin trial";
-/// Maps on which the share of the form is found.
+/// Number of maps that estimate the fraction of variance in the form.
 const TRIALS: u64 = 8;
-/// Share of the form from which the height of the long waves is called a guess.
+/// Fraction of variance in the form above which the height of the long waves is reported as uncertain.
 const LARGE_FORM_SHARE: f64 = 0.25;
-/// Kurtosis from which a scan is suspected of spikes. That of heights whose logarithm is normal with σ = 0.9 is 20.
-const SPIKY: f64 = 20.0;
+/// Kurtosis above which a scan is suspected of spikes. Lognormal heights with σ = 0.9 have a kurtosis of 20.
+const SPIKE_KURTOSIS: f64 = 20.0;
 
 /// Functions with their bands, and the statistics of every twin, by the name of the table.
 pub type TwinTables = Vec<(&'static str, Table)>;
 
-/// Why twins could not be compared; `E` is the caller's, who kept them.
+/// Error of comparing twins; `E` is the error of the caller that stores them.
 #[derive(Debug, Error)]
 pub enum TwinError<E> {
-    /// A twin has no statistics, or the comparison was stopped.
+    /// A twin has no statistics, or the comparison was cancelled.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// A twin could not be kept.
+    /// A twin could not be stored.
     #[error("{0}")]
     Keep(E),
 }
 
-/// Draws the twins of a scan.
+/// Generator of the twins of a scan.
 ///
-/// Twins are complete maps about the height zero: a form may be added to them, and none was removed. Their rms height is
-/// such that it is the scan's Sq *after* the form is removed, unless the options state it.
+/// Twins are complete maps about the height zero. They may contain a form; none is removed. Unless the options state
+/// their rms height, it gives the scan's Sq *after* the form is removed.
 pub struct Twins {
     file: String,
     seed: u64,
@@ -81,19 +81,19 @@ pub struct Twins {
 }
 
 impl Twins {
-    /// Measures a scan and makes the generator of its twins; `file` names the scan.
+    /// Measures a scan and builds the generator of its twins; `file` names the scan.
     ///
     /// # Errors
-    /// The scan has no texture or no covariance that could be fitted, the model is not valid, or the grid is not one.
-    pub fn like(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
+    /// The scan has no texture or no covariance that can be fitted, or the model or the grid is invalid.
+    pub fn new(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
         let mut section = SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
         let mut output = StageOutput::default();
-        // The file's own warnings come first.
+        // Warnings of the file come first.
         let measured = measure(&section, file, scan, &mut output)?;
-        output.warnings.extend(section.idle_keys());
+        output.warnings.extend(section.keys_without_effect());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
         let (model, chosen) = match model {
-            Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.model_in_need => {
+            Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
                 model_of(&section, Some(&measured), &options.families, &mut output)?
@@ -111,7 +111,7 @@ impl Twins {
             file: file.to_owned(),
             seed: options.seed,
             level: section.level.as_polynomial(),
-            target: Target::of(&measured),
+            target: Target::new(&measured),
             scan: measured.map,
             surface: generated.surface,
             gain: 1.0,
@@ -134,13 +134,13 @@ impl Twins {
             } else {
                 twins.form_share(&*model.patch(own, periodic)?.surface)?
             };
-            twins.make_up_for(share, &model.marginal)?;
+            twins.compensate_form(share, &model.marginal)?;
         }
-        twins.say(section, grid);
+        twins.add_sentences(section, grid);
         Ok(twins)
     }
 
-    /// Share of the variance that goes with the form removed from maps on the scan's grid.
+    /// Returns the fraction of the variance that is removed with the form from maps on the scan's grid.
     fn form_share(&self, surface: &dyn RandomSurface) -> Result<f64, StudyError> {
         let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
         let squares: Vec<(f64, f64)> = (0..TRIALS)
@@ -150,7 +150,7 @@ impl Twins {
                 let trial =
                     masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
                 let left = self.without_form(&trial)?.map;
-                // Statistics are about the mean, whether or not it counts as form.
+                // Statistics are relative to the mean, whether or not the form includes it.
                 let points = left.present_m().count() as f64;
                 let mean = left.present_m().sum::<f64>() / points;
                 Ok((square(&trial), square(&left) - points * mean * mean))
@@ -160,8 +160,8 @@ impl Twins {
         Ok((1.0 - after / before).clamp(0.0, 1.0 - f64::EPSILON))
     }
 
-    /// Raises the twins so that their variance without the form is the scan's.
-    fn make_up_for(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
+    /// Scales the twins so that their variance without the form equals the scan's.
+    fn compensate_form(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
         self.gain = 1.0 / (1.0 - share).sqrt();
         let model = &mut self.model;
         model.rms_height_m *= self.gain;
@@ -186,8 +186,8 @@ impl Twins {
         Ok(())
     }
 
-    /// Tells how twins are read off, and what they cannot be.
-    fn say(&mut self, section: &SurfaceSection, grid: Grid) {
+    /// Adds assumptions about the measurement of twins, and warnings about their limits.
+    fn add_sentences(&mut self, section: &SurfaceSection, grid: Grid) {
         if section.s_filter.is_some() || section.l_filter.is_some() {
             self.assumptions.push(
                 "Twins are like the filtered scan. They were not filtered again: a wave that the filter halves would be \
@@ -196,7 +196,7 @@ impl Twins {
             );
         }
         let kurtosis = self.target.statistics.Sku.unwrap_or(f64::NAN);
-        if kurtosis > SPIKY && section.outliers.is_none() {
+        if kurtosis > SPIKE_KURTOSIS && section.outliers.is_none() {
             self.warnings.push(format!(
                 "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
                 sentence::digits(kurtosis)
@@ -238,30 +238,30 @@ impl Twins {
         }
     }
 
-    /// The scan as it was prepared.
+    /// Returns the scan after preparation.
     pub fn scan(&self) -> &HeightMap {
         &self.scan
     }
 
-    /// Grid of the twins.
+    /// Returns the grid of the twins.
     pub fn grid(&self) -> Grid {
         self.surface.grid()
     }
 
-    /// What to be wary of before any twin is drawn, in sentences.
+    /// Returns the warnings that are known before any twin is drawn.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// Twin number `index`, counted from 0: a function of the seed and the number alone.
+    /// Draws twin number `index`, counted from 0. The twin depends on the seed and the number alone.
     pub fn draw(&self, index: u64) -> HeightMap {
         let mut stream = random::stream(self.seed, STAGE, index);
         let twin = self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()));
         twin.scaled(self.gain)
     }
 
-    /// A twin as the scan is read off: with its missing points, without its form.
-    fn treated(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
+    /// Prepares a twin like the scan: masks its missing points and removes the form.
+    fn prepared_twin(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
         let twin = if self.grid() == self.scan.grid() { masked(twin, &self.scan)? } else { twin.clone() };
         self.without_form(&twin)
     }
@@ -272,9 +272,9 @@ impl Twins {
         Ok(preparation.apply(map).map_err(SurfaceModelError::from)?)
     }
 
-    /// Draws twins 0 … `count` − 1, hands each to `keep`, and compares the scan with them.
+    /// Draws twins 0 … `count` − 1, passes each to `keep`, and compares the scan with them.
     ///
-    /// As many are in memory at once as there are threads; `keep` is called from any of these, in any order.
+    /// Memory holds as many twins at once as there are threads. `keep` runs on any of the threads, in any order.
     ///
     /// # Errors
     /// Cancelled, or `keep` failed.
@@ -296,16 +296,16 @@ impl Twins {
                     }
                     let twin = self.draw(index as u64);
                     keep(index, &twin).map_err(TwinError::Keep)?;
-                    Ok(self.target.read_off(self.treated(&twin)?)?)
+                    Ok(self.target.measure_twin(self.prepared_twin(&twin)?)?)
                 })
                 .collect();
             traits.extend(read?);
             monitor.progress("twins", traits.len(), count);
         }
-        Ok(self.compared(&traits))
+        Ok(self.comparison(&traits))
     }
 
-    fn compared(&self, traits: &[TwinTraits]) -> (Comparison, TwinTables) {
+    fn comparison(&self, traits: &[TwinTraits]) -> (Comparison, TwinTables) {
         let twins = self.target.compare_statistics(traits);
         let mut tables = vec![("statistics", statistics_table(traits))];
         let mut curves = Vec::new();
@@ -343,7 +343,7 @@ impl Twins {
     }
 }
 
-/// What the twins of a generator cannot be, whatever was fitted.
+/// Returns sentences about features that twins of a generator lack, whatever the fit.
 fn limits(section: &SurfaceSection) -> Vec<String> {
     let mut limits = vec![
         "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."

@@ -8,7 +8,7 @@ mod tables;
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
 use self::entries::{
-    crossing_result, cycle_result, damping_result, kind_result, law_in_words, motion_result, points_result,
+    crossing_result, cycle_result, damping_result, describe_law, kind_result, motion_result, points_result,
 };
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
@@ -33,36 +33,36 @@ use crate::vibration::{
     limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
 
-/// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
+/// Points of a plotted limit cycle and trajectory, and the duration τ of the trajectory.
 const CYCLE_POINTS: usize = 600;
 const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
-/// Trajectories of a cloud.
+/// Number of trajectories of a cloud.
 const CLOUD_TRAJECTORIES: usize = 60;
-/// Levels of the mean time in vibration whose damping ratios are results.
-const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
-/// Multiples of the fastest expected slip for which friction is kept positive, tried in turn while slips turn out to be faster.
+/// Levels of the mean fraction of time in vibration whose damping ratios are reported.
+const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
+/// Multiples of the fastest expected slip for which friction is kept positive; the next is tried if slips are faster.
 const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
-/// Scatter of μ below which friction counts as constant.
-const NO_SCATTER: f64 = 1e-12;
+/// Standard deviation of μ below which friction counts as constant.
+const CONSTANT_STD: f64 = 1e-12;
 
-/// The fluctuation of friction under one upscaling.
-struct Scatter {
+/// Fluctuation of friction under one upscaling.
+struct Fluctuation {
     name: &'static str,
     std: f64,
     marginal: Marginal,
 }
 
-/// The fluctuation under both upscalings, that of one window first.
-fn scatters(window: &WindowFriction) -> [Scatter; 2] {
+/// Returns the fluctuation under both upscalings, first that of one window.
+fn fluctuations(window: &WindowFriction) -> [Fluctuation; 2] {
     let area_std = window.std * window.variance_reduction.sqrt();
     [
-        Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() },
-        Scatter { name: "area", std: area_std, marginal: window.area_marginal() },
+        Fluctuation { name: "paper", std: window.std, marginal: window.marginal.clone() },
+        Fluctuation { name: "area", std: area_std, marginal: window.area_marginal() },
     ]
 }
 
-/// What the vibration stage hands on.
+/// Output of the vibration stage.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
     pub(super) output: StageOutput,
@@ -77,36 +77,36 @@ pub(super) fn run(
     let ensembles = ensembles(study, window, seed)?;
     let (oscillator, correlation_length) = (ensembles.oscillator.clone(), ensembles.correlation_length);
     let mut warnings = window.warnings.clone();
-    let [paper_scatter, area_scatter] = scatters(window);
-    let area_std = area_scatter.std;
-    let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
-    let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
-    // Of a study without a measured process the file alone tells.
+    let [paper_fluctuation, area_fluctuation] = fluctuations(window);
+    let area_std = area_fluctuation.std;
+    let (paper, paper_ensemble) = ensembles.run(&paper_fluctuation, monitor, &mut warnings)?;
+    let (area, area_ensemble) = ensembles.run(&area_fluctuation, monitor, &mut warnings)?;
+    // For a study without a measured process, the study file alone decides.
     let is_stated = || window.stribeck == study.dimensionless_stribeck();
     warnings.extend(study.load_warning().filter(|_| matches!(study.friction, FrictionSource::File(_)) && is_stated()));
-    let critical = if_found(critical_damping(&oscillator))?;
+    let critical = found_or_none(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;
     let velocity_scale = study.scales.velocity_m_per_s();
-    let kick = if free { if_found(smallest_kick(&oscillator))?.flatten() } else { None };
-    let lead = match study.upscaling {
-        Upscaling::Area => &area_scatter,
-        Upscaling::Paper => &paper_scatter,
+    let kick = if free { found_or_none(smallest_kick(&oscillator))?.flatten() } else { None };
+    let main = match study.upscaling {
+        Upscaling::Area => &area_fluctuation,
+        Upscaling::Paper => &paper_fluctuation,
     };
     let mut tables = vec![("cycles_over_damping", damping_table(&paper, &area))];
-    tables.extend(ensembles.portraits(lead, monitor)?);
-    for (name, lead) in [("reattachment_paper", &paper_lead), ("reattachment_area", &area_lead)] {
-        if let Some(table) = lead.as_ref().and_then(|lead| points_table(&lead.reattachments)) {
+    tables.extend(ensembles.portraits(main, monitor)?);
+    for (name, ensemble) in [("reattachment_paper", &paper_ensemble), ("reattachment_area", &area_ensemble)] {
+        if let Some(table) = ensemble.as_ref().and_then(|ensemble| points_table(&ensemble.reattachments)) {
             tables.push((name, table));
         }
     }
-    for (name, lead) in [("survival_paper", &paper_lead), ("survival_area", &area_lead)] {
-        tables.extend(lead.as_ref().map(|lead| (name, survival_table(&lead.passages, study.duration))));
+    for (name, ensemble) in [("survival_paper", &paper_ensemble), ("survival_area", &area_ensemble)] {
+        tables.extend(ensemble.as_ref().map(|ensemble| (name, survival_table(&ensemble.passages, study.duration))));
     }
     let mut map = None;
     if let Some(plan) = &study.map {
-        warnings.extend(ensembles.clipping_of_map(plan, lead)?);
-        let found = ensembles.map(plan, lead, monitor)?;
+        warnings.extend(ensembles.map_clipping(plan, main)?);
+        let found = ensembles.map(plan, main, monitor)?;
         let [x, y] = plan.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
         let MapResolution { x: width, y: height, unresolved_share } = found.resolution;
@@ -122,16 +122,16 @@ pub(super) fn run(
         level_mean_pressure_pa: window.level_mean_pressure_pa,
         friction_correlation_length_m: window.length_m,
         correlation_length,
-        marginal: (window.std >= NO_SCATTER).then(|| law_result(&window.marginal)),
+        marginal: (window.std >= CONSTANT_STD).then(|| law_result(&window.marginal)),
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
-        limit_damping_ratio: if_found(limit_damping(&oscillator))?,
+        limit_damping_ratio: found_or_none(limit_damping(&oscillator))?,
         kind: kind_result(regime.kind()),
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
         kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
-        upscaling: lead.name.into(),
+        upscaling: main.name.into(),
         map,
         paper,
         area,
@@ -139,8 +139,8 @@ pub(super) fn run(
     Ok(VibrationStage { result, output: StageOutput { tables, fields: Vec::new(), assumptions, warnings } })
 }
 
-/// The answer of a search, or none if it found nothing.
-fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, VibrationError> {
+/// Converts a failed search to `None`.
+fn found_or_none<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, VibrationError> {
     match answer {
         Ok(found) => Ok(Some(found)),
         Err(VibrationError::NotFound { .. }) => Ok(None),
@@ -148,7 +148,7 @@ fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, Vibration
     }
 }
 
-/// The ensembles of a study that slides on this friction.
+/// Prepares the ensembles of a study with this friction.
 fn ensembles<'a>(
     study: &'a VibrationStudy,
     window: &'a WindowFriction,
@@ -165,7 +165,7 @@ fn ensembles<'a>(
     })
 }
 
-/// The ensembles of one study.
+/// Ensembles of one study.
 struct Ensembles<'a> {
     study: &'a VibrationStudy,
     oscillator: Oscillator,
@@ -176,20 +176,20 @@ struct Ensembles<'a> {
 }
 
 impl Ensembles<'_> {
-    /// The process of a scatter; `None` where friction is constant.
+    /// Returns the process of a fluctuation; `None` if friction is constant.
     ///
     /// # Errors
     /// More of its values are clipped than the study allows.
-    fn process(&self, scatter: &Scatter, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
-        if scatter.std < NO_SCATTER {
+    fn process(&self, noise: &Fluctuation, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
+        if noise.std < CONSTANT_STD {
             return Ok(None);
         }
-        let model = self.model(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, margin);
-        self.clipped(&model, scatter.name)?;
+        let model = self.model(&self.oscillator, noise.marginal.clone(), noise.std, 1.0, margin);
+        self.clipped(&model, noise.name)?;
         Ok(Some(FrictionProcess::new(model)?))
     }
 
-    /// The process of a machine under a multiple of the load.
+    /// Returns the process model for a multiple of the load.
     fn model(&self, oscillator: &Oscillator, marginal: Marginal, std: f64, load: f64, margin: f64) -> ProcessModel {
         let model = ProcessModel {
             shape: self.shape.in_unit(load),
@@ -200,8 +200,8 @@ impl Ensembles<'_> {
         clipped_to_positive(oscillator, model, margin)
     }
 
-    /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
-    /// own, and the mean over many windows is normal.
+    /// Returns the generator of the study, else of the fitted process, else the one that suits the correlation. A
+    /// diffusion produces only its own distribution, and the mean over many windows is normal.
     fn generator(&self, marginal: &Marginal) -> Generator {
         let stated = self.study.generator.or(self.window.generator);
         let able = stated.filter(|generator| {
@@ -227,35 +227,35 @@ impl Ensembles<'_> {
         }
     }
 
-    /// Ensembles over the sweep, and the one at the study's own damping ratio. Where slips turn out faster than expected,
-    /// so that friction would change its sign, the process is cut off higher, and the result says so.
+    /// Simulates ensembles over the sweep, and one at the study's own damping ratio. If slips are faster than expected,
+    /// so that friction would change its sign, retries with a stronger clipping, which the result reports.
     fn run(
         &self,
-        scatter: &Scatter,
+        noise: &Fluctuation,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let mut ended = self.run_clamped(scatter, MARGINS[0], monitor, warnings);
+        let mut result = self.run_with_margin(noise, MARGINS[0], monitor, warnings);
         for margin in &MARGINS[1..] {
-            if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = ended {
-                ended = self.run_clamped(scatter, *margin, monitor, warnings);
+            if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = result {
+                result = self.run_with_margin(noise, *margin, monitor, warnings);
             }
         }
-        ended
+        result
     }
 
-    fn run_clamped(
+    fn run_with_margin(
         &self,
-        scatter: &Scatter,
+        noise: &Fluctuation,
         margin: f64,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.study.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
-        let name = scatter.name;
-        let Some(process) = self.process(scatter, margin)? else {
-            return Ok((self.without_scatter(scatter.std, ratios, monitor)?, None));
+        let name = noise.name;
+        let Some(process) = self.process(noise, margin)? else {
+            return Ok((self.constant_friction(noise.std, ratios, monitor)?, None));
         };
         let clipped_fraction = process.model().clipped_fraction();
         let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
@@ -271,27 +271,27 @@ impl Ensembles<'_> {
             ensembles.push(ensemble);
         }
         monitor.progress(&task, count, count + 2);
-        let lead = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
+        let ensemble = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
         monitor.progress(&task, count + 1, count + 2);
         let sweep = DampingSweep { damping_ratios, ensembles };
-        let crossings = sweep.crossings(&self.oscillator, &process, &SHARES, &self.settings(), monitor)?;
+        let crossings = sweep.crossings(&self.oscillator, &process, &LEVELS, &self.settings(), monitor)?;
         monitor.progress(&task, count + 2, count + 2);
         let clipping = clipping_warning(clipped_fraction);
         warnings.extend(clipping.map(|warning| format!("with the {name} upscaling, {warning}")));
         let result = EnsembleResult {
-            friction_std: scatter.std,
+            friction_std: noise.std,
             clipped_fraction,
             damping,
             crossings: crossings.into_iter().map(crossing_result).collect(),
-            reattachment: points_result(&lead.reattachments),
-            release: points_result(&lead.releases),
-            motion: Some(motion_result(&lead)),
+            reattachment: points_result(&ensemble.reattachments),
+            release: points_result(&ensemble.releases),
+            motion: Some(motion_result(&ensemble)),
         };
-        Ok((result, Some(lead)))
+        Ok((result, Some(ensemble)))
     }
 
-    /// The same of constant friction: every trajectory is the deterministic one.
-    fn without_scatter(
+    /// Returns the result of constant friction: every trajectory is the deterministic one.
+    fn constant_friction(
         &self,
         std: f64,
         ratios: impl Iterator<Item = f64>,
@@ -319,7 +319,7 @@ impl Ensembles<'_> {
                 failed_samples: 0,
             });
         }
-        let crossings = crossings_without_fluctuation(&self.oscillator, &SHARES, self.study.damping_sweep.1, monitor)?;
+        let crossings = crossings_without_fluctuation(&self.oscillator, &LEVELS, self.study.damping_sweep.1, monitor)?;
         let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
@@ -333,8 +333,8 @@ impl Ensembles<'_> {
         })
     }
 
-    /// The limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, scatter: &Scatter, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
+    fn portraits(&self, noise: &Fluctuation, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));
@@ -342,9 +342,9 @@ impl Ensembles<'_> {
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for margin in MARGINS {
-            let process = match self.process(scatter, margin) {
+            let process = match self.process(noise, margin) {
                 Ok(Some(process)) => process,
-                // The ensembles needed no such speed.
+                // The ensembles did not reach this velocity.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,
                 Err(error) => return Err(error),
             };
@@ -370,7 +370,7 @@ impl Ensembles<'_> {
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
              starting in stick. The damping ratios at which vibration falls through 95, 50 and 5 % belong to the second half of this \
              time: the longer it is, the more trajectories leave vibration.",
-            law_in_words(self.oscillator.law()),
+            describe_law(self.oscillator.law()),
             sentence::digits(self.oscillator.belt_velocity()),
             self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
                 ", under the force {} cos {}τ in units of N",
@@ -379,7 +379,7 @@ impl Ensembles<'_> {
             )),
             study.duration
         )];
-        if window.std < NO_SCATTER {
+        if window.std < CONSTANT_STD {
             sentences.push(format!(
                 "Friction ({}) is constant at {}: every trajectory is the deterministic one.",
                 window.origin,

@@ -1,4 +1,4 @@
-//! Run folders: everything that a run computed, and where it comes from.
+//! Run folders: all results of a run, and their provenance.
 
 use std::collections::BTreeMap;
 use std::path::{self, Path, PathBuf};
@@ -8,9 +8,9 @@ use asperity_results::Provenance;
 use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, file_hash};
 use crate::study::{Outcome, Staging, StoreError, Study, StudyFile, json_bytes};
 
-/// Returns the origin of a computation from the files `inputs`: version, name, seed and the hash of every file.
+/// Returns the provenance of a computation from the files `inputs`: version, name, seed and the hash of every file.
 ///
-/// The library reads neither clock nor host, so the start, the times and the machine are left for the caller to fill in.
+/// The library reads neither clock nor host; the caller fills in the start, the durations and the machine.
 ///
 /// # Errors
 /// A file cannot be read.
@@ -19,7 +19,7 @@ pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenanc
         Provenance { asperity: env!("CARGO_PKG_VERSION").into(), study: name.into(), seed, ..Provenance::default() };
     for file in inputs {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // A file of the same name may be in another folder.
+        // Two inputs in different folders may have the same name.
         let name = if provenance.inputs.contains_key(&name) { file.display().to_string() } else { name };
         provenance.inputs.insert(name, file_hash(file)?);
     }
@@ -29,7 +29,7 @@ pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenanc
 /// Writes the complete run folder: the study, results, tables, fields, friction process and provenance; with the feature `report`
 /// also the report and its figures.
 ///
-/// `folder` is that of the study file. The run folder appears at its destination with [`Staging::commit`].
+/// `folder` is the folder of the study file. The run folder appears at its destination with [`Staging::commit`].
 ///
 /// ```
 /// use std::path::Path;
@@ -79,16 +79,16 @@ pub fn write_run(
     }
     staging.write(FIELD_INDEX, &json_bytes(&index)?)?;
     #[cfg(feature = "report")]
-    for (relative, bytes) in super::report::of_outcome(&study, outcome, provenance)? {
+    for (relative, bytes) in super::report::new_report(&study, outcome, provenance)? {
         staging.write(&relative, &bytes)?;
     }
     Ok(())
 }
 
-/// Returns the study file with absolute paths, which are found from every folder, that of the run included.
+/// Returns the study file with absolute paths, which are valid from every folder, including the run folder.
 fn with_absolute_paths(file: &StudyFile, folder: &Path) -> StudyFile {
     let mut file = file.clone();
-    // TOML holds only Unicode; another path stays as it was given.
+    // TOML stores only Unicode; any other path is kept unchanged.
     let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
     if let Some(scans) = file.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
         *scans = scans.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));

@@ -1,7 +1,4 @@
-//! The study files that come with the code, and the synthetic scan that they use.
-
-#[path = "../../../../validation/src/bin/brake_disc/scan.rs"]
-mod scan;
+//! Study files that come with the code.
 
 use std::fs;
 use std::path::PathBuf;
@@ -19,32 +16,13 @@ fn study(name: &str) -> Study {
     Study::parse(&fs::read_to_string(studies().join(name)).unwrap(), name).unwrap()
 }
 
-/// Binomial coefficient.
+/// Returns the binomial coefficient.
 fn choose(n: usize, k: usize) -> usize {
     (1..=k).fold(1, |product, i| product * (n - k + i) / i)
 }
 
 #[test]
-#[ignore = "slow"]
-fn the_stored_scan_is_what_brake_disc_makes() {
-    let stored = asperity_formats::read(&studies().join("brake_disc.x3p")).unwrap();
-    let made = scan::brake_disc().unwrap();
-    assert_eq!(stored.pitch_m, made.pitch_m);
-    assert_eq!(stored.heights_m.dim(), made.heights_m.dim());
-    assert!(stored.metadata.values().any(|text| text.contains("SYNTHETIC, not measured")), "{:?}", stored.metadata);
-    let present = || made.heights_m.iter().filter(|z| z.is_finite());
-    let (low, high) = present().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
-    // Heights are stored in 16 bits, of which one or two values may stand for missing points.
-    let step_m = (high - low) / 65_530.0;
-    for ((row, column), wanted) in made.heights_m.indexed_iter() {
-        let found = stored.heights_m[[row, column]];
-        assert_eq!(found.is_finite(), wanted.is_finite(), "point [{row}, {column}]");
-        assert!(!wanted.is_finite() || (found - wanted).abs() <= step_m, "[{row}, {column}]: {found:e} for {wanted:e}");
-    }
-}
-
-#[test]
-fn the_paper_s_study_holds_the_paper_s_numbers() {
+fn the_paper_s_study_has_the_paper_s_numbers() {
     let study = study("paper.toml");
     let surface = study.file().surface.as_ref().unwrap();
     assert_eq!((&surface.file, surface.generator, surface.modes), (&None, SurfaceGenerator::KarhunenLoeve, Some(101)));
@@ -70,20 +48,20 @@ fn the_paper_s_study_holds_the_paper_s_numbers() {
 }
 
 #[test]
-fn the_quickstart_takes_everything_from_its_scan_and_leads_with_the_area() {
+fn the_quickstart_measures_everything_and_uses_the_area_upscaling() {
     let study = study("quickstart.toml");
-    assert!(study.file().idle_keys().is_empty(), "{:?}", study.file().idle_keys());
+    assert!(study.file().keys_without_effect().is_empty(), "{:?}", study.file().keys_without_effect());
     let surface = study.file().surface.as_ref().unwrap();
     assert!(study.scan_paths(&studies())[0].is_file());
     assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceSource::Measured, "measured"));
     assert_eq!((surface.rms_height, surface.correlation_length), (None, None));
     let vibration = study.file().vibration.as_ref().unwrap();
     assert_eq!((vibration.upscaling, vibration.level), (Upscaling::Area, None));
-    // A pad under 2 MPa: more than a hundredth of it and less than a tenth is in contact.
+    // A pad under 2 MPa: between a hundredth and a tenth of it is in contact.
     assert!((vibration.normal_force.0 / vibration.nominal_area.0 / 2e6 - 1.0).abs() < 1e-12);
     let material = study.file().material.as_ref().unwrap();
     assert!(material.shear_strength.unwrap().0 < material.hardness.unwrap().0);
     assert!(material.youngs_modulus.0 > 10.0 * material.hardness.unwrap().0);
-    // The law of friction is that of the machine: it does not change with the load.
+    // The friction law belongs to the machine and does not change with the load.
     assert!(matches!(vibration.stribeck, Some(Stribeck::Physical(_))), "{:?}", vibration.stribeck);
 }

@@ -1,13 +1,13 @@
-//! Mean friction against the shortest waves kept, of whole studies.
+//! Mean friction as a function of the shortest wavelength kept, in whole studies.
 
 use std::f64::consts::{LN_2, PI};
-use std::path::Path;
 
-use asperity::monitor::Silent;
 use asperity::study::result::{CutoffResult, FrictionResult};
-use asperity::study::{Outcome, Study};
 
-/// A smooth surface of rms height 0.1 µm on strips whose pitch of 2 µm resolves it, pressed lightly without a hardness.
+use crate::support::run_all;
+
+/// A smooth surface of rms height 0.1 µm on strips that resolve it with a pitch of 2 µm, under a light load without a
+/// hardness.
 const ELASTIC: &str = r#"
 seed = 3
 [surface]
@@ -29,18 +29,15 @@ const PITCH_M: f64 = 2e-6;
 const MODULUS_PA: f64 = 210e9 / (1.0 - 0.09);
 const SHEAR_PA: f64 = 385e6;
 
-fn run(text: &str) -> Outcome {
-    Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap()
-}
-
 fn cutoff(friction: &FrictionResult) -> &CutoffResult {
     friction.cutoff.as_ref().unwrap()
 }
 
-/// Root mean square gradient by differences over the pitch, of a surface of covariance σ² e^{−r²/ℓ²} after a Gaussian filter.
+/// Returns the rms gradient, by differences over the pitch, of a surface of covariance σ² e^{−r²/ℓ²} after a Gaussian
+/// filter.
 ///
-/// The filter's weights are exp(−πr²/a²) with a² = λ² ln 2/π. Convolved with their autocorrelation the covariance stays of its form:
-/// ℓ² grows by 2a²/π, and σ² shrinks by the same factor as ℓ² grows, in two dimensions.
+/// The filter's weights are exp(−πr²/a²) with a² = λ² ln 2/π. Convolution with their autocorrelation keeps the form of
+/// the covariance: ℓ² grows by 2a²/π, and σ² shrinks by the factor by which ℓ² grows, in two dimensions.
 fn filtered_slope(cutoff_m: Option<f64>) -> f64 {
     let (variance, length2) = (1e-14, 144e-12);
     let filtered2 = length2 + cutoff_m.map_or(0.0, |m| 2.0 * m * m * LN_2 / (PI * PI));
@@ -49,24 +46,25 @@ fn filtered_slope(cutoff_m: Option<f64>) -> f64 {
 }
 
 #[test]
-fn elastic_friction_is_inversely_proportional_to_the_slope_that_the_cutoff_leaves() {
-    let friction = run(ELASTIC).results.friction.unwrap();
+fn elastic_friction_is_inversely_proportional_to_the_slope_after_the_cutoff() {
+    let friction = run_all(ELASTIC).results.friction.unwrap();
     let found = cutoff(&friction);
     assert_eq!((found.pitch_m, found.cutoff_m, found.strips), (PITCH_M, 2.0 * PITCH_M, 4));
     assert_eq!((found.plastic_floor, found.band_end_m), (None, None));
     let cutoffs: Vec<f64> = found.points.iter().map(|point| point.cutoff_m / PITCH_M).collect();
     assert_eq!(cutoffs.len(), 5);
     assert!(cutoffs.iter().zip([2.0, 4.0, 8.0, 16.0, 32.0]).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{cutoffs:?}");
-    // The study's own point is its own mean.
+    // The point without cutoff has the mean of the study.
     assert_eq!(found.points[0].mean, friction.levels[0].at_mean_load.mean);
     let (own, wanted) =
         (found.points[0].mean_interval.unwrap(), friction.levels[0].at_mean_load.mean_interval.unwrap());
     assert!(own.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{own:?} {wanted:?}");
     for (index, point) in found.points.iter().enumerate() {
         let slope = filtered_slope((index > 0).then_some(point.cutoff_m));
-        // Some hundred squares of ℓ: a standard error of 5 %.
+        // About a hundred squares of side ℓ: a standard error of 5 %.
         assert!((point.rms_slope / slope - 1.0).abs() < 0.15, "{point:?}, slope {slope}");
-        // A_c/A_0 = κ p̄/(E* h'), with κ between Persson's √(8/π) = 1.6 and √(2π) = 2.5 of independent asperities, at light load.
+        // A_c/A_0 = κ p̄/(E* h'), with κ between Persson's √(8/π) = 1.6 and √(2π) = 2.5 for independent asperities, at
+        // light load.
         let kappa = point.mean * MODULUS_PA * point.rms_slope / SHEAR_PA;
         assert!((1.4..2.6).contains(&kappa), "κ = {kappa} at {:e}", point.cutoff_m);
         assert_eq!(point.plastic_fraction, 0.0);
@@ -76,18 +74,19 @@ fn elastic_friction_is_inversely_proportional_to_the_slope_that_the_cutoff_leave
 }
 
 #[test]
-fn a_pitch_that_resolves_the_surface_says_so_and_one_that_does_not_warns_with_the_change() {
-    let unresolved =
-        |outcome: &Outcome| outcome.results.warnings.iter().any(|w| w.contains("half the pitch changes μ"));
-    let resolved = run(ELASTIC);
+fn a_resolving_pitch_is_reported_and_a_coarse_one_gives_a_warning_with_the_change() {
+    let unresolved = |outcome: &asperity::study::Outcome| {
+        outcome.results.warnings.iter().any(|w| w.contains("half the pitch changes μ"))
+    };
+    let resolved = run_all(ELASTIC);
     let found = resolved.results.friction.as_ref().unwrap();
     let halved = cutoff(found).halved_pitch.as_ref().unwrap();
     assert_eq!(halved.pitch_m, 0.5 * PITCH_M);
-    // The area of a contact of so few cells errs by a few percent.
+    // The area of a contact of so few cells has an error of a few percent.
     assert!((halved.change / halved.mean).abs() < 0.06, "{halved:?}");
-    // e^{−r/ℓ} has waves of all lengths: contacts are single cells.
+    // e^{−r/ℓ} contains waves of all lengths, so contacts are single cells.
     let rough = ELASTIC.replace("squared_exponential", "exponential");
-    let outcome = run(&rough);
+    let outcome = run_all(&rough);
     let found = outcome.results.friction.as_ref().unwrap();
     let halved = cutoff(found).halved_pitch.as_ref().unwrap();
     let [low, high] = halved.change_interval;
@@ -104,7 +103,7 @@ fn under_a_small_hardness_friction_is_the_plastic_floor_at_every_cutoff() {
         .replace("[material]", "[material]\nhardness = \"100 MPa\"")
         .replace("60 MPa", "5 MPa")
         .replace("385 MPa", "40 MPa");
-    let outcome = run(&soft);
+    let outcome = run_all(&soft);
     let friction = outcome.results.friction.as_ref().unwrap();
     let found = cutoff(friction);
     assert_eq!(found.plastic_floor, Some(0.4));
@@ -113,7 +112,7 @@ fn under_a_small_hardness_friction_is_the_plastic_floor_at_every_cutoff() {
         assert!(point.plastic_fraction > 0.5, "{point:?}");
     }
     assert!(found.known.contains("Yielding makes") && found.known.contains("H = 0.4"), "{}", found.known);
-    // The table holds what the results hold.
+    // The table agrees with the results.
     let table = &outcome.tables["friction_cutoff"];
     assert_eq!(table.column("mean").unwrap().len(), found.points.len());
     assert_eq!(table.column("cutoff_m").unwrap()[1], found.points[1].cutoff_m);
@@ -121,19 +120,19 @@ fn under_a_small_hardness_friction_is_the_plastic_floor_at_every_cutoff() {
 
 #[test]
 #[ignore = "slow"]
-fn free_and_fractal_strips_have_a_cutoff_too_and_coulombs_law_has_none() {
+fn free_and_fractal_strips_have_a_cutoff_analysis_and_coulombs_law_has_none() {
     let free = ELASTIC.replace("[friction]", "[friction]\nboundary = \"free\"");
     let fractal = ELASTIC.replace(
         "covariance = \"squared_exponential\"\nmarginal = \"normal\"",
         "generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.3",
     );
     for text in [free, fractal.replace("correlation_length = \"12 um\"\n", "")] {
-        let friction = run(&text).results.friction.unwrap();
+        let friction = run_all(&text).results.friction.unwrap();
         let found = cutoff(&friction);
         let falls = |pair: &[asperity::study::result::CutoffPoint]| pair[1].rms_slope < pair[0].rms_slope;
         assert!(found.points.len() == 5 && found.points.windows(2).all(falls), "{:?}", found.points);
         assert!(found.points[4].mean > found.points[0].mean && found.halved_pitch.is_some());
     }
     let coulomb = ELASTIC.replace("[friction]", "[friction]\nlaw = \"coulomb\"\ncoefficient = 0.2");
-    assert!(run(&coulomb.replace("shear_strength = \"385 MPa\"\n", "")).results.friction.unwrap().cutoff.is_none());
+    assert!(run_all(&coulomb.replace("shear_strength = \"385 MPa\"\n", "")).results.friction.unwrap().cutoff.is_none());
 }

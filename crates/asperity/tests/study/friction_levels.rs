@@ -1,6 +1,4 @@
-//! Levels of contact: load against depth, and what a study says about them.
-
-use std::path::Path;
+//! Levels of contact: load against depth, and the results and sentences of a study about them.
 
 use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
@@ -14,9 +12,11 @@ use asperity::study::result::Prescribed;
 use asperity::study::{Outcome, Stage, Study};
 use asperity::surface::SpectralField;
 
+use crate::support;
+
 const MODULUS_PA: f64 = 230e9;
 
-/// Hands strips of 256 × 16 cells to a test.
+/// Runs a test with strips of 256 × 16 cells.
 fn with_strips<R>(realisations: usize, test: impl FnOnce(&Strips<'_>) -> R) -> R {
     let grid = Grid::new(256, 16, 2e-6, 2e-6).unwrap();
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, 12e-6).unwrap();
@@ -41,7 +41,7 @@ fn planes(strips: &Strips<'_>, heights_m: &[f64]) -> Vec<Level> {
 #[test]
 fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
     with_strips(6, |strips| {
-        // Heights of the plane in units of Sq = 0.5 µm, every other of which makes the curve.
+        // Heights of the plane in units of Sq = 0.5 µm; every other one defines the curve.
         let heights_m: Vec<f64> = (0..9).map(|k| 0.5e-6 * (1.5 - 0.25 * f64::from(k))).collect();
         let levels = planes(strips, &heights_m);
         let curve = LoadCurve::from_levels(levels.iter().step_by(2)).unwrap();
@@ -57,7 +57,7 @@ fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
 }
 
 #[test]
-fn the_interval_of_a_load_is_students_in_the_logarithm() {
+fn the_interval_of_a_load_is_a_student_interval_of_the_logarithm() {
     with_strips(3, |strips| {
         let mut level = planes(strips, &[0.3e-6]).remove(0);
         assert_eq!(level.strip_pressures_pa.len(), 3);
@@ -93,13 +93,12 @@ tolerance = 1e-5
 "#;
 
 fn run(more: &str) -> Outcome {
-    let study = Study::parse(&format!("{STUDY}{more}"), "study.toml").unwrap();
-    study.run(Path::new("."), Some(Stage::Friction), &Silent).unwrap()
+    support::run(&format!("{STUDY}{more}"), Some(Stage::Friction))
 }
 
 #[test]
 #[ignore = "slow"]
-fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_ways() {
+fn percentile_pressure_and_penetration_levels_work_with_both_upscalings() {
     let outcome = run("mean_pressures = [\"50 MPa\", \"500 MPa\"]\npenetrations = [\"1.2 um\"]\n\
                                   nominal_area = \"833 mm^2\"\n");
     let friction = outcome.results.friction.unwrap();
@@ -119,7 +118,7 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
     }
     assert!(curve.column("penetration_m").unwrap().is_sorted());
     assert!(outcome.tables["friction_trace"].column("mu_pressure_5e8_pa").is_some());
-    // The level pressed hardest leads.
+    // The level with the highest pressure is the operating point.
     let leading = friction.levels.iter().find(|level| level.leading).unwrap();
     assert!(friction.levels.iter().all(|level| level.mean_pressure_pa <= leading.mean_pressure_pa));
     for level in &friction.levels {
@@ -130,7 +129,7 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
         assert!(upscaling.area.std >= least * (1.0 - 1e-9) && upscaling.area.std < 3.0 * least);
     }
     assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("highest point of each strip")));
-    // A pad's area, and said so, where none is stated.
+    // If no area is stated, the study uses a pad's area and reports it.
     let silent = run("").results;
     assert_eq!(silent.friction.unwrap().levels[0].upscaling.area.nominal_area_m2, 833e-6);
     assert!(silent.assumptions.iter().any(|sentence| sentence.contains("No nominal area is stated")));
@@ -138,13 +137,13 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
 
 #[test]
 #[ignore = "slow"]
-fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient() {
-    // 3 MPa as on a brake pad: windows of one or two contacts; 1 GPa: hundreds of contact cells in every window.
+fn light_contact_has_no_variance_of_the_quotient_and_one_friction_coefficient() {
+    // 3 MPa as on a brake pad: windows with one or two contacts; 1 GPa: hundreds of contact cells in every window.
     let more = "mean_pressures = [\"3 MPa\", \"1 GPa\"]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
                 damping_ratio = 0.17\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"23.7 mm/s\"\n\
                 trajectories = 2\nduration = 20.0\ndamping_sweep = [0.1, 0.2, 2]\n";
     let text = format!("{STUDY}{more}");
-    let outcome = Study::parse(&text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap();
+    let outcome = support::run_all(&text);
     let (friction, vibration) = (outcome.results.friction.unwrap(), outcome.results.vibration.unwrap());
     let [_, light, firm, nominal] = &friction.levels[..] else { panic!("four levels") };
     for level in [light, nominal] {
@@ -153,14 +152,14 @@ fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient
         assert_eq!(moments, [None; 4]);
         assert_eq!((level.mean_interval, level.std_interval, level.correlation_length_m), (None, None, None));
         assert!(level.marginal.is_none() && level.gof.is_none() && level.return_levels.is_empty());
-        // At the mean load it has all moments.
+        // At the mean load all moments exist.
         assert!(level.at_mean_load.std > 0.0 && level.at_mean_load.marginal.is_some());
     }
     assert!(firm.no_variance.is_none() && firm.std.unwrap() > 0.0 && firm.marginal.is_some(), "{firm:?}");
     let point = &friction.operating_point;
     assert_eq!((point.level.as_str(), point.percentile), ("the nominal pressure", None));
     assert!((point.mean_pressure_pa / (2500.0 / 833e-6) - 1.0).abs() < 1e-4);
-    // One coefficient: of the level, of the machine and of the file.
+    // Level, machine and file have the same coefficient.
     let process = outcome.friction_process.unwrap();
     assert!(nominal.leading && point.mean == nominal.at_mean_load.mean);
     assert_eq!((point.mean, point.mean), (vibration.static_friction, process.mean));
@@ -176,7 +175,7 @@ fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient
 
 #[test]
 #[ignore = "slow"]
-fn a_study_chooses_law_and_window() {
+fn a_study_selects_friction_law_and_window() {
     let level = |more: &str| {
         let results = run(more).results;
         (results.friction.unwrap().levels.remove(0), results.assumptions.join("\n"))
@@ -193,10 +192,10 @@ fn a_study_chooses_law_and_window() {
     assert!(ploughing.at_mean_load.mean > sheared.at_mean_load.mean && words.contains("plough"));
     let (coulomb, _) = level("law = \"coulomb\"\ncoefficient = 0.3\n");
     assert!((coulomb.mean.unwrap() - 0.3).abs() < 1e-12 && coulomb.std == Some(0.0));
-    // The same strips: narrower windows scatter more about the same mean.
+    // The same strips: narrower windows vary more about the same mean.
     let (narrow, words) = level("window_width = \"8 um\"\n");
     assert!(words.contains("60 µm × 8 µm, 4 side by side"), "{words}");
-    // Four tracks add up to the wide window but for the least area N/H of each, which can only add.
+    // Four tracks add up to the wide window, except for the smallest area N/H of each track, which can only add.
     let more = narrow.at_mean_load.mean / sheared.at_mean_load.mean - 1.0;
     assert!((-1e-12..5e-3).contains(&more), "{more:e}");
     assert!(narrow.at_mean_load.std > 1.3 * sheared.at_mean_load.std);
@@ -207,7 +206,7 @@ fn a_study_chooses_law_and_window() {
 }
 
 #[test]
-fn keys_that_cannot_be_right_are_errors_with_their_line() {
+fn invalid_keys_are_errors_with_their_line() {
     let lines = STUDY.lines().count();
     for (more, line, wanted) in [
         ("law = \"bowden\"", 1, "bowden"),
@@ -224,7 +223,7 @@ fn keys_that_cannot_be_right_are_errors_with_their_line() {
     ] {
         let error = Study::parse(&format!("{STUDY}{more}\n"), "study.toml").unwrap_err();
         assert!(error.message.contains(wanted), "{more}: {error}");
-        // A missing key is pointed at where its section is.
+        // The error of a missing key names the line of its section.
         assert!(error.line == lines + line || error.message.contains("needs its"), "{more}: {error}");
     }
     let soft = STUDY.replace("hardness = \"2 GPa\"\n", "");
@@ -234,7 +233,7 @@ fn keys_that_cannot_be_right_are_errors_with_their_line() {
     assert!(Study::parse(&none, "study.toml").unwrap_err().message.contains("at least one level"));
     assert!(Study::parse(&format!("{none}penetrations = [\"1 um\"]\n"), "study.toml").is_ok());
     let idle = Study::parse(&format!("{STUDY}coefficient = 0.2\npressure_coefficient = 0.1\n"), "study.toml");
-    let idle = idle.unwrap().file().idle_keys();
+    let idle = idle.unwrap().file().keys_without_effect();
     assert_eq!(idle.len(), 2, "{idle:?}");
     assert!(idle[0].contains("pressure_coefficient has no effect") && idle[1].contains("[friction] coefficient"));
 }

@@ -1,12 +1,14 @@
-//! Friction of surfaces whose parameters are uncertain, against closed forms.
+//! Friction of surfaces with uncertain parameters, compared with closed forms.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use asperity::monitor::{Monitor, Silent};
+use asperity::monitor::Monitor;
 use asperity::study::Outcome;
 use asperity::study::result::{UncertainResponse, UncertaintyResult};
 use asperity::study::{Stage, Study, StudyError};
+
+use crate::support;
 
 const STUDY: &str = r#"
 seed = 5
@@ -34,7 +36,7 @@ realisations = 8
 "#;
 
 fn run(text: &str) -> Outcome {
-    Study::parse(text, "study.toml").unwrap().run(Path::new("."), Some(Stage::Friction), &Silent).unwrap()
+    support::run(text, Some(Stage::Friction))
 }
 
 fn uncertainty(outcome: &Outcome) -> &UncertaintyResult {
@@ -47,10 +49,10 @@ fn named<'a>(responses: &'a [UncertainResponse], name: &str) -> &'a UncertainRes
 
 #[test]
 #[ignore = "slow"]
-fn a_light_load_shares_the_variance_as_the_slope_does() {
-    // Elastic contact of little area: A/A₀ ∝ p̄/(E* h'rms), so that μ = τA/N ∝ 1/h'rms ∝ ℓ/Sq. The variance of ln μ is that of
-    // ln ℓ and that of ln Sq.
-    // Eight lengths across, or the periodic covariance has a kink that makes slopes of its own.
+fn at_light_load_the_indices_are_those_of_the_slope() {
+    // Elastic contact of small area: A/A₀ ∝ p̄/(E* h'rms), so μ = τA/N ∝ 1/h'rms ∝ ℓ/Sq. The variance of ln μ is the
+    // sum of the variances of ln ℓ and ln Sq.
+    // Eight correlation lengths across; on narrower strips the periodic covariance has a kink that adds slopes.
     let text = STUDY
         .replace("64 um", "128 um")
         .replace("[512, 32]", "[512, 64]")
@@ -70,22 +72,22 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
     let (height, length) = (0.05_f64.powi(2).ln_1p(), 0.1_f64.powi(2).ln_1p());
     let share = (height + length).exp_m1();
     for (index, first) in mean.sobol.iter().zip([height.exp_m1() / share, length.exp_m1() / share]) {
-        // The length also changes how many cells a contact has, of which the area knows in the order of a per cent.
+        // The length also changes the number of cells in a contact, which changes the area by about one per cent.
         let allowed = 0.03;
         let within = |[low, high]: [f64; 2], value: f64| (low - allowed..=high + allowed).contains(&value);
         assert!(within(index.first_interval, first), "{first} {index:?}");
         assert!((index.first - first).abs() < 0.06 && index.total >= index.first - 1e-12, "{first} {index:?}");
     }
-    // The area grows a little less than the load, by which the variance is less too.
+    // The area grows slightly less than the load, which reduces the variance.
     let variation = mean.std.unwrap() / mean.value.unwrap() / share.sqrt();
     assert!((0.8..1.05).contains(&variation), "{variation}");
-    // All surfaces have the same strips: what is common to them moves the mean and adds little to the variance.
+    // All surfaces have the same strips: their common deviation moves the mean and adds little to the variance.
     assert!(mean.noise_share.unwrap() < 0.1 && mean.noise_standard_error.unwrap() > 0.0);
     assert!(mean.loo_error.unwrap() < 0.1);
     let [low, high] = mean.interval.unwrap();
     let ratio = (high / low).ln() / (4.0 * 1.96 * (height + length).sqrt() / 2.0);
     assert!((0.75..1.1).contains(&ratio), "{ratio}");
-    // The tables say the same.
+    // The tables agree with the results.
     let table = &outcome.tables["friction_sensitivity"];
     let total = table.column("mean_total_correlation_length").unwrap()[0];
     assert_eq!(total, named(&level.at_mean_load, "mean").sobol[1].total);
@@ -97,9 +99,9 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
 
 #[test]
 #[ignore = "slow"]
-fn full_contact_scatters_as_the_heights_do() {
-    // Where all touches, μ̄ = τ/p̄ whatever the surface, and the load of a window is linear in the heights: the standard deviation
-    // at the mean load is proportional to Sq.
+fn the_std_in_full_contact_is_proportional_to_the_heights() {
+    // In full contact μ̄ = τ/p̄ for any surface, and the load of a window is linear in the heights: the standard
+    // deviation at the mean load is proportional to Sq.
     let text = STUDY.replace("300 MPa", "200 GPa").replace("correlation_length = \"10 %\"\n", "");
     let outcome = run(&text);
     assert!((outcome.results.friction.as_ref().unwrap().levels[0].contact_fraction - 1.0).abs() < 1e-12);
@@ -112,7 +114,7 @@ fn full_contact_scatters_as_the_heights_do() {
     let variation = std.std.unwrap() / std.value.unwrap();
     assert!((variation / 0.05 - 1.0).abs() < 5e-3, "{variation}");
     assert!(std.loo_error.unwrap() < 1e-3 && (std.sobol[0].total - 1.0).abs() < 1e-9);
-    // An error of the strips by a factor is one of the parameter's influence, which is why it is a share and not nothing.
+    // An error of the strips by a factor looks like an influence of the parameter, so the index is a positive fraction.
     let relative = std.noise_standard_error.unwrap() / std.value.unwrap();
     assert!((std.noise_share.unwrap() / (relative * relative) - 1.0).abs() < 0.02, "{std:?}");
     let [low, high] = std.interval.unwrap();
@@ -121,8 +123,8 @@ fn full_contact_scatters_as_the_heights_do() {
 }
 
 #[test]
-fn friction_that_the_surface_does_not_change_has_no_indices() {
-    // Coulomb's law: μ whatever the contact.
+fn friction_independent_of_the_surface_has_no_indices() {
+    // Coulomb's law: μ does not depend on the contact.
     let text = STUDY.replace("[friction]\n", "[friction]\nlaw = \"coulomb\"\ncoefficient = 0.2\n");
     let outcome = run(&text);
     let level = &uncertainty(&outcome).levels[0];
@@ -137,7 +139,7 @@ fn friction_that_the_surface_does_not_change_has_no_indices() {
 
 #[test]
 #[ignore = "slow"]
-fn the_levels_are_those_of_the_study_without_uncertainty() {
+fn the_levels_equal_those_of_the_study_without_uncertainty() {
     let (with, without) = (run(STUDY), run(STUDY.split("[friction.uncertainty]").next().unwrap()));
     let (with, without) = (with.results.friction.unwrap(), without.results.friction.unwrap());
     assert_eq!(with.levels, without.levels);
@@ -146,7 +148,7 @@ fn the_levels_are_those_of_the_study_without_uncertainty() {
 
 #[test]
 #[ignore = "slow"]
-fn skewness_and_percentiles_go_together() {
+fn skewness_and_percentiles_can_be_combined() {
     let text = STUDY
         .replace("percentiles = []", "percentiles = [20.0]")
         .replace("mean_pressures = [\"300 MPa\"]\n", "")
@@ -166,7 +168,7 @@ fn skewness_and_percentiles_go_together() {
 }
 
 #[test]
-fn what_cannot_be_is_an_error_that_names_its_line() {
+fn impossible_values_are_errors_that_name_their_line() {
     for (from, to, line, wanted) in [
         ("rms_height = \"5 %\"", "rms_height = \"-5 %\"", 20, "above 0 %"),
         ("rms_height = \"5 %\"", "rms_height = \"-1 um\"", 20, "positive"),
@@ -178,22 +180,22 @@ fn what_cannot_be_is_an_error_that_names_its_line() {
         ("correlation_length = \"10 %\"", "skewness = \"measured\"", 21, "state a standard deviation"),
         ("points = 24", "points = 11", 22, "at least 12"),
         ("realisations = 8", "realisations = 2", 23, "at least 4"),
-        ("rms_height = \"5 %\"\ncorrelation_length = \"10 %\"\n", "", 19, "nothing is uncertain"),
+        ("rms_height = \"5 %\"\ncorrelation_length = \"10 %\"\n", "", 19, "no parameter is uncertain"),
     ] {
         assert!(STUDY.contains(from), "{from}");
         let error = Study::parse(&STUDY.replace(from, to), "study.toml").unwrap_err();
         assert!(error.line == line && error.message.contains(wanted), "{from} → {to}: {error}");
     }
-    // It survives being written.
+    // Writing the study and parsing it again preserves it.
     let study = Study::parse(STUDY, "study.toml").unwrap();
     let written = toml::to_string(study.file()).unwrap();
     assert_eq!(Study::parse(&written, "written").unwrap(), study);
 }
 
-/// Stops once the uncertainty has begun.
-struct Impatient(AtomicUsize);
+/// Monitor that cancels once the uncertainty analysis has begun.
+struct CancelDuringUncertainty(AtomicUsize);
 
-impl Monitor for Impatient {
+impl Monitor for CancelDuringUncertainty {
     fn progress(&self, what: &str, done: usize, total: usize) {
         if what == "friction uncertainty" {
             assert_eq!(total, 24 * 8);
@@ -207,9 +209,9 @@ impl Monitor for Impatient {
 }
 
 #[test]
-fn it_can_be_stopped() {
+fn the_uncertainty_analysis_can_be_cancelled() {
     let study = Study::parse(STUDY, "study.toml").unwrap();
-    let monitor = Impatient(AtomicUsize::new(0));
+    let monitor = CancelDuringUncertainty(AtomicUsize::new(0));
     let error = study.run(Path::new("."), Some(Stage::Friction), &monitor).unwrap_err();
     assert!(matches!(error, StudyError::Cancelled(_)), "{error}");
     assert!(monitor.0.load(Ordering::Relaxed) < 24 * 8);

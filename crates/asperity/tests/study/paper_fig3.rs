@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asperity::monitor::Silent;
 use asperity::study::StudyFile;
 
-/// A moment with its standard error, from half the width of its 95 % interval.
+/// A moment and its standard error, from half the width of its 95 % interval.
 type Known = (f64, f64);
 
 fn known(value: f64, interval: Option<[f64; 2]>) -> Known {
@@ -14,8 +14,9 @@ fn known(value: f64, interval: Option<[f64; 2]>) -> Known {
     (value, (high - low) / (2.0 * 1.96))
 }
 
-/// Falls from level to level as far as two standard errors tell, and by more than they from the second to the last: some windows
-/// of the first carry next to nothing, so that a few strips do not tell its scatter.
+/// Asserts that a moment falls from level to level within two standard errors, and by more than that from the second to
+/// the last. At the first level some windows carry almost no load, so a few strips do not determine its standard
+/// deviation.
 fn falls(name: &str, levels: &[Known]) {
     for pair in levels.windows(2) {
         let ((before, before_se), (after, after_se)) = (pair[0], pair[1]);
@@ -30,10 +31,10 @@ fn falls(name: &str, levels: &[Known]) {
 
 #[test]
 #[ignore = "slow"]
-fn mean_scatter_and_variation_of_friction_fall_with_penetration_and_the_law_leans_right() {
+fn mean_std_and_variation_of_friction_fall_with_penetration_and_the_skewness_is_positive() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig3.toml");
     let mut study = StudyFile::parse(&fs::read_to_string(&path).unwrap(), "paper_fig3.toml").unwrap();
-    // Fewer strips, the same physics.
+    // Fewer strips with the same physics.
     study.friction.as_mut().unwrap().realisations = 16;
     let outcome = study.check().unwrap().run(path.parent().unwrap(), None, &Silent).unwrap();
     let friction = outcome.results.friction.unwrap();
@@ -49,14 +50,15 @@ fn mean_scatter_and_variation_of_friction_fall_with_penetration_and_the_law_lean
         &friction.levels.iter().map(|l| known(variation(l), l.coefficient_of_variation_interval)).collect::<Vec<_>>(),
     );
     for level in &friction.levels {
-        // Skewness > −2 standard errors: the law leans to the right, or does not lean.
+        // Skewness > −2 standard errors: positive or undetermined.
         let reach = level.skewness_interval.map_or(0.0, |[low, high]| (high - low) / 1.96);
         assert!(level.skewness.unwrap() > -reach, "{:?}", level.skewness);
         // τ_max/H.
         assert!(level.mean.unwrap() > 0.19245);
-        // Surface lengths of 20 µm under windows of 75 to 600 µm: what correlation there is, is the windows'.
+        // Correlation lengths of 20 µm under windows of 75 to 600 µm: the correlation is due to the windows alone.
         assert_eq!(level.window_only, Some(true), "at {:?}", level.percentile);
-        // ℓ of an exponential fitted to the triangle of 600 µm: 322–368 µm; 3 standard errors of 16 strips.
+        // ℓ of an exponential fitted to the triangular correlation of a 600 µm window: 322–368 µm; 3 standard errors of
+        // 16 strips.
         let length_m = level.at_mean_load.correlation_length_m.unwrap();
         let [low, high] = level.at_mean_load.correlation_length_m_interval.unwrap();
         let reach_m = 1.5 * (high - low) / 1.96;

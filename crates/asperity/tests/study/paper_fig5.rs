@@ -6,12 +6,13 @@ use std::path::PathBuf;
 use asperity::monitor::Silent;
 use asperity::study::StudyFile;
 
-/// ζ, mean number of cycles of 4,000 paths and its standard error by two independent codes, and the number without noise.
+/// ζ, mean number of cycles of 4,000 trajectories and its standard error from two independent codes, and the number
+/// without noise.
 const KNOWN: [(f64, f64, f64, u64); 3] = [(0.17, 68.99, 0.10, 99), (0.22, 34.31, 0.11, 0), (0.25, 17.18, 0.08, 0)];
 
 #[test]
 #[ignore = "slow"]
-fn noise_costs_cycles_below_the_end_of_the_cycle_and_makes_some_beyond_it() {
+fn noise_removes_cycles_below_critical_damping_and_adds_some_above_it() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig5.toml");
     let mut study = StudyFile::parse(&fs::read_to_string(&path).unwrap(), "paper_fig5.toml").unwrap();
     let section = study.vibration.as_mut().unwrap();
@@ -35,14 +36,15 @@ fn noise_costs_cycles_below_the_end_of_the_cycle_and_makes_some_beyond_it() {
         assert_eq!(found.cycles_deterministic, deterministic);
         assert!((found.cycles_mean - mean).abs() < 3.0 * found.cycles_se.hypot(se), "{found:?} instead of {mean}");
     }
-    // The fall of the time in vibration, smeared by noise about the sharp end, and at the stated damping ratios that of the sweep.
+    // The fall of the time in vibration, smeared by noise about the sharp end; at the damping ratios of the sweep it
+    // agrees with the sweep.
     let crossings = &vibration.paper.crossings;
     assert_eq!(crossings.iter().map(|c| c.share).collect::<Vec<_>>(), [0.95, 0.5, 0.05]);
     for crossing in crossings {
         let ([low, high], ratio) = (crossing.damping_ratio_interval.unwrap(), crossing.damping_ratio.unwrap());
         assert!(low <= ratio && ratio <= high && high - low < 0.02, "{crossing:?}");
         for found in damping {
-            // Shares fall with the damping but for sampling errors.
+            // The fractions fall with the damping, up to sampling errors.
             let slack = 3.0 * found.vibration_share_se;
             if found.damping_ratio < low {
                 assert!(found.vibration_share > crossing.share - slack, "{found:?} and {crossing:?}");
@@ -58,10 +60,10 @@ fn noise_costs_cycles_below_the_end_of_the_cycle_and_makes_some_beyond_it() {
         assert!(pair[1].cycles_mean < pair[0].cycles_mean);
         assert!(pair[1].sustained_share_interval[0] <= pair[0].sustained_share_interval[1], "{pair:?}");
     }
-    // Spread over the nominal area the same friction leaves the cycle as it is, but next to its end.
+    // Averaged over the nominal area, the same friction changes the cycles only near their end.
     let area = &vibration.area;
     assert!(area.friction_std < 0.02 * vibration.paper.friction_std);
-    // and there the fall is as sharp as the end itself.
+    // There the fall is as sharp as the end itself.
     for crossing in &area.crossings {
         assert!((crossing.damping_ratio.unwrap() - critical).abs() < 0.01, "{crossing:?}");
     }

@@ -1,20 +1,21 @@
-//! The study files of the pressure stage at reduced size, against numbers known from elsewhere.
+//! Study files of the pressure stage at reduced size, compared with independent numbers.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use asperity::map::BoundaryKind;
-use asperity::monitor::Silent;
 use asperity::study::result::MethodEntry;
 use asperity::study::{Outcome, Study};
 
-/// The text of a study that comes with the code.
+use crate::support::run_all;
+
+/// Returns the text of a study that comes with the code.
 fn text(name: &str) -> String {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies").join(name);
     fs::read_to_string(path).unwrap()
 }
 
-/// The study with fewer solves.
+/// Returns the study with fewer solves.
 fn reduced(name: &str, fine: usize, reference: usize) -> String {
     let text = text(name);
     assert!(text.contains("fine_solves = 2000\n") && text.contains("reference_samples = 20000\n"));
@@ -22,27 +23,24 @@ fn reduced(name: &str, fine: usize, reference: usize) -> String {
         .replace("reference_samples = 20000\n", &format!("reference_samples = {reference}\n"))
 }
 
-fn run(text: &str) -> Outcome {
-    Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap()
-}
-
 fn method<'a>(outcome: &'a Outcome, name: &str) -> &'a MethodEntry {
     outcome.results.pressure.as_ref().unwrap().methods.iter().find(|method| method.name == name).unwrap()
 }
 
-/// A known value, of which the last printed digit and the error of its 20,000 pooled samples are far below our own errors.
+/// Asserts agreement with a known value, whose rounding and sampling error (20,000 pooled samples) are far below our
+/// own errors.
 fn assert_near(what: &str, found: f64, se: f64, known: f64) {
     assert!(se < 0.1 * known, "{what}: a standard error of {se} says nothing about {known}");
     assert!((found - known).abs() < 4.0 * se, "{what}: {found} ± {se}, known {known}");
 }
 
-/// Reference and default against P(contact), mean and standard deviation of the pressure.
+/// Compares reference and default method with known P(contact), mean and standard deviation of the pressure.
 fn assert_known(outcome: &Outcome, [contact, mean_pa, std_pa]: [f64; 3]) {
     let pressure = outcome.results.pressure.as_ref().unwrap();
     assert_near("P(contact)", pressure.contact_probability, pressure.contact_probability_se.unwrap(), contact);
     let mean_se_pa = pressure.mean_se_pa.unwrap();
     assert_near("mean", pressure.mean_pa, mean_se_pa, mean_pa);
-    // Samples of many sites: the relative error of the spread is about that of the mean.
+    // The samples cover many sites: the relative error of the standard deviation is about that of the mean.
     assert_near("std", pressure.std_pa, std_pa * mean_se_pa / mean_pa, std_pa);
     let default = method(outcome, "default");
     assert_near("P(contact)", default.contact_probability.unwrap(), default.contact_probability_se.unwrap(), contact);
@@ -51,8 +49,8 @@ fn assert_known(outcome: &Outcome, [contact, mean_pa, std_pa]: [f64; 3]) {
 
 #[test]
 #[ignore = "slow"]
-fn case_a_has_its_known_contact_probability_mean_and_spread() {
-    let outcome = run(&reduced("pressure_case_a.toml", 200, 400));
+fn case_a_has_its_known_contact_probability_mean_and_std() {
+    let outcome = run_all(&reduced("pressure_case_a.toml", 200, 400));
     let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.clone().unwrap();
     assert_eq!(expansion.modes, 101);
     assert!((expansion.captured_variance - 0.9909).abs() < 1e-4, "{}", expansion.captured_variance);
@@ -61,25 +59,25 @@ fn case_a_has_its_known_contact_probability_mean_and_spread() {
     let compliance = pressure.mean_compliance_m_per_pa.unwrap();
     assert!((compliance * std::f64::consts::PI - 1.0).abs() < 1e-12, "{compliance}");
     assert_known(&outcome, [0.24675, 1.862, 4.066]);
-    // At equal fine solves the default is the better known one.
+    // At equal fine solves the default has the smaller error.
     let error = |name: &str| method(&outcome, name).mean_se_pa.unwrap();
     assert!(error("default") < 0.6 * error("monte_carlo"), "{} {}", error("default"), error("monte_carlo"));
 }
 
 #[test]
 #[ignore = "slow"]
-fn case_c_has_its_known_contact_probability_mean_and_spread() {
-    let outcome = run(&reduced("pressure_case_c.toml", 200, 400));
+fn case_c_has_its_known_contact_probability_mean_and_std() {
+    let outcome = run_all(&reduced("pressure_case_c.toml", 200, 400));
     let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.clone().unwrap();
     assert!(expansion.modes == 8 && expansion.captured_variance < 0.95, "{expansion:?}");
     assert_known(&outcome, [0.3570, 1.351, 2.290]);
 }
 
 #[test]
-fn heights_that_are_left_lower_press_less_than_those_scaled_to_the_whole_variance() {
-    // Everything is proportional to the heights, so the ratio is known: √(captured variance), on the same samples of ξ.
-    let scaled = run(&reduced("pressure_case_c.toml", 20, 20));
-    let left = run(&reduced("pressure_case_c.toml", 20, 20).replace("rescale = true ", "rescale = false"));
+fn truncated_heights_give_less_pressure_than_rescaled_ones() {
+    // Everything is proportional to the heights, so the ratio is √(captured variance) for the same normal variables.
+    let scaled = run_all(&reduced("pressure_case_c.toml", 20, 20));
+    let left = run_all(&reduced("pressure_case_c.toml", 20, 20).replace("rescale = true ", "rescale = false"));
     let (scaled_pa, left_pa) = (scaled.results.pressure.unwrap().mean_pa, left.results.pressure.unwrap().mean_pa);
     let captured = left.results.surface.unwrap().karhunen_loeve.unwrap().captured_variance;
     assert!((left_pa / scaled_pa / captured.sqrt() - 1.0).abs() < 1e-4, "{left_pa} {scaled_pa} {captured}");
@@ -95,10 +93,10 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
     let ratio = pressure.size[0].0 / surface.correlation_length.unwrap()[0].0;
     assert!((ratio - 10.0).abs() < 1e-12, "{ratio}");
     let small = reduced("paper_fig2.toml", 100, 200).replace("points = [64, 64]", "points = [32, 32]");
-    let outcome = run(&small.replace("variables = 8 ", "variables = 2 ").replace("degree = 3", "degree = 1"));
+    let outcome = run_all(&small.replace("variables = 8 ", "variables = 2 ").replace("degree = 3", "degree = 1"));
     let pressure = outcome.results.pressure.as_ref().unwrap();
     assert_eq!((pressure.sites, pressure.cell), (1, [16, 16]));
-    // 101 terms hold .940 of the variance.
+    // 101 terms have 94.0 % of the variance.
     let captured = outcome.results.surface.as_ref().unwrap().karhunen_loeve.as_ref().unwrap().captured_variance;
     assert!((captured - 0.940).abs() < 5e-3, "{captured}");
     let default = method(&outcome, "default");
@@ -107,9 +105,9 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
 }
 
 #[test]
-fn results_and_tables_say_the_same_of_every_method() {
+fn results_and_tables_agree_for_every_method() {
     let outcome =
-        run(&reduced("pressure_case_c.toml", 100, 100).replace("percentile =", "stiffness = true\npercentile ="));
+        run_all(&reduced("pressure_case_c.toml", 100, 100).replace("percentile =", "stiffness = true\npercentile ="));
     let results = serde_json::to_value(&outcome.results).unwrap();
     let pressure = &results["pressure"];
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
@@ -120,7 +118,7 @@ fn results_and_tables_say_the_same_of_every_method() {
     for method in pressure["methods"].as_array().unwrap() {
         let name = method["name"].as_str().unwrap();
         let coarse = method["coarse_solves"].as_array().unwrap();
-        // The least share of the work is that of a fine solution with one iteration for some ten.
+        // The smallest possible work is one iteration on the fine grid for about ten of a fine solution.
         for model in coarse {
             let cells = number(&model["nx"]) * number(&model["ny"]) / 4096.0 * number(&model["solves"]);
             let share = number(&model["work_in_fine_solves"]) / cells;
@@ -129,7 +127,7 @@ fn results_and_tables_say_the_same_of_every_method() {
         let own = coarse.iter().map(|model| number(&model["work_in_fine_solves"])).sum::<f64>();
         let work = number(&method["fine_solves"]) + own;
         assert_eq!(number(&method["work_in_fine_solves"]), work, "{name}");
-        // A refused method has a reason, but neither a row nor a column.
+        // A method without estimate has a reason, but neither a row nor a column.
         let row = table.names().iter().position(|row| row == name);
         assert_eq!(outcome.tables["pressure_cdf"].column(name).is_some(), row.is_some(), "{name}");
         let Some(row) = row else {
@@ -179,15 +177,15 @@ fn results_and_tables_say_the_same_of_every_method() {
         let [low, high] = [0, 1].map(|end| number(&scalar["mean_interval"][end]));
         assert!(low < number(&scalar["mean"]) && number(&scalar["mean"]) < high, "{scalar}");
     }
-    // Of a surface of mean zero under a plane at zero every cell has the same mean pressure: that of the patch.
+    // On a surface of mean zero under a plane at zero every cell has the same mean pressure, that of the patch.
     let [cell, patch] = [&pressure["mean_pa"], &scalars[1]["mean"]].map(number);
     let se = number(&pressure["mean_se_pa"]).hypot(number(&scalars[1]["mean_se"]));
     assert!((cell - patch).abs() < 4.0 * se, "{cell} {patch} ± {se}");
 }
 
 #[test]
-fn maps_hold_the_laws_of_all_cells_and_indices_are_shares() {
-    let outcome = run(&reduced("pressure_case_c.toml", 100, 100));
+fn maps_give_the_distributions_of_all_cells_and_indices_are_fractions() {
+    let outcome = run_all(&reduced("pressure_case_c.toml", 100, 100));
     let results = serde_json::to_value(&outcome.results).unwrap();
     let pressure = &results["pressure"];
     let map = |name: &str, unit: &str| {
@@ -195,7 +193,7 @@ fn maps_hold_the_laws_of_all_cells_and_indices_are_shares() {
         assert_eq!((field.values.dim(), field.grid.shape(), field.unit), ((64, 64), (64, 64), unit), "{name}");
         &field.values
     };
-    // At the cell that is studied the maps repeat the method that they rest on.
+    // At the studied cell the maps equal the method that they are based on.
     let monte_carlo = method(&outcome, "monte_carlo");
     let quantiles = monte_carlo.quantiles.iter().map(|quantile| quantile.pressure_pa);
     let (contact, mean) = (map("contact_probability", "1"), map("pressure_mean", "Pa"));
@@ -207,9 +205,9 @@ fn maps_hold_the_laws_of_all_cells_and_indices_are_shares() {
     }
     assert!(map("expansion_error", "1").iter().all(|error| *error > 0.0));
     assert_eq!((&pressure["maps"]["samples"], &pressure["maps"]["kept_samples"]), (&100.into(), &100.into()));
-    // A stationary surface on a periodic patch: one p-value of the fixed seed, not below one in a thousand.
+    // A stationary surface on a periodic patch: the p-value for the fixed seed is not below one in a thousand.
     assert!(pressure["homogeneity"]["p_value"].as_f64().unwrap() > 1e-3, "{}", pressure["homogeneity"]);
-    // The leading variables are all there are: they say something of every cell.
+    // The leading variables are all variables, so they explain part of every cell.
     let global = &pressure["global_expansion"];
     let (degree, error) = (global["degree"].as_u64().unwrap(), global["leave_one_out_error"].as_f64().unwrap());
     assert_eq!(global["coefficients"], (1..=degree).fold(1, |product, i| product * (8 + i) / i), "{global}");
@@ -238,13 +236,13 @@ fn maps_hold_the_laws_of_all_cells_and_indices_are_shares() {
 }
 
 #[test]
-fn keys_that_do_not_fit_each_other_point_at_their_line() {
+fn inconsistent_keys_are_errors_with_their_line() {
     let case_c = text("pressure_case_c.toml");
     for (from, to, wanted) in [
         ("boundary = \"periodic\"", "boundary = \"free\"", "only periodic patches have a constant Fourier mode"),
-        ("marginal = \"normal\"", "marginal = \"beta:2,5\"", "belongs to marginal = \"normal\""),
-        ("\"karhunen_loeve\"", "\"spectral\"", "belongs to the generator karhunen_loeve"),
-        ("points = [64, 64]", "points = [64, 32]\ncell = [40, 3]", "wanted [row, column] below [32, 64]"),
+        ("marginal = \"normal\"", "marginal = \"beta:2,5\"", "requires marginal = \"normal\""),
+        ("\"karhunen_loeve\"", "\"spectral\"", "requires generator = \"karhunen_loeve\""),
+        ("points = [64, 64]", "points = [64, 32]\ncell = [40, 3]", "expected [row, column] below [32, 64]"),
         ("rescale = true", "rescal = true", "did you mean `rescale`?"),
     ] {
         assert!(case_c.contains(from), "{from}");
@@ -255,15 +253,15 @@ fn keys_that_do_not_fit_each_other_point_at_their_line() {
 
 #[test]
 #[ignore = "slow"]
-fn a_method_that_is_far_off_its_interval_is_warned_about() {
+fn a_strongly_biased_method_gives_a_warning() {
     let study = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n\
                  correlation_length = \"20 um\"\ngenerator = \"spectral\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
                  poisson_ratio = 0.3\nhardness = \"2 GPa\"\n[pressure]\nsize = [\"100 um\", \"100 um\"]\npoints = [24, 24]\n\
                  boundary = \"free\"\npercentile = 50.0\nfine_solves = 200\nreference_samples = 1000\n";
-    let outcome = run(study);
+    let outcome = run_all(study);
     let local = method(&outcome, "polynomial_chaos_local");
     let [low, _] = local.mean_interval.unwrap();
-    // The expansion of a pressure whose hidden part leaves the sampled range lies far below all other methods.
+    // If the hidden part of the pressure leaves the sampled range, its expansion lies far below all other methods.
     assert!(local.mean_pa.unwrap() < 0.6 * low, "{local:?}");
     let is_biased = |warning: &&String| warning.contains("is biased");
     let warned: Vec<&String> = outcome.results.warnings.iter().filter(is_biased).collect();

@@ -3,16 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-use asperity::correlation::{CorrelationModel, Covariance};
-use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::random;
 use asperity::study::{
     FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes, provenance, write_run,
 };
-use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
 use asperity_testing::AlwaysCancelled;
+
+use crate::support::{rough, run_all, run_in};
 
 const STUDY: &str = r#"
 seed = 7
@@ -50,22 +48,17 @@ trajectories = 6
 duration = 100.0
 "#;
 
-/// A tilted random scan in `folder`, rough on the scale of `length_m`.
+/// Writes a tilted random scan into `folder`, with correlation length `length_m`.
 fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
-    let grid = Grid::new(128, 128, 2e-6, 2e-6).unwrap();
-    let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, rms_m, length_m).unwrap();
-    let field = SpectralField::periodic(&covariance, grid);
-    let xi = random::standard_normal(&mut random::stream(3, "scan", 0), field.xi_len());
-    let mut heights = field.generate(&xi).heights_m().clone();
+    let mut heights = rough(128, 128, rms_m, length_m);
     heights.indexed_iter_mut().for_each(|((row, column), z)| *z += 1e-9 * column as f64 - 2e-9 * row as f64);
     heights[[5, 7]] = f64::NAN;
     asperity_formats::write(&Scan::new(heights, Some((2e-6, 2e-6))), &folder.join("scan.x3p")).unwrap();
 }
 
 fn run(text: &str, folder: &Path, threads: usize) -> Outcome {
-    let study = Study::parse(text, "study.toml").unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| study.run(folder, None, &Silent)).unwrap()
+    pool.install(|| run_in(folder, text, None)).unwrap()
 }
 
 #[test]
@@ -79,7 +72,7 @@ fn one_and_two_threads_give_the_same_bytes() {
     for (name, table) in &one.tables {
         assert_eq!(table.to_csv().unwrap(), two.tables[name].to_csv().unwrap(), "{name}");
     }
-    // Tables and figures name every stage.
+    // The tables cover every stage.
     for name in ["height_fits", "height_psd_radial", "height_psd_x", "height_psd_y"] {
         assert!(one.tables.contains_key(name), "{name}");
     }
@@ -97,7 +90,7 @@ fn another_scan_changes_friction_and_cycles() {
     write_scan(folder.path(), 0.25e-6, 40e-6);
     let second = run(STUDY, folder.path(), 2).results;
     let (first_surface, second_surface) = (first.surface.unwrap(), second.surface.unwrap());
-    // The surfaces are isotropic: both lengths of a fit estimate the same one.
+    // The surfaces are isotropic: both lengths of a fit estimate the same length.
     let length_m = |surface: asperity::study::result::SurfaceResult| {
         let covariance = surface.covariance.unwrap();
         (covariance.decay_length_x_m * covariance.decay_length_y_m).sqrt()
@@ -120,14 +113,14 @@ fn another_scan_changes_friction_and_cycles() {
 
 #[test]
 #[ignore = "slow"]
-fn both_upscalings_are_computed_and_the_area_scatters_less() {
+fn both_upscalings_are_computed_and_the_area_has_the_smaller_std() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let results = run(STUDY, folder.path(), 2).results;
     let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
     let wanted = vibration.variance_reduction.sqrt();
     assert!((vibration.area.friction_std / vibration.paper.friction_std / wanted - 1.0).abs() < 1e-12);
-    // Windows of about 200 µm × 50 µm on 833 mm² average at most as independent ones.
+    // Windows of about 200 µm × 50 µm on 833 mm² average at most like independent ones.
     let independent = (friction.window_m * friction.strip_width_m / 833e-6).sqrt();
     assert!(wanted < 0.02 && wanted >= independent * (1.0 - 1e-9), "{wanted} and {independent}");
     assert!((vibration.level_mean_pressure_pa.unwrap() / (30e3 / 833e-6) - 1.0).abs() < 1e-5);
@@ -139,7 +132,7 @@ fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() 
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let soft = STUDY.replace("\"2 GPa\"", "\"20 Pa\"").replace("\"385 MPa\"", "\"4 Pa\"").replace("30 kN", "0.001 N");
-    let results = Study::parse(&soft, "study.toml").unwrap().run(folder.path(), Some(Stage::Friction), &Silent);
+    let results = run_in(folder.path(), &soft, Some(Stage::Friction));
     for level in results.unwrap().results.friction.unwrap().levels.iter().filter(|level| level.percentile.is_some()) {
         assert!(level.plastic_share > 0.999, "{}", level.plastic_share);
         let (mean, std) = (level.at_mean_load.mean, level.at_mean_load.std);
@@ -149,7 +142,7 @@ fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() 
 
 #[test]
 #[ignore = "slow"]
-fn one_stage_runs_with_what_it_needs_alone() {
+fn one_stage_runs_with_its_requirements_only() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let study = Study::parse(STUDY, "study.toml").unwrap();
@@ -159,13 +152,12 @@ fn one_stage_runs_with_what_it_needs_alone() {
     assert!(vibration.pressure.is_none() && vibration.friction.is_some() && vibration.vibration.is_some());
 }
 
-/// The first stage alone, of the scans that are named.
+/// Runs the first stage alone on the named scans.
 fn surface_of(folder: &Path, file: &str) -> Result<Outcome, StudyError> {
-    let study = Study::parse(&STUDY.replace("\"scan.x3p\"", file), "study.toml").unwrap();
-    study.run(folder, Some(Stage::Surface), &Silent)
+    run_in(folder, &STUDY.replace("\"scan.x3p\"", file), Some(Stage::Surface))
 }
 
-/// Two scans, `a.x3p` and the rougher and longer-waved `b.x3p`.
+/// Writes two scans, `a.x3p` and the rougher `b.x3p` with a longer correlation.
 fn two_scans() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, rms_m, length_m) in [("a.x3p", 0.5e-6, 10e-6), ("b.x3p", 1e-6, 14e-6)] {
@@ -177,7 +169,7 @@ fn two_scans() -> tempfile::TempDir {
 
 #[test]
 #[ignore = "slow"]
-fn a_list_of_one_scan_is_that_scan_to_the_byte() {
+fn a_list_of_one_scan_gives_the_same_bytes_as_the_scan() {
     let folder = two_scans();
     let one = run(&STUDY.replace("scan.x3p", "a.x3p"), folder.path(), 2);
     let list = run(&STUDY.replace("\"scan.x3p\"", "[\"a.x3p\"]"), folder.path(), 2);
@@ -202,17 +194,17 @@ fn two_scans_are_pooled_into_one_surface() {
         assert!(interval[0].as_f64().unwrap() <= value && value <= interval[1].as_f64().unwrap(), "{key}: {interval}");
         assert!(of_both[format!("{key}_between_std")].as_f64().unwrap() > 0.0, "{key}");
     }
-    // Every key of one scan is there, and the scans themselves are.
+    // Every key of one scan is present, and so are the scans themselves.
     for key in of_a.as_object().unwrap().keys().filter(|key| *key != "Std_rad") {
         assert!(of_both.get(key).is_some(), "{key}");
     }
     assert_eq!((of_both["scan_count"].as_u64(), of_both["missing_points"].as_u64()), (Some(2), Some(2)));
     assert_eq!((of_both["scans"][1]["file"].as_str(), &of_both["scans"][1]["Sq_m"]), (Some("b.x3p"), &of_b["Sq_m"]));
-    // Random surfaces follow: variance between those of the scans, as the covariance's length.
+    // Random surfaces follow: variance and correlation length lie between those of the scans.
     let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
     assert!(length(&of_a) < length(&of_both) && length(&of_both) < length(&of_b));
     assert_eq!(of_both["covariance"]["std_m"], of_both["Sq_m"]);
-    // Maps and series show the first scan.
+    // Maps and tables show the first scan.
     let bits = |o: &Outcome| o.fields["height_levelled"].values.iter().map(|z| z.to_bits()).collect::<Vec<u64>>();
     assert!(bits(&both) == bits(&a) && bits(&both) != bits(&b));
     assert_eq!(both.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
@@ -270,7 +262,7 @@ fn limits_of_the_correlation_are_drawn_around_it() {
         let [acf, low, high] = ["", "_low", "_high"].map(|end| column(&format!("acf_{axis}{end}")));
         assert_eq!((low[0], high[0]), (1.0, 1.0));
         for lag in 1..acf.len() {
-            // What the removed plane took is put back, so that the limits lie a little higher.
+            // The variance that the plane removed is added back, so the limits lie slightly higher.
             assert!(low[lag] < acf[lag] + 0.02 && acf[lag] < high[lag] && high[lag] - low[lag] < 0.6, "{axis} {lag}");
         }
     }
@@ -295,7 +287,7 @@ friction_std = 0.001
 friction_correlation_length = "250 um"
 friction_marginal = "beta:2.1,5"
 "#;
-    let outcome = Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap();
+    let outcome = run_all(text);
     let vibration = outcome.results.vibration.unwrap();
     // λ = ℓ c/N with c = m ω₀².
     assert!((vibration.correlation_length - 250e-6 * 316.0 * 316.0 / 2500.0).abs() < 1e-12);
@@ -304,7 +296,7 @@ friction_marginal = "beta:2.1,5"
 }
 
 #[test]
-fn violent_friction_is_cut_off_and_says_so() {
+fn large_fluctuations_are_clipped_with_a_warning() {
     // Fluctuations as large as the mean would change the sign of friction in fast slips.
     let text = r#"
 seed = 1
@@ -323,7 +315,7 @@ friction_std = 0.15
 friction_correlation_length = "250 um"
 friction_marginal = "normal"
 "#;
-    let results = Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap().results;
+    let results = run_all(text).results;
     assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
     assert!(results.warnings.iter().any(|warning| warning.contains("clipped to stay positive")));
 }
@@ -344,7 +336,7 @@ fn a_missing_or_flat_or_tiny_scan_is_unusable_input() {
 }
 
 #[test]
-fn a_cancelled_run_says_so() {
+fn a_cancelled_run_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let error = Study::parse(STUDY, "study.toml").unwrap().run(folder.path(), None, &AlwaysCancelled).unwrap_err();
@@ -352,7 +344,7 @@ fn a_cancelled_run_says_so() {
 }
 
 #[test]
-fn a_run_folder_appears_whole_and_reads_back() {
+fn a_run_folder_appears_complete_and_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let study = Study::parse(STUDY, "study.toml").unwrap();
@@ -374,7 +366,7 @@ fn a_run_folder_appears_whole_and_reads_back() {
     assert_eq!((back.dx_m, back.unit.as_str()), (2e-6, "m"));
     assert!(back.values.iter().zip(&field.values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
     assert!(Staging::open(&out, false, &[]).is_err(), "a finished run is not overwritten unasked");
-    // What is read is not deleted.
+    // Inputs are never deleted.
     let scan = out.join("results.json");
     assert!(matches!(Staging::open(&out, true, &[&scan]), Err(StoreError::HoldsInput { .. })));
     let replaced = Staging::open(&out, true, &[]).unwrap();

@@ -1,4 +1,5 @@
-//! Random surfaces like a scan keep its slopes within the reliable band, or a warning says how far they are off and why.
+//! Slopes of random surfaces agree with those of a scan within the reliable band, or a warning states the difference
+//! and its reason.
 
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use asperity::surface::level::{Level, remove_form};
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
 
-/// Mean squared slope by differences of present neighbours.
+/// Returns the mean squared slope by differences of present neighbours.
 fn squared_slope(map: &HeightMap) -> f64 {
     let (grid, heights) = (map.grid(), map.heights_m());
     let mean = |dr: usize, dc: usize, pitch_m: f64| {
@@ -29,18 +30,18 @@ fn squared_slope(map: &HeightMap) -> f64 {
     mean(0, 1, grid.dx_m()) + mean(1, 0, grid.dy_m())
 }
 
-/// Sdq after an S-filter.
+/// Returns Sdq after an S-filter.
 fn filtered_sdq(map: &HeightMap, cutoff_m: f64) -> f64 {
     squared_slope(&GaussianFilter::linear(cutoff_m).smooth(map).unwrap().map).sqrt()
 }
 
-/// The end of the reliable band as a wavelength, at least four pixels.
+/// Returns the end of the reliable band as a wavelength, at least four pixels.
 fn cutoff_m(scan: &HeightMap) -> f64 {
     let (grid, band) = (scan.grid(), radial_spectrum(scan).unwrap().reliable);
     (std::f64::consts::TAU / band.high_rad_per_m).max(4.0 * grid.dx_m().max(grid.dy_m()))
 }
 
-/// The generator of maps like a scan file, on the scan's grid.
+/// Returns the generator of maps with the statistics of a scan file, on the scan's grid.
 fn sampler(file: &str, grid: Grid, folder: &Path, keys: &str) -> Sampler {
     let text = format!(
         "seed = 5\nsize = [\"{:e} m\", \"{:e} m\"]\npoints = [{}, {}]\n[surface]\nfile = '{file}'\nlevel = \"plane\"\n{keys}\n",
@@ -52,7 +53,7 @@ fn sampler(file: &str, grid: Grid, folder: &Path, keys: &str) -> Sampler {
     Specimen::parse(&text, "spec.toml").unwrap().sampler(folder).unwrap()
 }
 
-/// Root mean square of the filtered Sdq of a few generated maps over that of the scan.
+/// Returns the root mean square of the filtered Sdq of a few generated maps, over that of the scan.
 fn slope_ratio(scan: &HeightMap, sampler: &Sampler, maps: u64) -> f64 {
     let cutoff_m = cutoff_m(scan);
     let square: f64 = (0..maps)
@@ -61,7 +62,7 @@ fn slope_ratio(scan: &HeightMap, sampler: &Sampler, maps: u64) -> f64 {
     (square / maps as f64).sqrt() / filtered_sdq(scan, cutoff_m)
 }
 
-/// A map of a covariance under a pointwise function of its normal variables, as a scan in `folder`.
+/// Writes a map of a covariance under a pointwise function of its normal variables, as a scan in `folder`.
 fn synthetic(
     folder: &Path,
     name: &str,
@@ -96,17 +97,19 @@ fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_
         synthetic(folder.path(), "oblique", &oblique, plain),
         synthetic(folder.path(), "skewed", &rolling, skewed),
     ];
-    // The closed form of the slope by differences, 2σ²(1 − ρ(Δ))/Δ² along each axis; one map of some 700 patches meets it to 3 %.
+    // The closed form of the slope by differences, 2σ²(1 − ρ(Δ))/Δ² along each axis; one map of about 700 patches
+    // agrees to 3 %.
     let wanted = 4.0 * std_m * std_m * (1.0 - (-1.0_f64 / 8.0).exp()) / 1e-12;
     assert!((squared_slope(&scans[0].1) / wanted - 1.0).abs() < 0.08);
     for (file, scan) in &scans {
-        // The default generator once: an expansion would need too many terms, and the patch has all Fourier modes.
+        // The default generator once: an expansion would need too many terms, so the patch has all Fourier modes.
         let default = (file == "exponential.x3p").then_some("");
         for keys in std::iter::once("generator = \"spectral\"").chain(default) {
             let sampler = sampler(file, scan.grid(), folder.path(), keys);
             let ratio = slope_ratio(scan, &sampler, 2);
             assert!((ratio - 1.0).abs() < 0.1, "{file} {keys}: {ratio}, {:?}", sampler.warnings());
-            // Single maps of heavy-tailed heights differ by more than 15 %, which is warned about although their mean is near.
+            // Single maps of heavy-tailed heights differ by more than 15 %, which gives a warning although their mean
+            // is close.
             let is_heavy_tailed = file == "skewed.x3p";
             let is_warned = sampler.warnings().iter().any(|warning| warning.contains("slopes"));
             assert!(is_heavy_tailed || !is_warned, "{:?}", sampler.warnings());
@@ -116,7 +119,7 @@ fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_
 
 #[test]
 #[ignore = "slow"]
-fn heights_whose_extremes_hold_the_slopes_are_warned_about_with_the_slopes_of_drawn_maps() {
+fn slopes_concentrated_in_extreme_heights_give_a_warning_with_the_slopes_of_drawn_maps() {
     let folder = tempfile::tempdir().unwrap();
     let rolling = Covariance::isotropic(CorrelationModel::SelfAffine { hurst: 0.8 }, 1e-7, 6e-6).unwrap();
     let (file, scan) = synthetic(folder.path(), "spikes", &rolling, |g| 1e-7 * (1.6 * g).exp());
@@ -127,14 +130,14 @@ fn heights_whose_extremes_hold_the_slopes_are_warned_about_with_the_slopes_of_dr
     let number = |after: &str| -> f64 {
         warning.split(after).nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap()
     };
-    // Maps of another seed: six of them lie about the three that were drawn for the warning.
+    // Maps of another seed: six of them vary about the three that were drawn for the warning.
     let (stated, found) = (number(begin), slope_ratio(&scan, &sampler, 6));
     assert!((found / stated - 1.0).abs() < 0.25, "{found}: {warning}");
     let (least, most) = (number("of single maps "), number(" to "));
     assert!(least < stated && stated < most && (least < 0.85 || most > 1.15), "{warning}");
 }
 
-/// Mean pressure over the contact modulus at which 5 % of the map touch a flat, within 2 %.
+/// Returns the mean pressure over the contact modulus at which 5 % of the map touch a flat, within 2 %.
 fn mean_pressure_at_five_percent(map: &HeightMap) -> f64 {
     let half_space = HalfSpace::new(map.grid(), 1.0, Boundary::Free).unwrap();
     let fraction = |pressure: f64| {
@@ -153,9 +156,9 @@ fn mean_pressure_at_five_percent(map: &HeightMap) -> f64 {
     pressure
 }
 
-/// Scans of at least 200 points a side in the folder `surfaces` of the one that ASPERITY_REFERENCE names.
+/// Uses scans of at least 200 points a side in the folder `surfaces` of the folder that ASPERITY_REFERENCE names.
 #[test]
-fn generated_maps_have_the_slopes_of_the_reference_scans_or_a_warning_says_why_not() {
+fn generated_maps_have_the_slopes_of_the_reference_scans_or_a_warning() {
     let Some(reference) = std::env::var_os("ASPERITY_REFERENCE") else {
         println!("skipped: ASPERITY_REFERENCE names no folder");
         return;

@@ -1,4 +1,4 @@
-//! The keys of `[vibration]`: laws over the velocity, force, generators, drives and integrators.
+//! Keys of `[vibration]`: velocity laws, force, generators, drives and integrators.
 
 use std::path::Path;
 
@@ -7,6 +7,8 @@ use asperity::monitor::Silent;
 use asperity::study::Study;
 use asperity::study::result::{KindResult, VibrationResult};
 use asperity::vibration::{Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters};
+
+use crate::support::run_all;
 
 /// The machine of the paper: N/c = .025036 m and N/(mω₀) = 7.911 m/s.
 const MACHINE: &str = r#"
@@ -28,8 +30,7 @@ const VELOCITY_UNIT: f64 = 2500.0 / 316.0;
 const LENGTH_UNIT: f64 = 2500.0 / (316.0 * 316.0);
 
 fn run(keys: &str) -> VibrationResult {
-    let study = Study::parse(&format!("{MACHINE}{keys}"), "keys.toml").unwrap();
-    study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
+    run_all(&format!("{MACHINE}{keys}")).results.vibration.unwrap()
 }
 
 fn refused(keys: &str) -> String {
@@ -47,7 +48,7 @@ fn a_linear_law_ends_at_half_its_slope() {
 
 #[test]
 fn an_exponential_law_has_its_velocity_in_si() {
-    // 2ζ_H = (μ_k − μ_∞)/v₀·e^{−V/v₀}, and the jump of the kinetic share lifts ζ_c above it.
+    // 2ζ_H = (μ_k − μ_∞)/v₀·e^{−V/v₀}; the step from static to kinetic friction raises ζ_c above it.
     let found =
         run("damping_ratio = 0.1\nbelt_velocity = \"0.1 m/s\"\nkinetic_share = 0.9\nvelocity_law = \"exponential\"\n\
          stribeck_velocity = \"0.4 m/s\"\nhigh_speed_share = 0.6");
@@ -69,27 +70,24 @@ fn a_jump_to_kinetic_friction_has_its_closed_form() {
 #[test]
 #[ignore = "slow"]
 fn the_force_acts_on_cycle_and_ensembles() {
-    // Below the end of the locked cycle at ζ = .2703: one cycle a period of the force.
+    // Below the end of the locked cycle at ζ = .2703 there is one cycle per period of the force.
     let text = |force: &str| {
         let machine = MACHINE.replace("static_friction = 0.1", "static_friction = 0.2");
         format!("{machine}damping_ratio = 0.2\ndimensionless_belt_velocity = 0.1\n{force}")
     };
-    let run = |force: &str| {
-        let study = Study::parse(&text(force), "force.toml").unwrap();
-        study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
-    };
+    let run = |force: &str| run_all(&text(force)).results.vibration.unwrap();
     let found = run("forcing = \"25 N\"\nforcing_frequency = \"309.68 rad/s\"");
     assert!((found.cycle.period.unwrap() * 0.98 / std::f64::consts::TAU - 1.0).abs() < 1e-9);
     let free = run("");
-    // ζ_c and ζ_H leave the force aside.
+    // ζ_c and ζ_H ignore the force.
     assert_eq!(free.critical_damping_ratio, found.critical_damping_ratio);
     assert!(free.cycle.period != found.cycle.period);
     assert!(free.paper.motion.unwrap() != found.paper.motion.unwrap());
 }
 
 #[test]
-fn overtaking_is_vibration_in_every_number_of_a_study() {
-    // V = 3.1416 and μ_st = .432353: at ζ = .001 and .002 the mass passes the velocity of the belt and never sticks.
+fn overtaking_counts_as_vibration_in_every_result_of_a_study() {
+    // V = 3.1416 and μ_st = .432353: at ζ = .001 and .002 the mass exceeds the velocity of the belt and never sticks.
     let machine = MACHINE
         .replace("static_friction = 0.1", "static_friction = 0.432353")
         .replace("[0.16, 0.18, 2]", "[0.001, 0.002, 2]")
@@ -98,8 +96,7 @@ fn overtaking_is_vibration_in_every_number_of_a_study() {
         let machine = machine.replace("friction_std = 0.001", &format!("friction_std = {std}"));
         let text = format!("{machine}damping_ratio = 0.001\ndimensionless_belt_velocity = 3.1416\n")
             .replace("\"250 um\"", "\"250 mm\"");
-        let study = Study::parse(&text, "fast.toml").unwrap();
-        let found = study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap();
+        let found = run_all(&text).results.vibration.unwrap();
         let limit = found.critical_damping_ratio.unwrap();
         for damping in &found.paper.damping {
             assert_eq!(damping.kind, KindResult::Overtaking);
@@ -109,7 +106,7 @@ fn overtaking_is_vibration_in_every_number_of_a_study() {
         assert_eq!(found.paper.motion.as_ref().map(|motion| motion.left_share), (std != "0.0").then_some(0.0));
         for crossing in &found.paper.crossings {
             let ratio = crossing.damping_ratio.unwrap();
-            // Transients of a motion that begins in stick last longer than the study next to the end.
+            // Near the end of the cycle, transients of a motion that begins in stick last longer than the study.
             let exact = std == "0.0";
             assert!(if exact { ratio == limit } else { (ratio / limit - 1.0).abs() < 0.3 }, "{crossing:?} and {limit}");
         }
@@ -123,7 +120,7 @@ fn machine(damping_ratio: f64, belt_velocity: f64) -> Oscillator {
 
 #[test]
 #[ignore = "slow"]
-fn generators_drives_and_integrators_are_those_of_the_library() {
+fn generators_drives_and_integrators_agree_with_the_library() {
     let oscillator = machine(0.16, 0.003);
     let ensemble = |generator, drive, method| {
         let model = ProcessModel {
@@ -152,7 +149,7 @@ fn generators_drives_and_integrators_are_those_of_the_library() {
         assert_eq!((damping.cycles_mean, damping.cycles_se), (wanted.cycles.mean, wanted.cycles.se), "{keys}");
         counts.push(found.paper.motion.unwrap().stick_share);
     }
-    // Each changes the motion, but for the integrator, whose counts are those of the series.
+    // Each choice changes the motion except the integrator, whose counts equal those of the series.
     for (i, count) in counts[..5].iter().enumerate() {
         assert!(counts[..i].iter().all(|other| other != count), "{counts:?}");
     }
@@ -160,19 +157,19 @@ fn generators_drives_and_integrators_are_those_of_the_library() {
 }
 
 #[test]
-fn clouds_hold_the_ends_of_trajectories() {
+fn clouds_contain_the_ends_of_trajectories() {
     let text = format!("{MACHINE}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003");
-    let outcome = Study::parse(&text, "cloud.toml").unwrap().run(Path::new(""), None, &Silent).unwrap();
+    let outcome = run_all(&text);
     let (_, cloud) = outcome.tables.iter().find(|(name, _)| name.as_str() == "phase_cloud").unwrap();
     let column = |name| cloud.column(name).unwrap();
     assert_eq!(column("trajectory").iter().filter(|index| **index == 19.0).count(), 72);
     assert!(column("tau").iter().all(|tau| (60.0 - 1.1 * std::f64::consts::TAU..=60.0).contains(tau)));
-    // Nothing is faster than the belt without over-slip.
+    // Without over-slip the mass is never faster than the belt.
     assert!(column("velocity").iter().all(|velocity| *velocity <= 0.003 * (1.0 + 1e-12)));
 }
 
 #[test]
-fn laws_say_which_of_their_keys_is_absent() {
+fn errors_of_velocity_laws_name_the_missing_key() {
     let base = "damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\n";
     for (keys, words) in [
         ("velocity_law = \"linear\"", "linear_weakening"),
@@ -194,12 +191,12 @@ fn laws_say_which_of_their_keys_is_absent() {
 }
 
 #[test]
-fn a_map_without_scatter_ends_where_the_cycle_does() {
+fn a_map_without_fluctuation_ends_with_the_cycle() {
     let base = "damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\nupscaling = \"paper\"\n";
     let map = "[vibration.map]\nover = \"damping_scatter\"\nx = [0.14, 0.28, 2]\ny = [0.0, 0.001, 1]\ndepth = 0\ntrajectories = 20";
     let text = format!("{}{base}{map}", MACHINE.replace("duration = 60.0", "duration = 600.0"));
     let study = Study::parse(&text, "map.toml").unwrap();
-    let outcome = study.run(Path::new(""), None, &Silent).unwrap();
+    let outcome = study.run(Path::new("."), None, &Silent).unwrap();
     let names = outcome.results.vibration.unwrap().map.unwrap();
     assert_eq!((names.x.as_str(), names.y.as_str()), ("damping_ratio", "friction_std"));
     let (_, points) = outcome.tables.iter().find(|(name, _)| name.as_str() == "map_points").unwrap();
@@ -211,8 +208,8 @@ fn a_map_without_scatter_ends_where_the_cycle_does() {
     // ζ_c = .2048.
     assert_eq!([at(0.14, 0.0), at(0.21, 0.0), at(0.28, 0.0)], [1.0, 0.0, 0.0]);
     assert!(at(0.14, 0.001) > 0.9 && at(0.28, 0.001) < 0.1);
-    // The study estimates its trajectories: sweeps of both upscalings, the points of the map,
-    // and some twenty ensembles for the crossings of each upscaling.
+    // The estimate counts the trajectories: sweeps of both upscalings, the points of the map, and about twenty
+    // ensembles for the crossings of each upscaling.
     assert_eq!(study.estimate(1)[0].trajectories, 2 * (2 + 20) * 20 + 6 * 20);
     for (wrong, word) in
         [("x = [0.3, 0.2, 2]", "rising"), ("x = [0.1, 0.2, 0]", "at least 1"), ("depth = 9", "at most 8")]
@@ -229,8 +226,7 @@ fn a_machine_that_vibrates_once_started_has_its_kick_in_si() {
     let run = |damping_ratio: f64| {
         let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
         let keys = format!("damping_ratio = {damping_ratio}\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
-        let study = Study::parse(&format!("{steady}{keys}"), "kick.toml").unwrap();
-        study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
+        run_all(&format!("{steady}{keys}")).results.vibration.unwrap()
     };
     let found = run(0.111);
     assert_eq!((found.kind, found.cycle.limit_cycle), (KindResult::StickSlip, true));
@@ -245,18 +241,16 @@ fn a_machine_that_vibrates_once_started_has_its_kick_in_si() {
 }
 
 #[test]
-fn a_physical_stribeck_coefficient_is_one_law_under_every_load_mass_and_frequency() {
+fn a_physical_stribeck_coefficient_is_the_same_law_for_every_load_mass_and_frequency() {
     let keys = format!(
         "damping_ratio = 0.1\nbelt_velocity = \"{:?} m/s\"\nstribeck = \"{:?} s/m\"",
         0.1 * VELOCITY_UNIT,
         4.2 / VELOCITY_UNIT
     );
     let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
-    let of = |old: &str, new: &str| {
-        let study = Study::parse(&format!("{}{keys}", steady.replace(old, new)), "loads.toml").unwrap();
-        study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
-    };
-    // In units of the first load X″ + 2ζX′ + X = rμ/(1 + a|V − X′|) under r times the load: ζ_c of (rμ, a, V), as published.
+    let of = |old: &str, new: &str| run_all(&format!("{}{keys}", steady.replace(old, new))).results.vibration.unwrap();
+    // In units of the first load, X″ + 2ζX′ + X = rμ/(1 + a|V − X′|) under r times the load: ζ_c of (rμ, a, V), as
+    // published.
     for (old, new, ratio, wanted) in [
         ("", "", 1.0, 0.111_508_270_209_214_07),
         ("2.5 kN", "5 kN", 2.0, 0.222_953_501_902_507_68),
@@ -280,7 +274,7 @@ fn a_physical_stribeck_coefficient_is_one_law_under_every_load_mass_and_frequenc
 
 #[test]
 #[ignore = "slow"]
-fn neither_the_sweep_nor_the_number_of_paths_changes_what_is_clipped_or_where_a_crossing_is() {
+fn clipping_and_crossings_do_not_depend_on_the_sweep_or_the_number_of_trajectories() {
     let run = |sweep: &str, trajectories: usize| {
         let text = MACHINE
             .replace("friction_std = 0.001", "friction_std = 0.015")
@@ -288,16 +282,17 @@ fn neither_the_sweep_nor_the_number_of_paths_changes_what_is_clipped_or_where_a_
             .replace("[0.16, 0.18, 2]", sweep)
             .replace("trajectories = 20\nduration = 60.0", &format!("trajectories = {trajectories}\nduration = 60.0"));
         let text = format!("{text}damping_ratio = 0.111\ndimensionless_belt_velocity = 0.1\nupscaling = \"paper\"\n");
-        Study::parse(&text, "clipped.toml").unwrap().run(Path::new(""), None, &Silent).unwrap().results
+        run_all(&text).results
     };
     let crossings = [run("[0.05, 0.15, 2]", 8), run("[0.1, 0.15, 2]", 16)].map(|results| {
         let paper = results.vibration.unwrap().paper;
-        // Slips reach V + μ_st + 3.719 σ, where 0.9 of the coefficient 0.1/(1 + 4.2 · 0.256) may be lost: Φ(−0.0434/0.015).
+        // Slips reach V + μ_st + 3.719 σ, where 0.9 of the coefficient 0.1/(1 + 4.2 · 0.256) may be removed:
+        // Φ(−0.0434/0.015).
         assert!((paper.clipped_fraction - 0.00191).abs() < 2e-5, "{}", paper.clipped_fraction);
         assert!(paper.crossings[0].damping_ratio.is_some());
         paper.crossings[1].damping_ratio_interval.unwrap()
     });
-    // Both intervals are about the same crossing of 50 %.
+    // Both intervals contain the same crossing of 50 %.
     let [a, b] = crossings;
     assert!(a[0].max(b[0]) <= a[1].min(b[1]), "{crossings:?}");
 }
@@ -309,8 +304,8 @@ fn a_dimensionless_law_warns_in_a_study_that_varies_the_load() {
         let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
         let text = format!("{steady}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\n{law}\n{map}");
         let study = Study::parse(&text, "map.toml").unwrap();
-        let found = study.run(Path::new(""), None, &Silent).unwrap().results.warnings;
-        // The study alone tells, before it runs.
+        let found = study.run(Path::new("."), None, &Silent).unwrap().results.warnings;
+        // The study alone gives the warning, before it runs.
         assert_eq!(study.warnings().iter().any(|text| found.contains(text)), !found.is_empty());
         found
     };

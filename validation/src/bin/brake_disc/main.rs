@@ -11,14 +11,11 @@
 
 #![expect(clippy::print_stderr, reason = "this is a program, and it talks to its user")]
 
-mod scan;
-
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use asperity_formats::{X3pData, write_x3p};
-
-use crate::scan::brake_disc;
+use asperity_validation::brake_disc::brake_disc;
 
 fn main() -> ExitCode {
     let Some(path) = std::env::args_os().nth(1).map(PathBuf::from) else {

@@ -15,20 +15,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity::contact::{Boundary, Control, Solver};
+use asperity_validation::contact::CheckedSolution;
 use rayon::prelude::*;
 
-mod check;
-#[path = "../../../../crates/asperity-contact/tests/contact/contact_check.rs"]
-mod contact_check;
 mod figure;
-mod problems;
 mod tables;
-
-use check::Checked;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// Names the group that a problem falls into.
-type Group<'a> = dyn Fn(&Checked) -> &'static str + 'a;
+type Group<'a> = dyn Fn(&CheckedSolution) -> &'static str + 'a;
 
 fn main() -> Result<()> {
     let argument = std::env::args().nth(1).ok_or("usage: validate_contact FOLDER, or --quick")?;
@@ -52,13 +47,13 @@ fn main() -> Result<()> {
 }
 
 /// Solves that many problems; fails with the first answer that is wrong.
-fn solve(count: u64) -> Result<Vec<Checked>> {
+fn solve(count: u64) -> Result<Vec<CheckedSolution>> {
     let solver = Solver::default();
     let done = AtomicU64::new(0);
-    let solved: std::result::Result<Vec<Checked>, String> = (0..count)
+    let solved: std::result::Result<Vec<CheckedSolution>, String> = (0..count)
         .into_par_iter()
         .map(|number| {
-            let checked = Checked::of(number, solver).map_err(|error| format!("problem {number}: {error}"))?;
+            let checked = CheckedSolution::new(number, solver).map_err(|error| format!("problem {number}: {error}"))?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             if done.is_multiple_of(100) {
                 eprintln!("{done} of {count} problems");
@@ -88,8 +83,8 @@ differently; nothing else here depends on the machine. What the numbers mean is 
 }
 
 /// The section on random problems.
-fn random_problems(checked: &[Checked]) -> String {
-    let worst = |part: &dyn Fn(&Checked) -> f64| checked.iter().map(part).fold(0.0, f64::max);
+fn random_problems(checked: &[CheckedSolution]) -> String {
+    let worst = |part: &dyn Fn(&CheckedSolution) -> f64| checked.iter().map(part).fold(0.0, f64::max);
     let dense = checked.iter().filter(|c| c.from_dense.is_some()).count();
     let contacts = |range: std::ops::RangeInclusive<f64>| checked.iter().filter(|c| range.contains(&c.contact)).count();
     let mut text = format!(
@@ -114,17 +109,17 @@ also summed up over all pairs of cells.
         checked.len(),
         worst(&|c| c.found.frank_wolfe),
         worst(&|c| c.found.overlap),
-        worst(&|c| c.found.prescribed),
-        worst(&Checked::difference),
+        worst(&|c| c.found.load),
+        worst(&CheckedSolution::difference),
         worst(&|c| c.from_dense.unwrap_or(0.0)),
     );
-    let boundary = |c: &Checked| match (c.posed.half_space.boundary(), c.yields) {
+    let boundary = |c: &CheckedSolution| match (c.problem.half_space.boundary(), c.yields) {
         (Boundary::Free, false) => "free, elastic",
         (Boundary::Free, true) => "free, elasto-plastic",
         (Boundary::Periodic { .. }, false) => "periodic, elastic",
         (Boundary::Periodic { .. }, true) => "periodic, elasto-plastic",
     };
-    let control = |c: &Checked| match c.control {
+    let control = |c: &CheckedSolution| match c.control {
         Control::MeanPressure { .. } => "mean pressure",
         Control::Load { .. } => "load",
         Control::Penetration { .. } | Control::Plane { .. } => "penetration",
@@ -132,7 +127,7 @@ also summed up over all pairs of cells.
         Control::MeanGap { .. } if boundary(c) == "periodic, elastic" => "mean gap, plane known",
         Control::MeanGap { .. } => "mean gap, plane sought",
     };
-    let contact = |c: &Checked| match 100.0 * c.contact {
+    let contact = |c: &CheckedSolution| match 100.0 * c.contact {
         0.0 => "none",
         x if x < 1.0 => "below 1 %",
         x if x < 10.0 => "1 … 10 %",
@@ -141,7 +136,7 @@ also summed up over all pairs of cells.
         x if x < 100.0 => "90 … 100 %",
         _ => "all",
     };
-    let plastic = |c: &Checked| match 100.0 * c.plastic {
+    let plastic = |c: &CheckedSolution| match 100.0 * c.plastic {
         _ if !c.yields => "elastic",
         0.0 => "hardness not reached",
         x if x < 10.0 => "below 10 %",
@@ -149,13 +144,13 @@ also summed up over all pairs of cells.
         x if x < 90.0 => "50 … 90 %",
         _ => "90 … 100 %",
     };
-    let cells = |c: &Checked| match c.posed.half_space.grid().points() {
+    let cells = |c: &CheckedSolution| match c.problem.half_space.grid().points() {
         n if n <= 1024 => "up to 1,024",
         n if n <= 8192 => "up to 8,192",
         n if n <= 20_000 => "up to 20,000",
         _ => "up to 65,536",
     };
-    let (sought, others): (Vec<&Checked>, Vec<&Checked>) =
+    let (sought, others): (Vec<&CheckedSolution>, Vec<&CheckedSolution>) =
         checked.iter().partition(|c| control(c) == "mean gap, plane sought");
     text += &grouped(checked.iter(), "control", &control);
     text += &format!(
@@ -165,7 +160,7 @@ out of what follows.\n",
     );
     let tables: [(&str, &Group<'_>); 5] = [
         ("boundary", &boundary),
-        ("surface", &|c| c.posed.kind.name()),
+        ("surface", &|c| c.problem.kind.name()),
         ("cells in contact", &contact),
         ("at the hardness, of these", &plastic),
         ("cells", &cells),
@@ -197,9 +192,9 @@ const ORDER: [&str; 16] = [
 ];
 
 /// A table of iterations and residuals by group.
-fn grouped<'a>(checked: impl Iterator<Item = &'a Checked>, title: &str, group: &Group<'_>) -> String {
+fn grouped<'a>(checked: impl Iterator<Item = &'a CheckedSolution>, title: &str, group: &Group<'_>) -> String {
     let place = |name: &str| ORDER.iter().position(|other| *other == name);
-    let mut groups: BTreeMap<(Option<usize>, &str), Vec<&Checked>> = BTreeMap::new();
+    let mut groups: BTreeMap<(Option<usize>, &str), Vec<&CheckedSolution>> = BTreeMap::new();
     for one in checked {
         groups.entry((place(group(one)), group(one))).or_default().push(one);
     }
@@ -210,7 +205,7 @@ fn grouped<'a>(checked: impl Iterator<Item = &'a Checked>, title: &str, group: &
         let mut iterations: Vec<usize> = members.iter().map(|c| c.iterations).collect();
         iterations.sort_unstable();
         let quantile = |share: f64| iterations[(share * (iterations.len() - 1) as f64).round() as usize];
-        let worst = |part: fn(&Checked) -> f64| members.iter().map(|c| part(c)).fold(0.0, f64::max);
+        let worst = |part: fn(&CheckedSolution) -> f64| members.iter().map(|c| part(c)).fold(0.0, f64::max);
         text += &format!(
             "| {name} | {} | {} | {} | {} | {} | {} | {} |\n",
             members.len(),
@@ -219,7 +214,7 @@ fn grouped<'a>(checked: impl Iterator<Item = &'a Checked>, title: &str, group: &
             quantile(1.0),
             tables::short(worst(|c| c.found.frank_wolfe)),
             tables::short(worst(|c| c.found.overlap)),
-            tables::short(worst(|c| c.found.prescribed)),
+            tables::short(worst(|c| c.found.load)),
         );
     }
     text

@@ -2,10 +2,10 @@
 
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, StopReason};
 use asperity::map::Grid;
+use asperity_validation::contact::rough;
 use ndarray::Array2;
 
 use crate::Result;
-use crate::problems::rough;
 
 /// Mean pressures over E* h′ for about 1, 11 and 57 % of contact.
 const LOADS: [f64; 3] = [0.004, 0.047, 0.335];

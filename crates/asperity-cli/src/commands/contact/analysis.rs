@@ -1,4 +1,4 @@
-//! What is told of a solved contact beside its fields.
+//! Scalar results of a solved contact.
 
 use asperity::contact::exact::{PerssonPressure, bush_gibson_thomas_contact_fraction};
 use asperity::contact::{
@@ -8,7 +8,7 @@ use asperity::contact::{
 use crate::failure::{Failure, Kind};
 use crate::output::Answer;
 
-/// Clusters, energies, theories of the contact area, and the stiffness if asked for.
+/// Clusters, energies, theoretical contact fractions, and the stiffness if requested.
 pub(super) struct Analysis {
     pub(super) clusters: Clusters,
     elastic_energy_j: f64,
@@ -21,7 +21,7 @@ pub(super) struct Analysis {
 }
 
 impl Analysis {
-    pub(super) fn of(problem: &Problem<'_>, solution: &Solution, stiffness: bool) -> Result<Self, ContactError> {
+    pub(super) fn new(problem: &Problem<'_>, solution: &Solution, stiffness: bool) -> Result<Self, ContactError> {
         let half_space = problem.half_space();
         let (grid, boundary) = (half_space.grid(), half_space.boundary());
         let (mean_pressure_pa, modulus_pa) = (solution.mean_pressure_pa(), half_space.modulus_pa());
@@ -39,11 +39,11 @@ impl Analysis {
         })
     }
 
-    /// The answer with its results.
-    pub(super) fn told(&self, answer: Answer) -> Answer {
+    /// Adds the results to an answer.
+    pub(super) fn add_to(&self, answer: Answer) -> Answer {
         let mean_pressure_pa = self.persson.mean_pressure_pa;
         let bush = bush_gibson_thomas_contact_fraction(mean_pressure_pa, self.modulus_pa, self.rms_gradient);
-        // Both theories are those of a half-space.
+        // Both theories apply to a half-space only.
         let known = |fraction: f64| self.is_half_space.then_some(fraction);
         let answer = answer
             .with("clusters", self.clusters.count())
@@ -64,8 +64,8 @@ impl Analysis {
         }
     }
 
-    /// An error if the stiffness was asked for and not found.
-    pub(super) fn checked(&self) -> Result<(), Failure> {
+    /// Fails if the stiffness was requested and did not converge.
+    pub(super) fn check_stiffness(&self) -> Result<(), Failure> {
         match self.stiffness {
             Some(stiffness) if !stiffness.converged => Err(Failure::new(
                 Kind::NotConverged,

@@ -1,4 +1,4 @@
-//! A measured record as a process.
+//! Fit of a process to a measured record.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,14 +21,15 @@ use serde_json::{Value, json};
 use crate::args;
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
-use crate::output::{Answer, check_target, replace_file, said_of_writing};
-use crate::page::{begin_folder, store_failure};
+use crate::output::{Answer, check_target, replace_file, write_verb};
+use crate::run_folder::{begin_folder, store_failure};
 
-/// Fits a process to a measured friction record: moments, law and correlation, with 95 % intervals.
+/// Fits a process to a measured friction record: moments, distribution and correlation, with 95 % intervals.
 ///
-/// A record is a text file of columns, separated by semicolons, tabs, commas or spaces, with decimal points or commas. Columns
-/// are named by the header or by their number, counted from 1; units stand in the header, `Force [N]`, `t (s)`, or in a flag.
-/// Missing values remain gaps. Steps that differ by less than 1 % are resampled, with a warning; more are refused.
+/// A record is a text file of columns, separated by semicolons, tabs, commas or spaces, with decimal points or commas.
+/// The flags name columns by header or by number, counted from 1. Units come from the header, `Force [N]`, `t (s)`, or
+/// from a flag. Missing values remain gaps. Steps that differ by less than 1 % are resampled, with a warning; steps
+/// that differ more are an error.
 #[derive(Debug, Args)]
 pub(crate) struct FitRecord {
     /// Text file of columns.
@@ -37,16 +38,17 @@ pub(crate) struct FitRecord {
     columns: ColumnOptions,
     #[command(flatten)]
     preparation: PreparationOptions,
-    /// Law to fit: auto, normal, lognormal, weibull, beta, beta:LOW,HIGH with known bounds, johnson, or empirical.
+    /// Distribution to fit: auto, normal, lognormal, weibull, beta, beta:LOW,HIGH with known bounds, johnson, or
+    /// empirical.
     #[arg(long, value_name = "LAW", default_value = "auto", value_parser = law, allow_hyphen_values = true)]
     law: DistributionChoice,
     /// Write the process to this file, for `[vibration] friction_process` and `asperity friction simulate`.
     #[arg(long, value_name = "PROCESS.json")]
     out: Option<PathBuf>,
-    /// Write process, tables and figures to this folder, which appears complete or not at all.
+    /// Write process, tables and figures to this folder. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replace a report folder that is not empty, unless it holds the record.
+    /// Replace a report folder that is not empty, unless it contains the record.
     #[arg(long)]
     force: bool,
     /// Print one JSON object instead of a table.
@@ -60,36 +62,36 @@ struct ColumnOptions {
     /// Column of the friction force or coefficient.
     #[arg(long, value_name = "NAME|N")]
     column: String,
-    /// Its unit, when the header states none or another; - for a coefficient.
+    /// Unit of the column if the header states none, or to replace the header's; - for a coefficient.
     #[arg(long, value_name = "UNIT", allow_hyphen_values = true)]
     unit: Option<String>,
     /// Column of times.
     #[arg(long, value_name = "NAME|N", group = "abscissa")]
     time_column: Option<String>,
-    /// Its unit.
+    /// Unit of the times.
     #[arg(long, value_name = "UNIT", requires = "time_column")]
     time_unit: Option<String>,
     /// Column of sliding distances.
     #[arg(long, value_name = "NAME|N", group = "abscissa")]
     distance_column: Option<String>,
-    /// Its unit.
+    /// Unit of the distances.
     #[arg(long, value_name = "UNIT", requires = "distance_column")]
     distance_unit: Option<String>,
-    /// Values per second, when there is no such column.
+    /// Number of values per second if there is no column of times or distances.
     #[arg(long, value_name = "Q", group = "abscissa", value_parser = args::positive_quantity::<Frequency>,
           allow_hyphen_values = true)]
     sampling_rate: Option<Frequency>,
-    /// Sliding velocity, which makes distances of times.
+    /// Sliding velocity, to convert times to distances.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Velocity>, allow_hyphen_values = true)]
     velocity: Option<Velocity>,
-    /// Normal force, which makes a coefficient of a friction force.
+    /// Normal force, to convert a friction force to a coefficient.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Force>, allow_hyphen_values = true,
           conflicts_with = "normal_force_column")]
     normal_force: Option<Force>,
     /// Column of the normal force.
     #[arg(long, value_name = "NAME|N")]
     normal_force_column: Option<String>,
-    /// Its unit.
+    /// Unit of the normal force.
     #[arg(long, value_name = "UNIT", requires = "normal_force_column")]
     normal_force_unit: Option<String>,
 }
@@ -97,16 +99,16 @@ struct ColumnOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Preparation, in this order")]
 struct PreparationOptions {
-    /// Part to keep, as the file counts: two times or two distances.
+    /// Part of the record to keep, in the file's times or distances: two times or two distances.
     #[arg(long, value_name = "A,B", value_parser = cut, allow_hyphen_values = true)]
     cut: Option<Cut>,
-    /// Trend to take out: none, mean, linear, polynomial:DEGREE or high_pass:CUTOFF; the mean stays.
+    /// Trend to remove: none, mean, linear, polynomial:DEGREE or high_pass:CUTOFF. The mean stays.
     #[arg(long, value_name = "TREND", default_value = "none", value_parser = detrend, allow_hyphen_values = true)]
     detrend: Detrend,
-    /// Cutoff length of a Gaussian filter that takes faster waves out.
+    /// Cutoff length of a Gaussian filter that removes shorter waves.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
     low_pass: Option<Length>,
-    /// Number of values that become their mean.
+    /// Number of consecutive values to replace by their mean.
     #[arg(long, value_name = "K", default_value = "1", value_parser = args::count, allow_hyphen_values = true)]
     decimate: usize,
 }
@@ -120,14 +122,14 @@ fn detrend(text: &str) -> Result<Detrend, args::Refusal> {
 }
 
 fn cut(text: &str) -> Result<Cut, args::Refusal> {
-    let wanted = "two times or two distances are wanted, such as 2s,30s or 1mm,20mm";
-    let (from, to) = text.split_once(',').ok_or(wanted)?;
+    let message = "give two times or two distances, such as 2s,30s or 1mm,20mm";
+    let (from, to) = text.split_once(',').ok_or(message)?;
     if let (Ok(from), Ok(to)) = (from.parse::<Time>(), to.parse::<Time>()) {
         return Ok(Cut::Time(from.0, to.0));
     }
     match (from.parse::<Length>(), to.parse::<Length>()) {
         (Ok(from), Ok(to)) => Ok(Cut::Distance(from.0, to.0)),
-        (Err(e), _) | (_, Err(e)) => Err(format!("{wanted}: {e}").into()),
+        (Err(e), _) | (_, Err(e)) => Err(format!("{message}: {e}").into()),
     }
 }
 
@@ -138,7 +140,7 @@ impl ColumnOptions {
             (_, Some(column), _) => Abscissa::Distance { column: column.clone(), unit: self.distance_unit.clone() },
             (_, _, Some(rate)) => Abscissa::SamplingRate { hertz: rate.0 },
             (None, None, None) => {
-                return Err(Failure::usage("state one of --time-column, --distance-column and --sampling-rate"));
+                return Err(Failure::usage("give one of --time-column, --distance-column and --sampling-rate"));
             }
         };
         let column =
@@ -167,35 +169,35 @@ impl FitRecord {
             && out.starts_with(folder)
         {
             return Err(Failure::usage(
-                "--out: the report folder holds files of the report alone; choose another place",
+                "--out: this file lies in the report folder, which contains only the report; choose another folder",
             ));
         }
         if let Some(out) = &self.out {
             check_target("--out", out, &[&self.record])?;
         }
         if let Some(folder) = &self.report {
-            // Before anything is computed: may the folder be written? Nothing of this attempt stays.
+            // Check the folder before computing. The check leaves nothing behind.
             begin_folder("--report", folder, self.force, &[&self.record])?;
         }
         let bytes = fs::read(&self.record).map_err(|e| Failure::io(Kind::Data, self.record.display(), &e))?;
         let name = self.record.file_name().unwrap_or_default().to_string_lossy();
         let description = format!("{name}, column {}, trend {}", columns.column, preparation.detrend);
         let (prepared, fitted) = monitor
-            .at_once(|| {
+            .killable(|| {
                 let record = MeasuredRecord::new(&ColumnTable::read(&bytes)?, &columns)?;
                 let prepared = preparation.apply(&record)?;
                 let fitted = FittedRecord::new(&prepared, self.law, &description)?;
                 Ok((prepared, fitted))
             })?
-            .or_else(|e| Err(self.refused(&e).told(Answer::default().with("reason", e.to_string()), self.json)?))?;
+            .or_else(|e| Err(self.failure(&e).print(Answer::default().with("reason", e.to_string()), self.json)?))?;
         for warning in prepared.record.warnings.iter().chain(&fitted.warnings) {
             monitor.warn(&format!("{}: {warning}", self.record.display()));
         }
         let process = fitted.process.to_json().map_err(|e| Failure::data(self.record.display(), &e))?;
         if let Some(out) = &self.out {
-            let said = said_of_writing(out);
+            let verb = write_verb(out);
             replace_file(out, |file| file.write_all(process.as_bytes()))?;
-            monitor.note(&format!("{said} {}", out.display()));
+            monitor.note(&format!("{verb} {}", out.display()));
         }
         let answer = answer(&prepared, &fitted, self.json);
         if let Some(folder) = &self.report {
@@ -205,7 +207,7 @@ impl FitRecord {
         answer.print(self.json)
     }
 
-    fn refused(&self, error: &MeasuredError) -> Failure {
+    fn failure(&self, error: &MeasuredError) -> Failure {
         let kind = match error {
             error if error.is_request() => Kind::Usage,
             error if error.is_too_few() => Kind::NotConverged,
@@ -241,7 +243,7 @@ impl FitRecord {
     }
 }
 
-/// The numbers; JSON names every law and model that was tried.
+/// Returns the results. JSON includes every distribution and model that was tried.
 fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
     let (record, process, moments) = (&prepared.record, &fitted.process, &fitted.moments);
     let correlation = process.correlation;

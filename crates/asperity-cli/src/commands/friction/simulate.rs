@@ -1,4 +1,4 @@
-//! A record drawn from a fitted process.
+//! Record drawn from a fitted process.
 
 use std::fs;
 use std::io::Write;
@@ -14,17 +14,17 @@ use clap::Args;
 use crate::args;
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
-use crate::output::{Answer, check_target, replace_file, said_of_writing};
+use crate::output::{Answer, check_target, replace_file, write_verb};
 
-/// Draws a record of the friction coefficient from a fitted process: a twin of the record it was fitted to.
+/// Draws a record of the friction coefficient from a fitted process.
 ///
-/// CSV holds position, coefficient, and its fluctuation about the mean. NPY holds the fluctuation alone, as `asperity vibration
-/// trajectory --friction-file` reads it.
+/// CSV contains position, coefficient, and its fluctuation about the mean. NPY contains the fluctuation alone, in the
+/// form that `asperity vibration trajectory --friction-file` reads.
 #[derive(Debug, Args)]
 pub(crate) struct Simulate {
-    /// Fitted process, as `asperity friction fit --out` or a study wrote it.
+    /// Fitted process, written by `asperity friction fit --out` or by a study.
     process: PathBuf,
-    /// Sliding distance.
+    /// Total sliding distance.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
     length: Length,
     /// Distance between values.
@@ -57,21 +57,21 @@ impl Simulate {
         check_target("--out", &self.out, &[&self.process])?;
         let process = read_process(&self.process)?;
         let record = monitor
-            .at_once(|| simulated_record(&process, self.length.0, self.step.0, self.seed))?
+            .killable(|| simulated_record(&process, self.length.0, self.step.0, self.seed))?
             .map_err(|e| Failure::usage(format_args!("{}: {e}", self.process.display())))?;
         let bytes = match record.column("fluctuation").filter(|_| npy) {
             Some(fluctuation) => write_series(fluctuation),
             None => record.to_csv().map_err(|e| Failure::new(Kind::Runtime, chain(&e)))?,
         };
-        let said = said_of_writing(&self.out);
+        let verb = write_verb(&self.out);
         replace_file(&self.out, |file| file.write_all(&bytes))?;
-        monitor.note(&format!("{said} {}", self.out.display()));
+        monitor.note(&format!("{verb} {}", self.out.display()));
         let mu = record.column("mu").unwrap_or_default();
         let moments = Moments::new(mu);
         let negative = mu.iter().filter(|mu| **mu < 0.0).count();
         if negative > 0 {
             monitor.warn(&format!(
-                "{}: {negative} of {} drawn values are below zero; the law reaches there, and friction does not",
+                "{}: {negative} of {} drawn values are below zero; the distribution extends to negative friction, which is unphysical",
                 self.process.display(),
                 mu.len()
             ));
@@ -88,7 +88,7 @@ impl Simulate {
     }
 }
 
-/// Reads a fitted process.
+/// Reads a fitted process from a file.
 pub(crate) fn read_process(path: &Path) -> Result<FittedProcess, Failure> {
     let text = fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
     FittedProcess::from_json(&text).map_err(|e| Failure::data(path.display(), &e))

@@ -1,4 +1,4 @@
-//! From one file format to another.
+//! Conversion between file formats.
 
 use std::path::PathBuf;
 
@@ -10,15 +10,15 @@ use super::preparation::LevelOption;
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
-use crate::output::{check_target, said_of_writing};
+use crate::output::{check_target, write_verb};
 
-/// Rewrites a file; missing points stay missing.
+/// Converts a file to another format; missing points stay missing.
 #[derive(Debug, Args)]
 pub(crate) struct Convert {
-    /// File to read, in any format that `asperity formats` lists; known by its content.
+    /// File to read, in any format that `asperity formats` lists; the content decides the format.
     input: PathBuf,
-    /// File to write; the extension chooses the format (`asperity formats` lists those that are written). One that is
-    /// there is replaced, unless it is the one that is read.
+    /// File to write; the extension decides the format (`asperity formats` lists those that are written). An existing
+    /// file is replaced, unless it is the input.
     output: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
@@ -32,7 +32,7 @@ pub(crate) struct Convert {
 impl Convert {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         check_target("OUTPUT", &self.output, &[&self.input])?;
-        let said = said_of_writing(&self.output);
+        let verb = write_verb(&self.output);
         let mut scan = input::scan(&self.input, &self.options, monitor)?;
         let map = match HeightMap::try_from(scan.clone()) {
             Err(_) if !self.level.removes() => None,
@@ -42,18 +42,18 @@ impl Convert {
             let levelled = self.level.remove(map, &self.input, monitor)?;
             scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };
         }
-        asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
+        asperity_formats::write(&scan, &self.output).map_err(|e| format_failure(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let written = Format::from_extension(&extension);
         if let (Some((dx_m, dy_m)), Some(format)) = (scan.pitch_m, written)
             && !format.stores_pitch()
         {
             let (output, name) = (self.output.display(), format.name());
-            monitor.warn(&format!("{output}: {name} has no place for the pixel size, {dx_m:?} × {dy_m:?} m; note it"));
+            monitor.warn(&format!("{output}: {name} cannot store the pixel size, {dx_m:?} × {dy_m:?} m; note it"));
         }
         let (ny, nx) = scan.heights_m.dim();
         let missing = scan.missing_points();
-        monitor.note(&format!("{said} {}: {nx} × {ny} points, {missing} missing", self.output.display()));
+        monitor.note(&format!("{verb} {}: {nx} × {ny} points, {missing} missing", self.output.display()));
         if !self.json {
             return Ok(());
         }
@@ -68,7 +68,7 @@ impl Convert {
     }
 }
 
-pub(super) fn refused(error: &FormatError) -> Failure {
+pub(super) fn format_failure(error: &FormatError) -> Failure {
     match error.cause() {
         FormatError::UnknownExtension { .. } | FormatError::NoPitch { .. } => Failure::usage(chain(error)),
         FormatError::Io { path, error } => {

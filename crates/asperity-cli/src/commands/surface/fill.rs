@@ -1,4 +1,4 @@
-//! Voids filled and edges extended.
+//! Filling of missing heights and extension of maps.
 
 use std::path::PathBuf;
 
@@ -20,48 +20,49 @@ use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::resources::require_memory;
 
-/// Share of the variance that goes unsaid, as noise and as change of the covariance.
-const DOUBTFUL_NOISE: f64 = 1e-4;
-const DOUBTFUL_CLIPPING: f64 = 0.02;
+/// Fractions of the variance, added as noise or changed in the covariance, above which the command warns.
+const NOISE_WARNING: f64 = 1e-4;
+const CLIPPING_WARNING: f64 = 0.02;
 
-/// Fills missing heights with random ones that continue the map: given the heights present, with their covariance and
-/// law. Heights that are present stay as they are, bit by bit. What is filled in is one possible surface out of many.
+/// Fills missing heights with random ones that continue the map, conditional on the heights present, with their
+/// covariance and distribution. Heights that are present stay unchanged, bit for bit. The result is one possible
+/// surface out of many.
 #[derive(Debug, Args)]
 pub(crate) struct Fill {
-    /// File to read, in any format that `asperity formats` lists; known by its content.
+    /// File to read, in any format that `asperity formats` lists; the content decides the format.
     input: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
     #[command(flatten)]
     target: MapsOut,
-    /// Seed of what is filled in.
+    /// Seed of the random heights.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
     /// Number of maps, all with the same measured heights.
     #[arg(long, value_name = "K", default_value = "1", value_parser = args::count, allow_hyphen_values = true)]
     count: usize,
-    /// Length by which the map is continued beyond each of its edges, along x and y.
+    /// Length by which to extend the map beyond each of its edges, along x and y.
     #[arg(long, value_name = "Q[,Q]", value_parser = extension, allow_hyphen_values = true)]
     extend: Option<OneOrTwo<Length>>,
-    /// Form that is taken out before and put back afterwards: none, mean, plane, quadratic, polynomial:N, cylinder or
-    /// sphere. Beyond the map it goes on as it is at the edge.
+    /// Form to remove before and to add back afterwards: none, mean, plane, quadratic, polynomial:N, cylinder or
+    /// sphere. Beyond the map the form continues with its value at the edge.
     #[arg(long, value_name = "FORM", default_value = "plane")]
     level: Level,
-    /// Covariance of what is filled in: the map's own, or the model that fits it best.
+    /// Covariance of the random heights: the map's own, or the model that fits it best.
     #[arg(long, value_parser = args::named::<FillCovariance>(), default_value = "measured")]
     covariance: FillCovariance,
-    /// Law of what is filled in: that of the heights present, or the normal one.
+    /// Distribution of the random heights: measured on the heights present, or normal.
     #[arg(long, value_parser = args::named::<FillMarginal>(), default_value = "measured")]
     marginal: FillMarginal,
-    /// Variance of the measurement noise over that of the heights; at least what the heights show. What is filled in is the
-    /// surface beneath the noise.
+    /// Variance of the measurement noise over the variance of the heights; the command raises it to the noise that the
+    /// heights show. The random heights are those of the surface beneath the noise.
     #[arg(long, value_name = "X", default_value = "0", value_parser = args::non_negative, allow_hyphen_values = true)]
     nugget: f64,
 }
 
 impl Fill {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        // Refused now rather than after the work, during some of which Ctrl-C leaves no time to clear a folder away.
+        // Refuse now instead of after the work: during part of it Ctrl-C leaves no time to remove the folder.
         let probe = self.target.open(self.count, &[&self.input])?;
         let map = input::map(&self.input, &self.options, monitor)?;
         let options = self.fill_options(&map);
@@ -70,12 +71,12 @@ impl Fill {
         require_memory(filling_memory_bytes(points), "filling a map of this size")?;
         probe.require_disk(self.count, points)?;
         drop(probe);
-        let filling = monitor.at_once(|| Filling::new(&map, options, monitor))?.map_err(|e| self.unfilled(&e))?;
+        let filling = monitor.killable(|| Filling::new(&map, options, monitor))?.map_err(|e| self.fill_failure(&e))?;
         let (filled, points) = (filling.filled_points(), filling.grid().points());
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
         }
-        self.doubt(&filling, monitor);
+        self.warn(&filling, monitor);
         let maps = self.target.open(self.count, &[&self.input])?;
         let xi = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
@@ -86,15 +87,15 @@ impl Fill {
             let drawn = filling.draw(some.clone().map(xi), monitor)?;
             for (index, map) in some.zip(&drawn) {
                 monitor.check()?;
-                maps.keep(index, map)?;
+                maps.write(index, map)?;
                 monitor.progress("maps", index + 1, self.count);
             }
         }
         monitor.check()?;
         let written = maps.commit()?;
-        let share = 100.0 * filled as f64 / points as f64;
+        let percent = 100.0 * filled as f64 / points as f64;
         monitor.note(&format!(
-            "{written}: {filled} of {points} heights ({share:.1} %) are filled in, {} are measured",
+            "{written}: {filled} of {points} heights ({percent:.1} %) are filled in, {} are measured",
             points - filled
         ));
         Ok(())
@@ -112,24 +113,24 @@ impl Fill {
         }
     }
 
-    /// Tells where what is filled in differs from the map.
-    fn doubt(&self, filling: &Filling, monitor: &Terminal) {
+    /// Warns where the random heights differ from the map.
+    fn warn(&self, filling: &Filling, monitor: &Terminal) {
         let (noise, clipped) = (filling.surface().noise(), filling.surface().clipped_variance());
-        if noise > self.nugget.max(DOUBTFUL_NOISE) {
+        if noise > self.nugget.max(NOISE_WARNING) {
             monitor.warn(&format!(
-                "in places, neighbouring heights differ more than the covariance says, as by noise of {noise:.0e} of the variance; \
-                 what is filled in is that much smoother"
+                "in places, neighbouring heights differ more than the covariance allows, as with noise of {noise:.0e} of the variance; \
+                 the filled heights are smoother by that amount"
             ));
         }
-        if clipped > DOUBTFUL_CLIPPING {
+        if clipped > CLIPPING_WARNING {
             monitor.warn(&format!(
-                "the correlation reaches too far for a map of this size: {:.1} % of the variance was changed to draw it",
+                "the correlation is too long for a map of this size: {:.1} % of the variance was changed to draw it",
                 100.0 * clipped
             ));
         }
     }
 
-    fn unfilled(&self, error: &FillError) -> Failure {
+    fn fill_failure(&self, error: &FillError) -> Failure {
         let kind = match error {
             FillError::Conditional(ConditionalError::Parameter { .. }) => Kind::Usage,
             _ => Kind::Data,

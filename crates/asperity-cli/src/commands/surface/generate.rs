@@ -13,19 +13,20 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::resources::require_memory;
 
-/// Draws random maps like the surface of a specification: seed, size, points and a [surface] section.
+/// Draws random maps with the statistics of a specification: seed, size, points and a [surface] section.
 ///
-/// Of the keys of a study's [surface], correlation_length = "20 um" or ["20 um", "10 um"] is the length of the covariance
-/// model: where the correlation falls to 1/e for exponential and squared_exponential, the scale for matern, the roll-off
-/// length for self_affine. With covariance = "measured" (the default) a scan's model is fitted by likelihood; the scan's own
-/// covariance is taken where no model has its slopes. A few maps are drawn and compared with the scan: a warning states slopes
-/// that differ by more than 15 %, another one areas of elastic contact that differ by more than a fifth. Spectrum and heights
-/// alone do not determine the contact: their maps may need 0.4 to 1.3 times the scan's mean pressure for 5 % contact.
+/// In [surface], correlation_length = "20 um" or ["20 um", "10 um"] is the length of the covariance model: the distance
+/// at which the correlation falls to 1/e for exponential and squared_exponential, the scale for matern, the roll-off
+/// length for self_affine. With covariance = "measured" (the default) a model is fitted to the scan by likelihood; if
+/// no model has the slopes of the scan, its own covariance is used. The command draws a few maps and compares them with
+/// the scan. It warns about slopes that differ by more than 15 % and about areas of elastic contact that differ by more
+/// than a fifth. Spectrum and heights alone do not determine the contact: the maps may need 0.4 to 1.3 times the scan's
+/// mean pressure for 5 % contact.
 #[derive(Debug, Args)]
 pub(crate) struct Generate {
     /// Specification file.
     spec: PathBuf,
-    /// Seed, in place of the file's.
+    /// Seed to use instead of the file's.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
     /// Number of maps.
@@ -45,13 +46,13 @@ impl Generate {
         let maps = self.target.open(self.count, &inputs)?;
         require_memory(specimen.memory_bytes(), "a map of this size")?;
         maps.require_disk(self.count, specimen.points.iter().map(|n| *n as f64).product())?;
-        let sampler = specimen.sampler(folder).map_err(|e| study_file::ended(&self.spec, &e))?;
+        let sampler = specimen.sampler(folder).map_err(|e| study_file::failure(&self.spec, &e))?;
         for warning in sampler.warnings() {
             monitor.warn(warning);
         }
         for index in 0..self.count {
             monitor.check()?;
-            maps.keep(index, &sampler.draw(index as u64))?;
+            maps.write(index, &sampler.draw(index as u64))?;
             monitor.progress("maps", index + 1, self.count);
         }
         monitor.check()?;

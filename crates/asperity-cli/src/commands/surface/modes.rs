@@ -1,4 +1,4 @@
-//! The Karhunen–Loève spectrum of a covariance.
+//! Karhunen–Loève spectrum of a covariance.
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::quantity::Length;
@@ -13,8 +13,8 @@ use crate::resources::require_memory;
 
 /// Computes eigenvalues of a correlation on an interval (one size) or a rectangle (two).
 ///
-/// Eigenvalues are in m on an interval and in m² on a rectangle: all of them together make up its length or its area, since
-/// the variance is 1. Their share that the stated number of modes holds is the captured variance.
+/// Eigenvalues are in m on an interval and in m² on a rectangle. The variance is 1, so all eigenvalues together add up
+/// to the length or the area. The captured variance is the fraction of this sum in the stated number of modes.
 #[derive(Debug, Args)]
 pub(crate) struct Modes {
     /// Shape of the correlation.
@@ -23,8 +23,8 @@ pub(crate) struct Modes {
     /// Smoothness ν of the Matérn model.
     #[arg(long, value_name = "X", default_value = "1.5", value_parser = args::positive, allow_hyphen_values = true)]
     smoothness: f64,
-    /// Length ℓ of the model, along x and y: where the correlation falls to 1/e; of the Matérn model its scale, not the 1/e
-    /// length.
+    /// Length ℓ of the model, along x and y: the distance at which the correlation falls to 1/e. For the Matérn model
+    /// it is the scale, not the 1/e length.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: OneOrTwo<Length>,
     /// Length of the interval, or size of the rectangle along x and y.
@@ -36,7 +36,7 @@ pub(crate) struct Modes {
     /// Number of modes.
     #[arg(long, value_name = "M", value_parser = args::count, allow_hyphen_values = true)]
     modes: usize,
-    /// Of which covariance the modes of a rectangle are.
+    /// Covariance of the modes of a rectangle.
     #[arg(long, value_parser = args::named::<ModesRoute>(), default_value = "separable")]
     route: ModesRoute,
     /// Print one JSON object instead of a table.
@@ -68,13 +68,13 @@ impl Modes {
         let points = self.points.given();
         require_memory(modes_memory_bytes(&points, self.modes, self.route), "the eigenproblem")?;
         let found = monitor
-            .at_once(|| modes(&covariance, &sizes_m, &points, self.modes, self.route))?
-            .or_else(|e| Err(refused(&e).told(answer(None, sizes_m.len()), self.json)?))?;
+            .killable(|| modes(&covariance, &sizes_m, &points, self.modes, self.route))?
+            .or_else(|e| Err(generator_failure(&e).print(answer(None, sizes_m.len()), self.json)?))?;
         answer(Some(&found), sizes_m.len()).print(self.json)
     }
 }
 
-/// Eigenvalues of a correlation are metre to the power of the dimension.
+/// Returns the results; eigenvalues have the unit metre to the power of the dimension.
 fn answer(found: Option<&surface::Modes>, dimension: usize) -> Answer {
     let unit = if dimension == 1 { "m" } else { "m^2" };
     Answer::default()
@@ -83,7 +83,7 @@ fn answer(found: Option<&surface::Modes>, dimension: usize) -> Answer {
         .with("captured_variance", found.map(|f| f.captured_variance))
 }
 
-fn refused(error: &GeneratorError) -> Failure {
+fn generator_failure(error: &GeneratorError) -> Failure {
     match error {
         GeneratorError::NotConverged { .. } => Failure::new(Kind::NotConverged, error.to_string()),
         _ => Failure::usage(error),

@@ -1,4 +1,4 @@
-//! Twins of a measured surface, and how alike they are.
+//! Random twins of a measured surface, and their comparison with it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use asperity_formats::{Format, Scan};
 use asperity_report::{Field, Report, Table, TwinRun, render_twins};
 use clap::Args;
 
-use super::convert::refused;
+use super::convert::format_failure;
 use super::preparation::PreparationOptions;
 use crate::args::{self, OneOrTwo};
 use crate::commands::study_file;
@@ -29,30 +29,31 @@ use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{self, Answer, columns};
-use crate::page::{begin_folder, store_failure};
 use crate::provenance;
 use crate::resources::{require_disk, require_memory};
+use crate::run_folder::{begin_folder, store_failure};
 
-/// Draws random maps that are statistically like a measured one, and compares them with it on one page.
+/// Draws random maps with the statistics of a measured one, and compares them with it on one page.
 ///
-/// The folder holds the twins, comparison.json, tables, figures and twins.html.
+/// The folder contains the twins, comparison.json, tables, figures and twins.html.
 #[derive(Debug, Args)]
 pub(crate) struct Twin {
-    /// Measured heights, in any format that `asperity formats` lists; known by its content.
+    /// Measured heights, in any format that `asperity formats` lists; the content decides the format.
     file: PathBuf,
-    /// Number of twins. Bands of fewer than 39 take statistics for normal.
+    /// Number of twins. Bands of fewer than 39 twins assume normally distributed statistics.
     #[arg(long, value_name = "K", default_value = "10", value_parser = args::count, allow_hyphen_values = true)]
     count: usize,
-    /// Folder to write, which appears complete or not at all.
+    /// Folder to write. It appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
+    /// Replace a folder that asperity wrote. A folder that contains an input, or a file that asperity did not write or
+    /// that has changed, is never replaced.
     #[arg(long)]
     force: bool,
-    /// Seed of every draw.
+    /// Seed of every random draw.
     #[arg(long, value_name = "N", default_value = "1", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
-    /// Format of the twins, by its extension: x3p, sur, npy, txt, …
+    /// Format of the twins as a file extension: x3p, sur, npy, txt, …
     #[arg(long, value_name = "EXT", default_value = "x3p", value_parser = written_extension)]
     format: String,
     #[command(flatten)]
@@ -66,19 +67,19 @@ pub(crate) struct Twin {
     json: bool,
 }
 
-/// What the twins are made from.
+/// Random surface model of the twins.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model of the twins")]
 struct ModelOptions {
-    /// How twins are made.
+    /// Generator of the twins.
     #[arg(long, value_parser = args::named::<SurfaceGenerator>(), default_value = "spectral")]
     generator: SurfaceGenerator,
-    /// Covariance: the scan's own, the model that fits it best, or one that is fitted or, with --correlation-length, stated.
-    /// Left out: empirical, or measured where the scan is too short for it.
+    /// Covariance: the scan's own, the model that fits it best, or a named model, which is fitted or, with
+    /// --correlation-length, stated. When left out: empirical, or measured if the scan is too short for it.
     #[arg(long, value_parser = args::named::<CovarianceSource>())]
     covariance: Option<CovarianceSource>,
-    /// Lengths ℓ along x and y of a stated covariance. Of the exponential models the correlation falls to 1/e there; of the
-    /// Matérn model ℓ is the scale, of the self-affine one the roll-off length, and the 1/e length is another.
+    /// Lengths ℓ along x and y of a stated covariance. The correlation of the exponential models falls to 1/e at ℓ. For
+    /// the Matérn model ℓ is the scale and for the self-affine model the roll-off length; their 1/e lengths differ.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: Option<OneOrTwo<Length>>,
     /// Hurst exponent of a stated self-affine covariance.
@@ -87,27 +88,28 @@ struct ModelOptions {
     /// Smoothness ν of a stated Matérn covariance.
     #[arg(long, value_name = "X", value_parser = args::positive, requires = "correlation_length", allow_hyphen_values = true)]
     smoothness: Option<f64>,
-    /// Rms height before a form is removed; that which leaves the scan's Sq when left out.
+    /// Rms height before a form is removed. When left out, the value that gives the scan's Sq.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
     rms_height: Option<Length>,
-    /// Marginal law of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE,
-    /// johnson:SKEWNESS,KURTOSIS.
+    /// Marginal distribution of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE,
+    /// gamma:SHAPE,SCALE, johnson:SKEWNESS,KURTOSIS.
     #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
     marginal: String,
-    /// How the marginal law is imposed: corrected keeps the correlation, plain distorts it a little.
+    /// Method that imposes the marginal distribution: corrected keeps the correlation, plain distorts it slightly.
     #[arg(long, value_parser = args::named::<TranslationKind>(), default_value = "corrected")]
     translation: TranslationKind,
-    /// Terms of the Karhunen–Loève generator. Left out: as many as hold 90 % of the slope variance, or all Fourier modes where
-    /// those are more than 400.
+    /// Number of terms of the Karhunen–Loève generator. When left out: enough for 90 % of the slope variance, or all
+    /// Fourier modes if more than 400 are needed.
     #[arg(long, value_name = "M", value_parser = args::count, allow_hyphen_values = true)]
     modes: Option<usize>,
-    /// Whether a twin continues periodically beyond its edge.
+    /// Continuation of a twin beyond its edge.
     #[arg(long, value_parser = args::named::<BoundaryKind>(), default_value = "free")]
     boundary: BoundaryKind,
-    /// Size of a twin along x and y; the scan's when left out.
+    /// Size of a twin along x and y; the scan's size when left out.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     size: Option<OneOrTwo<Length>>,
-    /// Points of a twin along x and y; the scan's, or what fills --size at the scan's pixel size, when left out.
+    /// Points of a twin along x and y. When left out: the scan's points, or enough to fill --size at the scan's pixel
+    /// size.
     #[arg(long, value_name = "N[,N]", value_parser = args::count_pair, allow_hyphen_values = true)]
     points: Option<OneOrTwo<usize>>,
 }
@@ -116,7 +118,7 @@ fn written_extension(text: &str) -> Result<String, args::Refusal> {
     let extension = text.trim_start_matches('.').to_ascii_lowercase();
     match Format::from_extension(&extension) {
         Some(_) => Ok(extension),
-        None => Err("no format with this extension is written; `asperity formats` lists them".into()),
+        None => Err("this extension belongs to no writable format; `asperity formats` lists them".into()),
     }
 }
 
@@ -128,24 +130,24 @@ fn marginal(text: &str) -> Result<String, args::Refusal> {
 }
 
 impl ModelOptions {
-    /// Which covariance a study would name, and the families that one to be fitted is chosen from.
+    /// Returns the covariance key of a study, and the families from which a fitted covariance is chosen.
     fn covariance(&self) -> Result<(CovarianceSource, Vec<CorrelationFamily>), Failure> {
         let choice = self.covariance.unwrap_or(CovarianceSource::Empirical);
         let families = choice.name().parse().map_or(CorrelationFamily::ALL.to_vec(), |family| vec![family]);
         if self.correlation_length.is_none() {
-            // A model that is not stated is fitted.
+            // Without a stated length the covariance is fitted.
             let is_empirical = choice == CovarianceSource::Empirical;
             return Ok((if is_empirical { choice } else { CovarianceSource::Measured }, families));
         }
         match choice {
             CovarianceSource::Measured | CovarianceSource::Empirical => Err(Failure::usage(
-                "--correlation-length: a measured covariance has its own; name one with --covariance",
+                "--correlation-length: conflicts with a measured covariance; name a model with --covariance",
             )),
             CovarianceSource::Matern if self.smoothness.is_none() => {
-                Err(Failure::usage("--smoothness: a stated Matérn covariance needs it"))
+                Err(Failure::usage("--smoothness: required by a stated Matérn covariance"))
             }
             CovarianceSource::SelfAffine if self.hurst.is_none() => {
-                Err(Failure::usage("--hurst: a stated self-affine covariance needs it"))
+                Err(Failure::usage("--hurst: required by a stated self-affine covariance"))
             }
             choice => Ok((choice, families)),
         }
@@ -177,7 +179,7 @@ impl Twin {
         Ok(TwinOptions {
             surface,
             families,
-            model_in_need: model.covariance.is_none(),
+            allow_model: model.covariance.is_none(),
             size_m: model.size.map(OneOrTwo::both).map(|(x, y)| [x.0, y.0]),
             points: model.points.map(|points| <[usize; 2]>::from(points.both())),
             boundary: model.boundary,
@@ -187,7 +189,7 @@ impl Twin {
 
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let options = self.options()?;
-        // Before anything is computed: may the folder be written? Nothing of this attempt stays.
+        // Check the folder before computing. The check leaves nothing behind.
         begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let scan = input::scan(&self.file, &self.options, monitor)?;
@@ -199,19 +201,19 @@ impl Twin {
         )?;
         let points = options.points.map_or(scan.heights_m.len(), |[nx, ny]| nx.saturating_mul(ny));
         require_disk(8.0 * points as f64 * self.count as f64, &self.out, "the folder of twins")?;
-        let (told, source) = (scan.warnings.len(), input::source(&scan));
+        let (printed, source) = (scan.warnings.len(), input::source(&scan));
         let file = self.file.display().to_string();
-        let twins = monitor.at_once(|| Twins::like(scan, &file, &options))?.map_err(|e| self.ended(&e))?;
-        // Those of the file were told when it was read.
-        twins.warnings().iter().skip(told).for_each(|warning| monitor.warn(warning));
+        let twins = monitor.killable(|| Twins::new(scan, &file, &options))?.map_err(|e| self.failure(&e))?;
+        // The warnings of the file were printed when it was read.
+        twins.warnings().iter().skip(printed).for_each(|warning| monitor.warn(warning));
 
         let staging = begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let (comparison, tables) = twins
-            .compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin))
+            .compare(self.count, monitor, |index, twin| self.store(&staging, index, twin))
             .map_err(|e| match e {
-            TwinError::Study(e) => self.ended(&e),
-            TwinError::Keep(failure) => failure,
-        })?;
+                TwinError::Study(e) => self.failure(&e),
+                TwinError::Keep(failure) => failure,
+            })?;
         comparison.warnings.iter().skip(twins.warnings().len()).for_each(|warning| monitor.warn(warning));
         provenance.seconds = monitor.seconds();
         let report = page(&name, &twins, &comparison, &tables, &provenance)?;
@@ -220,15 +222,15 @@ impl Twin {
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         self.note_lost_pitch(&twins, monitor);
         monitor.note(&format!("wrote {}", written.join("twins.html").display()));
-        if self.json { source.and(Answer::of(&comparison)?).print(true) } else { output::print(&table(&comparison)) }
+        if self.json { source.and(Answer::new(&comparison)?).print(true) } else { output::print(&table(&comparison)) }
     }
 
-    /// Writes one twin; they are numbered from 1.
-    fn keep(&self, staging: &Staging, index: usize, twin: &HeightMap) -> Result<(), Failure> {
+    /// Writes one twin; file names count from 1.
+    fn store(&self, staging: &Staging, index: usize, twin: &HeightMap) -> Result<(), Failure> {
         let name = format!("twin_{:04}.{}", index + 1, self.format);
         let grid = twin.grid();
         let scan = Scan::new(twin.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
-        let bytes = asperity_formats::to_bytes(&scan, Path::new(&name)).map_err(|e| refused(&e))?;
+        let bytes = asperity_formats::to_bytes(&scan, Path::new(&name)).map_err(|e| format_failure(&e))?;
         staging.write(&name, &bytes).map_err(|e| store_failure(&e))
     }
 
@@ -256,7 +258,7 @@ impl Twin {
         if let Some(format) = Format::from_extension(&self.format).filter(|format| !format.stores_pitch()) {
             let grid = twins.grid();
             monitor.warn(&format!(
-                "{} has no place for the pixel size, {:?} × {:?} m; note it",
+                "{} cannot store the pixel size, {:?} × {:?} m; note it",
                 format.name(),
                 grid.dx_m(),
                 grid.dy_m()
@@ -264,8 +266,8 @@ impl Twin {
         }
     }
 
-    /// A message in terms of the flags, where the library's speaks of a study file.
-    fn ended(&self, error: &StudyError) -> Failure {
+    /// Converts an error of the library, which refers to a study file, to a message about the flags.
+    fn failure(&self, error: &StudyError) -> Failure {
         let file = self.file.display();
         match error {
             StudyError::Map { error: MapError::NoPitch, .. } => {
@@ -281,19 +283,19 @@ impl Twin {
             ),
             StudyError::Surface(SurfaceModelError::FractalDimension) => Failure::new(
                 Kind::Data,
-                format!("{file}: the scan shows no scaling range, and the Weierstrass–Mandelbrot generator needs one"),
+                format!("{file}: the scan has no scaling range, which the Weierstrass–Mandelbrot generator requires"),
             ),
             StudyError::Surface(SurfaceModelError::Covariance(error)) => {
                 Failure::usage(format_args!("covariance: {error}"))
             }
             StudyError::Grid { error, .. } => Failure::usage(format_args!("--size, --points: {error}")),
             StudyError::Cancelled(Cancelled) => Cancelled.into(),
-            error => study_file::ended(&self.file, error),
+            error => study_file::failure(&self.file, error),
         }
     }
 }
 
-/// The page of the comparison.
+/// Renders the page of the comparison.
 fn page(
     name: &str,
     twins: &Twins,
@@ -323,7 +325,7 @@ fn field(map: &HeightMap) -> Field {
     Field { nx: grid.nx(), ny: grid.ny(), dx_m: grid.dx_m(), dy_m: grid.dy_m(), values }
 }
 
-/// The statistics as lines: name, scan, mean of the twins, band, and a word where the scan lies outside.
+/// Formats the statistics as lines: name, scan, mean of the twins, band, and whether the scan lies outside.
 fn table(comparison: &Comparison) -> String {
     let value = |key: &str, value: Option<f64>| output::row(key, &value.into());
     let line = |(key, found): &(String, StatisticComparison)| {
@@ -338,13 +340,13 @@ fn table(comparison: &Comparison) -> String {
     let header = ["", "scan", "mean of twins", "95 % band of twins", ""].map(str::to_owned);
     let rows: Vec<[String; 5]> = std::iter::once(header).chain(comparison.twins.iter().map(line)).collect();
     let Comparison { inside, compared, .. } = comparison;
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    let curves = comparison.curves_inside_share().map_or(String::new(), |share| {
+    let percent = |fraction: f64| format!("{:.0} %", 100.0 * fraction);
+    let curves = comparison.curves_inside_share().map_or(String::new(), |fraction| {
         let each = comparison
             .curves
             .iter()
             .filter_map(|(name, curve)| Some(format!("{} {}", name.replace('_', " "), percent(curve.inside_share?))));
-        format!(" and {} of the points of its curves ({})", percent(share), each.collect::<Vec<_>>().join(", "))
+        format!(" and {} of the points of its curves ({})", percent(fraction), each.collect::<Vec<_>>().join(", "))
     });
     format!(
         "{}{inside} of {compared} statistics of the scan{curves} lie within the band of its twins\n",

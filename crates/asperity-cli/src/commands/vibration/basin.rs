@@ -1,4 +1,4 @@
-//! Motions that starts end in, over the phase plane.
+//! Basins of attraction: the motion that follows from each start in the phase plane.
 
 use std::path::Path;
 
@@ -11,35 +11,36 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::folder::Folder;
-use super::map::stretch;
-use super::{Damping, Machine, code, refused, series};
+use super::map::axis_range;
+use super::{Damping, Machine, code, series};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 use crate::resources::require_memory;
 
-/// Cells along an axis of the box that is taken where none is stated.
+/// Cells along an axis of the default box of starts.
 const CELLS: usize = 200;
-/// How far that box reaches beyond the cycle, in shares of the cycle's size.
+/// Margin of the default box around the cycle, as a fraction of the cycle's size.
 const MARGIN: f64 = 0.5;
-/// Memory for a cell and its place in the answer.
+/// Memory per cell, including its entry in the answer, in bytes.
 const CELL_BYTES: f64 = 64.0;
 /// Points of the separatrix.
 const BORDER_POINTS: usize = 800;
 
-/// Computes which starts end in steady sliding and which in vibration, without fluctuation: the share of each kind of motion
-/// over a box of starts, and the border between them.
+/// Computes which starts lead to steady sliding and which to vibration, without fluctuation: the fraction of each kind
+/// of motion over a box of starts, and the border between them.
 #[derive(Debug, Args)]
 pub(crate) struct Basin {
     #[command(flatten)]
     machine: Machine,
     #[command(flatten)]
     damping: Damping,
-    /// Displacements X of the starts: least, largest, cells. The cycle with half its size around it when left out.
-    #[arg(long, value_name = "FROM,TO,N", value_parser = stretch, allow_hyphen_values = true)]
+    /// Displacements X of the starts: least, largest, cells. When left out, the range of the cycle with half its size
+    /// added on each side.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis_range, allow_hyphen_values = true)]
     displacements: Option<MapAxis>,
-    /// Velocities dX/dτ of the starts: least, largest, cells.
-    #[arg(long, value_name = "FROM,TO,N", value_parser = stretch, allow_hyphen_values = true)]
+    /// Velocities dX/dτ of the starts: least, largest, cells; the default is like that of the displacements.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis_range, allow_hyphen_values = true)]
     velocities: Option<MapAxis>,
     #[command(flatten)]
     folder: Folder,
@@ -51,39 +52,39 @@ pub(crate) struct Basin {
 impl Basin {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         if self.machine.forcing.is_some() {
-            monitor.note("the forcing is left aside: starts are those of the unforced machine");
+            monitor.note("the forcing is ignored; the basins are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let oscillator = oscillator.with_forcing(None).map_err(Failure::usage)?;
         let inputs: Vec<&Path> = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let area = self.area(&oscillator, monitor)?;
         let [columns, rows] = area.cells;
         require_memory(CELL_BYTES * columns as f64 * rows as f64, "the map of the starts")?;
-        let found = vibration::basin(&oscillator, &area, monitor).map_err(|e| refused(&e))?;
-        let border = monitor.at_once(|| separatrix(&oscillator, BORDER_POINTS))?.map_err(|e| refused(&e))?;
-        let cycles = monitor.at_once(|| slip_cycles(&oscillator))?.map_err(|e| refused(&e))?;
+        let found = vibration::basin(&oscillator, &area, monitor)?;
+        let border = monitor.killable(|| separatrix(&oscillator, BORDER_POINTS))??;
+        let cycles = monitor.killable(|| slip_cycles(&oscillator))??;
         let answer = answer(&found, border.as_ref()).with("slip_cycles", json!(cycles));
         let whole = answer.clone().with("attractors", json!(found.attractors));
-        if wanted {
+        if has_folder {
             let mut tables = vec![("basin", table(&found))];
             tables.extend(border.map(|border| ("separatrix", portrait_table(&border.points))));
-            tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
+            tables.extend(series::cycle(&oscillator)?);
             self.folder.write(&inputs, &whole, tables, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.without("slip_cycles").print(false) }
     }
 
-    /// The box as stated, or around the cycle.
+    /// Returns the stated box, or the default box around the cycle.
     fn area(&self, oscillator: &Oscillator, monitor: &Terminal) -> Result<BasinBox, Failure> {
         if let (Some(x), Some(y)) = (self.displacements, self.velocities) {
             let cells = [x.cells, y.cells];
             return Ok(BasinBox { displacement: [x.from, x.to], velocity: [y.from, y.to], cells });
         }
-        let regime = monitor.at_once(|| limit_cycle(oscillator))?.map_err(|e| refused(&e))?;
+        let regime = monitor.killable(|| limit_cycle(oscillator))??;
         let Regime::Cycle(cycle) = regime else {
-            let wanted = "there is no cycle to take the box of starts from: state --displacements and --velocities";
-            return Err(Failure::usage(wanted));
+            let message = "there is no cycle to derive the box of starts from; give --displacements and --velocities";
+            return Err(Failure::usage(message));
         };
         let around = |low: f64, high: f64| [low - MARGIN * (high - low), high + MARGIN * (high - low)];
         let displacement = around(cycle.displacement_min, cycle.displacement_max);
@@ -96,15 +97,15 @@ impl Basin {
 }
 
 fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
-    let share = |wanted: MotionKind| {
-        let count = found.attractors.iter().filter(|attractor| **attractor == wanted).count();
+    let fraction = |kind: MotionKind| {
+        let count = found.attractors.iter().filter(|attractor| **attractor == kind).count();
         count as f64 / found.attractors.len() as f64
     };
     Answer::default()
         .with("sliding_share", found.sliding_share)
-        .with("slip_cycle_share", share(MotionKind::SlipCycle))
-        .with("stick_slip_share", share(MotionKind::StickSlip))
-        .with("overtaking_share", share(MotionKind::Overtaking))
+        .with("slip_cycle_share", fraction(MotionKind::SlipCycle))
+        .with("stick_slip_share", fraction(MotionKind::StickSlip))
+        .with("overtaking_share", fraction(MotionKind::Overtaking))
         .with("displacements", json!(found.area.displacement))
         .with("velocities", json!(found.area.velocity))
         .with("cells", json!(found.area.cells))

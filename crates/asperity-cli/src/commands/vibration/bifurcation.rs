@@ -1,4 +1,4 @@
-//! The attractors of the machine without fluctuation along a parameter.
+//! Attractors of the machine without fluctuation along a parameter.
 
 use asperity::study::Table;
 use asperity::vibration::Parameter;
@@ -7,24 +7,24 @@ use clap::Args;
 
 use super::critical_curve::check_over;
 use super::folder::Folder;
-use super::{Damping, Machine, code, refused};
+use super::{Damping, Machine, code};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
 use crate::resources::require_memory;
 
-/// Memory for the motions at one value of the parameter, of which irregular ones hold a hundred turns each.
+/// Memory for the motions at one value of the parameter, in bytes; irregular motions store a hundred turns each.
 const POINT_BYTES: f64 = 8192.0;
 
-/// Follows the attractor up and down a parameter: sliding, cycles and their multiplicity, irregular motion.
+/// Follows the attractor up and down a parameter: steady sliding, cycles and their multiplicity, irregular motion.
 #[derive(Debug, Args)]
 pub(crate) struct Bifurcation {
     #[command(flatten)]
     machine: Machine,
     #[command(flatten)]
     damping: Damping,
-    /// The parameter.
+    /// Parameter to vary.
     #[arg(long, value_parser = args::named::<Parameter>())]
     over: Parameter,
     /// Least value.
@@ -53,13 +53,13 @@ impl Bifurcation {
         require_memory(POINT_BYTES * self.points as f64, "the diagram")?;
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
         let inputs = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
-        let diagram = bifurcation_diagram(&oscillator, self.over, &settings, monitor).map_err(|e| refused(&e))?;
-        if wanted {
-            self.folder.write(&inputs, &Answer::of(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
+        let diagram = bifurcation_diagram(&oscillator, self.over, &settings, monitor)?;
+        if has_folder {
+            self.folder.write(&inputs, &Answer::new(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
         }
         if self.json {
-            return Answer::of(&diagram)?.print(true);
+            return Answer::new(&diagram)?.print(true);
         }
         let heading = ["way", "parameter", "attractor", "multiplicity", "least velocity", "largest velocity"];
         let mut rows = vec![heading.map(str::to_owned)];
@@ -83,7 +83,7 @@ impl Bifurcation {
     }
 }
 
-/// Attractors on both ways, marks, and the turns of motions that have several in a period.
+/// Returns the tables: attractors in both directions, marks, and the turns of motions that have several in a period.
 fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, Table)> {
     let marks = |kind: MarkKind| {
         let value = move |mark: &asperity::vibration::Mark| if mark.kind == kind { mark.parameter } else { f64::NAN };
@@ -122,7 +122,7 @@ fn attractors(points: &[BifurcationPoint], parameter: &str) -> Table {
     ])
 }
 
-/// Every turn on the way up, 0, and down, 1.
+/// Tabulates every turn in both directions, up (0) and down (1).
 fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> Table {
     let mut columns = [(); 5].map(|()| Vec::new());
     for (way, points) in ways {

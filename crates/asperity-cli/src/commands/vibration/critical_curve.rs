@@ -1,29 +1,29 @@
-//! The end of stick-slip along a parameter.
+//! Damping ratio at which stick-slip ends, along a parameter.
 
 use asperity::study::Table;
 use asperity::vibration::{Branch, BranchPoint, CurveSettings, Oscillator, Parameter, critical_curve, locked_curve};
 use clap::Args;
 
+use super::Machine;
 use super::folder::Folder;
-use super::{Machine, refused};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
 
-/// Continues the damping ratio at which the limit cycle ends over a parameter; under forcing, that of the cycle locked to
-/// the force.
+/// Continues the damping ratio at which the limit cycle ends over a parameter; under forcing, the ratio of the cycle
+/// that is locked to the force.
 #[derive(Debug, Args)]
 pub(crate) struct CriticalCurve {
     #[command(flatten)]
     machine: Machine,
-    /// The parameter.
+    /// Parameter to vary.
     #[arg(long, value_parser = args::named::<Parameter>())]
     over: Parameter,
-    /// Where the curve begins.
+    /// Start of the curve.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,
-    /// Where it ends.
+    /// End of the curve.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     to: f64,
     #[command(flatten)]
@@ -33,16 +33,16 @@ pub(crate) struct CriticalCurve {
     json: bool,
 }
 
-/// Refuses a parameter that the oscillator does not have, and a range that does not rise or with an impossible end.
+/// Fails if the oscillator lacks the parameter, or if the range does not rise or has an impossible end.
 pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
     if over.value(oscillator).is_none() {
-        let wanted = match over {
+        let reason = match over {
             Parameter::ForcingAmplitude | Parameter::ForcingFrequency => {
-                "the machine has no force; state --forcing and --forcing-frequency"
+                "the machine has no forcing; give --forcing and --forcing-frequency"
             }
             _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
         };
-        return Err(Failure::usage(format!("--over {over}: {wanted}")));
+        return Err(Failure::usage(format!("--over {over}: {reason}")));
     }
     if from >= to {
         return Err(Failure::usage(format!("--to is {to}, but must be above --from, {from}")));
@@ -57,23 +57,23 @@ impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0, monitor)?;
         if self.over == Parameter::DampingRatio {
-            return Err(Failure::usage("--over damping_ratio: the critical damping ratio is what the curve tells"));
+            return Err(Failure::usage("--over damping_ratio: the curve itself gives the critical damping ratio"));
         }
         check_over(self.over, &oscillator, self.from, self.to)?;
         let inputs = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);
         let curve = if oscillator.forcing().is_some() { locked_curve } else { critical_curve };
-        let branch = curve(&oscillator, self.over, &settings, monitor).map_err(|e| refused(&e))?;
-        if wanted {
-            let tables = vec![("critical_curve", columns_of(&branch, self.over.name()))];
-            self.folder.write(&inputs, &Answer::of(&branch)?, tables, monitor)?;
+        let branch = curve(&oscillator, self.over, &settings, monitor)?;
+        if has_folder {
+            let tables = vec![("critical_curve", branch_columns(&branch, self.over.name()))];
+            self.folder.write(&inputs, &Answer::new(&branch)?, tables, monitor)?;
         }
-        if self.json { Answer::of(&branch)?.print(true) } else { table(&branch) }
+        if self.json { Answer::new(&branch)?.print(true) } else { table(&branch) }
     }
 }
 
-fn columns_of(branch: &Branch, parameter: &str) -> Table {
+fn branch_columns(branch: &Branch, parameter: &str) -> Table {
     let column = |of: fn(&BranchPoint) -> f64| branch.points.iter().map(of).collect::<Vec<f64>>();
     Table::new([
         (parameter, column(|p| p.parameter)),

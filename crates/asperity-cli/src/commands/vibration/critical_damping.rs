@@ -1,9 +1,9 @@
-//! The damping at which vibration ends.
+//! Damping at which vibration ends.
 
 use asperity::vibration::{self, VibrationError, critical_damping, limit_damping};
 use clap::Args;
 
-use super::{Machine, refused};
+use super::Machine;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -15,7 +15,7 @@ use crate::output::Answer;
 pub(crate) struct CriticalDamping {
     #[command(flatten)]
     machine: Machine,
-    /// Not needed: the damping ratio is what is sought.
+    /// Ignored; the command finds the damping ratio.
     #[arg(long, hide = true, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
     damping_ratio: Option<f64>,
     /// Print one JSON object instead of a table.
@@ -26,13 +26,13 @@ pub(crate) struct CriticalDamping {
 impl CriticalDamping {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         if self.damping_ratio.is_some() {
-            monitor.note("--damping-ratio is left aside: the damping ratio is what is sought");
+            monitor.note("--damping-ratio is ignored; the command finds the damping ratio");
         }
         if self.machine.forcing.is_some() {
-            monitor.note("the forcing is left aside: the damping ratios are those of the unforced machine");
+            monitor.note("the forcing is ignored; the damping ratios are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(0.0, monitor)?;
-        let found = monitor.at_once(|| {
+        let found = monitor.killable(|| {
             let critical = critical_damping(&oscillator)?;
             let limit = match limit_damping(&oscillator) {
                 Err(VibrationError::NotFound { .. }) => None,
@@ -40,7 +40,7 @@ impl CriticalDamping {
             };
             Ok::<_, VibrationError>((critical, limit))
         })?;
-        let found = found.or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
+        let found = found.or_else(|e| Err(Failure::from(e).print(answer(None), self.json)?))?;
         if found.1.is_none() {
             monitor.warn("the search for slip cycles above the other two damping ratios failed; the limit is unknown");
         }

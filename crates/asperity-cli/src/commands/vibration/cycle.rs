@@ -1,14 +1,14 @@
-//! The motion that begins in stick, without fluctuation.
+//! Motion from a start in stick, without fluctuation.
 
 use asperity::vibration::{LimitCycle, Regime, VibrationError, limit_cycle, smallest_kick};
 use clap::Args;
 
-use super::{Damping, Machine, refused};
+use super::{Damping, Machine};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Finds the vibration that a machine which starts in stick settles into, and whether steady sliding is stable beside it.
+/// Finds the vibration that develops from a start in stick, and whether steady sliding is stable too.
 #[derive(Debug, Args)]
 pub(crate) struct Cycle {
     #[command(flatten)]
@@ -20,10 +20,10 @@ pub(crate) struct Cycle {
     json: bool,
 }
 
-/// Motion of the machine, and the stability of its steady sliding.
+/// Motion of the machine, and stability of its steady sliding.
 struct Found {
     regime: Regime,
-    /// None under forcing, where there is no steady sliding.
+    /// `None` under forcing, where steady sliding does not exist.
     steady_sliding_unstable: Option<bool>,
     kick: Option<f64>,
 }
@@ -32,12 +32,12 @@ impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let free = oscillator.forcing().is_none();
-        let found = monitor.at_once(|| -> Result<_, VibrationError> {
+        let found = monitor.killable(|| -> Result<_, VibrationError> {
             let regime = limit_cycle(&oscillator)?;
             let kick = if free { smallest_kick(&oscillator)? } else { None };
             Ok(Found { regime, steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()), kick })
         })?;
-        let found = found.or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
+        let found = found.or_else(|e| Err(Failure::from(e).print(answer(None), self.json)?))?;
         match (found.regime, found.kick) {
             (Regime::Cycle(_), Some(kick)) => monitor.note(&format!(
                 "the machine vibrates once started (from stick, or by a kick of {kick:.4e}); steady sliding alone is stable"
@@ -45,7 +45,7 @@ impl Cycle {
             (Regime::Cycle(_), None) => {}
             (Regime::Sliding, _) if free => monitor.note("no limit cycle: every motion ends in steady sliding"),
             (Regime::Sliding, _) => monitor.note("no limit cycle: the mass follows the force, slower than the belt"),
-            (Regime::Irregular(_), _) => monitor.note("no limit cycle: the forced motion does not repeat itself"),
+            (Regime::Irregular(_), _) => monitor.note("no limit cycle: the forced motion is not periodic"),
         }
         answer(Some(&found)).print(self.json)
     }

@@ -1,4 +1,4 @@
-//! Many paths over a random friction fluctuation.
+//! Many trajectories over a random friction fluctuation.
 
 use asperity::study::{cloud_table, points_table, survival_table};
 use asperity::vibration::Drive;
@@ -9,16 +9,17 @@ use serde_json::{Value, json};
 
 use super::folder::Folder;
 use super::random::{Paths, Source};
-use super::{Damping, Machine, refused, series};
+use super::{Damping, Machine, series};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Paths of a cloud.
+/// Trajectories of the phase cloud.
 const CLOUD: usize = 200;
 
-/// Follows many paths, counts their cycles (slips that reach a negative velocity) and the time in vibration of any kind.
+/// Simulates many trajectories. Counts their cycles (slips that reach a negative velocity) and the time in vibration of
+/// any kind.
 #[derive(Debug, Args)]
 pub(crate) struct Ensemble {
     #[command(flatten)]
@@ -27,16 +28,16 @@ pub(crate) struct Ensemble {
     damping: Damping,
     #[command(flatten)]
     source: Source,
-    /// What the fluctuation is a function of.
+    /// Argument of the fluctuation.
     #[arg(long, value_parser = args::named::<Drive>(), default_value = "distance")]
     drive: Drive,
-    /// How slip is integrated.
+    /// Integration method of slip.
     #[arg(long, value_parser = args::named::<Method>(), default_value = "taylor")]
     integrator: Method,
-    /// Number of paths.
+    /// Number of trajectories.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     duration: f64,
     /// Seed of every random draw.
@@ -59,26 +60,24 @@ impl Ensemble {
             ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
-        Paths { belt_velocity, duration, count }.announce(&process, monitor);
+        Paths { belt_velocity, duration, count }.note_time(&process, monitor);
         let answer =
             |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
-            .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
+            .or_else(|e| Err(Failure::from(e).print(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
-            monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
+            monitor.warn(&format!("{failed} of {total} trajectories failed, the first: {}", first.reason));
         }
-        let kind = monitor
-            .at_once(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
-            .map_err(|e| refused(&e))?;
+        let kind = monitor.killable(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))??;
         let answer = answer(Some(kind), Some(&ensemble));
-        if wanted {
-            let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;
+        if has_folder {
+            let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor)?;
             let mut tables =
                 vec![("phase_cloud", cloud), ("survival", survival_table(&ensemble.passages, self.duration))];
-            tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
+            tables.extend(series::cycle(&oscillator)?);
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));
             }
@@ -90,9 +89,9 @@ impl Ensemble {
 
 fn answer(kind: Option<vibration::MotionKind>, ensemble: Option<&vibration::Ensemble>) -> Answer {
     let rate = |of: fn(&vibration::Passages) -> Option<vibration::Rate>| ensemble.and_then(|e| of(&e.passages));
-    let share = |of: fn(&vibration::Passages) -> vibration::Fraction| ensemble.map(|e| of(&e.passages));
+    let fraction = |of: fn(&vibration::Passages) -> vibration::Fraction| ensemble.map(|e| of(&e.passages));
     let (exit, entry) = (rate(|p| p.exit_rate), rate(|p| p.entry_rate));
-    let (left, sustained) = (share(|p| p.left), share(|p| p.sustained));
+    let (left, sustained) = (fraction(|p| p.left), fraction(|p| p.sustained));
     let pair = |interval: Option<[f64; 2]>| interval.map_or(Value::Null, |[low, high]| json!([low, high]));
     Answer::default()
         .with("kind", kind.map(vibration::MotionKind::name))

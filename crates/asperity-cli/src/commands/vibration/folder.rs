@@ -1,4 +1,4 @@
-//! The folder of a command: its answer, tables and figures.
+//! Report folder of a command: answer, tables and figures.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,33 +10,34 @@ use clap::Args;
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::page::{begin_folder, store_failure};
 use crate::resources::require_disk;
+use crate::run_folder::{begin_folder, store_failure};
 
-/// Disk space of the tables and figures of a report, roughly.
+/// Approximate disk space of the tables and figures of a report, in bytes.
 const REPORT_BYTES: f64 = 4e6;
 
-/// Where tables and figures go.
+/// Destination of tables and figures.
 #[derive(Debug, Args)]
 pub(super) struct Folder {
-    /// Write answer, tables and figures to this folder, which appears complete or not at all.
+    /// Write answer, tables and figures to this folder. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
+    /// Replace a folder that asperity wrote. A folder that contains an input, or a file that asperity did not write or
+    /// that has changed, is never replaced.
     #[arg(long, requires = "report")]
     force: bool,
 }
 
 impl Folder {
-    /// Whether a folder is wanted, and refuses one that cannot be written before anything is computed.
-    pub(super) fn wanted(&self, inputs: &[&Path]) -> Result<bool, Failure> {
+    /// Returns whether a folder is requested. Fails if it cannot be written.
+    pub(super) fn is_requested(&self, inputs: &[&Path]) -> Result<bool, Failure> {
         let Some(folder) = &self.report else { return Ok(false) };
         begin_folder("--report", folder, self.force, inputs)?;
         require_disk(REPORT_BYTES, folder, "the report")?;
         Ok(true)
     }
 
-    /// Writes `answer.json`, the tables as CSV, and the figures that they make.
+    /// Writes `answer.json`, the tables as CSV, and their figures.
     pub(super) fn write(
         &self,
         inputs: &[&Path],

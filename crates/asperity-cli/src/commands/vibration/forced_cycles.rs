@@ -4,7 +4,7 @@ use asperity::vibration::{ForcedCycle, forced_cycles};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{Damping, Machine, refused};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -17,7 +17,7 @@ pub(crate) struct ForcedCycles {
     machine: Machine,
     #[command(flatten)]
     damping: Damping,
-    /// Most detachments in a period of a cycle.
+    /// Largest number of detachments in a period of a cycle.
     #[arg(long, value_name = "N", default_value = "2", value_parser = args::count, allow_hyphen_values = true)]
     slips: usize,
     /// Print one JSON object instead of a table.
@@ -29,16 +29,16 @@ impl ForcedCycles {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         if oscillator.forcing().is_none() {
-            return Err(Failure::usage("there is no force: state --forcing, above 0, and --forcing-frequency"));
+            return Err(Failure::usage("there is no forcing; give --forcing, above 0, and --forcing-frequency"));
         }
-        let cycles = forced_cycles(&oscillator, self.slips, monitor).map_err(|e| refused(&e))?;
+        let cycles = forced_cycles(&oscillator, self.slips, monitor)?;
         if self.json {
             let cycles: Vec<Value> = cycles.iter().map(in_json).collect();
             return Answer::default().with("cycles", cycles).print(true);
         }
         if cycles.is_empty() {
             monitor.note(&format!(
-                "no cycle with stick has up to {} detachments in a period: try more --slips; what the motion does is told by \
+                "no cycle with stick has up to {} detachments in a period: try a larger --slips; the motion is found by \
                  `vibration bifurcation`",
                 self.slips
             ));

@@ -1,22 +1,22 @@
-//! The probability of sustained vibration over two parameters.
+//! Probability of sustained vibration over two parameters.
 
 use asperity::friction::process::FrictionProcess;
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapOver, MapResolution, MapSettings, clipped_to_positive, stability_map,
+    EnsembleSettings, MapAxis, MapOver, MapResolution, MapSettings, VibrationError, clipped_to_positive, stability_map,
 };
 use clap::Args;
 
 use super::folder::Folder;
 use super::random::{Clipping, Fluctuation, Paths};
-use super::{Damping, Machine, refused};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
 
-/// Maps how surely vibration sustains itself: over damping and belt velocity, damping and scatter of friction, or belt
-/// velocity and load.
+/// Maps the probability of sustained vibration: over damping and belt velocity, damping and standard deviation of
+/// friction, or belt velocity and load.
 #[derive(Debug, Args)]
 pub(crate) struct Map {
     #[command(flatten)]
@@ -33,24 +33,25 @@ pub(crate) struct Map {
     /// Damping ratios, the first axis: least, largest, cells of the first grid.
     #[arg(long, value_name = "FROM,TO,N", value_parser = axis, required_unless_present = "loads")]
     damping_ratios: Option<MapAxis>,
-    /// Belt velocities: the second axis, or the first over loads.
+    /// Belt velocities: the second axis, or the first axis of a map over loads.
     #[arg(long, value_name = "FROM,TO,N", value_parser = axis, conflicts_with = "friction_stds")]
     belt_velocities: Option<MapAxis>,
     /// Standard deviations of friction, the second axis.
     #[arg(long, value_name = "FROM,TO,N", value_parser = axis, conflicts_with = "loads")]
     friction_stds: Option<MapAxis>,
-    /// Loads over the stated machine's, the second axis: lengths and velocities are in units of the load.
+    /// Ratios of the load to the stated machine's load, the second axis; lengths and velocities are in units of the
+    /// load.
     #[arg(long, value_name = "FROM,TO,N", value_parser = axis, requires = "belt_velocities",
           conflicts_with = "damping_ratios")]
     loads: Option<MapAxis>,
-    /// How often cells at the front are halved. Where the probability falls from 95 % to 5 % within one of the smallest cells, the
-    /// width of the transition is not resolved and only the contour of 50 % is drawn.
+    /// Number of times that cells at the front are halved. If the probability falls from 95 % to 5 % within one of the
+    /// smallest cells, the width of the transition is not resolved and only the contour of 50 % is drawn.
     #[arg(long, value_name = "N", default_value = "3", value_parser = depth)]
     depth: u32,
-    /// Number of paths at a point.
+    /// Number of trajectories per point.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     duration: f64,
     /// Seed of every random draw.
@@ -64,26 +65,27 @@ pub(crate) struct Map {
 }
 
 fn axis(text: &str) -> Result<MapAxis, String> {
-    stretch(text)?.check().map_err(|wanted| format!("found `{text}`: {wanted}"))
+    axis_range(text)?.check().map_err(|reason| format!("found `{text}`: {reason}"))
 }
 
-/// A stretch FROM,TO that rises, and its number of cells.
-pub(super) fn stretch(text: &str) -> Result<MapAxis, String> {
+/// Parses FROM,TO,N: a rising range and its number of cells.
+pub(super) fn axis_range(text: &str) -> Result<MapAxis, String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-    let wanted = || format!("found `{text}`, wanted the least and the largest value and a number of cells: FROM,TO,N");
-    let [from, to, cells] = parts[..] else { return Err(wanted()) };
+    let message =
+        || format!("found `{text}`, expected the least and the largest value and a number of cells: FROM,TO,N");
+    let [from, to, cells] = parts[..] else { return Err(message()) };
     match (from.parse::<f64>(), to.parse::<f64>(), cells.parse::<usize>()) {
         (Ok(from), Ok(to), Ok(cells)) if from < to && cells > 0 => Ok(MapAxis { from, to, cells }),
-        (Ok(_), Ok(_), Ok(0)) => Err(format!("found `{text}`, wanted at least 1 cell")),
-        (Ok(_), Ok(_), Ok(_)) => Err(format!("found `{text}`, wanted the last value of the axis above the first")),
-        _ => Err(wanted()),
+        (Ok(_), Ok(_), Ok(0)) => Err(format!("found `{text}`, expected at least 1 cell")),
+        (Ok(_), Ok(_), Ok(_)) => Err(format!("found `{text}`, expected a last value above the first")),
+        _ => Err(message()),
     }
 }
 
 fn depth(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(depth @ 0..=8) => Ok(depth),
-        _ => Err(format!("found `{text}`, wanted a number from 0 to 8")),
+        _ => Err(format!("found `{text}`, expected a whole number from 0 to 8")),
     }
 }
 
@@ -95,31 +97,31 @@ impl Map {
             (Some(x), None, Some(y), None) => (MapOver::DampingScatter, x, y),
             (None, Some(x), None, Some(y)) => (MapOver::VelocityLoad, x, y),
             _ => {
-                let wanted = "wanted two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
+                let message = "the map needs two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
                               --belt-velocities with --loads";
-                return Err(Failure::usage(wanted));
+                return Err(Failure::usage(message));
             }
         };
-        // Every point of the first grid; those in between and the front hardly change the order.
+        // Points of the first grid only: refined points hardly change the order of magnitude.
         let belt_velocity = match over {
             MapOver::DampingScatter => stated.belt_velocity(),
             MapOver::DampingVelocity => 0.5 * (y.from + y.to),
             MapOver::VelocityLoad => 0.5 * (x.from + x.to),
         };
-        // The process is checked once, so that a wrong law is a word about the flag and not about a point.
+        // Check the process once, so that an invalid distribution gives an error about the flag and not about a point.
         let process = FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
-        Paths { belt_velocity, duration: self.duration, count }.announce(&process, monitor);
+        Paths { belt_velocity, duration: self.duration, count }.note_time(&process, monitor);
         let model = |point: [f64; 2]| {
             let (oscillator, std, load) = over.at(&stated, self.friction_std, point)?;
             let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
-            Ok((oscillator, model))
+            Ok::<_, VibrationError>((oscillator, model))
         };
         let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
         let mut clipped = 0.0_f64;
         for point in settings.first_grid() {
-            let (_, model) = model(point).map_err(|e| refused(&e))?;
+            let (_, model) = model(point)?;
             clipped = clipped.max(model.map_or(0.0, |model| model.clipped_fraction()));
         }
         self.clipping.accept(clipped, monitor)?;
@@ -128,8 +130,8 @@ impl Map {
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         let inputs = self.machine.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
-        let map = stability_map(&machine, &settings, monitor).map_err(|e| refused(&e))?;
+        let has_folder = self.folder.is_requested(&inputs)?;
+        let map = stability_map(&machine, &settings, monitor)?;
         let names = over.axes();
         let MapResolution { x, y, unresolved_share } = map.resolution;
         if unresolved_share > 0.0 {
@@ -141,10 +143,10 @@ impl Map {
                 names[1]
             ));
         }
-        if wanted || self.json {
-            let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::of(&map)?);
+        if has_folder || self.json {
+            let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::new(&map)?);
             let answer = answer.with("clipped_fraction", clipped);
-            if wanted {
+            if has_folder {
                 self.folder.write(&inputs, &answer, stability_map_tables(&map, names), monitor)?;
             }
             if self.json {

@@ -14,9 +14,9 @@ use asperity::vibration::mode_coupling::{
 use clap::Args;
 use clap::builder::ArgPredicate;
 
+use super::Friction;
 use super::folder::Folder;
 use super::random::{Fluctuation, Paths};
-use super::{Friction, refused};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -24,20 +24,20 @@ use crate::resources::require_memory;
 
 /// Points of a drawn cycle.
 const CYCLE_POINTS: usize = 1200;
-/// Memory for the modes at one friction coefficient, and in the answer.
+/// Memory for the modes at one friction coefficient, including the answer, in bytes.
 const POINT_BYTES: f64 = 512.0;
-/// How far the scan reaches beyond the largest coefficient that matters, unless told.
-const BEYOND: f64 = 1.25;
-/// Least share of valid realisations.
-const LEAST_VALID: f64 = 0.95;
-/// Share of the cycle's amplitude that counts as a vibration, unless told.
+/// Default end of the scan, relative to the largest friction coefficient of interest.
+const SCAN_MARGIN: f64 = 1.25;
+/// Smallest accepted fraction of valid realisations.
+const MIN_VALID_FRACTION: f64 = 0.95;
+/// Default amplitude that counts as a vibration, relative to the cycle's amplitude.
 const THRESHOLD: f64 = 0.5;
 
-/// Tells where two modes that friction couples lose their stability, and what the vibration is then; with the flags of a
-/// fluctuation, how surely it comes.
+/// Finds where two modes coupled by friction lose their stability, and the vibration that follows; with a fluctuation
+/// of friction, its probability.
 ///
-/// Two inclined springs hold a mass, a third presses it on the belt (Hoffmann, Fischer, Allgaier & Gaul 2002). Forces are in
-/// units of the static normal force, stiffnesses in mω₀². Left out, springs make the modes meet at μ = 0.75.
+/// Two inclined springs hold a mass, a third presses it on the belt (Hoffmann, Fischer, Allgaier & Gaul 2002). Forces
+/// are in units of the static normal force, stiffnesses in mω₀². With the default springs the modes meet at μ = 0.75.
 #[derive(Debug, Args)]
 #[command(mut_arg("correlation_length", |length| length.required(false).requires("friction_std")))]
 #[command(mut_arg("marginal", |law| law.required(false).requires("friction_std")))]
@@ -47,7 +47,7 @@ pub(crate) struct ModeCoupling {
     /// Dimensionless belt velocity V.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     belt_velocity: f64,
-    /// Largest friction coefficient of the eigenvalues; a quarter beyond those that matter when left out.
+    /// Largest friction coefficient of the eigenvalues. When left out, 1.25 times the largest coefficient of interest.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     friction_to: Option<f64>,
     /// Number of friction coefficients.
@@ -66,31 +66,31 @@ pub(crate) struct ModeCoupling {
     fluctuation: Option<Fluctuation>,
 }
 
-/// Springs and dampers.
+/// Springs and dampers of the model.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Springs and dampers")]
 struct Springs {
     /// Directions of the inclined springs in degrees, from the belt's velocity towards the belt; 150,30 when left out.
-    #[arg(long, value_name = "A,B", value_parser = two, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A,B", value_parser = number_pair, allow_hyphen_values = true)]
     angles: Option<[f64; 2]>,
-    /// Their stiffnesses.
-    #[arg(long, value_name = "K1,K2", value_parser = two, allow_hyphen_values = true)]
+    /// Stiffnesses of the inclined springs.
+    #[arg(long, value_name = "K1,K2", value_parser = number_pair, allow_hyphen_values = true)]
     springs: Option<[f64; 2]>,
     /// Stiffness of the contact spring.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     contact_stiffness: Option<f64>,
-    /// Damping ratios of the modes without friction, the slow one first. Without any flag of damping there is none.
-    #[arg(long, value_name = "Z1,Z2", value_parser = two, allow_hyphen_values = true, group = "damping")]
+    /// Damping ratios of the modes without friction, the slow mode first. Without any damping flag there is no damping.
+    #[arg(long, value_name = "Z1,Z2", value_parser = number_pair, allow_hyphen_values = true, group = "damping")]
     modal_damping: Option<[f64; 2]>,
-    /// Damping a + b·(stiffness).
-    #[arg(long, value_name = "A,B", value_parser = two, allow_hyphen_values = true, group = "damping")]
+    /// Coefficients A,B of damping proportional to stiffness, A + B·(stiffness).
+    #[arg(long, value_name = "A,B", value_parser = number_pair, allow_hyphen_values = true, group = "damping")]
     proportional_damping: Option<[f64; 2]>,
     /// Dampers along the belt and across it.
-    #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true, group = "damping")]
+    #[arg(long, value_name = "X,Y", value_parser = number_pair, allow_hyphen_values = true, group = "damping")]
     dampers: Option<[f64; 2]>,
 }
 
-/// A fluctuation of friction, and how many paths are followed under it.
+/// Fluctuation of friction, and the number of trajectories.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Fluctuation of friction")]
 struct Noise {
@@ -100,19 +100,19 @@ struct Noise {
                           (ArgPredicate::IsPresent, "trajectories"), (ArgPredicate::IsPresent, "duration"),
                           (ArgPredicate::IsPresent, "seed")])]
     friction_std: f64,
-    /// Number of paths.
+    /// Number of trajectories.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true, required = false,
           requires = "friction_std")]
     trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, required = false,
           requires = "friction_std")]
     duration: f64,
-    /// Time τ before growth is measured.
+    /// Time τ before the growth is measured.
     #[arg(long, value_name = "X", default_value = "60", value_parser = args::non_negative, allow_hyphen_values = true,
           requires = "friction_std")]
     settling: f64,
-    /// Amplitude |x − x_s| about steady sliding that is a vibration; half the cycle's when left out.
+    /// Amplitude |x − x_s| about steady sliding that counts as a vibration; half the cycle's amplitude when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "friction_std")]
     threshold: Option<f64>,
     /// Seed of every random draw.
@@ -121,10 +121,10 @@ struct Noise {
     seed: u64,
 }
 
-fn two(text: &str) -> Result<[f64; 2], Refusal> {
-    let wanted = || format!("found `{text}`, wanted two numbers, such as 0.01,0.02");
-    let (first, second) = text.split_once(',').ok_or_else(wanted)?;
-    Ok([args::number(first.trim()).map_err(|_| wanted())?, args::number(second.trim()).map_err(|_| wanted())?])
+fn number_pair(text: &str) -> Result<[f64; 2], Refusal> {
+    let message = || format!("found `{text}`, expected two numbers, such as 0.01,0.02");
+    let (first, second) = text.split_once(',').ok_or_else(message)?;
+    Ok([args::number(first.trim()).map_err(|_| message())?, args::number(second.trim()).map_err(|_| message())?])
 }
 
 impl Springs {
@@ -148,7 +148,7 @@ impl Springs {
     }
 }
 
-/// All that is found.
+/// All results of the command.
 struct Found {
     model: Model,
     scan: EigenvalueScan,
@@ -162,21 +162,21 @@ impl ModeCoupling {
         let parameters = self.springs.parameters(&self.friction, self.belt_velocity)?;
         let ratios = if let Damping::Modal { ratios } = parameters.damping { ratios } else { [0.0; 2] };
         let model = Model::new(parameters).map_err(Failure::usage)?;
-        let doubts =
+        let warnings =
             ratios.map(implausible_damping).into_iter().chain([implausible_friction(self.friction.static_friction)]);
-        doubts.flatten().for_each(|doubt| monitor.warn(&doubt));
+        warnings.flatten().for_each(|warning| monitor.warn(&warning));
         let inputs: Vec<&Path> = self.friction.inputs();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         require_memory(POINT_BYTES * self.points as f64, "the scan of the modes")?;
-        let scan = self.scan(&model).map_err(|e| refused(&e))?;
-        let told = answer::of_modes(&model, &scan);
+        let scan = self.scan(&model)?;
+        let modes_answer = answer::modes_answer(&model, &scan);
         let regime = monitor
-            .at_once(|| limit_cycle(&model, None))?
-            .or_else(|e| Err(refused(&e).told(told.clone(), self.json)?))?;
+            .killable(|| limit_cycle(&model, None))?
+            .or_else(|e| Err(Failure::from(e).print(modes_answer.clone(), self.json)?))?;
         if model.damping() == [0.0; 3] && modes(&model, model.sliding_friction()).iter().all(|mode| mode.growth == 0.0)
         {
             monitor.warn(
-                "nothing is damped and no mode grows: the motion keeps what it starts with and settles nowhere; state \
+                "there is no damping and no mode grows, so the motion never settles; give \
                  --dampers, --modal-damping or --proportional-damping",
             );
         } else if let Some(note) = answer::note(&regime) {
@@ -186,10 +186,10 @@ impl ModeCoupling {
         if let (Some(noise), Some(fluctuation)) = (&self.noise, &self.fluctuation) {
             noise.add(fluctuation, &mut found, monitor)?;
         }
-        let answer = told.and(answer::of_motion(&found));
+        let answer = modes_answer.and(answer::motion_answer(&found));
         let whole = answer.clone().with("scan", answer::scan(&found.scan));
-        if wanted {
-            self.folder.write(&inputs, &whole, tables(&found).map_err(|e| refused(&e))?, monitor)?;
+        if has_folder {
+            self.folder.write(&inputs, &whole, tables(&found)?, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.print(false) }
     }
@@ -199,12 +199,12 @@ impl ModeCoupling {
             return eigenvalue_scan(model, most, self.points);
         }
         let own = model.sliding_friction();
-        let most = BEYOND * model.coalescence().map_or(own, |met| met.max(own));
+        let most = SCAN_MARGIN * model.coalescence().map_or(own, |met| met.max(own));
         let scan = eigenvalue_scan(model, most, self.points)?;
-        // Much damping moves the loss of stability far.
+        // Strong damping moves the loss of stability to large coefficients.
         match scan.critical {
             Some(critical) if critical.friction > most => {
-                eigenvalue_scan(model, BEYOND * critical.friction, self.points)
+                eigenvalue_scan(model, SCAN_MARGIN * critical.friction, self.points)
             }
             _ => Ok(scan),
         }
@@ -220,21 +220,20 @@ impl Noise {
             (Some(threshold), _) => threshold,
             (None, Some(cycle)) => 0.5 * THRESHOLD * (cycle.tangential[1] - cycle.tangential[0]),
             (None, None) => {
-                return Err(Failure::usage("there is no cycle to take the amplitude from: state --threshold"));
+                return Err(Failure::usage("there is no cycle to derive the amplitude from; give --threshold"));
             }
         };
         let settling = self.settling;
         let belt_velocity = model.belt_velocity();
-        Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }.announce(&process, monitor);
-        let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: LEAST_VALID };
-        let growth =
-            growth_rates(model, model.sliding_friction(), &process, &settings, monitor).map_err(|e| refused(&e))?;
-        let least_valid_share = LEAST_VALID;
+        Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }.note_time(&process, monitor);
+        let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: MIN_VALID_FRACTION };
+        let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)?;
+        let least_valid_share = MIN_VALID_FRACTION;
         let settings = EnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
-        let ensemble = Ensemble::simulate(model, &process, &settings, monitor).map_err(|e| refused(&e))?;
+        let ensemble = Ensemble::simulate(model, &process, &settings, monitor)?;
         if let Some(first) = ensemble.failures.first() {
             let failed = ensemble.failures.len();
-            monitor.warn(&format!("{failed} of {trajectories} paths are left out; the first: {}", first.reason));
+            monitor.warn(&format!("{failed} of {trajectories} trajectories failed, the first: {}", first.reason));
         }
         found.growth = Some(growth);
         found.ensemble = Some((threshold, ensemble));
@@ -242,7 +241,7 @@ impl Noise {
     }
 }
 
-/// The modes over friction, and the cycle.
+/// Returns the tables: the modes over friction, and the cycle.
 fn tables(found: &Found) -> Result<Vec<(&'static str, Table)>, VibrationError> {
     let scan = &found.scan;
     let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();

@@ -1,4 +1,4 @@
-//! The limit cycle as a table of a report folder.
+//! Limit cycle as a table of a report folder.
 
 use asperity::study::{Table, portrait_table};
 use asperity::vibration::{Oscillator, VibrationError, cycle_portrait};
@@ -6,7 +6,7 @@ use asperity::vibration::{Oscillator, VibrationError, cycle_portrait};
 /// Points of a drawn limit cycle.
 const CYCLE_POINTS: usize = 600;
 
-/// The limit cycle without fluctuation, if there is one.
+/// Returns the limit cycle without fluctuation, if there is one.
 pub(super) fn cycle(oscillator: &Oscillator) -> Result<Option<(&'static str, Table)>, VibrationError> {
     Ok(cycle_portrait(oscillator, CYCLE_POINTS)?.map(|points| ("limit_cycle", portrait_table(&points))))
 }

@@ -1,4 +1,4 @@
-//! How loud the mass vibrates, and at which frequencies.
+//! Sound of the vibration: level and spectrum.
 
 use std::f64::consts::TAU;
 
@@ -9,17 +9,17 @@ use clap::Args;
 use super::folder::Folder;
 use super::random::{Paths, Source};
 use super::wav::Wav;
-use super::{Damping, Machine, refused};
+use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
 use crate::resources::require_memory;
 
-/// Memory for one point of a record.
+/// Memory for one point of a record, in bytes.
 const POINT_BYTES: f64 = 48.0;
 
-/// Records the velocity of several paths: its level over the limit cycle's and its power spectrum.
+/// Records the velocity of several trajectories: its level relative to the limit cycle's, and its power spectrum.
 #[derive(Debug, Args)]
 pub(crate) struct Sound {
     #[command(flatten)]
@@ -28,10 +28,10 @@ pub(crate) struct Sound {
     damping: Damping,
     #[command(flatten)]
     source: Source,
-    /// Number of paths.
+    /// Number of trajectories.
     #[arg(long, value_name = "N", default_value = "32", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     #[arg(long, value_name = "X", default_value = "640", value_parser = args::positive, allow_hyphen_values = true)]
     duration: f64,
     /// Time τ before the record begins.
@@ -66,19 +66,19 @@ impl Sound {
             },
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
-        let wanted = self.folder.wanted(&inputs)?;
+        let has_folder = self.folder.is_requested(&inputs)?;
         self.wav.check(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
-        Paths { belt_velocity, duration, count }.announce(&process, monitor);
-        // Velocities of all paths, and the portraits and transforms that they are made of.
+        Paths { belt_velocity, duration, count }.note_time(&process, monitor);
+        // Includes the phase portraits and transforms of the velocities.
         let points = self.duration / TAU * settings.points_per_period as f64;
         require_memory(POINT_BYTES * points * self.trajectories as f64, "the record of the velocities")?;
         let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
-        let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
+        let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor)?;
         let period = cycle_period(&oscillator, monitor)?;
         let clipped = process.model().clipped_fraction();
-        let answer = Answer::of(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
-        if wanted {
+        let answer = Answer::new(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
+        if has_folder {
             self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
         }
         self.wav.write(wave.as_ref(), monitor)?;
@@ -96,9 +96,9 @@ impl Sound {
     }
 }
 
-/// The period of the limit cycle without fluctuation.
+/// Returns the period of the limit cycle without fluctuation.
 fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f64>, Failure> {
-    let regime = monitor.at_once(|| limit_cycle(oscillator))?.map_err(|e| refused(&e))?;
+    let regime = monitor.killable(|| limit_cycle(oscillator))??;
     Ok(regime.cycle().map(|cycle| cycle.period))
 }
 

@@ -1,4 +1,4 @@
-//! The velocity as a sound file.
+//! Velocity as a sound file.
 
 use std::f64::consts::TAU;
 use std::io::{self, BufWriter};
@@ -10,33 +10,32 @@ use asperity::vibration::{Oscillator, SoundSettings, Waveform, WaveformSettings}
 use clap::Args;
 use hound::{SampleFormat, WavSpec, WavWriter};
 
-use super::refused;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
-use crate::output::{check_target, replace_file, said_of_writing};
+use crate::output::{check_target, replace_file, write_verb};
 
 /// Samples per second.
 const SAMPLING_RATE_HZ: u32 = 44_100;
-/// Length of a file in seconds, unless told otherwise.
+/// Default length of a file in seconds.
 const SECONDS: f64 = 5.0;
 
-/// The file to listen to.
+/// Flags of the sound file.
 #[derive(Debug, Args)]
 pub(super) struct Wav {
-    /// Write the velocity of the first path to this file: mono, 16 bits, 44,100 Hz, the limit cycle's peak 6 dB below full
-    /// scale.
+    /// Write the velocity of the first trajectory to this file: mono, 16 bits, 44,100 Hz, with the limit cycle's peak 6
+    /// dB below full scale.
     #[arg(long, value_name = "FILE.wav", requires = "natural_frequency")]
     wav: Option<PathBuf>,
-    /// Natural frequency of the machine for that file: 80Hz, or as ω₀, 500rad/s.
+    /// Natural frequency of the machine in the sound file: 80Hz, or as ω₀, 500rad/s.
     #[arg(long, value_name = "Q", value_parser = natural_frequency_hz, allow_hyphen_values = true, requires = "wav")]
     natural_frequency: Option<f64>,
-    /// Length of that file in seconds; 5 when left out.
+    /// Length of the sound file in seconds; 5 when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "wav")]
     seconds: Option<f64>,
 }
 
-/// f₀ in hertz, from a frequency or an angular one.
+/// Parses a frequency or an angular frequency; returns f₀ in hertz.
 fn natural_frequency_hz(text: &str) -> Result<f64, args::Refusal> {
     if let Ok(angular) = text.parse::<AngularFrequency>()
         && angular.0 > 0.0
@@ -48,12 +47,12 @@ fn natural_frequency_hz(text: &str) -> Result<f64, args::Refusal> {
 }
 
 impl Wav {
-    /// Refuses a file that cannot be written, before anything is computed.
+    /// Fails if the file cannot be written.
     pub(super) fn check(&self, inputs: &[&Path]) -> Result<(), Failure> {
         self.wav.as_ref().map_or(Ok(()), |file| check_target("--wav", file, inputs))
     }
 
-    /// Follows the first path for the time of the file, if it is wanted.
+    /// Simulates the first trajectory for the duration of the file, if requested.
     pub(super) fn record(
         &self,
         oscillator: &Oscillator,
@@ -62,7 +61,7 @@ impl Wav {
         monitor: &Terminal,
     ) -> Result<Option<Waveform>, Failure> {
         let Some(natural_frequency_hz) = self.natural_frequency else { return Ok(None) };
-        let wanted = WaveformSettings {
+        let waveform = WaveformSettings {
             natural_frequency_hz,
             sampling_rate_hz: f64::from(SAMPLING_RATE_HZ),
             seconds: self.seconds.unwrap_or(SECONDS),
@@ -70,20 +69,20 @@ impl Wav {
             followed: settings.followed,
         };
         let path = process.path(settings.seed, 0);
-        let wave = monitor.at_once(|| Waveform::record(oscillator, path, &wanted))?.map_err(|e| refused(&e))?;
+        let wave = monitor.killable(|| Waveform::record(oscillator, path, &waveform))??;
         Ok(Some(wave))
     }
 
-    /// Writes what was recorded.
+    /// Writes the sound file.
     pub(super) fn write(&self, wave: Option<&Waveform>, monitor: &Terminal) -> Result<(), Failure> {
         let Some((file, wave)) = self.wav.as_ref().zip(wave) else { return Ok(()) };
         let loud = wave.samples.iter().filter(|sample| sample.abs() > 1.0).count();
         if loud > 0 {
-            monitor.warn(&format!("{loud} of {} samples are louder than full scale and cut off", wave.samples.len()));
+            monitor.warn(&format!("{loud} of {} samples exceed full scale and are clipped", wave.samples.len()));
         }
-        let said = said_of_writing(file);
+        let verb = write_verb(file);
         replace_file(file, |file| written(BufWriter::new(file), &wave.samples).map_err(io_error))?;
-        monitor.note(&format!("{said} {}", file.display()));
+        monitor.note(&format!("{verb} {}", file.display()));
         Ok(())
     }
 }

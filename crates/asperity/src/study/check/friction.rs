@@ -20,18 +20,18 @@ impl StudyFile {
         }
         within(SECTION, "window", f.window.0, positive, POSITIVE)?;
         if f.window.0 < 1.5 * f.strip[0].0 / f.points[0] as f64 {
-            let message = format!("found {}, but a window holds at least two cells of the strip", f.window);
+            let message = format!("found {}, but a window must span at least two cells of the strip", f.window);
             return Err(invalid(SECTION, "window", message));
         }
         if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
-            let message = format!("found {}, but the strip of {} must hold at least ten windows", f.window, f.strip[0]);
+            let message = format!("found {}, but the strip of {} must span at least ten windows", f.window, f.strip[0]);
             return Err(invalid(SECTION, "window", message));
         }
         if let Some(width) = f.window_width {
             within(SECTION, "window_width", width.0, positive, POSITIVE)?;
             if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
                 let message = format!(
-                    "found {width}, wanted at least two cells of the strip and at most its width of {}",
+                    "found {width}, expected at least two cells of the strip and at most its width of {}",
                     f.strip[1]
                 );
                 return Err(invalid(SECTION, "window_width", message));
@@ -39,7 +39,7 @@ impl StudyFile {
         }
         let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
         if f.boundary == BoundaryKind::Free && inner < least {
-            let message = "the ends of a free strip, as long as it is wide, are left out; no window fits between them";
+            let message = "the analysis omits both ends of a free strip, each as long as the strip is wide; no window fits between them";
             return Err(invalid(SECTION, "strip", message));
         }
         if let Some(compliance) = f.mean_compliance {
@@ -49,7 +49,7 @@ impl StudyFile {
         if let Some(area) = f.nominal_area {
             within(SECTION, "nominal_area", area.0, positive, POSITIVE)?;
             if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
-                let message = format!("found {area}, but [vibration] states {other}; leave one of them out");
+                let message = format!("found {area}, but [vibration] states {other}; remove one of them");
                 return Err(invalid(SECTION, "nominal_area", message));
             }
         }
@@ -62,14 +62,14 @@ impl StudyFile {
         let (Some(surface), Some(friction)) = (&self.surface, &self.friction) else { return Ok(()) };
         let Some(u) = &friction.uncertainty else { return Ok(()) };
         if u.parameters() == 0 {
-            let message = "nothing is uncertain; state rms_height, correlation_length or skewness";
+            let message = "no parameter is uncertain; state rms_height, correlation_length or skewness";
             return Err(invalid(SECTION, "rms_height", message));
         }
-        for (key, scatter) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
-            match scatter {
-                Some(LengthScatter::Relative(share)) => {
-                    let wanted = "a standard deviation above 0 % and of at most 100 %";
-                    within(SECTION, key, 100.0 * share, |percent| percent > 0.0 && percent <= 100.0, wanted)?;
+        for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
+            match std {
+                Some(LengthScatter::Relative(fraction)) => {
+                    let expected = "a standard deviation above 0 % and of at most 100 %";
+                    within(SECTION, key, 100.0 * fraction, |percent| percent > 0.0 && percent <= 100.0, expected)?;
                 }
                 Some(LengthScatter::Absolute(length)) => within(SECTION, key, length.0, positive, POSITIVE)?,
                 Some(LengthScatter::Measured) | None => {}
@@ -83,10 +83,10 @@ impl StudyFile {
             [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())]
         {
             if stated && fractal {
-                return Err(invalid(SECTION, key, "Weierstrass–Mandelbrot surfaces have none; leave it out"));
+                return Err(invalid(SECTION, key, "Weierstrass–Mandelbrot surfaces lack it; remove the key"));
             }
         }
-        // An interval of the scan is about what the scan says, so the study must take that from it too.
+        // A measured interval describes the estimate of the scan, so the study must use that estimate.
         let measured = [
             ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
             (
@@ -99,7 +99,7 @@ impl StudyFile {
         for (key, asked, of_the_scan) in measured {
             if asked && !(of_the_scan && surface.file.is_some()) {
                 let message =
-                    "found \"measured\", but [surface] does not take it from a scan; state a standard deviation";
+                    "found \"measured\", but [surface] does not measure this parameter; state a standard deviation";
                 return Err(invalid(SECTION, key, message));
             }
         }
@@ -115,7 +115,7 @@ impl StudyFile {
             return Err(invalid("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
         }
         if f.law == FrictionLawKind::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
-            let message = "nothing ploughs that does not yield; law = \"adhesion_ploughing\" needs the hardness";
+            let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
             return Err(invalid("material", "hardness", message));
         }
         let missing = |key, message: &str| Err(invalid(SECTION, key, message));
@@ -135,7 +135,7 @@ impl StudyFile {
     fn check_levels(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
         const SECTION: &str = "friction";
         if f.levels() == 0 {
-            return Err(invalid(SECTION, "percentiles", "found none, wanted at least one level"));
+            return Err(invalid(SECTION, "percentiles", "found none, expected at least one level"));
         }
         for percentile in f.percentiles() {
             within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;

@@ -15,7 +15,7 @@ const PRESSURE: &str = "pressure";
 pub(in crate::study) struct Material {
     pub(in crate::study) youngs_modulus: Pressure,
     pub(in crate::study) poisson_ratio: f64,
-    /// Largest pressure; none in elastic contact.
+    /// Largest pressure; `None` for elastic contact.
     pub(in crate::study) hardness: Option<Pressure>,
 }
 
@@ -26,20 +26,20 @@ impl Material {
     }
 }
 
-/// Pressure at one cell of random patches.
+/// Settings of the pressure stage: the pressure at one cell of random patches.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct PressureStudy {
     pub(in crate::study) material: Material,
     pub(in crate::study) grid: Grid,
     pub(in crate::study) boundary: BoundaryKind,
-    /// Mean compliance of a periodic patch, if it is not the usual one.
+    /// Mean compliance of a periodic patch; `None` for the default.
     pub(in crate::study) mean_compliance: Option<Compliance>,
-    /// Row and column.
+    /// Row and column of the cell.
     pub(in crate::study) cell: (usize, usize),
     pub(in crate::study) control: LevelControl,
     pub(in crate::study) fine_solves: usize,
     pub(in crate::study) reference_samples: usize,
-    /// Leading variables and total degree of the chaos expansion.
+    /// Number of leading variables, and total degree, of the chaos expansion.
     pub(in crate::study) variables: usize,
     pub(in crate::study) degree: usize,
     /// Whether the normal stiffness is estimated.
@@ -85,7 +85,7 @@ impl StudyFile {
             .map_err(|error| invalid(PRESSURE, "points", error.to_string()))?;
         let [row, column] = p.cell.unwrap_or([ny / 2, nx / 2]);
         if row >= ny || column >= nx {
-            let message = format!("found [{row}, {column}], wanted [row, column] below [{ny}, {nx}]");
+            let message = format!("found [{row}, {column}], expected [row, column] below [{ny}, {nx}]");
             return Err(invalid(PRESSURE, "cell", message));
         }
         if let Some(compliance) = p.mean_compliance {
@@ -118,11 +118,11 @@ impl StudyFile {
         at_least(PRESSURE, "variables", p.variables, 1)?;
         if number_of_terms(p.variables, p.degree).is_none_or(|terms| terms > MAX_TERMS) {
             let message =
-                format!("found {}, but in {} variables that is more than {MAX_TERMS} terms", p.degree, p.variables);
+                format!("found {}, which gives more than {MAX_TERMS} terms in {} variables", p.degree, p.variables);
             return Err(invalid(PRESSURE, "degree", message));
         }
-        let wanted = "a relative tolerance between 0 and 0.1";
-        within(PRESSURE, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, wanted)?;
+        let expected = "a relative tolerance between 0 and 0.1";
+        within(PRESSURE, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, expected)?;
         Ok(Some(PressureStudy {
             material,
             grid,

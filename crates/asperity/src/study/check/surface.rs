@@ -16,17 +16,15 @@ impl StudyFile {
         let Some(s) = &self.surface else {
             return match (self.pressure.is_some() || self.friction.is_some(), self.vibration.is_some()) {
                 (true, _) => Err(invalid(SECTION, "file", "[pressure] and [friction] need a [surface] section")),
-                (false, false) => {
-                    Err(invalid(SECTION, "file", "the study has no stage; begin with a [surface] section"))
-                }
+                (false, false) => Err(invalid(SECTION, "file", "the study has no stage; add a [surface] section")),
                 (false, true) => Ok(()),
             };
         };
         if let Some(pixel) = s.pixel_size {
             for side in pixel {
                 let (low, high) = (PITCH_RANGE_M.start(), PITCH_RANGE_M.end());
-                let wanted = format!("a size between {low:e} m and {high:e} m");
-                within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &wanted)?;
+                let expected = format!("a size between {low:e} m and {high:e} m");
+                within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &expected)?;
             }
         }
         if let Some(Err(error)) = s.height_unit.as_deref().map(str::parse::<LengthUnit>) {
@@ -41,8 +39,8 @@ impl StudyFile {
             }
         }
         if let (Some(short), Some(long)) = (s.s_filter, s.l_filter) {
-            let wanted = "longer than `s_filter`, so that scales are left between";
-            within(SECTION, "l_filter", long.0, |cutoff| cutoff > short.0, wanted)?;
+            let expected = "a cutoff longer than `s_filter`, so that some wavelengths remain";
+            within(SECTION, "l_filter", long.0, |cutoff| cutoff > short.0, expected)?;
         }
         if let Some(rms) = s.rms_height {
             within(SECTION, "rms_height", rms.0, positive, POSITIVE)?;
@@ -73,20 +71,20 @@ impl StudyFile {
         let expanded = s.generator == SurfaceGenerator::KarhunenLoeve;
         for (key, stated) in [("mean_mode", !s.mean_mode), ("rescale", s.rescale.is_some())] {
             if stated && !expanded {
-                return Err(invalid(SECTION, key, "this belongs to the generator karhunen_loeve"));
+                return Err(invalid(SECTION, key, "this key requires generator = \"karhunen_loeve\""));
             }
         }
         if !s.mean_mode && self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free) {
-            let message = "only periodic patches have a constant Fourier mode to leave out; set boundary = \"periodic\" in \
+            let message = "only periodic patches have a constant Fourier mode to omit; set boundary = \"periodic\" in \
                            [pressure]";
             return Err(invalid(SECTION, "mean_mode", message));
         }
         if s.rescale.is_some() && s.marginal != "normal" {
-            let message = "this belongs to marginal = \"normal\"; any other law is imposed at every point";
+            let message = "this key requires marginal = \"normal\"; any other distribution is imposed at every point";
             return Err(invalid(SECTION, "rescale", message));
         }
         if s.file.is_some() && s.files().is_empty() {
-            return Err(invalid(SECTION, "file", "the list of scans is empty; name at least one, or leave `file` out"));
+            return Err(invalid(SECTION, "file", "the list of scans is empty; name at least one, or remove `file`"));
         }
         if s.file.is_none() {
             let missing =
@@ -95,7 +93,7 @@ impl StudyFile {
                 return Err(missing("covariance", "the covariance"));
             }
             if gaussian && s.marginal == "measured" {
-                return Err(missing("marginal", "the marginal law"));
+                return Err(missing("marginal", "the marginal distribution"));
             }
             if s.rms_height.is_none() {
                 return Err(missing("rms_height", "the rms height"));
@@ -105,13 +103,13 @@ impl StudyFile {
             return Err(invalid(SECTION, "correlation_length", "a stated covariance needs its lengths along x and y"));
         }
         if s.covariance == CovarianceSource::SelfAffine && s.hurst.is_none() {
-            return Err(invalid(SECTION, "hurst", "a self-affine covariance needs its Hurst exponent"));
+            return Err(invalid(SECTION, "hurst", "a self-affine covariance requires its Hurst exponent"));
         }
         if s.covariance == CovarianceSource::Matern && s.smoothness.is_none() {
-            return Err(invalid(SECTION, "smoothness", "a Matérn covariance needs its smoothness ν"));
+            return Err(invalid(SECTION, "smoothness", "a Matérn covariance requires its smoothness ν"));
         }
         if !gaussian && s.fractal_dimension.is_none() && s.file.is_none() {
-            let message = "the Weierstrass–Mandelbrot generator needs it when there is no scan to measure it on";
+            let message = "the Weierstrass–Mandelbrot generator requires this key if there is no scan to measure it on";
             return Err(invalid(SECTION, "fractal_dimension", message));
         }
         Ok(())

@@ -17,17 +17,17 @@ use crate::vibration::{
 };
 
 const SECTION: &str = "vibration";
-/// Time that is followed to see whether friction stays positive: the first slips are the fastest.
+/// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
 const FIRST_TIME: f64 = 100.0;
-/// Correlation lengths over N/c that sliding distances resolve.
+/// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
-const SHARE: &str = "a share above 0, at most 1";
+const RATIO: &str = "a ratio above 0, at most 1";
 
-fn share(value: f64) -> bool {
+fn ratio(value: f64) -> bool {
     value > 0.0 && value <= 1.0
 }
 
-/// Stick-slip of a mass on a belt.
+/// Settings of the vibration stage: stick-slip of a mass on a belt.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) scales: Scales,
@@ -38,7 +38,7 @@ pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) belt_velocity: f64,
     /// Dimensionless harmonic force on the mass.
     pub(in crate::study) forcing: Option<Forcing>,
-    /// Kinetic friction coefficient at vanishing velocity over the static one.
+    /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
     pub(in crate::study) kinetic_share: f64,
     pub(in crate::study) weakening: Weakening,
     pub(in crate::study) friction: FrictionSource,
@@ -46,7 +46,7 @@ pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) generator: Option<Generator>,
     pub(in crate::study) drive: Drive,
     pub(in crate::study) method: Method,
-    /// Upscaling of the headline.
+    /// Upscaling of the main result.
     pub(in crate::study) upscaling: Upscaling,
     /// Whether more than 5 % of the friction values may be clipped to stay positive.
     pub(in crate::study) allow_clipping: bool,
@@ -70,7 +70,7 @@ pub(in crate::study) enum Weakening {
     Exponential {
         /// Dimensionless velocity v₀.
         velocity: f64,
-        /// μ_∞/μ_k.
+        /// Ratio μ_∞/μ_k.
         high_speed_share: f64,
     },
 }
@@ -78,11 +78,11 @@ pub(in crate::study) enum Weakening {
 /// Source of the friction process.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) enum FrictionSource {
-    /// The friction stage, at this percentile, or at the nominal pressure.
+    /// Result of the friction stage, at this percentile, or at the nominal pressure.
     Computed(Option<f64>),
-    /// The file of a fitted process, relative to the study file.
+    /// File of a fitted process, relative to the study file.
     File(PathBuf),
-    /// The study file, for a window of the usual size.
+    /// Values stated in the study file, for a window of the usual size.
     Stated(StatedFriction),
 }
 
@@ -98,13 +98,13 @@ impl VibrationStudy {
         if let Weakening::Stribeck(coefficient) = self.weakening { Some(coefficient) } else { None }
     }
 
-    /// Returns the same per unit of dimensionless velocity.
+    /// Returns the Stribeck coefficient per unit of dimensionless velocity.
     pub(in crate::study) fn dimensionless_stribeck(&self) -> Option<f64> {
         self.stribeck().map(|stribeck| stribeck.per_unit(self.scales.velocity_m_per_s()))
     }
 
-    /// Returns the oscillator with this static friction coefficient; `stribeck` replaces the coefficient of the law where a fitted
-    /// process has one.
+    /// Returns the oscillator with this static friction coefficient; `stribeck` replaces the coefficient of the law if
+    /// a fitted process has one.
     pub(in crate::study) fn oscillator(
         &self,
         static_friction: f64,
@@ -148,14 +148,14 @@ impl VibrationStudy {
             _ => String::new(),
         };
         Some(format!(
-            "`{key}` = {} is per unit of dimensionless velocity and belongs to the stated normal force of {}: it means {si} s/m, \
+            "`{key}` = {} is per unit of dimensionless velocity and depends on the stated normal force of {}: there it means {si} s/m, \
              which the map keeps over the load{instead}",
             sentence::digits(value),
             self.normal_force
         ))
     }
 
-    /// Returns the distance in metre that the belt travels in the time of a trajectory.
+    /// Returns the distance in metre that the belt travels during a trajectory.
     pub(in crate::study) fn sliding_distance_m(&self) -> f64 {
         self.duration * self.belt_velocity * self.scales.length_m()
     }
@@ -185,14 +185,14 @@ impl StudyFile {
                 return Err(invalid(SECTION, "belt_velocity", message));
             }
         };
-        within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
+        within(SECTION, "kinetic_share", v.kinetic_share, ratio, RATIO)?;
         let weakening = weakening(v, &scales)?;
         let forcing = forcing(v)?;
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
         if let (Some(ByName(Generator::Jacobi)), Some(marginal)) = (v.generator, &stated)
             && !matches!(marginal, Marginal::Beta { .. })
         {
-            let message = format!("the diffusion has a Beta law, and friction_marginal is {marginal}");
+            let message = format!("the diffusion requires a Beta distribution, found {marginal}");
             return Err(invalid(SECTION, "generator", message));
         }
         v.map.as_ref().map_or(Ok(()), check_map)?;
@@ -229,12 +229,12 @@ impl StudyFile {
         Ok(Some(study))
     }
 
-    /// Checks where the friction comes from: exactly one of the friction stage, a file and the keys of the section.
+    /// Checks the source of the friction: exactly one of the friction stage, a file and the keys of the section.
     fn check_source(&self, v: &VibrationSection) -> Result<FrictionSource, InvalidValue> {
         if let Some(level) = v.level
             && !self.friction.as_ref().is_some_and(|f| f.percentiles().contains(&level))
         {
-            return Err(invalid(SECTION, "level", format!("found {level}, wanted one of [friction] percentiles")));
+            return Err(invalid(SECTION, "level", format!("found {level}, expected one of [friction] percentiles")));
         }
         if let (None, Some(_), Some(hardness)) =
             (v.level, &self.friction, self.material.as_ref().and_then(|material| material.hardness))
@@ -261,7 +261,7 @@ impl StudyFile {
         if let (Some((first, _)), Some((absent, _))) =
             (keys.iter().find(|(_, present)| *present), keys.iter().find(|(_, present)| !present))
         {
-            return Err(invalid(SECTION, absent, format!("`{first}` is stated, so this must be too")));
+            return Err(invalid(SECTION, absent, format!("required because `{first}` is stated")));
         }
         match (stated, &v.friction_process, self.friction.is_some()) {
             (None, None, false) => {
@@ -270,15 +270,15 @@ impl StudyFile {
                 Err(invalid(SECTION, "static_friction", message))
             }
             (Some(_), _, true) => {
-                let message = "the friction process is stated here and computed by [friction]; leave one out";
+                let message = "the friction process is both stated here and computed by [friction]; remove one";
                 Err(invalid(SECTION, "static_friction", message))
             }
             (Some(_), Some(_), _) => {
-                let message = "the friction process is read here and stated beside it; leave one out";
+                let message = "the friction process is both read from a file and stated; remove one";
                 Err(invalid(SECTION, "friction_process", message))
             }
             (None, Some(_), true) => {
-                let message = "the friction process is read here and computed by [friction]; leave one out";
+                let message = "the friction process is both read from a file and computed by [friction]; remove one";
                 Err(invalid(SECTION, "friction_process", message))
             }
             (None, None, true) => Ok(FrictionSource::Computed(v.level)),
@@ -299,7 +299,8 @@ impl StudyFile {
     }
 }
 
-/// Checks that the oscillator can move: its numbers lie in range, and friction stays positive at the speeds of its motion.
+/// Checks that the oscillator can move: its parameters are in range, and friction stays positive at the velocities of
+/// its motion.
 fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedFriction) -> Result<(), InvalidValue> {
     let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
     let law = match v.velocity_law {
@@ -321,7 +322,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
             Err(invalid(SECTION, key, format!("in the units of the machine, {error}")))
         }
         VibrationError::FrictionNotPositive { .. } => Err(invalid(SECTION, law, error.to_string())),
-        // The run reports what has no answer yet.
+        // A run reports motions that the search cannot determine.
         _ => Ok(()),
     };
     let oscillator = match study.oscillator(friction.mean, None) {
@@ -343,7 +344,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
     Trajectory::simulate(&oscillator, Steady, &settings).map_or_else(of_key, |_| Ok(()))
 }
 
-/// Checks the law of friction over the velocity. A key of another law is an error.
+/// Checks the velocity law of friction. A key of another law is an error.
 fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, InvalidValue> {
     let exponential = v.velocity_law == VelocityLaw::Exponential;
     for (key, stated, belongs, law) in [
@@ -353,10 +354,10 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
         ("high_speed_share", v.high_speed_share.is_some(), exponential, "exponential"),
     ] {
         if stated && !belongs {
-            return Err(invalid(SECTION, key, format!("this key belongs to velocity_law = \"{law}\"")));
+            return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
         }
         if belongs && !stated && key != "stribeck" {
-            return Err(invalid(SECTION, key, format!("velocity_law = \"{law}\" needs this key")));
+            return Err(invalid(SECTION, key, format!("velocity_law = \"{law}\" requires this key")));
         }
     }
     match (v.stribeck(), v.linear_weakening, v.stribeck_velocity.zip(v.high_speed_share)) {
@@ -366,7 +367,7 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
         }
         (_, _, Some((velocity, high_speed_share))) => {
             within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
-            within(SECTION, "high_speed_share", high_speed_share, share, SHARE)?;
+            within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
         }
         (stribeck, None, None) => {
@@ -386,8 +387,8 @@ fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
             let (amplitude, frequency) = (force.0 / v.normal_force.0, frequency.0 / v.natural_frequency.0);
             Ok(Some(Forcing { amplitude, frequency }))
         }
-        (Some(_), None) => Err(invalid(SECTION, "forcing_frequency", "`forcing` is stated, so this must be too")),
-        (None, Some(_)) => Err(invalid(SECTION, "forcing", "`forcing_frequency` is stated, so this must be too")),
+        (Some(_), None) => Err(invalid(SECTION, "forcing_frequency", "required because `forcing` is stated")),
+        (None, Some(_)) => Err(invalid(SECTION, "forcing", "required because `forcing_frequency` is stated")),
         (None, None) => Ok(None),
     }
 }
@@ -395,18 +396,18 @@ fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
 fn check_map(map: &MapSection) -> Result<(), InvalidValue> {
     const SECTION: &str = "vibration.map";
     for (key, name, (from, to, cells)) in [("x", map.over.axes()[0], map.x), ("y", map.over.axes()[1], map.y)] {
-        // Damping and scatter may begin with none.
+        // Damping and standard deviation may start at zero.
         let (least, most) = match name {
             "damping_ratio" => (0.0, 1.0),
             "friction_std" => (0.0, f64::INFINITY),
             _ => (f64::MIN_POSITIVE, f64::INFINITY),
         };
-        let wanted = format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
-        within(SECTION, key, from, |value| value >= least && value < most, &wanted)?;
-        within(SECTION, key, to, |value| value > from && value < most, &wanted)?;
+        let range = format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
+        within(SECTION, key, from, |value| value >= least && value < most, &range)?;
+        within(SECTION, key, to, |value| value > from && value < most, &range)?;
         at_least(SECTION, key, cells, 1)?;
         if cells > 1000 {
-            return Err(invalid(SECTION, key, format!("found {cells} cells, wanted at most 1000")));
+            return Err(invalid(SECTION, key, format!("found {cells} cells, expected at most 1000")));
         }
     }
     within(SECTION, "depth", f64::from(map.depth), |depth| depth <= 8.0, "at most 8")?;

@@ -1,4 +1,4 @@
-//! `[friction]`.
+//! The section `[friction]`.
 
 use asperity_base::choice;
 use serde::{Deserialize, Serialize};
@@ -12,12 +12,12 @@ choice! {
     /// Friction law of a window; see [`crate::friction::law`].
     #[derive(Default)]
     pub enum FrictionLawKind: "friction law" {
-        /// F = τ_max A_c (the paper's).
+        /// F = τ_max A_c (the paper's law).
         #[default]
         BowdenTabor = "bowden_tabor",
         /// F = τ_max A_c + αN.
         PressureDependent = "pressure_dependent",
-        /// F = τ_max A_c and the ploughing of yielded contacts.
+        /// F = τ_max A_c plus the ploughing force of plastic contacts.
         AdhesionPloughing = "adhesion_ploughing",
         /// F = μN.
         Coulomb = "coulomb",
@@ -28,15 +28,15 @@ choice! {
     /// Shape of the window.
     #[derive(Default)]
     pub enum WindowShape: "shape of the window" {
-        /// All of its length and width.
+        /// Full length and width of the window.
         #[default]
         Rectangle = "rectangle",
-        /// The ellipse in it.
+        /// Ellipse inscribed in the window.
         Ellipse = "ellipse",
     }
 }
 
-/// `[friction]`.
+/// The section `[friction]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionSection {
@@ -49,20 +49,20 @@ pub struct FrictionSection {
     /// Length of the window along x.
     #[serde(default = "window")]
     pub window: Length,
-    /// Width of the window along y; when left out, that of the strip. Windows narrower than a periodic strip are laid side by
-    /// side, and what each sees is a record of its own.
+    /// Width of the window along y; the width of the strip when left out. Narrower windows lie side by side on a
+    /// periodic strip, and each track gives its own record.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_width: Option<Length>,
     /// Shape of the window.
     #[serde(default, skip_serializing_if = "is_default")]
     pub window_shape: WindowShape,
-    /// Law of friction. `shear_strength` of `[material]` is its τ_max.
+    /// Friction law. Its τ_max is `shear_strength` of `[material]`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub law: FrictionLawKind,
-    /// α of the pressure-dependent law.
+    /// Coefficient α of the pressure-dependent law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_coefficient: Option<f64>,
-    /// μ of Coulomb's law.
+    /// Friction coefficient μ of Coulomb's law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
     /// Boundary of a strip.
@@ -71,17 +71,18 @@ pub struct FrictionSection {
     /// Mean compliance of a periodic strip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_compliance: Option<Compliance>,
-    /// Levels: percentages of the heights (of the ensemble) above the plane, which is one plane in space for all strips. When left
-    /// out, five of them, unless other levels are stated.
+    /// Levels as percentages of the heights (of the ensemble) above the plane, which has the same position in space for
+    /// all strips. Five default levels when left out, unless other levels are stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub percentiles: Option<Vec<f64>>,
-    /// Further levels: mean pressures on every strip.
+    /// Further levels: mean pressures on each strip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mean_pressures: Vec<Pressure>,
-    /// Further levels: depths of the plane below the highest point of every strip.
+    /// Further levels: depths of the plane below the highest point of each strip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub penetrations: Vec<Length>,
-    /// Area over which windows average, for the `area` upscaling; when left out, that of `[vibration]`, or else 833 mm².
+    /// Area over which windows average in the `area` upscaling; when left out, the area of `[vibration]`, or else 833
+    /// mm².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nominal_area: Option<Area>,
     /// Strips per level.
@@ -90,35 +91,36 @@ pub struct FrictionSection {
     /// Relative tolerance of each contact solve.
     #[serde(default = "solve_tolerance")]
     pub tolerance: f64,
-    /// What of the surface is uncertain.
+    /// Uncertain parameters of the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintySection>,
 }
 
-/// `[friction.uncertainty]`: standard deviations of the surface's parameters about their values in the study, independent of
-/// each other. At least one is stated.
+/// The section `[friction.uncertainty]`: standard deviations of the surface's parameters about their values in the
+/// study. The parameters are independent. At least one is stated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UncertaintySection {
-    /// Of the root mean square height, which is lognormal.
+    /// Standard deviation of the rms height, which is lognormal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<LengthScatter>,
-    /// Of the correlation length along x, which is lognormal; that along y and all lags keep their ratio to it.
+    /// Standard deviation of the correlation length along x, which is lognormal. The length along y and all lags are
+    /// proportional to it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correlation_length: Option<LengthScatter>,
-    /// Of the skewness of the heights, which is normal. Heights then have Johnson's law.
+    /// Standard deviation of the skewness of the heights, which is normal. Heights then have Johnson's distribution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skewness: Option<NumberScatter>,
-    /// Surfaces, each of other parameters.
+    /// Number of surfaces, each with other parameters.
     #[serde(default = "uncertainty_points")]
     pub points: usize,
-    /// Strips of each surface, the same for all; when left out, half as many as for the levels, at least 4.
+    /// Number of strips of each surface, the same for all; when left out, half as many as for the levels, at least 4.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub realisations: Option<usize>,
 }
 
 impl UncertaintySection {
-    /// Number of uncertain parameters.
+    /// Returns the number of uncertain parameters.
     pub fn parameters(&self) -> usize {
         let stated = [self.rms_height.is_some(), self.correlation_length.is_some(), self.skewness.is_some()];
         stated.into_iter().filter(|stated| *stated).count()
@@ -126,18 +128,18 @@ impl UncertaintySection {
 }
 
 impl FrictionSection {
-    /// Strips of each surface of the uncertainty.
+    /// Returns the number of strips of each surface in the uncertainty analysis.
     pub fn uncertainty_realisations(&self) -> usize {
         let stated = self.uncertainty.as_ref().and_then(|uncertainty| uncertainty.realisations);
         stated.unwrap_or((self.realisations / 2).max(4))
     }
 
-    /// Width of the window.
+    /// Returns the width of the window.
     pub fn window_width(&self) -> Length {
         self.window_width.unwrap_or(self.strip[1])
     }
 
-    /// Percentages of the heights above the plane: those stated or, where no level is stated, the usual ones.
+    /// Returns the percentages of the heights above the plane: the stated ones or, if no level is stated, the defaults.
     pub fn percentiles(&self) -> &[f64] {
         match &self.percentiles {
             Some(stated) => stated,
@@ -146,7 +148,7 @@ impl FrictionSection {
         }
     }
 
-    /// Number of its levels.
+    /// Returns the number of levels.
     pub fn levels(&self) -> usize {
         self.percentiles().len() + self.mean_pressures.len() + self.penetrations.len()
     }
@@ -176,7 +178,7 @@ impl Default for FrictionSection {
     }
 }
 
-/// Levels of a friction stage that states none.
+/// Default levels of the friction stage, in percent.
 const PERCENTILES: [f64; 5] = [5.0, 10.0, 25.0, 50.0, 75.0];
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()

@@ -1,4 +1,4 @@
-//! `[material]` and `[pressure]`.
+//! The sections `[material]` and `[pressure]`.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::solve_tolerance;
 use crate::map::BoundaryKind;
 use crate::quantity::{Compliance, Length, Pressure};
 
-/// `[material]`.
+/// The section `[material]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSection {
@@ -15,15 +15,15 @@ pub struct MaterialSection {
     /// Poisson's ratio.
     #[serde(default = "poisson_ratio")]
     pub poisson_ratio: f64,
-    /// Hardness, the highest pressure; without it contact is elastic.
+    /// Hardness, the largest pressure; contact is elastic when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<Pressure>,
-    /// Shear strength τ_max of the contacts; needed by friction.
+    /// Shear strength τ_max of the contacts; required by friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear_strength: Option<Pressure>,
 }
 
-/// `[pressure]`.
+/// The section `[pressure]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PressureSection {
@@ -34,7 +34,8 @@ pub struct PressureSection {
     /// Boundary of a patch.
     #[serde(default = "free")]
     pub boundary: BoundaryKind,
-    /// Cell [row, column] whose pressure is studied, counted from 0 at the top left; when left out, the centre [ny/2, nx/2].
+    /// Cell [row, column] of the studied pressure, counted from 0 at the top left; the centre [ny/2, nx/2] when left
+    /// out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<[usize; 2]>,
     /// Mean compliance of a periodic patch.
@@ -49,19 +50,19 @@ pub struct PressureSection {
     /// Mean pressure on each patch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_pressure: Option<Pressure>,
-    /// Contact solves given to each method.
+    /// Number of contact solutions for each method.
     #[serde(default = "fine_solves")]
     pub fine_solves: usize,
-    /// Contact solves of the reference run.
+    /// Number of contact solutions of the reference run.
     #[serde(default = "reference_samples")]
     pub reference_samples: usize,
-    /// Leading variables of the chaos expansion.
+    /// Number of leading variables of the chaos expansion.
     #[serde(default = "variables")]
     pub variables: usize,
     /// Total degree of the chaos expansion.
     #[serde(default = "degree")]
     pub degree: usize,
-    /// Whether the normal stiffness of the contact is estimated too.
+    /// Whether to estimate the normal stiffness of the contact too.
     #[serde(default)]
     pub stiffness: bool,
     /// Relative tolerance of each contact solve.

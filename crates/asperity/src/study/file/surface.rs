@@ -1,4 +1,4 @@
-//! `[surface]`.
+//! The section `[surface]`.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -13,18 +13,18 @@ use crate::surface::preparation::Preparation;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
 
-/// One scan, or several of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
+/// One scan, or several scans of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected the name of a scan, or a list of names")]
 pub enum ScanFiles {
     /// One scan.
     One(PathBuf),
-    /// Scans of one part.
+    /// Several scans of one part.
     Several(Vec<PathBuf>),
 }
 
 impl ScanFiles {
-    /// Their names.
+    /// Returns the names of the scans.
     pub fn paths(&self) -> &[PathBuf] {
         match self {
             Self::One(path) => std::slice::from_ref(path),
@@ -32,7 +32,7 @@ impl ScanFiles {
         }
     }
 
-    /// The same under other names.
+    /// Returns the same list with each name replaced by `name`.
     #[must_use]
     pub fn map(&self, name: impl Fn(&Path) -> PathBuf) -> Self {
         match self {
@@ -48,54 +48,55 @@ impl From<&str> for ScanFiles {
     }
 }
 
-/// `[surface]`.
+/// The section `[surface]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSection {
-    /// Scan file, relative to the study file, or a list of scans of one part. Of several scans the statistics are pooled
-    /// ([`crate::study::PooledStatistics`]), and random surfaces have the correlation of all pairs of heights and the law of
-    /// all heights, each scan counted from its own form; their pixels must have the same size. Maps and figures show the
-    /// first.
+    /// Scan file, relative to the study file, or a list of scans of one part. The statistics of several scans are
+    /// pooled ([`crate::study::PooledStatistics`]). Random surfaces then have the correlation of all pairs of heights
+    /// and the distribution of all heights, each relative to the form of its own scan. All scans must have the same
+    /// pixel size. Maps and figures show the first scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<ScanFiles>,
-    /// The height map to read of a file that holds several: its name, or its number counted from 1.
+    /// Height map to read from a file that contains several: its name, or its number counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
-    /// Pixel size (x, y) of a scan that states none, or one for both; overrides the file's.
+    /// Pixel size (x, y), or one value for both. Required for a scan that states none; replaces the size stated in the
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     pub pixel_size: Option<[Length; 2]>,
-    /// Unit of the heights of a scan that states none, such as `um`; overrides the file's, and a conversion factor in the header
-    /// of a text.
+    /// Unit of the heights, such as `um`. Required for a scan that states none; replaces the unit stated in the file,
+    /// and a conversion factor in the header of a text file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_unit: Option<String>,
     /// Form removed from the scan.
     #[serde(default)]
     pub level: Level,
-    /// Heights farther from the median than this many robust standard deviations count as missing.
+    /// Limit in robust standard deviations from the median beyond which heights count as missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outliers: Option<f64>,
-    /// Cutoff of the S-filter: shorter waves of the scan are taken out.
+    /// Cutoff of the S-filter, which removes shorter waves of the scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub s_filter: Option<Length>,
-    /// Cutoff of the L-filter: longer waves of the scan are taken out.
+    /// Cutoff of the L-filter, which removes longer waves of the scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub l_filter: Option<Length>,
     /// Whether the L-filter is robust against grooves and spikes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub robust_filter: bool,
-    /// How random surfaces are made.
+    /// Generator of the random surfaces.
     #[serde(default)]
     pub generator: SurfaceGenerator,
-    /// Their covariance; the Weierstrass–Mandelbrot generator takes none.
+    /// Covariance of the random surfaces; not used by the Weierstrass–Mandelbrot generator.
     #[serde(default)]
     pub covariance: CovarianceSource,
-    /// Their standard deviation of height, when not measured.
+    /// Standard deviation of the heights of the random surfaces, if not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<Length>,
-    /// Their correlation lengths (x, y) or one for both, when not measured: the parameter ℓ of the model
-    /// ([`crate::correlation::CorrelationModel`]). Of the exponential and the squared exponential model it is the lag at which
-    /// the correlation is 1/e; of the Matérn model it is the scale, of the self-affine one the roll-off length, and the
-    /// correlation falls to 1/e elsewhere.
+    /// Correlation lengths (x, y) of the random surfaces, or one for both, if not measured: the parameter ℓ of the
+    /// model ([`crate::correlation::CorrelationModel`]). For the exponential and the squared exponential model it is
+    /// the lag at which the correlation is 1/e. For the Matérn model it is the scale and for the self-affine model the
+    /// roll-off length; their correlation falls to 1/e at another lag.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     pub correlation_length: Option<[Length; 2]>,
     /// Hurst exponent of a self-affine model.
@@ -104,31 +105,33 @@ pub struct SurfaceSection {
     /// Smoothness ν of a Matérn model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothness: Option<f64>,
-    /// Fractal dimension, 2 to 3, of the Weierstrass–Mandelbrot generator.
+    /// Fractal dimension, between 2 and 3, of the Weierstrass–Mandelbrot generator.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fractal_dimension: Option<f64>,
-    /// Marginal law of the heights: `measured`, `normal`, `beta:A,B`, …; the Weierstrass–Mandelbrot generator takes none.
+    /// Marginal distribution of the heights: `measured`, `normal`, `beta:A,B`, …; not used by the
+    /// Weierstrass–Mandelbrot generator.
     #[serde(default = "measured")]
     pub marginal: String,
-    /// How the marginal is imposed.
+    /// Method that imposes the marginal distribution.
     #[serde(default)]
     pub translation: TranslationKind,
-    /// Terms of the Karhunen–Loève expansion. When left out, as many as hold 90 % of the slope variance of a patch, or all Fourier
-    /// modes where those are more than 400.
+    /// Number of terms of the Karhunen–Loève expansion. When left out, enough for 90 % of the slope variance of a
+    /// patch, or all Fourier modes if more than 400 are needed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
-    /// Whether patches have the constant Fourier mode, by which they differ in mean height. Without it the variance of the other
-    /// modes is scaled to the whole. Of a Karhunen–Loève expansion on periodic patches.
+    /// Whether patches include the constant Fourier mode, so that their mean heights differ. Without it the variance of
+    /// the other modes is scaled to the total. Applies to Karhunen–Loève expansions on periodic patches.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub mean_mode: bool,
-    /// What is done about the variance that a Karhunen–Loève expansion of normal heights leaves out: `true` scales all heights of
-    /// a patch by one factor, so that the modes hold the whole variance on average over the patch, `false` lets the heights be
-    /// lower. When left out, the marginal law is imposed at every point, as with any other law.
+    /// Treatment of the variance that a truncated Karhunen–Loève expansion of normal heights lacks. `true` scales all
+    /// heights of a patch by one factor, so that the modes have the full variance on average over the patch; `false`
+    /// leaves the heights lower. When left out, the marginal distribution is imposed at every point, as for any other
+    /// distribution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rescale: Option<bool>,
 }
 
-/// One length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.
+/// Reads one length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.
 fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Length; 2]>, D::Error> {
     struct OneOrTwo;
     impl<'de> Visitor<'de> for OneOrTwo {
@@ -156,7 +159,7 @@ fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Leng
 }
 
 impl Default for SurfaceSection {
-    /// What an empty section says.
+    /// Returns the defaults of an empty section.
     fn default() -> Self {
         Self {
             file: None,
@@ -185,15 +188,15 @@ impl Default for SurfaceSection {
 }
 
 impl SurfaceSection {
-    /// Names of the scans; none for a surface without.
+    /// Returns the names of the scans; empty for a surface without scans.
     pub fn files(&self) -> &[PathBuf] {
         self.file.as_ref().map_or(&[], ScanFiles::paths)
     }
 
-    /// The scans, none for a surface without. `folder` is that of the study file.
+    /// Reads the scans; returns none for a surface without scans. `folder` is the folder of the study file.
     ///
     /// # Errors
-    /// A file cannot be read, or holds no such channel; the height unit is no unit of length.
+    /// A file cannot be read or lacks the channel, or the height unit is no unit of length.
     pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
         let channel = self.channel.as_deref().map(Channel::from);
         let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
@@ -202,7 +205,7 @@ impl SurfaceSection {
         self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
     }
 
-    /// What is done to the scan before anything is read off it.
+    /// Returns the preparation of the scans before their statistics are computed.
     pub fn preparation(&self) -> Preparation {
         Preparation {
             level: self.level,

@@ -1,4 +1,4 @@
-//! `[vibration]`.
+//! The section `[vibration]`.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -12,20 +12,20 @@ use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Ma
 use crate::study::sentence;
 use crate::vibration::{Drive, MapOver, Method};
 
-/// The paper's coefficient a, where none is stated.
+/// Default coefficient a, the paper's value.
 const USUAL_STRIBECK: f64 = 4.2;
 
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stribeck {
-    /// Per unit of dimensionless velocity, N/(mω₀); it belongs to the stated load, mass and frequency.
+    /// Coefficient per unit of dimensionless velocity, N/(mω₀); valid for the stated load, mass and frequency.
     Dimensionless(f64),
-    /// Per unit of velocity; it holds for every load, mass and frequency.
+    /// Coefficient per unit of velocity; valid for every load, mass and frequency.
     Physical(InverseVelocity),
 }
 
 impl Stribeck {
-    /// The coefficient for the unit of velocity N/(mω₀).
+    /// Returns the coefficient per unit of velocity N/(mω₀).
     pub fn per_unit(self, velocity_m_per_s: f64) -> f64 {
         match self {
             Self::Dimensionless(value) => value,
@@ -33,7 +33,7 @@ impl Stribeck {
         }
     }
 
-    /// The coefficient in s/m, given the unit of velocity N/(mω₀).
+    /// Returns the coefficient in s/m, given the unit of velocity N/(mω₀).
     pub fn s_per_m(self, velocity_m_per_s: f64) -> f64 {
         match self {
             Self::Dimensionless(value) => value / velocity_m_per_s,
@@ -41,7 +41,7 @@ impl Stribeck {
         }
     }
 
-    /// The number as it is stated.
+    /// Returns the number as stated.
     pub(in crate::study) fn value(self) -> f64 {
         match self {
             Self::Dimensionless(value) | Self::Physical(InverseVelocity(value)) => value,
@@ -101,7 +101,7 @@ choice! {
     /// Dependence of friction on the sliding velocity.
     #[derive(Default)]
     pub enum VelocityLaw: "velocity law" {
-        /// μ_k/(1 + a|v|) with `stribeck` a, the paper's.
+        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law).
         #[default]
         Stribeck = "stribeck",
         /// μ_k − b|v| with `linear_weakening` b.
@@ -112,7 +112,7 @@ choice! {
 }
 
 choice! {
-    /// Relation of the scatter over the nominal area to that of one window.
+    /// Relation between the standard deviation of friction over the nominal area and over one window.
     #[derive(Default)]
     pub enum Upscaling: "upscaling" {
         /// Windows average over the nominal area.
@@ -123,25 +123,25 @@ choice! {
     }
 }
 
-/// `[vibration.map]`: the probability of sustained vibration over two parameters, under the leading upscaling.
+/// The section `[vibration.map]`: probability of sustained vibration over two parameters, with the main upscaling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapSection {
-    /// The parameters.
+    /// Parameters of the map.
     pub over: MapOver,
     /// First axis: from, to, cells of the first grid.
     pub x: (f64, f64, usize),
-    /// Second axis.
+    /// Second axis: from, to, cells of the first grid.
     pub y: (f64, f64, usize),
-    /// How often cells at the front are halved.
+    /// Number of times that cells at the front are halved.
     #[serde(default = "map_depth")]
     pub depth: u32,
-    /// Trajectories at a point.
+    /// Number of trajectories per point.
     #[serde(default = "trajectories")]
     pub trajectories: usize,
 }
 
-/// `[vibration]`.
+/// The section `[vibration]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationSection {
@@ -158,19 +158,19 @@ pub struct VibrationSection {
     /// Velocity of the belt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub belt_velocity: Option<Velocity>,
-    /// The same as V = v_b m ω₀/N.
+    /// Velocity of the belt as V = v_b m ω₀/N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimensionless_belt_velocity: Option<f64>,
     /// Harmonic force on the mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forcing: Option<Force>,
-    /// Its angular frequency.
+    /// Angular frequency of the harmonic force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forcing_frequency: Option<AngularFrequency>,
-    /// Kinetic friction coefficient at vanishing velocity over the static one.
+    /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
     #[serde(default = "one")]
     pub kinetic_share: f64,
-    /// How friction falls with the velocity.
+    /// Dependence of friction on the velocity.
     #[serde(default)]
     pub velocity_law: VelocityLaw,
     /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity or in s/m; 4.2 when left out.
@@ -182,22 +182,23 @@ pub struct VibrationSection {
     /// Velocity v₀ of the exponential law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stribeck_velocity: Option<Velocity>,
-    /// Friction coefficient at high velocity over the kinetic one, of the exponential law.
+    /// Ratio of the friction coefficient at high velocity to the kinetic one, for the exponential law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub high_speed_share: Option<f64>,
-    /// How the fluctuation is made; left out, that of a fitted process, or else the recursion where it makes the correlation.
+    /// Generator of the fluctuation. When left out, the generator of the fitted process, or else the recursion if it
+    /// reproduces the correlation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generator: Option<ByName<Generator>>,
-    /// What the fluctuation is a function of.
+    /// Argument of the fluctuation.
     #[serde(default)]
     pub drive: Drive,
-    /// How slip is integrated.
+    /// Integration method of slip.
     #[serde(default)]
     pub integrator: ByName<Method>,
-    /// Which upscaling the report leads with; both are computed.
+    /// Upscaling that the report shows first; both are computed.
     #[serde(default)]
     pub upscaling: Upscaling,
-    /// Friction level, as a percentile of `[friction]`; without it, the one solved at N/nominal_area.
+    /// Friction level, as a percentile of `[friction]`; when left out, the level solved at N/nominal_area.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
     /// Whether more than 5 % of the friction values may be clipped to stay positive.
@@ -206,7 +207,7 @@ pub struct VibrationSection {
     /// Damping ratios: from, to, count.
     #[serde(default = "damping_sweep")]
     pub damping_sweep: (f64, f64, usize),
-    /// Trajectories per damping ratio.
+    /// Number of trajectories per damping ratio.
     #[serde(default = "trajectories")]
     pub trajectories: usize,
     /// Dimensionless duration ω₀t of a trajectory.
@@ -215,27 +216,27 @@ pub struct VibrationSection {
     /// A stability map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapSection>,
-    /// A fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, when there is no friction
-    /// stage: the `friction_process.json` of another study, or of a measured record. Its Stribeck coefficient, if it has one,
-    /// takes the place of `stribeck`.
+    /// File of a fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, for studies
+    /// without a friction stage: the `friction_process.json` of another study, or the fit of a measured record. If it
+    /// has a Stribeck coefficient, this replaces `stribeck`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_process: Option<PathBuf>,
-    /// Mean (static) friction coefficient, when there is no friction stage.
+    /// Mean (static) friction coefficient, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_friction: Option<f64>,
-    /// Standard deviation of the friction of one window, when there is no friction stage.
+    /// Standard deviation of the friction of one window, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_std: Option<f64>,
-    /// Correlation length of the friction of one window, when there is no friction stage.
+    /// Correlation length of the friction of one window, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_correlation_length: Option<Length>,
-    /// Marginal law of the friction coefficient, when there is no friction stage.
+    /// Marginal distribution of the friction coefficient, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_marginal: Option<String>,
 }
 
 impl VibrationSection {
-    /// Returns the Stribeck coefficient, stated or usual, if the law has one.
+    /// Returns the stated or default Stribeck coefficient, if the law has one.
     pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
         let usual = Stribeck::Dimensionless(USUAL_STRIBECK);
         (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(usual))

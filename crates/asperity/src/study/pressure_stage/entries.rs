@@ -1,4 +1,4 @@
-//! The law of the pressure as entries of `results.json`.
+//! Conversion of the pressure distribution to entries of `results.json`.
 
 use crate::pressure::{ComparisonResults, Estimate, MethodResult, Quantity, ScalarResult};
 use crate::study::pressure_stage::{indices, maps};
@@ -6,21 +6,21 @@ use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
 };
 
-/// Probabilities of the quantiles that are told.
+/// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
 
-/// What was prescribed, beside the sizes.
-pub(super) struct Posed {
+/// Prescribed control, in addition to the sizes.
+pub(super) struct Prescribed {
     pub(super) cell: (usize, usize),
     pub(super) mean_compliance_m_per_pa: Option<f64>,
     pub(super) separation_m: Option<f64>,
 }
 
-pub(super) fn summary(results: &ComparisonResults, posed: &Posed) -> PressureResult {
+pub(super) fn summary(results: &ComparisonResults, prescribed: &Prescribed) -> PressureResult {
     let reference = &results.reference;
     let estimate = &reference.estimate;
     PressureResult {
-        cell: [posed.cell.0, posed.cell.1],
+        cell: [prescribed.cell.0, prescribed.cell.1],
         reference_samples: reference.samples,
         sites: reference.sites,
         contact_probability: estimate.contact_probability,
@@ -33,8 +33,8 @@ pub(super) fn summary(results: &ComparisonResults, posed: &Posed) -> PressureRes
         quantiles: quantiles(estimate),
         ks_resolution: reference.ks_resolution,
         failed_samples: reference.failures.len(),
-        mean_compliance_m_per_pa: posed.mean_compliance_m_per_pa,
-        separation_m: posed.separation_m,
+        mean_compliance_m_per_pa: prescribed.mean_compliance_m_per_pa,
+        separation_m: prescribed.separation_m,
         methods: results.methods.iter().map(method_entry).collect(),
         scalars: results.scalars.iter().map(scalar_entry).collect(),
         maps: results.fields.as_ref().map(maps::entry),
@@ -53,7 +53,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
     });
     let coarse_solves: Vec<CoarseEntry> = coarse_solves.collect();
     let coarse_work: f64 = coarse_solves.iter().map(|coarse| coarse.work_in_fine_solves).sum();
-    let posed = MethodEntry {
+    let prescribed = MethodEntry {
         name: method.method.name().into(),
         fine_solves: method.fine_solves,
         coarse_solves,
@@ -63,7 +63,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
     };
     let (estimate, comparison) = match &method.outcome {
         Ok(outcome) => outcome,
-        Err(reason) => return MethodEntry { failure: Some(reason.to_string()), ..posed },
+        Err(reason) => return MethodEntry { failure: Some(reason.to_string()), ..prescribed },
     };
     MethodEntry {
         contact_probability: Some(estimate.contact_probability),
@@ -82,7 +82,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
         coefficients: estimate.coefficients,
         leave_one_out_error: estimate.leave_one_out_error,
         interval_failure: estimate.interval_failure.as_ref().map(ToString::to_string),
-        ..posed
+        ..prescribed
     }
 }
 
@@ -95,7 +95,7 @@ fn quantiles(estimate: &Estimate) -> Vec<PressureQuantile> {
     PROBABILITIES.into_iter().map(quantile).collect()
 }
 
-/// The name of a scalar with its unit.
+/// Returns the name of a scalar with its unit.
 pub(super) fn scalar_name(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Pressure => "pressure_pa",

@@ -11,7 +11,7 @@ pub(super) fn entries(sensitivities: &[Sensitivity]) -> Vec<SensitivityEntry> {
 }
 
 fn entry(sensitivity: &Sensitivity) -> SensitivityEntry {
-    let posed = SensitivityEntry {
+    let prescribed = SensitivityEntry {
         quantity: scalar_name(sensitivity.quantity).into(),
         variables: match sensitivity.variables {
             VariableSet::Local => "local".into(),
@@ -21,14 +21,14 @@ fn entry(sensitivity: &Sensitivity) -> SensitivityEntry {
     };
     let found = match &sensitivity.outcome {
         Ok(found) => found,
-        Err(reason) => return SensitivityEntry { failure: Some(reason.to_string()), ..posed },
+        Err(reason) => return SensitivityEntry { failure: Some(reason.to_string()), ..prescribed },
     };
     let both = found.indices.first_order.iter().zip(&found.indices.total);
     SensitivityEntry {
         terms: Some(found.terms),
         cross_validated_error: found.cross_validated_error.and_then(finite),
         indices: found.names.iter().zip(both).map(|(name, (first, total))| index(name, *first, *total)).collect(),
-        ..posed
+        ..prescribed
     }
 }
 
@@ -44,7 +44,7 @@ fn index(name: &str, first: Estimate, total: Estimate) -> IndexEntry {
     }
 }
 
-/// One row for each variable of each expansion; its name says quantity, variables and variable.
+/// Returns a row for each variable of each expansion; its name consists of quantity, variables and variable.
 pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
     let rows = || entries.iter().flat_map(|entry| entry.indices.iter().map(move |index| (entry, index)));
     let names = rows().map(|(entry, index)| format!("{}: {}: {}", entry.quantity, entry.variables, index.name));
@@ -62,7 +62,7 @@ pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
         ("cross_validated_error", |entry, _| entry.cross_validated_error.unwrap_or(f64::NAN)),
     ];
     let columns = columns.map(|(name, value)| (name, rows().map(|(entry, index)| value(entry, index)).collect()));
-    Table::named(names.collect(), columns)
+    Table::with_names(names.collect(), columns)
 }
 
 #[cfg(test)]
@@ -73,7 +73,7 @@ mod tests {
     use crate::stats::Interval;
 
     #[test]
-    fn indices_stand_by_variable_and_a_failed_expansion_has_a_reason_and_no_row() {
+    fn indices_are_listed_by_variable_and_a_failed_expansion_has_a_reason_and_no_row() {
         let estimate = |value: f64| Estimate {
             value,
             standard_error: 0.01,

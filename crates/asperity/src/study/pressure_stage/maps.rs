@@ -1,10 +1,10 @@
-//! The laws of the pressures of all cells as fields and entries of `results.json`.
+//! Pressure distributions of all cells, as fields and entries of `results.json`.
 
 use crate::pressure::{FieldDistributions, GlobalExpansion, Homogeneity, MethodError};
 use crate::study::Field;
 use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, finite};
 
-/// The maps, in pascal and shares.
+/// Returns the maps, in pascal and fractions.
 pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, Field)> {
     let field = |unit, values: &ndarray::Array2<f64>| Field { grid: laws.grid, unit, values: values.clone() };
     let mut fields = vec![
@@ -86,16 +86,16 @@ mod tests {
         homogeneity: Result<Homogeneity, MethodError>,
     ) -> FieldDistributions {
         let grid = Grid::with_size(2, 2, 1.0, 1.0).unwrap();
-        let shares = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
+        let probabilities = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
         let quantile =
             |probability| QuantileMap { probability, pressure_pa: Array2::from_elem((2, 2), 1e6 * probability) };
         FieldDistributions {
             grid,
             samples: 40,
             kept_samples: 30,
-            contact_probability: shares(0.0),
-            contact_probability_low: shares(-0.125),
-            contact_probability_high: shares(0.125),
+            contact_probability: probabilities(0.0),
+            contact_probability_low: probabilities(-0.125),
+            contact_probability_high: probabilities(0.125),
             mean_pa: Array2::from_elem((2, 2), 1e6),
             mean_se_pa: array![[1e5, 2e5], [f64::NAN, 1e5]],
             quantiles: [0.1, 0.5, 0.9].map(quantile).into(),
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_not_be_had_is_a_reason_and_no_field() {
+    fn a_failed_result_gives_a_reason_and_no_field() {
         let few = MethodError::TooFewSamples { samples: 3, wanted: 40 };
         let laws = laws(Err(few.clone()), Err(few));
         assert!(fields(&laws).iter().all(|(name, _)| *name != "expansion_error"));

@@ -1,4 +1,4 @@
-//! The series behind the figures of the pressure stage.
+//! Tables behind the figures of the pressure stage.
 
 use crate::chaos::DiscreteDistribution;
 use crate::pressure::{Band, ComparisonResults, Method};
@@ -23,7 +23,8 @@ pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> V
     tables
 }
 
-/// The CDF of every method that has an estimate on one grid of pressures: 0, quantiles of the reference, and even steps between.
+/// Returns the CDF of every method with an estimate, on one grid of pressures: 0, quantiles of the reference, and even
+/// steps between.
 fn cdf(results: &ComparisonResults) -> Table {
     const ROWS: usize = 400;
     let reference = &results.reference.estimate.distribution;
@@ -31,10 +32,10 @@ fn cdf(results: &ComparisonResults) -> Table {
     let highest = reference.quantile(1.0);
     let mut pressures = vec![0.0];
     for k in 0..ROWS {
-        let share = (k as f64 + 0.5) / ROWS as f64;
-        pressures.push(reference.quantile(atom + (1.0 - atom) * share));
-        // Evenly too: under a hardness most quantiles are one.
-        pressures.push(highest * share);
+        let fraction = (k as f64 + 0.5) / ROWS as f64;
+        pressures.push(reference.quantile(atom + (1.0 - atom) * fraction));
+        // Even steps too: with a hardness most quantiles are equal to it.
+        pressures.push(highest * fraction);
     }
     pressures.push(highest);
     pressures.sort_by(f64::total_cmp);
@@ -47,8 +48,8 @@ fn cdf(results: &ComparisonResults) -> Table {
     Table::new(columns)
 }
 
-/// The CDF of the reference and of every method that has a band, each at pressures of its own, with standard errors and 95 %
-/// limits pointwise and simultaneous.
+/// Returns the CDF of the reference and of every method with a band, each at its own pressures, with standard errors
+/// and 95 % limits, pointwise and simultaneous.
 fn bands(results: &ComparisonResults) -> Table {
     let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
     let methods = Method::ALL.into_iter().map(|method| {
@@ -79,7 +80,7 @@ fn bands(results: &ComparisonResults) -> Table {
     Table::new(columns)
 }
 
-/// One row for each method that has an estimate, the reference first.
+/// Returns a row for each method with an estimate, the reference first.
 fn methods(summary: &PressureResult) -> Table {
     let methods: Vec<&MethodEntry> = summary.methods.iter().filter(|method| method.failure.is_none()).collect();
     let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
@@ -124,10 +125,10 @@ fn methods(summary: &PressureResult) -> Table {
     }
     add("ks_distance", None, of(&|m| m.ks_distance));
     add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
-    Table::named(names.collect(), columns)
+    Table::with_names(names.collect(), columns)
 }
 
-/// One row for each scalar, in the unit of its name.
+/// Returns a row for each scalar, in the unit of its name.
 fn scalars(summary: &PressureResult) -> Table {
     let names = summary.scalars.iter().map(|scalar| scalar.name.clone()).collect();
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
@@ -145,10 +146,10 @@ fn scalars(summary: &PressureResult) -> Table {
         add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
         add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
     }
-    Table::named(names, columns)
+    Table::with_names(names, columns)
 }
 
-/// The quantiles of the scalars at evenly spaced probabilities.
+/// Returns the quantiles of the scalars at evenly spaced probabilities.
 fn scalar_laws(results: &ComparisonResults) -> Table {
     const ROWS: usize = 200;
     let probabilities: Vec<f64> = (0..ROWS).map(|k| (k as f64 + 0.5) / ROWS as f64).collect();

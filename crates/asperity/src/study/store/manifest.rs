@@ -1,7 +1,7 @@
-//! The list of files that asperity wrote into a folder.
+//! Manifest of the files that asperity wrote into a folder.
 //!
-//! One line per file: SHA-256, two spaces, and the path in the folder, as `sha256sum` writes and checks them. A folder in the
-//! making lists its files with `-` in place of the hash.
+//! One line per file: SHA-256, two spaces, and the path in the folder, in the format of `sha256sum`. In an unfinished
+//! folder the manifest has `-` in place of the hash.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,11 +11,11 @@ use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-/// Name of the list in its folder.
+/// Name of the manifest in its folder.
 pub(super) const MANIFEST: &str = ".asperity-manifest";
-/// Hash of a file that is being written.
+/// Placeholder for the hash of a file that is being written.
 pub(super) const UNFINISHED: &str = "-";
-/// Bytes that are read at a time.
+/// Size of the read buffer in bytes.
 const PIECE_BYTES: usize = 1 << 16;
 
 /// Hashes of files by their path in the folder.
@@ -23,7 +23,7 @@ const PIECE_BYTES: usize = 1 << 16;
 pub(super) struct Manifest(BTreeMap<String, String>);
 
 impl Manifest {
-    /// Reads the list of a folder. Returns `None` if the folder has none.
+    /// Reads the manifest of a folder. Returns `None` if the folder has none.
     pub(super) fn read(folder: &Path) -> io::Result<Option<Self>> {
         match fs::read(folder.join(MANIFEST)) {
             Ok(bytes) => Ok(Some(Self::parse(&String::from_utf8_lossy(&bytes)))),
@@ -32,20 +32,20 @@ impl Manifest {
         }
     }
 
-    /// Lines that name no file inside the folder are left out: files that are not listed are never removed.
+    /// Parses a manifest. Ignores lines that name no file inside the folder, because unlisted files are never removed.
     fn parse(text: &str) -> Self {
         let inside = |path: &str| Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
         let entries = text.lines().filter_map(|line| line.split_once("  ")).filter(|(_, path)| inside(path));
         Self(entries.map(|(hash, path)| (path.to_owned(), hash.to_owned())).collect())
     }
 
-    /// Lists every file of a folder.
-    pub(super) fn of(folder: &Path) -> io::Result<Self> {
+    /// Builds a manifest of every file in a folder.
+    pub(super) fn from_folder(folder: &Path) -> io::Result<Self> {
         let files = entries(folder)?.into_iter().filter(|entry| entry.is_file);
         files.map(|entry| Ok((entry.path, hash(&entry.location)?))).collect::<io::Result<_>>().map(Self)
     }
 
-    /// Hashes some of the listed files again.
+    /// Updates the hashes of some of the listed files.
     pub(super) fn update<'a>(&mut self, folder: &Path, files: impl Iterator<Item = &'a str>) -> io::Result<()> {
         for file in files {
             self.0.insert(file.to_owned(), hash(&folder.join(file))?);
@@ -53,7 +53,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// The list as text.
+    /// Returns the manifest as text.
     pub(super) fn text(&self) -> String {
         self.0.iter().fold(String::new(), |mut text, (path, hash)| {
             let _ = writeln!(text, "{hash}  {path}");
@@ -61,8 +61,8 @@ impl Manifest {
         })
     }
 
-    /// Returns what a folder holds that asperity did not write: other files, files that were changed since, links, and empty
-    /// folders.
+    /// Returns the content of a folder that asperity did not write: other files, files that have changed since, links,
+    /// and empty folders.
     pub(super) fn foreign(&self, folder: &Path) -> io::Result<Vec<String>> {
         let found = entries(folder)?;
         let mut foreign = Vec::new();
@@ -83,14 +83,14 @@ impl Manifest {
         Ok(foreign)
     }
 
-    /// Removes the listed files, the list, and the folders that are then empty. Everything else stays.
+    /// Removes the listed files, the manifest, and the folders that are then empty. Everything else stays.
     pub(super) fn remove(&self, folder: &Path) -> io::Result<()> {
         let found = entries(folder)?;
         for entry in found.iter().filter(|entry| entry.is_file && self.0.contains_key(&entry.path)) {
             fs::remove_file(&entry.location)?;
         }
         for entry in found.iter().rev().filter(|entry| entry.is_folder) {
-            // A folder that holds something else stays.
+            // A folder with other content stays.
             let _ = fs::remove_dir(&entry.location);
         }
         if entries(folder)?.is_empty() {
@@ -101,7 +101,7 @@ impl Manifest {
     }
 }
 
-/// Something in a folder or in a folder below it.
+/// File, link or folder below a folder.
 struct Entry {
     /// Path in the folder, separated by `/`.
     path: String,
@@ -110,7 +110,7 @@ struct Entry {
     is_folder: bool,
 }
 
-/// Everything in a folder but its manifest, folders before their content. Links are not followed.
+/// Returns everything in a folder but its manifest, folders before their content. Does not follow links.
 fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
     let mut found = Vec::new();
     let mut folders = vec![(String::new(), folder.to_path_buf())];
@@ -153,13 +153,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_list_is_that_of_sha256sum_and_names_no_file_outside() {
+    fn the_manifest_has_the_format_of_sha256sum_and_names_no_file_outside() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("tables")).unwrap();
         fs::write(folder.path().join("tables/abc.csv"), "abc").unwrap();
         // FIPS 180-2, appendix B.1.
         let line = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  tables/abc.csv\n";
-        let manifest = Manifest::of(folder.path()).unwrap();
+        let manifest = Manifest::from_folder(folder.path()).unwrap();
         assert_eq!(manifest.text(), line);
         assert_eq!(Manifest::parse(&format!("{line}-  ../thesis.txt\n-  /etc/passwd\n-  a/../../b\n")), manifest);
         assert!(manifest.foreign(folder.path()).unwrap().is_empty());
@@ -196,7 +196,7 @@ mod tests {
             fs::write(name.join("a.csv"), "a").unwrap();
         }
         std::os::unix::fs::symlink(&target, run.join("tables")).unwrap();
-        let mut manifest = Manifest::of(&run).unwrap();
+        let mut manifest = Manifest::from_folder(&run).unwrap();
         assert_eq!(manifest.foreign(&run).unwrap(), ["tables"]);
         manifest.update(&run, ["tables/a.csv"].into_iter()).unwrap();
         manifest.remove(&run).unwrap();

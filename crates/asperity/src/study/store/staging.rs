@@ -1,9 +1,9 @@
-//! A folder in the making.
+//! Folders that appear at their destination complete or not at all.
 //!
-//! The folder is written under a hidden name beside its destination and renamed at the end. A rename replaces no folder that
-//! holds anything, so a destination that another process wrote in the meantime stays. The list of files is locked until the
-//! process ends: hidden folders whose list can be locked were left behind, and the next [`Staging::open`] beside them removes
-//! them.
+//! A folder is written under a hidden name beside its destination and renamed at the end. A rename never replaces a
+//! folder with content, so a destination that another process wrote meanwhile stays. The process locks the manifest
+//! until it ends. A hidden folder whose manifest can be locked is therefore abandoned, and the next [`Staging::open`]
+//! beside it removes it.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -15,36 +15,36 @@ use asperity_formats::{check_writable, create_locked, is_temporary_suffix, lock_
 use super::manifest::{MANIFEST, Manifest, UNFINISHED};
 use super::{COMPLETE, StoreError, at};
 
-/// Hidden names of a folder that is being written, and of one that is being replaced.
+/// Prefixes of hidden names: of a folder that is being written, and of one that is being replaced.
 const PARTIAL: &str = ".partial-";
 const REPLACED: &str = ".replaced-";
-/// Number of names that are tried, for a hidden folder and for a result whose destination was taken.
+/// Number of names to try, for a hidden folder and for a result whose destination was taken.
 const MAX_ATTEMPTS: usize = 1000;
 
-/// A folder in the making. Dropped without [`Staging::commit`], it leaves nothing behind.
+/// Unfinished folder. If dropped without [`Staging::commit`], it is removed.
 #[derive(Debug)]
 pub struct Staging {
     destination: PathBuf,
     partial: PathBuf,
-    /// The list of files, locked.
+    /// Manifest of the folder, locked.
     manifest: File,
-    /// What the destination holds and may be replaced; `None` if it is empty or absent.
+    /// Manifest of the destination's files to replace; `None` if the destination is empty or absent.
     replaced: Option<Manifest>,
-    /// Folders above the destination that were made for it, the deepest first.
+    /// Folders above the destination that were created for it, the deepest first.
     new_parents: Vec<PathBuf>,
 }
 
 impl Staging {
-    /// Begins a folder at `destination`. With `force` a folder that is there is replaced at the commit, if it holds nothing
-    /// but files that asperity wrote, unchanged since, and none of the `inputs`.
+    /// Creates an unfinished folder for `destination`. With `force`, the commit replaces an existing folder if it
+    /// contains only unchanged files that asperity wrote and none of the `inputs`.
     ///
     /// Removes the hidden folders and files that ended processes left beside the destination.
     ///
     /// # Errors
-    /// The destination is no folder, has no name of its own, holds something that may not be replaced, or its parent cannot
-    /// be written.
+    /// The destination is no folder, has no name of its own, contains files that may not be replaced, or its parent
+    /// cannot be written.
     pub fn open(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Self, StoreError> {
-        // Without a slash at the end, after which a link would be followed.
+        // Without a trailing slash, which would make the system follow a link.
         let destination: PathBuf = destination.components().collect();
         let replaced = replaceable(&destination, force, inputs)?;
         let Some(name) = destination.file_name() else { return Err(StoreError::Unnamed { path: destination }) };
@@ -65,7 +65,7 @@ impl Staging {
         }
     }
 
-    /// The folder that will be written.
+    /// Returns the destination.
     pub fn destination(&self) -> &Path {
         &self.destination
     }
@@ -87,39 +87,40 @@ impl Staging {
     /// Marks the run complete and moves it to its destination.
     ///
     /// # Errors
-    /// As [`Staging::commit_unmarked`].
+    /// See [`Staging::commit_unmarked`].
     pub fn commit(self) -> Result<PathBuf, StoreError> {
         self.write(COMPLETE, b"")?;
         self.commit_unmarked()
     }
 
-    /// Moves a folder that is no run to its destination, with nothing in it but the files that were written and their list.
+    /// Moves a folder that is no run to its destination, containing only the files that were written and their
+    /// manifest.
     ///
     /// # Errors
-    /// The operating system refused; the destination is then as before. [`StoreError::Taken`] if the destination is no longer
-    /// what it was when the folder was begun.
+    /// The operating system refused; the destination is then unchanged. [`StoreError::Taken`] if the destination
+    /// changed after [`Staging::open`].
     pub fn commit_unmarked(self) -> Result<PathBuf, StoreError> {
         self.finish_manifest().map_err(at(&self.destination.join(MANIFEST)))?;
         let aside = match self.set_aside() {
             Ok(aside) => aside,
-            Err(source) => return Err(self.keep_beside(source)),
+            Err(source) => return Err(self.keep_under_new_name(source)),
         };
         let moved = fs::rename(&self.partial, &self.destination);
         if let Some((aside, old, _lock)) = aside {
-            // Where the new folder could not take its place, the old one goes back, unless another process replaced it first.
+            // If the move failed, the old folder moves back, unless another process has written the destination.
             if moved.is_ok() || fs::rename(&aside, &self.destination).is_err() {
                 old.remove(&aside).map_err(at(&aside))?;
             }
         }
         match moved {
             Ok(()) => Ok(self.destination.clone()),
-            Err(source) => Err(self.keep_beside(source)),
+            Err(source) => Err(self.keep_under_new_name(source)),
         }
     }
 
-    /// Replaces the unfinished list by that with the hashes of all files.
+    /// Replaces the unfinished manifest by one with the hashes of all files.
     fn finish_manifest(&self) -> io::Result<()> {
-        let text = Manifest::of(&self.partial)?.text();
+        let text = Manifest::from_folder(&self.partial)?.text();
         let mut file = &self.manifest;
         file.rewind()?;
         file.set_len(0)?;
@@ -127,9 +128,10 @@ impl Staging {
         file.sync_all()
     }
 
-    /// Moves the folder that is to be replaced out of the way, and back if it is no longer the same.
+    /// Moves the folder to be replaced aside, and back if it has changed.
     ///
-    /// Returns its new name, its list, and the lock of the list: other processes leave it alone while the list is locked.
+    /// Returns its new name, its manifest, and the lock of the manifest: other processes ignore the folder while the
+    /// manifest is locked.
     fn set_aside(&self) -> io::Result<Option<(PathBuf, &Manifest, Option<File>)>> {
         let Some(old) = &self.replaced else { return Ok(None) };
         let name = self.destination.file_name().unwrap_or_default();
@@ -139,7 +141,7 @@ impl Staging {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             moved => moved?,
         }
-        // From here on nobody can add a file under the old name.
+        // From here on no process can add a file under the old name.
         let is_same = Manifest::read(&aside)
             .and_then(|found| Ok(found.as_ref() == Some(old) && old.foreign(&aside)?.is_empty()))
             .unwrap_or(false);
@@ -150,8 +152,8 @@ impl Staging {
         Err(io::ErrorKind::DirectoryNotEmpty.into())
     }
 
-    /// Gives a finished folder that cannot take its destination a name of its own: nothing that was computed is lost.
-    fn keep_beside(&self, source: io::Error) -> StoreError {
+    /// Moves a finished folder whose destination was taken to a new name, so that no result is lost.
+    fn keep_under_new_name(&self, source: io::Error) -> StoreError {
         let name = self.destination.file_name().unwrap_or_default();
         let free = (2..MAX_ATTEMPTS).find_map(|number| {
             let mut other = name.to_os_string();
@@ -176,13 +178,13 @@ impl Staging {
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        // After a commit there is nothing left to remove; before one, failing to clean up must not hide the first error.
+        // After a commit nothing is left to remove; before one, a failed removal must not hide the first error.
         let _ = fs::remove_dir_all(&self.partial);
         remove_empty(&self.new_parents);
     }
 }
 
-/// Checks whether a folder may be written to `destination`. Returns the list of the files that are to be replaced.
+/// Checks whether a folder may be written to `destination`. Returns the manifest of the files to be replaced.
 fn replaceable(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Option<Manifest>, StoreError> {
     let path = || destination.to_path_buf();
     let kind = match fs::symlink_metadata(destination) {
@@ -214,7 +216,7 @@ fn replaceable(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Opti
     if foreign.is_empty() { Ok(Some(manifest)) } else { Err(StoreError::Foreign { path: path(), foreign }) }
 }
 
-/// Makes a hidden folder in `parent` and its list of files, locked.
+/// Creates a hidden folder in `parent` with a locked manifest.
 fn hidden_folder(parent: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     for _ in 0..MAX_ATTEMPTS {
         let partial = parent.join(hidden_name(name, PARTIAL));
@@ -224,7 +226,7 @@ fn hidden_folder(parent: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
         }
         match create_locked(&partial.join(MANIFEST)) {
             Ok(Some(manifest)) => return Ok((partial, manifest)),
-            // Another process took the folder for abandoned before it was locked.
+            // Another process removed the folder as abandoned before it was locked.
             Ok(None) => {}
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => {
@@ -236,7 +238,8 @@ fn hidden_folder(parent: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// Removes the folders that ended processes left in `folder`: unfinished ones, and those that were about to be replaced.
+/// Removes the folders that ended processes left in `folder`: unfinished ones, and those that were about to be
+/// replaced.
 fn remove_abandoned(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let (path, name) = (entry.path(), entry.file_name());
@@ -246,7 +249,7 @@ fn remove_abandoned(folder: &Path) {
         if (partial.is_none() && replaced.is_none()) || !entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             continue;
         }
-        // The lock is held until the folder is gone. A process that was killed at its very beginning left an empty folder.
+        // The lock is held until the folder is removed. A process that was killed at its start left an empty folder.
         let Some(_lock) = lock_abandoned(&path.join(MANIFEST)) else {
             let _ = fs::remove_dir(&path);
             continue;
@@ -254,7 +257,7 @@ fn remove_abandoned(folder: &Path) {
         if let Some((name, _)) = replaced
             && fs::rename(&path, folder.join(name)).is_ok()
         {
-            // Its replacement never took its place.
+            // The replacement never reached its destination.
             continue;
         }
         if let Ok(Some(manifest)) = Manifest::read(&path)
@@ -275,7 +278,7 @@ fn parent_of(path: &Path) -> &Path {
 
 fn remove_empty(folders: &[PathBuf]) {
     for folder in folders {
-        // A folder that holds something stays.
+        // A folder with content stays.
         let _ = fs::remove_dir(folder);
     }
 }

@@ -1,4 +1,4 @@
-//! In which the statistic of a further twin lies.
+//! Bands that contain the statistic of a further twin.
 
 use crate::distribution::Marginal;
 use crate::stats::{Interval, Moments, sorted_present};
@@ -6,15 +6,15 @@ use crate::study::result::BandMethod;
 
 /// Probability of a band.
 pub(super) const LEVEL: f64 = 0.95;
-/// Probability below it, and above.
+/// Probability below a band, and above it.
 const TAIL: f64 = 0.025;
-/// Share of the statistics that chance puts outside.
+/// Fraction of the statistics expected outside by chance.
 pub(super) const CHANCE_OUTSIDE: f64 = 2.0 * TAIL;
-/// From so many twins on bands end at order statistics: the lowest and the highest of 39 hold another one with
-/// probability 38/40.
+/// Number of twins from which bands end at order statistics: the lowest and the highest of 39 contain a further one
+/// with probability 38/40.
 const ENOUGH_FOR_QUANTILES: usize = 39;
 
-/// How bands of so many twins are found.
+/// Returns the method for a number of twins.
 pub(super) fn band_method(count: usize) -> BandMethod {
     match count {
         0 | 1 => BandMethod::None,
@@ -23,20 +23,20 @@ pub(super) fn band_method(count: usize) -> BandMethod {
     }
 }
 
-/// On which scale values are taken for normal where they must be.
+/// Scale on which values are assumed normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Scale {
-    /// They spread by differences.
+    /// Values vary by differences.
     Linear,
-    /// They lie above a bound, from which they spread by factors: the logarithm of x − a.
+    /// Values lie above a bound a and vary by factors: the logarithm of x − a.
     Above(f64),
-    /// They lie between 0 and 1: the logarithm of x/(1 − x).
+    /// Fractions between 0 and 1: the logarithm of x/(1 − x).
     Share,
 }
 use Scale::{Above, Linear, Share};
 
 impl Scale {
-    /// Onto the real line.
+    /// Maps a value onto the real line.
     fn unfold(self, value: f64) -> f64 {
         match self {
             Linear => value,
@@ -45,7 +45,7 @@ impl Scale {
         }
     }
 
-    /// And back.
+    /// Maps a number from the real line back to a value.
     fn fold(self, value: f64) -> f64 {
         match self {
             Linear => value,
@@ -54,8 +54,8 @@ impl Scale {
         }
     }
 
-    /// The least and the greatest that such values can be; none where they keep to no range, as estimates of a spectrum that
-    /// fall below zero.
+    /// Returns the smallest and the largest possible value, or `None` if the values leave that range, for example
+    /// estimates of a spectrum below zero.
     fn range(self, sorted: &[f64]) -> Option<(f64, f64)> {
         let (least, greatest) = match self {
             Linear => return None,
@@ -67,7 +67,7 @@ impl Scale {
     }
 }
 
-/// Mean, standard deviation and band of the values that are defined.
+/// Mean, standard deviation and band of the defined values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spread {
     pub(super) mean: f64,
@@ -77,7 +77,7 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub(super) fn of(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
+    pub(super) fn new(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
         let sorted = sorted_present(values);
         let moments = Moments::new(&sorted);
         let band = match band_method(sorted.len()) {
@@ -91,7 +91,8 @@ impl Spread {
                     let band = prediction_interval(&Moments::new(&unfolded));
                     Some(Interval { low: scale.fold(band.low), high: scale.fold(band.high) })
                 } else {
-                    // A share is just one, a peak height zero: on their own scale, cut at the ends of their range.
+                    // A fraction of exactly one, or a peak height of zero: use the original scale and clip the band to
+                    // the range.
                     let band = prediction_interval(&moments);
                     let (least, greatest) = scale.range(&sorted).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
                     Some(Interval { low: band.low.max(least), high: band.high.min(greatest) })
@@ -102,8 +103,9 @@ impl Spread {
     }
 }
 
-/// The value at the rank p(n + 1) of sorted values, linear between ranks: another value of the same law lies below it with
-/// probability p, on average over samples (type 6 of Hyndman & Fan 1996, <https://doi.org/10.1080/00031305.1996.10473566>).
+/// Returns the value at the rank p(n + 1) of sorted values, linear between ranks. A further value of the same
+/// distribution lies below it with probability p, on average over samples (type 6 of Hyndman & Fan 1996,
+/// <https://doi.org/10.1080/00031305.1996.10473566>).
 fn order_statistic(sorted: &[f64], probability: f64) -> f64 {
     let n = sorted.len();
     let rank = (probability * (n as f64 + 1.0)).clamp(1.0, n as f64);
@@ -112,14 +114,14 @@ fn order_statistic(sorted: &[f64], probability: f64) -> f64 {
     sorted[left - 1] + (rank - left as f64) * (sorted[right - 1] - sorted[left - 1])
 }
 
-/// In which another value lies with probability 95 % if all are normal: m ± t s √(1 + 1/n).
+/// Returns the interval that contains a further value with probability 95 % if all are normal: m ± t s √(1 + 1/n).
 fn prediction_interval(moments: &Moments) -> Interval {
     let n = moments.n as f64;
     let half = student_t(n - 1.0) * moments.sample_std() * (1.0 + 1.0 / n).sqrt();
     Interval { low: moments.mean - half, high: moments.mean + half }
 }
 
-/// Student's t₀.₉₇₅: of ν degrees of freedom, ν/(ν + t²) has the Beta law of ν/2 and ½.
+/// Returns Student's t₀.₉₇₅ for ν degrees of freedom; ν/(ν + t²) has the Beta distribution of ν/2 and ½.
 fn student_t(freedom: f64) -> f64 {
     let law = Marginal::Beta { a: 0.5 * freedom, b: 0.5, low: 0.0, high: 1.0 };
     let x = law.quantile(CHANCE_OUTSIDE);
@@ -131,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn students_quantiles_are_the_tabulated_ones() {
+    fn student_quantiles_equal_tabulated_values() {
         // Abramowitz & Stegun, table 26.10, P = 0.975.
         for (freedom, wanted) in [(1.0, 12.706), (2.0, 4.303), (9.0, 2.262), (30.0, 2.042)] {
             assert!((student_t(freedom) - wanted).abs() < 6e-4, "{freedom}: {}", student_t(freedom));
@@ -143,8 +145,8 @@ mod tests {
 
     #[test]
     fn no_band_leaves_the_range_of_its_statistic() {
-        let band = |values: &[f64], scale| Spread::of(values.iter().copied(), scale).band.unwrap();
-        // As wide as two values make it: t(1) = 12.7.
+        let band = |values: &[f64], scale| Spread::new(values.iter().copied(), scale).band.unwrap();
+        // As wide as two values allow: t(1) = 12.7.
         for values in [[0.1, 0.9], [0.999, 0.2], [1e-9, 0.5]] {
             let share = band(&values, Share);
             assert!(share.low > 0.0 && share.low < values[0].min(values[1]), "{share:?}");
@@ -163,20 +165,20 @@ mod tests {
 
     #[test]
     fn bands_are_order_statistics_of_many_and_students_of_few() {
-        let spread = |n: usize| Spread::of((0..n).map(|i| ((7 * i) % n) as f64), Linear);
+        let spread = |n: usize| Spread::new((0..n).map(|i| ((7 * i) % n) as f64), Linear);
         // 2.5 % of 40 is the first of 39, of 80 the second of 79.
         assert_eq!(spread(39).band, Some(Interval { low: 0.0, high: 38.0 }));
         assert_eq!(spread(79).band, Some(Interval { low: 1.0, high: 77.0 }));
-        let few = Spread::of([1.0, 2.0, f64::NAN, 3.0].into_iter(), Linear);
+        let few = Spread::new([1.0, 2.0, f64::NAN, 3.0].into_iter(), Linear);
         // t(2) · 1 · √(4/3) about 2.
         let half = 4.302_652_73 * (4.0_f64 / 3.0).sqrt();
         let band = few.band.unwrap();
         assert!((band.low - 2.0 + half).abs() < 1e-6 && (band.high - 2.0 - half).abs() < 1e-6 && few.defined == 3);
-        let factors = Spread::of([1.0, std::f64::consts::E].into_iter(), Above(0.0)).band.unwrap();
+        let factors = Spread::new([1.0, std::f64::consts::E].into_iter(), Above(0.0)).band.unwrap();
         assert!((factors.low * factors.high / std::f64::consts::E - 1.0).abs() < 1e-12, "symmetric about √e");
-        let shares = Spread::of([0.2, 0.3, 0.8].into_iter(), Share).band.unwrap();
+        let shares = Spread::new([0.2, 0.3, 0.8].into_iter(), Share).band.unwrap();
         assert!(shares.low > 0.0 && shares.high < 1.0, "{shares:?}");
-        assert_eq!(Spread::of([1.0].into_iter(), Linear).band, None);
-        assert!(Spread::of(std::iter::empty(), Linear).mean.is_nan());
+        assert_eq!(Spread::new([1.0].into_iter(), Linear).band, None);
+        assert!(Spread::new(std::iter::empty(), Linear).mean.is_nan());
     }
 }

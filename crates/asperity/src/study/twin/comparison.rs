@@ -1,4 +1,4 @@
-//! A scan against its twins, statistic by statistic.
+//! Comparison of a scan with its twins, statistic by statistic.
 
 use crate::map::HeightMap;
 use crate::study::result::{CurveComparison, StatisticComparison, SurfaceStatistics, finite, pair};
@@ -13,10 +13,10 @@ use super::curve::Curve;
 
 type Reading = fn(&SurfaceStatistics) -> Option<f64>;
 
-/// What is positive.
+/// Scale of positive statistics.
 const POSITIVE: Scale = Above(0.0);
 
-/// The statistics that are compared; a kurtosis is at least 1.
+/// Compared statistics; a kurtosis is at least 1.
 const STATISTICS: [(&str, Scale, Reading); 24] = [
     ("Sa_m", POSITIVE, |s| Some(s.Sa_m)),
     ("Sq_m", POSITIVE, |s| Some(s.Sq_m)),
@@ -44,13 +44,14 @@ const STATISTICS: [(&str, Scale, Reading); 24] = [
     ("Vvv_m", POSITIVE, |s| Some(s.Vvv_m)),
 ];
 
-/// What is known of the scan before its twins are drawn.
+/// Statistics and functions of the scan before its twins are drawn.
 pub(super) struct Target {
     pub(super) statistics: SurfaceStatistics,
     pub(super) curves: Vec<Curve>,
 }
 
-/// The same of one twin: values in the order of [`STATISTICS`], and of the target's curves.
+/// Statistics and functions of one twin: values in the order of [`STATISTICS`], and at the abscissas of the target's
+/// curves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TwinTraits {
     statistics: Vec<f64>,
@@ -58,24 +59,24 @@ pub(super) struct TwinTraits {
 }
 
 impl Target {
-    pub(super) fn of(measured: &ScannedSurface) -> Self {
+    pub(super) fn new(measured: &ScannedSurface) -> Self {
         let curves = Curve::all(&measured.map, &measured.correlation);
         Self { statistics: surface_statistics(&measured.statistics), curves }
     }
 
-    /// Reads off a twin what was read off the scan.
-    pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
+    /// Measures a twin like the scan.
+    pub(super) fn measure_twin(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
         let ScannedSurface { map, statistics, correlation, .. } = ScannedSurface::without_intervals(twin)?;
         let statistics = surface_statistics(&statistics);
         let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics).unwrap_or(f64::NAN)).collect();
-        let curves = self.curves.iter().map(|curve| curve.of_another(&map, &correlation)).collect();
+        let curves = self.curves.iter().map(|curve| curve.evaluate_on(&map, &correlation)).collect();
         Ok(TwinTraits { statistics, curves })
     }
 
-    /// Every statistic of the scan beside those of its twins.
+    /// Compares every statistic of the scan with those of its twins.
     pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(String, StatisticComparison)> {
         let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
-            let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
+            let spread = Spread::new(twins.iter().map(|twin| twin.statistics[i]), *scale);
             let target = read(&self.statistics).and_then(finite);
             let inside = target.zip(spread.band).map(|(value, band)| band.contains(value));
             let comparison = StatisticComparison {
@@ -91,12 +92,12 @@ impl Target {
         entries.collect()
     }
 
-    /// Every function of the scan beside those of its twins, with its table.
+    /// Compares every function of the scan with those of its twins; returns its table too.
     pub(super) fn compare_curves(&self, twins: &[TwinTraits]) -> Vec<(&'static str, CurveComparison, Table)> {
         let compare = |(i, curve): (usize, &Curve)| {
             let scale = if curve.kind.is_spectrum() { POSITIVE } else { Linear };
             let spreads: Vec<Spread> = (0..curve.x.len())
-                .map(|place| Spread::of(twins.iter().map(|twin| twin.curves[i][place]), scale))
+                .map(|place| Spread::new(twins.iter().map(|twin| twin.curves[i][place]), scale))
                 .collect();
             // A density below zero is an artefact of a symmetric band.
             let least = if curve.kind.is_density() { 0.0 } else { f64::NEG_INFINITY };
@@ -105,7 +106,7 @@ impl Target {
             let compared: Vec<bool> = spreads
                 .iter()
                 .zip(&curve.y)
-                // Where all twins are equal, as at zero lag, there is nothing to compare.
+                // If all twins are equal, as at zero lag, there is nothing to compare.
                 .filter(|(spread, value)| value.is_finite() && spread.std > 0.0)
                 .filter_map(|(spread, value)| Some(spread.band?.contains(*value)))
                 .collect();
@@ -125,7 +126,7 @@ impl Target {
     }
 }
 
-/// The statistics of every twin, one row each.
+/// Returns the statistics of every twin, one row each.
 pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
     let number = ("twin", (1..=twins.len()).map(|number| number as f64).collect());
     let columns = STATISTICS.iter().enumerate().map(|(i, (name, _, _))| {
@@ -135,7 +136,7 @@ pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
     Table::new(std::iter::once(number).chain(columns))
 }
 
-/// A sentence on what lies outside; none where nothing does.
+/// Returns a sentence about the statistics outside their band; `None` if there are none.
 pub(super) fn outside_sentence(twins: &[(String, StatisticComparison)]) -> Option<String> {
     let compared = twins.iter().filter(|(_, statistic)| statistic.inside.is_some()).count();
     let outside: Vec<String> = twins
@@ -151,7 +152,7 @@ pub(super) fn outside_sentence(twins: &[(String, StatisticComparison)]) -> Optio
         .collect();
     (!outside.is_empty()).then(|| {
         format!(
-            "{} of {} of the scan {} outside of the 95 % band of its twins, where chance alone puts about {}: {}",
+            "{} of {} of the scan {} outside of the 95 % band of its twins (about {} expected by chance): {}",
             outside.len(),
             sentence::count(compared, "statistic", "statistics"),
             if outside.len() == 1 { "lies" } else { "lie" },
@@ -161,7 +162,7 @@ pub(super) fn outside_sentence(twins: &[(String, StatisticComparison)]) -> Optio
     })
 }
 
-/// A twin with the scan's missing points.
+/// Returns a twin with the scan's missing points.
 pub(super) fn masked(twin: &HeightMap, scan: &HeightMap) -> Result<HeightMap, StudyError> {
     let mut heights = twin.heights_m().clone();
     heights.zip_mut_with(scan.heights_m(), |z, measured| *z = if measured.is_nan() { f64::NAN } else { *z });
@@ -173,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sentence_names_what_lies_outside_and_what_chance_would_put_there() {
+    fn a_sentence_names_outliers_and_the_number_expected_by_chance() {
         let statistic = |inside| StatisticComparison {
             target: Some(0.3),
             mean: Some(0.1),
@@ -187,7 +188,7 @@ mod tests {
         (all[0].1, all[1].1) = (statistic(Some(false)), statistic(Some(false)));
         assert_eq!(
             outside_sentence(&all).unwrap(),
-            "2 of 3 statistics of the scan lie outside of the 95 % band of its twins, where chance alone puts about 0.2: \
+            "2 of 3 statistics of the scan lie outside of the 95 % band of its twins (about 0.2 expected by chance): \
              Sq (300 mm, twins 0 m to 200 mm), Sdq (0.3, twins 0 to 0.2)"
         );
     }

@@ -1,10 +1,10 @@
-//! Height density, correlation and spectra of a map, at the abscissas of another.
+//! Height density, correlation and spectra of a map, at the abscissas of another map.
 
 use crate::correlation::{Autocorrelation, Axis, profile_spectrum, radial_spectrum};
 use crate::map::HeightMap;
 use crate::stats::Histogram;
 
-/// A function of a map that is compared.
+/// Kind of function that is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CurveKind {
     /// Probability density of the heights about their mean.
@@ -18,7 +18,7 @@ pub(super) enum CurveKind {
 }
 
 impl CurveKind {
-    /// The functions of a map; the radial spectrum stands in where no profile is complete.
+    /// Functions of a map; the radial spectrum replaces profile spectra if no profile is complete.
     const ALL: [Self; 6] = [
         Self::HeightDensity,
         Self::Correlation(Axis::X),
@@ -28,7 +28,7 @@ impl CurveKind {
         Self::RadialSpectrum,
     ];
 
-    /// Name of the table.
+    /// Returns the name of the table.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::HeightDensity => "height_pdf",
@@ -40,7 +40,7 @@ impl CurveKind {
         }
     }
 
-    /// Column of the abscissas.
+    /// Returns the column of the abscissas.
     pub(super) fn abscissa(self) -> &'static str {
         match self {
             Self::HeightDensity => "height_m",
@@ -49,7 +49,7 @@ impl CurveKind {
         }
     }
 
-    /// Unit at the end of the columns of values.
+    /// Returns the unit at the end of the columns of values.
     pub(super) fn unit(self) -> &'static str {
         match self {
             Self::HeightDensity => "_per_m",
@@ -59,17 +59,17 @@ impl CurveKind {
         }
     }
 
-    /// Whether the values are never negative, but for the noise of an estimate.
+    /// Returns whether the values are non-negative, apart from estimation noise.
     pub(super) fn is_density(self) -> bool {
         !matches!(self, Self::Correlation(_))
     }
 
-    /// Whether the values spread by a factor rather than by a difference.
+    /// Returns whether the values vary by factors instead of differences.
     pub(super) fn is_spectrum(self) -> bool {
         matches!(self, Self::Spectrum(_) | Self::RadialSpectrum)
     }
 
-    fn of(self, map: &HeightMap, correlation: &Autocorrelation) -> Option<Curve> {
+    fn evaluate(self, map: &HeightMap, correlation: &Autocorrelation) -> Option<Curve> {
         let (x, y) = match self {
             Self::HeightDensity => {
                 let centred: Vec<f64> = map.present_m().map(|z| z - correlation.mean_m()).collect();
@@ -99,7 +99,7 @@ impl CurveKind {
     }
 }
 
-/// A function of a map.
+/// Function of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Curve {
     pub(super) kind: CurveKind,
@@ -108,32 +108,32 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// All functions of a map.
+    /// Returns all functions of a map.
     pub(super) fn all(map: &HeightMap, correlation: &Autocorrelation) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for kind in CurveKind::ALL {
             let stands_in = kind == CurveKind::RadialSpectrum;
             if !(stands_in && found.iter().any(|curve| curve.kind.is_spectrum())) {
-                found.extend(kind.of(map, correlation));
+                found.extend(kind.evaluate(map, correlation));
             }
         }
         found
     }
 
-    /// The same function of another map at the same abscissas; NaN beyond its own.
-    pub(super) fn of_another(&self, map: &HeightMap, correlation: &Autocorrelation) -> Vec<f64> {
+    /// Evaluates the same function of another map at the same abscissas; NaN beyond its range.
+    pub(super) fn evaluate_on(&self, map: &HeightMap, correlation: &Autocorrelation) -> Vec<f64> {
         if self.kind == CurveKind::HeightDensity {
             let centred: Vec<f64> = map.present_m().map(|z| z - correlation.mean_m()).collect();
             return density_in(&self.x, &centred);
         }
-        match self.kind.of(map, correlation) {
+        match self.kind.evaluate(map, correlation) {
             Some(own) if own.x == self.x => own.y,
             Some(own) => self.x.iter().map(|x| own.at(*x)).collect(),
             None => vec![f64::NAN; self.x.len()],
         }
     }
 
-    /// Linear between the abscissas, NaN beyond them.
+    /// Interpolates linearly between the abscissas; NaN beyond them.
     fn at(&self, x: f64) -> f64 {
         // Equal abscissas of two grids may differ by rounding.
         let slack = 1e-9 * x.abs();
@@ -149,12 +149,12 @@ impl Curve {
     }
 }
 
-/// Density of values in equal bins around `centres`: the share of *all* values in a bin over its width.
+/// Returns the density of values in equal bins around `centres`: the fraction of *all* values in a bin over its width.
 fn density_in(centres: &[f64], values: &[f64]) -> Vec<f64> {
     let width = (centres[centres.len() - 1] - centres[0]) / (centres.len() - 1) as f64;
     let low = centres[0] - 0.5 * width;
     let mut counts = vec![0_usize; centres.len()];
-    // The extremes of the sample that the bins were made for lie on the outer edges, up to rounding.
+    // The extremes of the sample that defines the bins lie on the outer edges, up to rounding.
     let (first, last) = (-1e-9, centres.len() as f64 + 1e-9);
     for value in values {
         let position = (value - low) / width;
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_density_is_the_histogram_and_of_others_counts_what_falls_into_its_bins() {
+    fn the_density_equals_the_histogram_and_ignores_values_outside_the_bins() {
         let values = random::standard_normal(&mut random::stream(8, "density", 0), 4000);
         let histogram = Histogram::new(&values).unwrap();
         let found = density_in(&histogram.centres(), &values);
@@ -189,23 +189,23 @@ mod tests {
             assert!((found - wanted).abs() * 4000.0 * width < 1.5, "{found} {wanted}");
         }
         assert!((found.iter().sum::<f64>() * width - 1.0).abs() < 1e-12, "no value is lost");
-        // Half of these lie far beyond.
+        // Half of these values lie far outside.
         let far: Vec<f64> = values.iter().enumerate().map(|(i, v)| if i % 2 == 0 { *v } else { 1e3 }).collect();
         assert!((density_in(&histogram.centres(), &far).iter().sum::<f64>() * width - 0.5).abs() < 1e-12);
     }
 
     #[test]
-    fn maps_of_another_pitch_are_read_between_their_own_abscissas() {
+    fn maps_of_another_pitch_are_interpolated() {
         let (coarse, fine) = (white(16, 16, 2.0, 0), white(64, 24, 1.0, 1));
         let correlation = |map| Autocorrelation::estimate(map).unwrap();
         let curves = Curve::all(&coarse, &correlation(&coarse));
         let names: Vec<&str> = curves.iter().map(|curve| curve.kind.name()).collect();
         assert_eq!(names, ["height_pdf", "acf_x", "acf_y", "psd_x", "psd_y"]);
         let own = correlation(&fine);
-        let along_x = curves[1].of_another(&fine, &own);
+        let along_x = curves[1].evaluate_on(&fine, &own);
         assert_eq!(along_x[3], own.correlation(6, 0));
         // Half of the fine map's 24 rows is 12: the lags 14 and 16 of the coarse one lie beyond.
-        let along_y = curves[2].of_another(&fine, &own);
+        let along_y = curves[2].evaluate_on(&fine, &own);
         assert!(along_y[6].is_finite() && along_y[7].is_nan());
         let linear = Curve { kind: CurveKind::RadialSpectrum, x: vec![1.0, 2.0, 4.0], y: vec![0.0, 1.0, 3.0] };
         assert_eq!([linear.at(1.0), linear.at(3.0), linear.at(4.0 + 1e-12)], [0.0, 2.0, 3.0]);
@@ -213,14 +213,14 @@ mod tests {
     }
 
     #[test]
-    fn the_radial_spectrum_stands_in_where_no_profile_is_complete() {
+    fn the_radial_spectrum_replaces_profiles_if_none_is_complete() {
         let complete = white(12, 12, 1.0, 2);
         let mut heights = complete.heights_m().clone();
         (0..12).for_each(|i| heights[[i, i]] = f64::NAN);
         let diagonal = HeightMap::new(complete.grid(), heights).unwrap();
         let curves = Curve::all(&diagonal, &Autocorrelation::estimate(&diagonal).unwrap());
         let spectra: Vec<&str> = curves.iter().filter(|c| c.kind.is_spectrum()).map(|c| c.kind.name()).collect();
-        // An estimator that manages without complete profiles needs no substitute.
+        // An estimator that accepts incomplete profiles needs no substitute.
         assert!(spectra == ["psd_radial"] || spectra == ["psd_x", "psd_y"], "{spectra:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! How twins are made.
+//! Options of twins.
 
 use crate::correlation::CorrelationFamily;
 use crate::map::BoundaryKind;
@@ -8,28 +8,28 @@ use crate::study::file::SurfaceSection;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
 
-/// How twins are made.
+/// Options of twins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinOptions {
-    /// Preparation of the scan and model of the twins, as in a study; its `file`, `channel`, `height_unit` and `pixel_size`
-    /// are not read.
+    /// Preparation of the scan and model of the twins, as in a study; its `file`, `channel`, `height_unit` and
+    /// `pixel_size` are ignored.
     pub surface: SurfaceSection,
-    /// Models among which a measured covariance is chosen.
+    /// Models from which a measured covariance is chosen.
     pub families: Vec<CorrelationFamily>,
-    /// Whether the best model takes the place of an empirical covariance that the scan is too short for, with a warning.
-    pub model_in_need: bool,
-    /// Size (x, y) of a twin in metre; the scan's, or what the points take at the scan's pitch.
+    /// Whether the best model replaces an empirical covariance if the scan is too short for it, with a warning.
+    pub allow_model: bool,
+    /// Size (x, y) of a twin in metre; when left out, the scan's size, or the size of the points at the scan's pitch.
     pub size_m: Option<[f64; 2]>,
-    /// Points (x, y) of a twin; the scan's, or what fills the size at the scan's pitch.
+    /// Points (x, y) of a twin; when left out, the scan's points, or enough to fill the size at the scan's pitch.
     pub points: Option<[usize; 2]>,
-    /// Whether a twin continues periodically beyond its edge.
+    /// Continuation of a twin beyond its edge.
     pub boundary: BoundaryKind,
-    /// Seed of every draw.
+    /// Seed of every random draw.
     pub seed: u64,
 }
 
 impl TwinOptions {
-    /// Everything measured on the scan and met as well as the house can: the scan's own covariance, all Fourier modes,
+    /// Returns options that reproduce the scan as closely as possible: the scan's own covariance, all Fourier modes,
     /// corrected translation, free boundary, the scan's own grid.
     pub fn new(seed: u64) -> Self {
         let surface = SurfaceSection {
@@ -39,13 +39,14 @@ impl TwinOptions {
             ..SurfaceSection::default()
         };
         let families = CorrelationFamily::ALL.to_vec();
-        Self { surface, families, model_in_need: true, size_m: None, points: None, boundary: BoundaryKind::Free, seed }
+        Self { surface, families, allow_model: true, size_m: None, points: None, boundary: BoundaryKind::Free, seed }
     }
 
-    /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.
+    /// Estimates the memory in byte for making twins of a scan of `scan_points` points and comparing `at_once` of them
+    /// at a time.
     pub fn memory_bytes(&self, scan_points: usize, pitch_m: Option<(f64, f64)>, at_once: usize) -> f64 {
-        // The covariance embedded in twice the width and height with its sorted modes; of each twin the ξ, the
-        // transform, and the padded correlations; the scan, raw and prepared.
+        // The embedded covariance has twice the width and height, with its sorted modes; each twin needs its normal
+        // variables, the transform, and the padded correlations; the scan is stored raw and prepared.
         const GENERATOR: f64 = 4.0 * 64.0;
         const TWIN: f64 = 4.0 * 48.0;
         const SCAN: f64 = 64.0;

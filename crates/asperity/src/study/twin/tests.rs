@@ -1,4 +1,4 @@
-//! Twins of maps whose law is known.
+//! Tests of twins of maps with a known distribution.
 
 use asperity_formats::Scan;
 use asperity_testing::AlwaysCancelled;
@@ -18,7 +18,7 @@ use crate::translation::TranslationKind;
 
 const PITCH_M: f64 = 1e-6;
 
-/// One map of a covariance and a law, in metre; the streams are not those of twins.
+/// Draws one map of a covariance and a distribution, in metre; its random streams differ from those of twins.
 fn map_of(covariance: &Covariance, law: &Marginal, shape: (usize, usize), index: u64) -> Array2<f64> {
     let grid = Grid::new(shape.1, shape.0, PITCH_M, PITCH_M).unwrap();
     let field = SpectralField::free(&Predistorted::new(*covariance, law).unwrap(), grid).unwrap();
@@ -35,7 +35,7 @@ fn smooth(length_x_m: f64, length_y_m: f64) -> Covariance {
     Covariance::new(CorrelationModel::SquaredExponential, 1e-6, length_x_m, length_y_m).unwrap()
 }
 
-/// Options under which twins have the law of `map_of` and nothing is measured.
+/// Options that give twins the distribution of `map_of`; nothing is measured.
 fn stated(covariance: &Covariance, seed: u64) -> TwinOptions {
     let mut options = TwinOptions::new(seed);
     options.surface.covariance = CovarianceSource::SquaredExponential;
@@ -45,7 +45,7 @@ fn stated(covariance: &Covariance, seed: u64) -> TwinOptions {
     options
 }
 
-/// Options under which everything is measured and the correlation a little distorted, where that is not the point.
+/// Options that measure everything; the correlation is slightly distorted, which these tests accept.
 fn plain(seed: u64) -> TwinOptions {
     let mut options = TwinOptions::new(seed);
     options.surface.translation = TranslationKind::Plain;
@@ -65,22 +65,22 @@ fn statistic(comparison: &Comparison, name: &str) -> StatisticComparison {
     comparison.twins.iter().find(|(own, _)| own == name).unwrap().1
 }
 
-/// Mean and standard error.
+/// Returns mean and standard error.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
 }
 
-/// Share of the statistics, and of the abscissas of the curves, of maps of a known law that lie in the bands of twins of
-/// that law; one value per map, whose statistics depend on each other.
+/// Returns the fraction of the statistics, and of the abscissas of the curves, of maps of a known distribution that lie
+/// in the bands of twins of that distribution; one value per map, because the statistics of a map are correlated.
 fn coverage(count: usize, maps: u64) -> (Vec<f64>, Vec<f64>) {
     let covariance = smooth(4e-6, 3e-6);
     let of_map = |index: u64| {
         let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (36, 40), index);
         // Holes, which twins share.
         heights.indexed_iter_mut().filter(|((r, c), _)| r.pow(2) + c.pow(2) < 90).for_each(|(_, z)| *z = f64::NAN);
-        let comparison = compare(&Twins::like(scan_of(heights), "map", &stated(&covariance, index)).unwrap(), count);
+        let comparison = compare(&Twins::new(scan_of(heights), "map", &stated(&covariance, index)).unwrap(), count);
         assert!(comparison.compared > 18, "{}", comparison.compared);
         let shares = comparison.curves.iter().map(|(_, curve)| curve.inside_share.unwrap());
         let curves = shares.sum::<f64>() / comparison.curves.len() as f64;
@@ -91,15 +91,15 @@ fn coverage(count: usize, maps: u64) -> (Vec<f64>, Vec<f64>) {
 
 #[test]
 #[ignore = "slow"]
-fn maps_of_the_twins_own_law_lie_in_the_bands_with_the_stated_probability() {
-    // Scan and twins are exchangeable, so that order statistics of 39 twins hold the scan's with probability 38/40 exactly,
-    // whatever the law of a statistic.
+fn maps_of_the_twins_own_distribution_lie_in_the_bands_with_the_stated_probability() {
+    // Scan and twins are exchangeable, so order statistics of 39 twins contain the scan's with probability 38/40
+    // exactly, for any distribution of a statistic.
     let (statistics, curves) = coverage(39, 16);
     for (what, shares) in [("statistics", statistics), ("curves", curves)] {
         let (mean, error) = mean_and_error(&shares);
         assert!(error < 0.03 && (mean - 0.95).abs() < 4.0 * error, "{what}: {mean:.3} ± {error:.3}");
     }
-    // Student's interval of few twins is exact for normal statistics only; most of these are nearly so.
+    // Student's interval of few twins is exact for normal statistics only; most of these are nearly normal.
     let (statistics, curves) = coverage(6, 48);
     for (what, shares) in [("statistics", statistics), ("curves", curves)] {
         let (mean, error) = mean_and_error(&shares);
@@ -120,10 +120,10 @@ fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
     };
     let (along, across) = diagonals(&scan);
     assert!(along - across > 0.4, "{along} {across}");
-    // A model that is asked for is taken, although it averages the lay away.
+    // A requested model is used, although it averages the lay away.
     let mut options = TwinOptions { families: vec![CorrelationFamily::Matern], ..plain(1) };
     let mean_of_twins = |options: &TwinOptions| {
-        let twins = Twins::like(scan_of(scan.heights_m().clone()), "map", options).unwrap();
+        let twins = Twins::new(scan_of(scan.heights_m().clone()), "map", options).unwrap();
         let all: Vec<(f64, f64)> = (0..12).map(|index| diagonals(&twins.draw(index))).collect();
         (all.iter().map(|d| d.0).sum::<f64>() / 12.0, all.iter().map(|d| d.1).sum::<f64>() / 12.0)
     };
@@ -140,26 +140,26 @@ fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning()
     let heights = map_of(&smooth(16e-6, 16e-6), &Marginal::STANDARD_NORMAL, (40, 40), 3);
     let mut options = TwinOptions::new(1);
     options.surface.level = Level::None;
-    let twins = Twins::like(scan_of(heights.clone()), "map", &options).unwrap();
+    let twins = Twins::new(scan_of(heights.clone()), "map", &options).unwrap();
     assert_ne!(twins.model.covariance.as_ref().unwrap().model, "empirical");
     assert!(twins.warnings().iter().any(|warning| warning.contains("independent patches")), "{:?}", twins.warnings());
-    // Who asks for it is told that it cannot be.
-    options.model_in_need = false;
+    // Without the fallback it is an error.
+    options.allow_model = false;
     assert!(matches!(
-        Twins::like(scan_of(heights), "map", &options),
+        Twins::new(scan_of(heights), "map", &options),
         Err(StudyError::Surface(SurfaceModelError::Empirical(_)))
     ));
 }
 
 #[test]
 fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlation() {
-    // A map of few lengths: the plane takes along about a tenth of the variance.
+    // A map of few correlation lengths: the plane removes about a tenth of the variance.
     let covariance = smooth(9e-6, 9e-6);
     let (mut squares, mut lengths, mut shares) = (Vec::new(), Vec::new(), Vec::new());
     for index in 0..24 {
         let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (64, 64), 100 + index);
         let options = TwinOptions { families: vec![CorrelationFamily::SquaredExponential], ..plain(index) };
-        let twins = Twins::like(scan_of(heights), "map", &options).unwrap();
+        let twins = Twins::new(scan_of(heights), "map", &options).unwrap();
         let (comparison, tables) = compare_with_tables(&twins, 8);
         let table = &tables[0].1;
         let target = statistic(&comparison, "Sq_m").target.unwrap();
@@ -171,25 +171,25 @@ fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlatio
     }
     let (share, _) = mean_and_error(&shares);
     let (square, error) = mean_and_error(&squares);
-    // The test is sharp: without making up for the form the squares would be short by its share.
+    // The test is sensitive: without the correction for the form the squares would be short by that fraction.
     assert!(share > 5.0 * error, "share {share}, standard error {error}");
     assert!((square - 1.0).abs() < 4.0 * error, "{square} ± {error}");
-    // The fit knows that the mean was removed, not the plane, which shortens correlations a little further.
+    // The fit accounts for the removed mean, but not for the plane, which shortens correlations a little further.
     let (length, error) = mean_and_error(&lengths);
     assert!((length - 1.0).abs() < 4.0 * error + 0.05, "{length} ± {error}");
 }
 
 #[test]
 #[ignore = "slow"]
-fn a_twin_is_a_function_of_seed_and_number() {
+fn a_twin_depends_on_seed_and_number_alone() {
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 40), 0);
-    let twins = |seed| Twins::like(scan_of(heights.clone()), "map", &plain(seed)).unwrap();
+    let twins = |seed| Twins::new(scan_of(heights.clone()), "map", &plain(seed)).unwrap();
     let (one, same, other) = (twins(1), twins(1), twins(2));
     assert_eq!(one.draw(5), same.draw(5));
     assert_ne!(one.draw(5), one.draw(6));
     assert_ne!(one.draw(5), other.draw(5));
-    // Neither the number of twins nor that of threads changes one.
+    // Neither the number of twins nor the number of threads changes a twin.
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let crowd = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let few = alone.install(|| compare_with_tables(&one, 4));
@@ -216,14 +216,14 @@ fn a_twin_is_a_function_of_seed_and_number() {
 
 #[test]
 #[ignore = "slow"]
-fn a_skewed_marginal_is_met_and_a_normal_one_is_told_to_miss() {
+fn a_skewed_marginal_is_reproduced_and_a_normal_one_lies_outside() {
     let covariance = smooth(3e-6, 3e-6);
     let law = Marginal::lognormal(0.0, 0.5, 0.0).unwrap();
     let heights = map_of(&covariance, &law, (96, 96), 3);
     let with = |marginal: &str| {
         let mut options = TwinOptions::new(4);
         options.surface.marginal = marginal.into();
-        compare(&Twins::like(scan_of(heights.clone()), "map", &options).unwrap(), 39)
+        compare(&Twins::new(scan_of(heights.clone()), "map", &options).unwrap(), 39)
     };
     let measured = with("measured");
     // e^{σ²}: skewness (e^{σ²} + 2) √(e^{σ²} − 1) = 1.75 in the limit of a large map.
@@ -242,17 +242,17 @@ fn a_skewed_marginal_is_met_and_a_normal_one_is_told_to_miss() {
 
 #[test]
 #[ignore = "slow"]
-fn missing_points_are_masked_out_of_twins_for_the_comparison_alone() {
+fn missing_points_are_masked_in_the_comparison_only() {
     let covariance = smooth(4e-6, 3e-6);
     let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (48, 56), 5);
     heights.indexed_iter_mut().filter(|((r, c), _)| (r * 7 + c * 3) % 11 == 0).for_each(|(_, z)| *z = f64::NAN);
     let missing = heights.iter().filter(|z| z.is_nan()).count();
-    let twins = Twins::like(scan_of(heights), "map", &plain(6)).unwrap();
+    let twins = Twins::new(scan_of(heights), "map", &plain(6)).unwrap();
     assert_eq!(twins.draw(0).missing_points(), 0);
-    let treated = twins.treated(&twins.draw(0)).unwrap();
-    assert_eq!((treated.map.missing_points(), treated.outliers), (missing, 0));
-    let plane = Preparation::default().apply(&treated.map).unwrap().map;
-    let largest = plane.present_m().zip(treated.map.present_m()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    let prepared_twin = twins.prepared_twin(&twins.draw(0)).unwrap();
+    assert_eq!((prepared_twin.map.missing_points(), prepared_twin.outliers), (missing, 0));
+    let plane = Preparation::default().apply(&prepared_twin.map).unwrap().map;
+    let largest = plane.present_m().zip(prepared_twin.map.present_m()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     assert!(largest < 1e-18, "the form is gone: {largest:e}");
     let comparison = compare(&twins, 8);
     assert_eq!(comparison.target.missing_points, missing);
@@ -268,7 +268,7 @@ fn twins_are_not_filtered_a_second_time() {
     let heights = map_of(&smooth(3e-6, 3e-6), &Marginal::STANDARD_NORMAL, (160, 160), 8);
     let mut options = plain(9);
     options.surface.s_filter = Some(Length(10e-6));
-    let twins = Twins::like(scan_of(heights), "map", &options).unwrap();
+    let twins = Twins::new(scan_of(heights), "map", &options).unwrap();
     let comparison = compare(&twins, 10);
     let again = Preparation { s_filter_m: Some(10e-6), ..Preparation::default() };
     let twice: Vec<f64> = (0..10)
@@ -287,12 +287,12 @@ fn twins_are_not_filtered_a_second_time() {
 
 #[test]
 #[ignore = "slow"]
-fn twins_of_another_size_are_drawn_and_told_apart() {
+fn twins_of_another_size_are_drawn_with_a_warning() {
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (40, 40), 10);
     let with = |points, size_m| {
         let options = TwinOptions { points, size_m, ..plain(11) };
-        Twins::like(scan_of(heights.clone()), "map", &options)
+        Twins::new(scan_of(heights.clone()), "map", &options)
     };
     let wide = with(Some([80, 50]), None).unwrap();
     assert_eq!((wide.grid().nx(), wide.grid().ny(), wide.grid().dx_m()), (80, 50, PITCH_M));
@@ -303,7 +303,7 @@ fn twins_of_another_size_are_drawn_and_told_apart() {
     assert!((fine.grid().dx_m() / 0.5e-6 - 1.0).abs() < 1e-12);
     let small = with(None, Some([20.4e-6, 10e-6])).unwrap();
     assert_eq!((small.grid().nx(), small.grid().ny()), (20, 10));
-    // The field beneath has the same height on every grid: what the form takes depends on the scan's.
+    // The underlying field has the same height on every grid: the variance of the form depends on the scan's grid.
     let same = with(None, None).unwrap();
     for other in [&wide, &fine, &small] {
         assert!((other.model.rms_height_m / same.model.rms_height_m - 1.0).abs() < 0.02);
@@ -312,17 +312,17 @@ fn twins_of_another_size_are_drawn_and_told_apart() {
 }
 
 #[test]
-fn a_flat_scan_a_wrong_law_and_a_stop_are_errors() {
-    let flat = Twins::like(scan_of(Array2::from_elem((16, 16), 2e-6)), "flat", &TwinOptions::new(1));
+fn a_flat_scan_an_invalid_distribution_and_cancellation_are_errors() {
+    let flat = Twins::new(scan_of(Array2::from_elem((16, 16), 2e-6)), "flat", &TwinOptions::new(1));
     assert_eq!(flat.err().unwrap().kind(), crate::study::FailureKind::Input);
     let covariance = smooth(4e-6, 3e-6);
     let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 32), 12);
     let mut options = TwinOptions::new(1);
     options.surface.marginal = "gamma:2".into();
-    let error = Twins::like(scan_of(heights.clone()), "map", &options).err().unwrap();
+    let error = Twins::new(scan_of(heights.clone()), "map", &options).err().unwrap();
     assert_eq!(error.kind(), crate::study::FailureKind::Configuration);
 
-    let twins = Twins::like(scan_of(heights), "map", &plain(1)).unwrap();
+    let twins = Twins::new(scan_of(heights), "map", &plain(1)).unwrap();
     let stopped = twins.compare(3, &AlwaysCancelled, |_, _| Ok::<(), StudyError>(()));
     assert!(matches!(stopped, Err(TwinError::Study(StudyError::Cancelled(_)))));
     let full = twins.compare(3, &Silent, |_, _| Err("the disk is full"));

@@ -1,6 +1,6 @@
-//! How much of the friction is clipped to stay positive, and when that is too much.
+//! Limits and warnings about friction values that are clipped to stay positive.
 
-use super::{Ensembles, MARGINS, Scatter, ensembles, scatters};
+use super::{Ensembles, Fluctuation, MARGINS, ensembles, fluctuations};
 use crate::friction::WindowFriction;
 use crate::friction::process::ProcessModel;
 use crate::study::check::VibrationStudy;
@@ -8,10 +8,10 @@ use crate::study::file::MapSection;
 use crate::study::{StudyError, sentence};
 use crate::vibration::LARGEST_CLIPPED_FRACTION;
 
-/// Clipped fraction below which nothing is reported.
+/// Clipped fraction below which no warning is given.
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// A warning about friction of which a fraction is clipped to stay positive; none where the fraction is below 0.01 %.
+/// Returns a warning about a clipped fraction of the friction; `None` below 0.01 %.
 pub fn clipping_warning(fraction: f64) -> Option<String> {
     (fraction >= NEGLIGIBLE).then(|| {
         format!(
@@ -21,17 +21,18 @@ pub fn clipping_warning(fraction: f64) -> Option<String> {
     })
 }
 
-/// Fails where friction that is known before the run is clipped more than the study allows.
+/// Fails if friction that is known before the run is clipped more than the study allows.
 pub(in crate::study) fn refuse_clipping(study: &VibrationStudy, window: &WindowFriction) -> Result<(), StudyError> {
     let ensembles = ensembles(study, window, 0)?;
-    scatters(window).iter().try_for_each(|scatter| ensembles.process(scatter, MARGINS[0]).map(|_| ()))
+    fluctuations(window).iter().try_for_each(|noise| ensembles.process(noise, MARGINS[0]).map(|_| ()))
 }
 
 impl Ensembles<'_> {
-    /// The fraction of the values that a process clips.
+    /// Returns the fraction of the values that a process clips.
     ///
     /// # Errors
-    /// It is more than the study allows, under the upscaling that leads. The other one is for comparison and only warns.
+    /// It exceeds the limit of the study, under the main upscaling. The other upscaling serves for comparison and only
+    /// warns.
     pub(super) fn clipped(&self, model: &ProcessModel, upscaling: &'static str) -> Result<f64, StudyError> {
         let fraction = model.clipped_fraction();
         let leads = upscaling == self.study.upscaling.name();
@@ -41,15 +42,15 @@ impl Ensembles<'_> {
         Ok(fraction)
     }
 
-    /// A warning about the points of a stability map at which friction is clipped.
+    /// Returns a warning about the points of a stability map at which friction is clipped.
     ///
     /// # Errors
-    /// At a point of the first grid more is clipped than the study allows.
-    pub(super) fn clipping_of_map(&self, map: &MapSection, scatter: &Scatter) -> Result<Option<String>, StudyError> {
+    /// At a point of the first grid more friction is clipped than the study allows.
+    pub(super) fn map_clipping(&self, map: &MapSection, noise: &Fluctuation) -> Result<Option<String>, StudyError> {
         let mut largest = 0.0_f64;
         for point in self.map_settings(map).first_grid() {
-            if let (_, Some(model)) = self.machine_and_model(map.over, scatter, point)? {
-                largest = largest.max(self.clipped(&model, scatter.name)?);
+            if let (_, Some(model)) = self.machine_and_model(map.over, noise, point)? {
+                largest = largest.max(self.clipped(&model, noise.name)?);
             }
         }
         Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))

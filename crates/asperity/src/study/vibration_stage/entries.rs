@@ -1,4 +1,4 @@
-//! Results of the vibration stage as `results.json` has them.
+//! Conversion of vibration results to entries of `results.json`.
 
 use crate::study::result::{
     CrossingResult, CycleResult, DampingResult, KindResult, MotionResult, PointsResult, finite,
@@ -6,7 +6,7 @@ use crate::study::result::{
 use crate::study::sentence;
 use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleDistribution};
 
-/// Returns a kind of motion as `results.json` names it.
+/// Returns a kind of motion under its name in `results.json`.
 pub(super) fn kind_result(kind: MotionKind) -> KindResult {
     match kind {
         MotionKind::StickSlip => KindResult::StickSlip,
@@ -82,8 +82,8 @@ pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
     }
 }
 
-/// A friction law with its numbers, per unit of dimensionless velocity.
-pub(super) fn law_in_words(law: &FrictionLaw) -> String {
+/// Describes a friction law with its parameters, per unit of dimensionless velocity.
+pub(super) fn describe_law(law: &FrictionLaw) -> String {
     let digits = sentence::digits;
     match law {
         FrictionLaw::Coulomb { kinetic } => digits(*kinetic),

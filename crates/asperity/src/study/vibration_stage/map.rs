@@ -1,6 +1,6 @@
-//! The stability map of a study.
+//! Stability map of a study.
 
-use super::{Ensembles, NO_SCATTER, Scatter};
+use super::{CONSTANT_STD, Ensembles, Fluctuation};
 use crate::friction::process::{FrictionProcess, ProcessModel};
 use crate::monitor::Monitor;
 use crate::study::file::MapSection;
@@ -22,33 +22,33 @@ impl Ensembles<'_> {
     pub(super) fn map(
         &self,
         section: &MapSection,
-        scatter: &Scatter,
+        noise: &Fluctuation,
         monitor: &dyn Monitor,
     ) -> Result<StabilityMap, StudyError> {
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = self.machine_and_model(section.over, scatter, [x, y])?;
+            let (oscillator, model) = self.machine_and_model(section.over, noise, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
     }
 
-    /// The machine at a point of the map and its friction process, `None` where friction is constant. Velocities are in units of the
-    /// stated load.
+    /// Returns the machine at a point of the map and its friction process, `None` if friction is constant. Velocities
+    /// are in units of the stated load.
     pub(super) fn machine_and_model(
         &self,
         over: MapOver,
-        scatter: &Scatter,
+        noise: &Fluctuation,
         point: [f64; 2],
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
-        let (oscillator, std, load) = over.at(&self.oscillator, scatter.std, point)?;
-        let varies = std >= NO_SCATTER;
-        let model = varies.then(|| self.model(&oscillator, scatter.marginal.clone(), std, load, 1.0));
+        let (oscillator, std, load) = over.at(&self.oscillator, noise.std, point)?;
+        let varies = std >= CONSTANT_STD;
+        let model = varies.then(|| self.model(&oscillator, noise.marginal.clone(), std, load, 1.0));
         Ok((oscillator, model))
     }
 }
 
-/// Tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the end of
-/// vibration without fluctuation, `map_limit`.
+/// Returns the tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the
+/// end of vibration without fluctuation, `map_limit`.
 pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
     let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
     let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
@@ -78,7 +78,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
     ]
 }
 
-/// The points of numbered lines, with the level of each if lines have one.
+/// Returns the points of numbered lines, with the level of each if lines have levels.
 fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
     let mut columns = [(); 4].map(|()| Vec::new());
     for (number, (level, line)) in lines.enumerate() {

@@ -15,10 +15,10 @@ use crate::vibration::{
     VibrationError, trajectory_portrait,
 };
 
-/// Points of each trajectory of a cloud, and the time τ that they cover.
+/// Points of each trajectory of a cloud, and the time τ that they span.
 const CLOUD_POINTS: usize = 72;
 const CLOUD_SPAN: f64 = 1.1 * TAU;
-/// Times at which the share that stayed on the cycle is told.
+/// Number of times at which the surviving fraction is tabulated.
 const SURVIVAL_POINTS: usize = 201;
 
 pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
@@ -41,7 +41,8 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Ta
     Table::new(columns)
 }
 
-/// Histogram of points beside the normal density of equal mean and standard deviation; none of too few points.
+/// Returns a histogram of points and the normal density of equal mean and standard deviation; `None` for too few
+/// points.
 pub fn points_table(points: &SampleDistribution) -> Option<Table> {
     let histogram = Histogram::new(&points.sample).ok()?;
     let centres = histogram.centres();
@@ -53,8 +54,8 @@ pub fn points_table(points: &SampleDistribution) -> Option<Table> {
     Some(Table::new(columns).led_by("displacement"))
 }
 
-/// The share of the trajectories that have never left vibration, over their time, with 95 % intervals: `tau`, `share`,
-/// `share_low`, `share_high`.
+/// Returns the fraction of the trajectories that have never left vibration over time, with 95 % intervals: `tau`,
+/// `share`, `share_low`, `share_high`.
 pub fn survival_table(passages: &Passages, duration: f64) -> Table {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
     let shares: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
@@ -67,7 +68,7 @@ pub fn survival_table(passages: &Passages, duration: f64) -> Table {
     ])
 }
 
-/// A phase portrait: `tau`, `displacement`, `velocity`.
+/// Returns a phase portrait: `tau`, `displacement`, `velocity`.
 pub fn portrait_table(points: &[PhasePoint]) -> Table {
     let column = |of: fn(&PhasePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
     Table::new([
@@ -77,11 +78,11 @@ pub fn portrait_table(points: &[PhasePoint]) -> Table {
     ])
 }
 
-/// The ends of the first `most` trajectories of an ensemble, a little more than a natural period of each, without those that
-/// the ensemble leaves out: `trajectory` and the columns of [`portrait_table`].
+/// Returns the ends of the first `most` trajectories of an ensemble, slightly more than a natural period of each,
+/// without failed ones: `trajectory` and the columns of [`portrait_table`].
 ///
 /// # Errors
-/// Settings out of range; cancelled.
+/// Settings out of range, or cancelled.
 pub fn cloud_table(
     oscillator: &Oscillator,
     process: &FrictionProcess,

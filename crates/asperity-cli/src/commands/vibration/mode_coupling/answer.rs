@@ -1,4 +1,4 @@
-//! What is told of coupled modes.
+//! Answer of the command for coupled modes.
 
 use asperity::vibration::mode_coupling::{EigenvalueScan, Model, Regime, modes};
 use serde_json::{Value, json};
@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use super::Found;
 use crate::output::Answer;
 
-/// Where the modes meet, and the modes of the stated machine.
-pub(super) fn of_modes(model: &Model, scan: &EigenvalueScan) -> Answer {
+/// Returns where the modes meet, and the modes of the stated machine.
+pub(super) fn modes_answer(model: &Model, scan: &EigenvalueScan) -> Answer {
     let friction = model.sliding_friction();
     let [first, second] = modes(model, friction);
     let critical = scan.critical;
@@ -24,8 +24,8 @@ pub(super) fn of_modes(model: &Model, scan: &EigenvalueScan) -> Answer {
         .with("frequency_2", second.frequency)
 }
 
-/// The motion of the stated machine, without and with fluctuation.
-pub(super) fn of_motion(found: &Found) -> Answer {
+/// Returns the motion of the stated machine, without and with fluctuation.
+pub(super) fn motion_answer(found: &Found) -> Answer {
     let cycle = found.regime.cycle();
     let regime = match found.regime {
         Regime::Cycle(_) => "cycle",
@@ -43,10 +43,10 @@ pub(super) fn of_motion(found: &Found) -> Answer {
         .with("flight_share", cycle.map(|c| c.flight_share))
         .with("detachments", cycle.map(|c| c.detachments))
         .with("lift_offs", cycle.map(|c| c.lift_offs));
-    answer.and(of_fluctuation(found))
+    answer.and(fluctuation_answer(found))
 }
 
-fn of_fluctuation(found: &Found) -> Answer {
+fn fluctuation_answer(found: &Found) -> Answer {
     let (Some(growth), Some((threshold, ensemble))) = (&found.growth, &found.ensemble) else {
         return Answer::default();
     };
@@ -71,17 +71,17 @@ fn of_fluctuation(found: &Found) -> Answer {
         .with("flight_share_mean", ensemble.flight_share.mean)
 }
 
-/// The modes at every friction coefficient.
+/// Returns the modes at every friction coefficient.
 pub(super) fn scan(scan: &EigenvalueScan) -> Value {
     json!({ "friction": scan.friction, "modes": scan.modes })
 }
 
-/// What a motion without cycle is.
+/// Returns a message about a motion without cycle.
 pub(super) fn note(regime: &Regime) -> Option<&'static str> {
     match regime {
         Regime::Cycle(_) => None,
         Regime::Steady => Some("no limit cycle: the mass comes to rest in space"),
         Regime::Locked => Some("no limit cycle: the belt carries the mass away (self-locking)"),
-        Regime::Irregular => Some("no limit cycle: the motion does not repeat itself"),
+        Regime::Irregular => Some("no limit cycle: the motion is not periodic"),
     }
 }

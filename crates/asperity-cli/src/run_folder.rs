@@ -1,4 +1,4 @@
-//! Folders of runs: how they begin, and why they cannot be read or written.
+//! Run folders: creation, and errors of reading and writing them.
 
 use std::io;
 use std::path::Path;
@@ -6,9 +6,9 @@ use std::path::Path;
 use asperity::study::{Staging, StoreError};
 
 use crate::failure::{Failure, Kind, chain};
-use crate::output::unwritten;
+use crate::output::write_failure;
 
-/// A finished run of which a file is missing or cannot be read is unusable data.
+/// Returns the error of a run folder that could not be read. A missing or unreadable file is unusable data.
 pub(crate) fn load_failure(error: &StoreError) -> Failure {
     match error {
         StoreError::Io { path, source } => Failure::io(Kind::Data, path.display(), source),
@@ -16,7 +16,7 @@ pub(crate) fn load_failure(error: &StoreError) -> Failure {
     }
 }
 
-/// A run folder that cannot be read is unusable data; one that cannot be written is a runtime error.
+/// Returns the error of a run folder: unusable data if it cannot be read, a runtime error if it cannot be written.
 pub(crate) fn store_failure(error: &StoreError) -> Failure {
     match error {
         StoreError::NotEmpty { .. }
@@ -28,7 +28,7 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         StoreError::NotARun { .. } | StoreError::Corrupt { .. } | StoreError::SchemaVersion { .. } => {
             Failure::new(Kind::Data, error.to_string())
         }
-        StoreError::Io { path, source } => unwritten(path, source),
+        StoreError::Io { path, source } => write_failure(path, source),
         StoreError::Taken { .. } => Failure::new(Kind::Runtime, error.to_string()),
         StoreError::Table(_)
         | StoreError::Process(_)
@@ -38,7 +38,7 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
     }
 }
 
-/// Begins the folder of a command; `argument` names the flag that chose it.
+/// Opens the output folder of a command; `argument` names the flag that chose it.
 pub(crate) fn begin_folder(argument: &str, folder: &Path, force: bool, inputs: &[&Path]) -> Result<Staging, Failure> {
     Staging::open(folder, force, inputs).map_err(|error| {
         let is_misnamed = matches!(&error, StoreError::Io { source, .. }

@@ -1,4 +1,4 @@
-//! The synthetic scan itself.
+//! Synthetic scan of the quickstart study.
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::distribution::Marginal;
@@ -14,16 +14,19 @@ const STREAM: &str = "brake disc";
 const POINTS: usize = 512;
 const PITCH_M: f64 = 2e-6;
 const RMS_M: f64 = 0.8e-6;
-/// Scales of the Matérn covariance along x (sliding) and y; the correlation falls to 1/e at about as much.
+/// Scales of the Matérn covariance along x (sliding) and y; the 1/e lengths are about the same.
 const SCALES_M: [f64; 2] = [18e-6, 12e-6];
-/// Its smoothness, a Hurst exponent of 0.8 at short waves.
+/// Smoothness of the covariance: a Hurst exponent of 0.8 at short waves.
 const SMOOTHNESS: f64 = 0.8;
 const GROOVES: u64 = 14;
 const SPIKES: usize = 90;
 const HOLES: usize = 26;
 
-/// Returns the scan. It has no parameters: the same bytes every time.
-pub(crate) fn brake_disc() -> Result<Scan, Box<dyn std::error::Error>> {
+/// Returns the scan; it is the same every time.
+///
+/// # Errors
+/// The grid or the covariance is invalid, which does not happen.
+pub fn brake_disc() -> Result<Scan, Box<dyn std::error::Error>> {
     let grid = Grid::new(POINTS, POINTS, PITCH_M, PITCH_M)?;
     let covariance = Covariance::new(CorrelationModel::Matern { nu: SMOOTHNESS }, 1.0, SCALES_M[0], SCALES_M[1])?;
     let field = SpectralField::free(&covariance, grid)?;
@@ -86,6 +89,35 @@ fn hole(heights: &mut Array2<f64>, stream: &mut Stream) {
         let (v, u): (f64, f64) = ((i as f64 - row) / half_height, (j as f64 - column) / half_width);
         if u * u + v * v < 1.0 {
             *z = f64::NAN;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[ignore = "slow"]
+    fn the_stored_scan_equals_the_generated_one() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/brake_disc.x3p");
+        let stored = asperity_formats::read(&path).unwrap();
+        let made = brake_disc().unwrap();
+        assert_eq!(stored.pitch_m, made.pitch_m);
+        assert_eq!(stored.heights_m.dim(), made.heights_m.dim());
+        assert!(stored.metadata.values().any(|text| text.contains("SYNTHETIC, not measured")), "{:?}", stored.metadata);
+        let present = || made.heights_m.iter().filter(|z| z.is_finite());
+        let (low, high) =
+            present().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
+        // Heights are stored in 16 bits, of which one or two values may stand for missing points.
+        let step_m = (high - low) / 65_530.0;
+        for ((row, column), wanted) in made.heights_m.indexed_iter() {
+            let found = stored.heights_m[[row, column]];
+            assert_eq!(found.is_finite(), wanted.is_finite(), "point [{row}, {column}]");
+            assert!(
+                !wanted.is_finite() || (found - wanted).abs() <= step_m,
+                "[{row}, {column}]: {found:e} for {wanted:e}"
+            );
         }
     }
 }

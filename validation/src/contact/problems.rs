@@ -1,4 +1,4 @@
-//! Contact problems drawn at random, each a function of its number, and a rough surface for tables.
+//! Random contact problems, each determined by its number, and a rough surface for tables.
 
 use std::error::Error;
 
@@ -9,7 +9,7 @@ use asperity_testing::{Choices, filtered_noise};
 use ndarray::{Array2, s};
 
 const SEED: u64 = 2016;
-/// Columns and rows: even, odd, prime and eight times as long as wide.
+/// Columns and rows: even, odd, prime, and eight times as long as wide.
 const SIZES: [(usize, usize); 20] = [
     (16, 16),
     (17, 17),
@@ -34,34 +34,44 @@ const SIZES: [(usize, usize); 20] = [
 ];
 /// Pitch along y over that along x.
 const ASPECTS: [f64; 8] = [1.0, 1.0, 1.0, 1.0, 2.0, 0.5, 5.0, 0.125];
-const KINDS: [Kind; 9] = [
-    Kind::SelfAffine,
-    Kind::Smooth,
-    Kind::Lay,
-    Kind::Bump,
-    Kind::RoughBump,
-    Kind::Wave,
-    Kind::WhiteNoise,
-    Kind::Step,
-    Kind::Plateaus,
+const KINDS: [SurfaceKind; 9] = [
+    SurfaceKind::SelfAffine,
+    SurfaceKind::Smooth,
+    SurfaceKind::Lay,
+    SurfaceKind::Bump,
+    SurfaceKind::RoughBump,
+    SurfaceKind::Wave,
+    SurfaceKind::WhiteNoise,
+    SurfaceKind::Step,
+    SurfaceKind::Plateaus,
 ];
 
-/// What a surface looks like.
+/// Kind of surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum SurfaceKind {
+    /// Self-affine spectrum.
     SelfAffine,
+    /// Gaussian spectrum.
     Smooth,
+    /// Lay along y.
     Lay,
+    /// Paraboloid.
     Bump,
+    /// Rough paraboloid.
     RoughBump,
+    /// One wave.
     Wave,
+    /// White noise.
     WhiteNoise,
+    /// Rough step.
     Step,
+    /// Plateaus of equal height.
     Plateaus,
 }
 
-impl Kind {
-    pub(crate) fn name(self) -> &'static str {
+impl SurfaceKind {
+    /// Returns the name of the kind in tables.
+    pub fn name(self) -> &'static str {
         match self {
             Self::SelfAffine => "self-affine",
             Self::Smooth => "Gaussian spectrum",
@@ -76,23 +86,32 @@ impl Kind {
     }
 }
 
-/// A problem with what it refers to.
-pub(crate) struct Posed {
-    pub(crate) kind: Kind,
-    pub(crate) half_space: HalfSpace,
+/// Random contact problem with its half-space and heights.
+pub struct RandomProblem {
+    /// Kind of surface.
+    pub kind: SurfaceKind,
+    /// Half-space.
+    pub half_space: HalfSpace,
     heights_m: Array2<f64>,
     control: Control,
     hardness_pa: Option<f64>,
 }
 
-impl Posed {
-    pub(crate) fn problem(&self) -> Result<Problem<'_>, ContactError> {
+impl RandomProblem {
+    /// Returns the problem for the solver.
+    ///
+    /// # Errors
+    /// The problem is invalid.
+    pub fn problem(&self) -> Result<Problem<'_>, ContactError> {
         Problem::new(&self.half_space, &self.heights_m, self.control, self.hardness_pa)
     }
 }
 
-/// The problem of a number. Kinds of surface, boundaries and controls take turns; all else is drawn.
-pub(crate) fn draw(number: u64) -> Result<Posed, Box<dyn Error>> {
+/// Draws problem `number`. Kinds of surface, boundaries and controls alternate; everything else is random.
+///
+/// # Errors
+/// A drawn value is invalid, which does not happen.
+pub fn random_problem(number: u64) -> Result<RandomProblem, Box<dyn Error>> {
     let mut choices = Choices::new(SEED, "contact validation", number);
     let kind = KINDS[number as usize % KINDS.len()];
     let (nx, ny) = choices.one_of(&SIZES);
@@ -124,10 +143,10 @@ pub(crate) fn draw(number: u64) -> Result<Posed, Box<dyn Error>> {
         }
         (true, _) => Some(unit_pa * choices.decades(-1.5, 0.7)),
     };
-    Ok(Posed { kind, half_space: HalfSpace::new(grid, modulus_pa, boundary)?, heights_m, control, hardness_pa })
+    Ok(RandomProblem { kind, half_space: HalfSpace::new(grid, modulus_pa, boundary)?, heights_m, control, hardness_pa })
 }
 
-fn heights(choices: &mut Choices, kind: Kind, grid: Grid) -> Vec<f64> {
+fn heights(choices: &mut Choices, kind: SurfaceKind, grid: Grid) -> Vec<f64> {
     let (nx, ny) = (grid.nx(), grid.ny());
     let (x0, y0, waves) = (choices.between(0.3, 0.7), choices.between(0.3, 0.7), choices.one_of(&[1.0, 2.0, 5.0]));
     let hurst = choices.between(0.3, 0.9);
@@ -136,23 +155,23 @@ fn heights(choices: &mut Choices, kind: Kind, grid: Grid) -> Vec<f64> {
     let noise = random::standard_normal(&mut choices.stream, grid.points());
     let of = |height: &dyn Fn(usize) -> f64| (0..grid.points()).map(height).collect();
     match kind {
-        Kind::SelfAffine => {
+        SurfaceKind::SelfAffine => {
             filtered_noise(grid, &mut choices.stream, |qx, qy| qx.hypot(qy).max(2.0).powf(-1.0 - hurst))
         }
-        Kind::Smooth => filtered_noise(grid, &mut choices.stream, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
-        Kind::Lay => {
+        SurfaceKind::Smooth => filtered_noise(grid, &mut choices.stream, |qx, qy| (-(qx * qx + qy * qy) / 144.0).exp()),
+        SurfaceKind::Lay => {
             filtered_noise(grid, &mut choices.stream, |qx, qy| (qx / 16.0).hypot(qy / 2.0).max(0.5).powf(-1.0 - hurst))
         }
-        Kind::Bump => of(&bump),
-        Kind::RoughBump => of(&|i| bump(i) + 0.02 * noise[i]),
-        Kind::Wave => of(&|i| (std::f64::consts::TAU * (waves * at(i).0 + at(i).1)).cos()),
-        Kind::WhiteNoise => noise,
-        Kind::Step => of(&|i| f64::from(at(i).0 < x0) + 0.01 * noise[i]),
-        Kind::Plateaus => noise.iter().map(|z| z.round()).collect(),
+        SurfaceKind::Bump => of(&bump),
+        SurfaceKind::RoughBump => of(&|i| bump(i) + 0.02 * noise[i]),
+        SurfaceKind::Wave => of(&|i| (std::f64::consts::TAU * (waves * at(i).0 + at(i).1)).cos()),
+        SurfaceKind::WhiteNoise => noise,
+        SurfaceKind::Step => of(&|i| f64::from(at(i).0 < x0) + 0.01 * noise[i]),
+        SurfaceKind::Plateaus => noise.iter().map(|z| z.round()).collect(),
     }
 }
 
-/// Of mean zero and unit standard deviation.
+/// Scales heights to mean zero and unit standard deviation.
 fn standardised(heights: Vec<f64>) -> ndarray::Array1<f64> {
     let heights = ndarray::Array1::from_vec(heights);
     let mean = heights.sum() / heights.len() as f64;
@@ -161,9 +180,12 @@ fn standardised(heights: Vec<f64>) -> ndarray::Array1<f64> {
     centred.mapv(|z| z / rms)
 }
 
-/// Periodic heights over the unit square, self-affine with H = 0.8 between four cycles and `cutoff` cycles per side and flat
-/// below, with an rms gradient of 1; known at `points` × `points` places, of which every `stride`-th is kept.
-pub(crate) fn rough(points: usize, cutoff: f64, stride: usize) -> Result<Array2<f64>, Box<dyn Error>> {
+/// Returns periodic heights over the unit square, self-affine with H = 0.8 between four cycles and `cutoff` cycles per side and flat
+/// below, with an rms gradient of 1, on every `stride`-th of `points` × `points` points.
+///
+/// # Errors
+/// The grid is invalid.
+pub fn rough(points: usize, cutoff: f64, stride: usize) -> Result<Array2<f64>, Box<dyn Error>> {
     let grid = Grid::with_size(points, points, 1.0, 1.0)?;
     let filter = |qx: f64, qy: f64| match qx.hypot(qy) {
         q if q > cutoff => 0.0,

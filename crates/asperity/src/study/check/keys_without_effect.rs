@@ -1,51 +1,51 @@
-//! Keys that are stated and have no effect.
+//! Keys of a study that have no effect.
 
 use crate::map::BoundaryKind;
 use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile, SurfaceSection};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 impl StudyFile {
-    /// Keys that are stated and change nothing, each in a sentence.
-    pub fn idle_keys(&self) -> Vec<String> {
-        let mut idle: Vec<String> = self.surface.iter().flat_map(SurfaceSection::idle_keys).collect();
+    /// Returns a sentence for each stated key that has no effect.
+    pub fn keys_without_effect(&self) -> Vec<String> {
+        let mut keys: Vec<String> = self.surface.iter().flat_map(SurfaceSection::keys_without_effect).collect();
         if let Some(surface) = self.surface.as_ref().filter(|_| self.pressure.is_none() && self.friction.is_some()) {
             let patches_only = |key: &str| format!("[surface] {key} has no effect without [pressure]");
-            idle.extend((!surface.mean_mode).then(|| patches_only("mean_mode")));
-            idle.extend(surface.rescale.map(|_| patches_only("rescale")));
+            keys.extend((!surface.mean_mode).then(|| patches_only("mean_mode")));
+            keys.extend(surface.rescale.map(|_| patches_only("rescale")));
         }
         let periodic_only = |section: &str| format!("[{section}] mean_compliance has no effect on the free boundary");
         if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free && p.mean_compliance.is_some()) {
-            idle.push(periodic_only("pressure"));
+            keys.push(periodic_only("pressure"));
         }
         if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryKind::Free && f.mean_compliance.is_some()) {
-            idle.push(periodic_only("friction"));
+            keys.push(periodic_only("friction"));
         }
-        idle.extend(self.friction.iter().flat_map(FrictionSection::idle_keys));
+        keys.extend(self.friction.iter().flat_map(FrictionSection::keys_without_effect));
         if self.friction.as_ref().is_some_and(|f| f.law == FrictionLawKind::Coulomb)
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {
-            idle.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
+            keys.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
         }
-        idle
+        keys
     }
 }
 
 impl FrictionSection {
-    /// Its keys that are stated and change nothing, each in a sentence.
-    fn idle_keys(&self) -> Vec<String> {
+    /// Returns a sentence for each stated key that has no effect.
+    fn keys_without_effect(&self) -> Vec<String> {
         let pressure = self.pressure_coefficient.is_some() && self.law != FrictionLawKind::PressureDependent;
         let coulomb = self.coefficient.is_some() && self.law != FrictionLawKind::Coulomb;
         [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
             .into_iter()
-            .filter(|(_, idle, _)| *idle)
+            .filter(|(_, unused, _)| *unused)
             .map(|(key, _, law)| format!("[friction] {key} has no effect without law = \"{law}\""))
             .collect()
     }
 }
 
 impl SurfaceSection {
-    /// Its keys that are stated and change nothing, each in a sentence.
-    pub(in crate::study) fn idle_keys(&self) -> Vec<String> {
+    /// Returns a sentence for each stated key that has no effect.
+    pub(in crate::study) fn keys_without_effect(&self) -> Vec<String> {
         let fractal = self.generator == SurfaceGenerator::WeierstrassMandelbrot;
         let measured = self.covariance.is_of_the_scan();
         [
@@ -66,7 +66,7 @@ impl SurfaceSection {
             ("robust_filter", self.robust_filter && self.l_filter.is_none(), "without `l_filter`"),
         ]
         .into_iter()
-        .filter(|(_, idle, _)| *idle)
+        .filter(|(_, unused, _)| *unused)
         .map(|(key, _, why)| format!("[surface] {key} has no effect {why}"))
         .collect()
     }

@@ -1,48 +1,58 @@
-//! Solves problems by their number and checks each answer from its pressure alone.
+//! Solution of random problems, and checks of each answer from its pressure alone.
 
 use std::error::Error;
 
 use asperity::contact::{Boundary, Control, Problem, Residual, Solver, StopReason, love_coefficient};
 
-use crate::contact_check::{Evaluation, Operator, evaluate};
-use crate::problems::{Posed, draw};
+use super::contact_check::{Operator, evaluate};
+use super::problems::{RandomProblem, random_problem};
 
-/// Cells up to which displacements are also summed up directly.
+/// Number of cells up to which displacements are also summed directly.
 const DENSE_UP_TO: usize = 600;
-/// Two ways to transform differ by so much of the standard deviation of the heights at most.
+/// Largest difference between two ways to transform, over the standard deviation of the heights.
 const ROUNDING: f64 = 1e-11;
 
-/// One problem and what came out.
-pub(crate) struct Checked {
+/// A random problem, its solution and an independent check.
+pub struct CheckedSolution {
     number: u64,
-    pub(crate) posed: Posed,
-    pub(crate) control: Control,
-    pub(crate) yields: bool,
-    pub(crate) iterations: usize,
-    pub(crate) stop_reason: StopReason,
-    pub(crate) contact: f64,
-    /// Share of the cells in contact.
-    pub(crate) plastic: f64,
-    pub(crate) claimed: Residual,
-    /// Evaluated from the pressure by other transforms.
-    pub(crate) found: Evaluation,
-    /// The Frank–Wolfe residual with gaps counted from the plane.
+    /// The problem.
+    pub problem: RandomProblem,
+    /// Prescribed load or position.
+    pub control: Control,
+    /// Whether the problem has a hardness.
+    pub yields: bool,
+    /// Iterations of the solver.
+    pub iterations: usize,
+    /// Reason why the solver stopped.
+    pub stop_reason: StopReason,
+    /// Contact fraction.
+    pub contact: f64,
+    /// Fraction of the contact cells that yield.
+    pub plastic: f64,
+    /// Residual of the solver.
+    pub claimed: Residual,
+    /// Residual evaluated from the pressure by other transforms; `load` is the relative error of the prescribed quantity.
+    pub found: Residual,
+    /// Frank–Wolfe residual with gaps relative to the plane.
     from_plane: f64,
     /// Whether 0 ≤ p ≤ H in every cell.
     within_bounds: bool,
-    /// Largest difference of the displacements from their direct sum over the largest, on small grids.
-    pub(crate) from_dense: Option<f64>,
+    /// Largest difference between the displacements and their direct sum, over the largest displacement; small grids only.
+    pub from_dense: Option<f64>,
 }
 
-impl Checked {
-    /// Solves and checks the problem of a number.
-    pub(crate) fn of(number: u64, solver: Solver) -> Result<Self, Box<dyn Error>> {
-        let posed = draw(number)?;
-        let problem = posed.problem()?;
+impl CheckedSolution {
+    /// Solves problem `number` and checks the solution.
+    ///
+    /// # Errors
+    /// The problem is invalid or the solver fails.
+    pub fn new(number: u64, solver: Solver) -> Result<Self, Box<dyn Error>> {
+        let random = random_problem(number)?;
+        let problem = random.problem()?;
         let solution = solver.solve(&problem)?;
-        let half_space = &posed.half_space;
+        let half_space = &random.half_space;
         let operator = Operator::new(half_space.grid(), half_space.modulus_pa(), half_space.boundary());
-        let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
+        let hardness_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
         let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
         let from_dense = (p.len() <= DENSE_UP_TO).then(|| {
             let (wanted, found) = (dense(&problem, &p), solution.displacement_m());
@@ -51,7 +61,9 @@ impl Checked {
             if largest > 0.0 { miss / largest } else { miss }
         });
         let contact = solution.contact_fraction();
-        let found = evaluate(&operator, &problem, &solution);
+        let evaluated = evaluate(&operator, &problem, &solution);
+        let found =
+            Residual { frank_wolfe: evaluated.frank_wolfe, overlap: evaluated.overlap, load: evaluated.prescribed };
         let (control, yields) = (problem.control(), problem.hardness_pa().is_some());
         let gaps = operator.displace(&p).into_iter().zip(problem.heights_m()).map(|(u, z)| u - z + solution.plane_m());
         let work: f64 = gaps.zip(&p).map(|(gap, p)| p * gap.max(0.0)).sum();
@@ -67,38 +79,38 @@ impl Checked {
             claimed: solution.residual(),
             found,
             from_plane: if sum > 0.0 { work / (sum * problem.rms_height_m()) } else { 0.0 },
-            within_bounds: p.iter().all(|p| (0.0..=upper).contains(p)),
+            within_bounds: p.iter().all(|p| (0.0..=hardness_pa).contains(p)),
             from_dense,
-            posed,
+            problem: random,
         })
     }
 
-    /// Largest difference between the residuals claimed and found.
-    pub(crate) fn difference(&self) -> f64 {
+    /// Returns the largest difference between the residuals claimed and found.
+    pub fn difference(&self) -> f64 {
         let miss = |found: f64| (self.claimed.frank_wolfe - found).abs();
         let frank_wolfe = miss(self.found.frank_wolfe);
         let overlap = (self.claimed.overlap - self.found.overlap).abs();
-        let load = self.found.prescribed - self.claimed.load;
+        let load = self.found.load - self.claimed.load;
         match self.control {
-            // Gaps count from the plane where that is sought, and from the least gap where it is known; overlaps within
-            // the tolerance count in the claimed mean gap in two ways, of which it takes the worse.
+            // Gaps are relative to the plane if the solver searches for it, otherwise to the smallest gap. Overlaps within
+            // the tolerance enter the claimed mean gap in two ways, of which the solver reports the worse.
             Control::MeanGap { .. } => frank_wolfe.min(miss(self.from_plane)).max(overlap).max(load),
             _ => frank_wolfe.max(overlap).max(load.abs()),
         }
     }
 
-    /// What is wrong, if anything.
-    pub(crate) fn failure(&self, solver: Solver) -> Option<String> {
-        let found = self.found.frank_wolfe.max(self.found.overlap).max(self.found.prescribed);
-        let right = self.stop_reason == StopReason::Converged
+    /// Describes a wrong answer; `None` if the answer is correct.
+    pub fn failure(&self, solver: Solver) -> Option<String> {
+        let found = self.found.frank_wolfe.max(self.found.overlap).max(self.found.load);
+        let is_correct = self.stop_reason == StopReason::Converged
             && self.within_bounds
             && self.claimed.worst() <= solver.tolerance
             && found <= solver.tolerance + ROUNDING
             && self.difference() <= ROUNDING
             && self.from_dense.is_none_or(|miss| miss <= ROUNDING);
-        (!right).then(|| {
+        (!is_correct).then(|| {
             let Self { number, control, yields, iterations, stop_reason, claimed, found, from_dense, .. } = self;
-            let (kind, half_space) = (self.posed.kind.name(), &self.posed.half_space);
+            let (kind, half_space) = (self.problem.kind.name(), &self.problem.half_space);
             format!(
                 "problem {number}, {kind}: {:?}, {:?}, {control:?}, yields {yields}: {stop_reason:?} after {iterations}, \
                  {claimed:?}, {found:?}, direct sum {from_dense:?}",
@@ -109,8 +121,8 @@ impl Checked {
     }
 }
 
-/// Displacements as the sum over all pairs of cells, from the kernel at every lag: Love's coefficient, or the sum of all
-/// waves.
+/// Returns the displacements as the sum over all pairs of cells, from the kernel at every lag: Love's coefficient, or the
+/// sum of all waves.
 fn dense(problem: &Problem<'_>, p: &[f64]) -> Vec<f64> {
     let half_space = problem.half_space();
     let (grid, modulus_pa) = (half_space.grid(), half_space.modulus_pa());
