@@ -218,13 +218,15 @@ impl Field<'_> {
         }
         let captured_slope_variance = field.captured_slope_variance();
         if captured_slope_variance < WANTED_VARIANCE {
+            // Heights that are scaled to the whole variance scale the slopes, too.
+            let variance = if rescale == Some(false) { 1.0 } else { captured_variance };
             warnings.push(format!(
                 "{modes} Karhunen–Loève terms hold {} % of the slope variance on a patch of {}: the slopes of the random surfaces are \
                  {} times those of the model, and elastic contact area and friction depend on slopes; leave `modes` out, or use the \
                  spectral generator",
                 sentence::digits(100.0 * captured_slope_variance),
                 self.size(),
-                sentence::digits(captured_slope_variance.sqrt()),
+                sentence::digits((captured_slope_variance / variance).sqrt()),
             ));
         }
         let karhunen_loeve = Some(CapturedModes { modes, captured_variance, captured_slope_variance });

@@ -9,6 +9,8 @@ mod vibration;
 use thiserror::Error;
 
 use crate::study::file::StudyFile;
+use crate::surface::model::SurfaceRequest;
+pub(super) use friction::{FrictionStudy, WindowLaw};
 pub(super) use pressure::PressureStudy;
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
@@ -16,7 +18,9 @@ pub(super) use vibration::{FrictionSource, VibrationStudy};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     file: StudyFile,
+    pub(super) surface: Option<SurfaceRequest>,
     pub(super) pressure: Option<PressureStudy>,
+    pub(super) friction: Option<FrictionStudy>,
     pub(super) vibration: Option<VibrationStudy>,
 }
 
@@ -96,19 +100,19 @@ impl StudyFile {
     /// # Errors
     /// A value is out of range, a required value is missing, or two values exclude each other.
     pub fn check(mut self) -> Result<Study, InvalidValue> {
-        self.check_surface()?;
+        let surface = self.check_surface()?;
         let material = self.check_material()?;
         let pressure = self.check_pressure(material.as_ref())?;
-        self.check_friction()?;
-        self.check_uncertainty()?;
         // The study of a run folder also states the default values.
         if let Some(friction) = self.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
             friction.percentiles = Some(friction.percentiles().to_vec());
         }
+        let friction = self.check_friction(material.as_ref())?;
+        self.check_uncertainty()?;
         let vibration = self.check_vibration()?;
         if let Some(vibration) = &mut self.vibration {
             vibration.stribeck = vibration.stribeck();
         }
-        Ok(Study { file: self, pressure, vibration })
+        Ok(Study { file: self, surface, pressure, friction, vibration })
     }
 }

@@ -13,6 +13,7 @@ use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
+use crate::study::InvalidValue;
 use crate::study::sentence;
 use crate::surface::GeneratorError;
 use crate::surface::filter::FilterError;
@@ -124,6 +125,9 @@ pub enum StudyError {
     /// The vibration stage failed.
     #[error("vibration: {0}")]
     Vibration(#[from] VibrationError),
+    /// A value of the study is invalid.
+    #[error(transparent)]
+    Invalid(#[from] InvalidValue),
     /// The study lacks the section of a stage that was asked for.
     #[error("the study has no [{0}] section")]
     NoStage(&'static str),
@@ -177,7 +181,8 @@ impl StudyError {
             | Self::Clipped { computed: false, .. }
             | Self::Process(_)
             | Self::Propagation(_)
-            | Self::NoStage(_) => FailureKind::Configuration,
+            | Self::NoStage(_)
+            | Self::Invalid(_) => FailureKind::Configuration,
             Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,
             // The stated law alone is to blame.
             Self::Vibration(VibrationError::FrictionNotPositive { fluctuation, .. }) if *fluctuation >= 0.0 => {

@@ -1,27 +1,20 @@
-//! The friction law of a study.
+//! Friction law of a study.
 
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, FrictionLaw, PressureDependent};
-use crate::study::StudyError;
-use crate::study::file::{FrictionLawKind, FrictionSection, MaterialSection};
+use crate::study::check::WindowLaw;
 use crate::study::sentence;
 
-/// The law that a section chooses, and the same in words.
-pub(super) fn friction_law(
-    section: &FrictionSection,
-    material: &MaterialSection,
-) -> Result<(Box<dyn FrictionLaw>, String), StudyError> {
-    let shear = || material.shear_strength.map(|strength| strength.0).ok_or(StudyError::NoStage("material"));
+/// Returns the law and its description.
+pub(super) fn friction_law(law: WindowLaw) -> (Box<dyn FrictionLaw>, String) {
     let area = |strength_pa| {
         format!("τ_max = {} and the contact area A_c corrected for its perimeter", sentence::si(strength_pa, "Pa"))
     };
-    Ok(match section.law {
-        FrictionLawKind::BowdenTabor => {
-            let shear_strength_pa = shear()?;
+    match law {
+        WindowLaw::BowdenTabor { shear_strength_pa } => {
             let words = format!("Friction is shear-dominated, μ = τ_max A_c/N with {}", area(shear_strength_pa));
             (Box::new(BowdenTabor { shear_strength_pa }), words)
         }
-        FrictionLawKind::PressureDependent => {
-            let (shear_strength_pa, pressure_coefficient) = (shear()?, section.pressure_coefficient.unwrap_or(0.0));
+        WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient } => {
             let words = format!(
                 "The shear strength of contacts grows with the pressure, τ = τ_max + αp, so that μ = τ_max A_c/N + α with α = \
                  {pressure_coefficient}, {}",
@@ -29,8 +22,7 @@ pub(super) fn friction_law(
             );
             (Box::new(PressureDependent { shear_strength_pa, pressure_coefficient }), words)
         }
-        FrictionLawKind::AdhesionPloughing => {
-            let shear_strength_pa = shear()?;
+        WindowLaw::AdhesionPloughing { shear_strength_pa } => {
             let words = format!(
                 "Contacts are sheared and, where they yield, plough: μ = (τ_max A_c + ∫p|∂z/∂x| dA)/N, the integral over \
                  plastic contact, with {}",
@@ -38,10 +30,9 @@ pub(super) fn friction_law(
             );
             (Box::new(AdhesionPloughing { shear_strength_pa }), words)
         }
-        FrictionLawKind::Coulomb => {
-            let coefficient = section.coefficient.ok_or(StudyError::NoStage("friction"))?;
+        WindowLaw::Coulomb { coefficient } => {
             let words = format!("Friction is Coulomb's, μ = {coefficient} whatever the contact");
             (Box::new(Coulomb { coefficient }), words)
         }
-    })
+    }
 }

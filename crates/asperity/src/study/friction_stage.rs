@@ -7,13 +7,14 @@ mod words;
 
 pub(super) use self::words::no_variance;
 
-use crate::contact::{Control, Solver, contact_modulus_pa};
+use crate::contact::{Control, Solver};
 use crate::friction::strip::StripProblem;
 use crate::friction::window::Window;
 use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::study::file::{FrictionSection, MaterialSection, WindowShape};
+use crate::study::check::FrictionStudy;
+use crate::study::file::{FrictionSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::output::StageOutput;
@@ -83,21 +84,19 @@ pub(super) struct FrictionStage {
 
 /// Returns the contact problem of the strips of a section with its mean compliance, in m/Pa, and a description of the friction law.
 fn strip_problem(
-    section: &FrictionSection,
-    material: &MaterialSection,
+    FrictionStudy { section, material, law }: &FrictionStudy,
 ) -> Result<(StripProblem, Option<f64>, String), StudyError> {
     let [nx, ny] = section.points;
     let grid = Grid::with_size(nx, ny, section.strip[0].0, section.strip[1].0)
         .map_err(|error| StudyError::Grid { section: "friction", error })?;
     let compliance = section.mean_compliance.map(|c| c.0);
-    let modulus_pa = contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
     let (half_space, mean_compliance_m_per_pa) =
-        half_space("friction", grid, modulus_pa, section.boundary, compliance)?;
+        half_space("friction", grid, material.contact_modulus_pa(), section.boundary, compliance)?;
     let window = match section.window_shape {
         WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
         WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
     };
-    let (law, law_in_words) = friction_law(section, material)?;
+    let (law, law_in_words) = friction_law(*law);
     let hardness_pa = material.hardness.map(|h| h.0);
     let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
     let problem = StripProblem { half_space, window, law, hardness_pa, solver };
@@ -106,15 +105,15 @@ fn strip_problem(
 
 /// Solves the strips at the levels of the section and at the operating level.
 pub(super) fn run(
-    section: &FrictionSection,
-    material: &MaterialSection,
+    study: &FrictionStudy,
     surface: &SurfaceStage,
     operating: OperatingLevel,
     nominal_area_m2: f64,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
-    let (problem, mean_compliance_m_per_pa, law_in_words) = strip_problem(section, material)?;
+    let section = &study.section;
+    let (problem, mean_compliance_m_per_pa, law_in_words) = strip_problem(study)?;
     let grid = problem.grid();
     let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
     let strips = problem.strips(generated.surface.as_ref(), section.realisations, seed);
@@ -132,7 +131,7 @@ pub(super) fn run(
     let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
     let lead = operating.index_in(&pressures);
     let uncertain = friction_uncertainty::run(section, &problem, surface, &levels, seed, monitor)?;
-    let (cutoff, of_cutoff) = cutoff::run(section, material, surface, (&levels, lead), seed, monitor)?;
+    let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
     let window = &problem.window;
     let mut result = FrictionResult {
         window_m: window.length_m(),

@@ -52,9 +52,9 @@ impl Study {
     /// Returns whether the study has a section for the stage.
     pub fn has(&self, stage: Stage) -> bool {
         match stage {
-            Stage::Surface => self.file().surface.is_some(),
+            Stage::Surface => self.surface.is_some(),
             Stage::Pressure => self.pressure.is_some(),
-            Stage::Friction => self.file().friction.is_some(),
+            Stage::Friction => self.friction.is_some(),
             Stage::Vibration => self.vibration.is_some(),
         }
     }
@@ -114,11 +114,11 @@ impl Study {
         let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
         gathered.results.warnings = self.known_warnings(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
-        if let Some(section) = &self.file().surface {
+        if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
             monitor.progress("surface", 0, 1);
             let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let scans = section.files().iter().map(name).zip(section.read_scans(folder)?).collect();
-            let mut stage = surface_stage::run(section, scans)?;
+            let mut stage = surface_stage::run(section, request.clone(), scans)?;
             monitor.progress("surface", 1, 1);
             gathered.add(mem::take(&mut stage.output));
             surface = Some(stage);
@@ -131,9 +131,7 @@ impl Study {
             gathered.results.pressure = Some(stage.result);
         }
         let mut friction = None;
-        if let (Some(section), Some(material), Some(surface), true) =
-            (&self.file().friction, &self.file().material, &surface, wants_friction)
-        {
+        if let (Some(study), Some(surface), true) = (&self.friction, &surface, wants_friction) {
             let level = match &self.vibration {
                 None => OperatingLevel::Deepest,
                 Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
@@ -142,14 +140,14 @@ impl Study {
                 Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
             };
             let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let stated = section.nominal_area.or_else(vibration_area);
+            let stated = study.section.nominal_area.or_else(vibration_area);
             let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
             if stated.is_none() {
                 let assumed =
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(section, material, surface, level, nominal_area_m2, self.seed(), monitor)?;
+            let stage = friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = self
@@ -162,20 +160,16 @@ impl Study {
             }
             friction = Some(stage.solved);
         }
-        if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
-            let friction = match (&friction, known) {
-                (Some(solved), _) => WindowFriction::from_level(
-                    solved.operating(),
-                    &solved.window,
-                    section.nominal_contact(),
-                    section.dimensionless_stribeck(),
-                ),
-                (None, Some(known)) => known,
-                (None, None) => return Err(StudyError::NoStage("friction")),
-            };
-            let stage = vibration_stage::run(section, &friction, self.seed(), monitor)?;
-            gathered.add(stage.output);
-            gathered.results.vibration = Some(stage.result);
+        if let (Some(study), true) = (&self.vibration, wants(Stage::Vibration)) {
+            let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
+            let computed = friction
+                .as_ref()
+                .map(|solved| WindowFriction::from_level(solved.operating(), &solved.window, nominal, stribeck));
+            if let Some(window) = known.or(computed) {
+                let stage = vibration_stage::run(study, &window, self.seed(), monitor)?;
+                gathered.add(stage.output);
+                gathered.results.vibration = Some(stage.result);
+            }
         }
         gathered.results.surface = surface.map(|stage| stage.result(karhunen_loeve));
         Ok(gathered.outcome())

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::correlation::CorrelationFamily;
 use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::quantity::Length;
@@ -73,7 +74,7 @@ impl Specimen {
             .map_err(|error| StudyError::Grid { section: "size and points", error })?;
         let names = self.surface.files().iter().map(|file| file.to_string_lossy().into_owned());
         let scans = names.zip(self.surface.read_scans(folder)?).collect();
-        let stage = surface_stage::run(&self.surface, scans)?;
+        let stage = surface_stage::run(&self.surface, self.surface.request(CorrelationFamily::ALL)?, scans)?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryKind::Periodic)?;
         let keys = self.surface.keys_without_effect().into_iter();
         let warnings = keys.chain(stage.output.warnings).chain(generated.warnings).collect();

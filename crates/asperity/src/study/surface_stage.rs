@@ -2,7 +2,7 @@
 
 use asperity_formats::Scan;
 
-use crate::correlation::{CorrelationFamily, CorrelationModel, StationaryCovariance};
+use crate::correlation::{CorrelationModel, StationaryCovariance};
 use crate::map::HeightMap;
 use crate::study::contact_check::contact_warning;
 use crate::study::file::SurfaceSection;
@@ -11,14 +11,14 @@ use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, law
 use crate::study::scan_tables::scan_tables;
 use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
 use crate::study::{Field, StudyError, sentence};
+use crate::surface::CovarianceSource;
 use crate::surface::level::Level;
 use crate::surface::model::{
-    CapturedModes, CovarianceRequest, Expansion, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance,
-    SurfaceModel, SurfaceModelError, SurfaceRequest, Texture,
+    CapturedModes, GAMMA, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceModelError,
+    SurfaceRequest, Texture,
 };
 use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::scanned::ScannedSurface;
-use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
 
 /// Model of the random surfaces, and the scan on which it is measured.
@@ -45,10 +45,14 @@ impl SurfaceStage {
 }
 
 /// Runs the stage; `scans` are the files of the study, already read, with their names.
-pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<SurfaceStage, StudyError> {
+pub(super) fn run(
+    section: &SurfaceSection,
+    request: SurfaceRequest,
+    scans: Vec<(String, Scan)>,
+) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
     let measured = measure_all(section, scans, &mut output)?;
-    let (model, selected) = model_of(section, measured.as_ref(), CorrelationFamily::ALL, &mut output)?;
+    let (model, selected) = model_of(section, request, measured.as_ref(), &mut output)?;
     let covariance = selected.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
         output.tables.extend(scan_tables(measured, model.covariance(), &model.marginal)?);
@@ -61,14 +65,14 @@ pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Resul
     Ok(SurfaceStage { model, measured, covariance, output })
 }
 
-/// Makes the model of the random surfaces of a section and, if it has a covariance, reports its selection among `families`.
+/// Makes the model of the random surfaces that a section requests and, if it has a covariance, reports its selection.
 pub(super) fn model_of(
     section: &SurfaceSection,
+    request: SurfaceRequest,
     measured: Option<&ScannedSurface>,
-    families: &[CorrelationFamily],
     output: &mut StageOutput,
 ) -> Result<(SurfaceModel, Option<SelectedCovariance>), StudyError> {
-    let (model, selected) = SurfaceModel::new(request(section, families)?, measured)?;
+    let (model, selected) = SurfaceModel::new(request, measured)?;
     let part = measured.and_then(|m| m.part.as_ref());
     output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
     if let Some(selected) = &selected {
@@ -175,49 +179,6 @@ fn in_words(preparation: &Preparation, prepared: &Prepared) -> String {
     let kind = if preparation.robust { " (robust)" } else { "" };
     let (short, long) = (filter("S", preparation.s_filter_m), filter("L", preparation.l_filter_m));
     format!("{form} ({outliers}; {short}; {long}{kind})")
-}
-
-/// Returns the request of a section for a random surface. A section without scans has to state what is measured otherwise.
-fn request(section: &SurfaceSection, families: &[CorrelationFamily]) -> Result<SurfaceRequest, StudyError> {
-    let has_scan = !section.files().is_empty();
-    let absent = StudyError::NoStage("surface");
-    let rms_height_m = match section.rms_height {
-        Some(rms) => Measurable::Stated(rms.0),
-        None if has_scan => Measurable::Measured,
-        None => return Err(absent),
-    };
-    let expansion = match section.generator {
-        SurfaceGenerator::KarhunenLoeve => {
-            let &SurfaceSection { modes, mean_mode, rescale, .. } = section;
-            Some(Expansion { modes, mean_mode, rescale })
-        }
-        SurfaceGenerator::Spectral => None,
-        SurfaceGenerator::WeierstrassMandelbrot => {
-            let dimension = section.fractal_dimension.map_or(Measurable::Measured, Measurable::Stated);
-            return Ok(SurfaceRequest::WeierstrassMandelbrot { rms_height_m, dimension });
-        }
-    };
-    let stated = |model| {
-        let lengths_m = section.correlation_length.map_or([f64::NAN; 2], |lengths| lengths.map(|length| length.0));
-        CovarianceRequest::Stated { model, lengths_m }
-    };
-    let covariance = match section.covariance {
-        CovarianceSource::Measured if has_scan => CovarianceRequest::Measured,
-        CovarianceSource::Empirical if has_scan => CovarianceRequest::Empirical,
-        CovarianceSource::Measured | CovarianceSource::Empirical => return Err(absent),
-        CovarianceSource::SquaredExponential => stated(CorrelationModel::SquaredExponential),
-        CovarianceSource::Exponential => stated(CorrelationModel::Exponential),
-        CovarianceSource::Matern => stated(CorrelationModel::Matern { nu: section.smoothness.unwrap_or(f64::NAN) }),
-        CovarianceSource::SelfAffine => {
-            stated(CorrelationModel::SelfAffine { hurst: section.hurst.unwrap_or(f64::NAN) })
-        }
-    };
-    let marginal = match section.marginal.as_str() {
-        "measured" if has_scan => Measurable::Measured,
-        text => Measurable::Stated(text.parse()?),
-    };
-    let (families, translation) = (families.to_vec(), section.translation);
-    Ok(SurfaceRequest::Translated { rms_height_m, covariance, families, marginal, translation, expansion })
 }
 
 fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -> String {

@@ -91,12 +91,12 @@ impl Twins {
         // Warnings of the file come first.
         let measured = measure(&section, file, scan, &mut output)?;
         output.warnings.extend(section.keys_without_effect());
-        let model = model_of(&section, Some(&measured), &options.families, &mut output);
+        let model = model_of(&section, section.request(&options.families)?, Some(&measured), &mut output);
         let (model, chosen) = match model {
             Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
-                model_of(&section, Some(&measured), &options.families, &mut output)?
+                model_of(&section, section.request(&options.families)?, Some(&measured), &mut output)?
             }
             model => model?,
         };

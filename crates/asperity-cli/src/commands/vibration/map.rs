@@ -135,7 +135,7 @@ impl Map {
         let names = over.axes();
         let MapResolution { x, y, unresolved_share } = map.resolution;
         if unresolved_share > 0.0 {
-            monitor.note(&format!(
+            monitor.warn(&format!(
                 "along {:.0} % of the front the probability falls from 95 % to 5 % within one cell of {x:.2e} × {y:.2e} ({} × {}): the \
                  transition is narrower than that, and only the contour of 50 % is given there; a larger --depth has smaller cells",
                 100.0 * unresolved_share,

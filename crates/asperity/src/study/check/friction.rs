@@ -1,5 +1,6 @@
 //! Checks of `[friction]`.
 
+use super::pressure::Material;
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
 use crate::map::BoundaryKind;
@@ -7,11 +8,47 @@ use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile};
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::surface::SurfaceGenerator;
 
+/// Friction of windows on solved strips.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct FrictionStudy {
+    /// Strips, window and levels.
+    pub(in crate::study) section: FrictionSection,
+    pub(in crate::study) material: Material,
+    pub(in crate::study) law: WindowLaw,
+}
+
+/// Friction law of a window with its parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::study) enum WindowLaw {
+    /// F = τ_max A_c.
+    BowdenTabor {
+        /// τ_max in pascal.
+        shear_strength_pa: f64,
+    },
+    /// F = τ_max A_c + αN.
+    PressureDependent {
+        /// τ_max in pascal.
+        shear_strength_pa: f64,
+        /// α.
+        pressure_coefficient: f64,
+    },
+    /// F = τ_max A_c and the ploughing of yielded contacts.
+    AdhesionPloughing {
+        /// τ_max in pascal.
+        shear_strength_pa: f64,
+    },
+    /// F = μN.
+    Coulomb {
+        /// μ.
+        coefficient: f64,
+    },
+}
+
 impl StudyFile {
-    pub(super) fn check_friction(&self) -> Result<(), InvalidValue> {
+    pub(super) fn check_friction(&self, material: Option<&Material>) -> Result<Option<FrictionStudy>, InvalidValue> {
         const SECTION: &str = "friction";
-        let Some(f) = &self.friction else { return Ok(()) };
-        self.check_friction_law(f)?;
+        let (Some(f), Some(&material)) = (&self.friction, material) else { return Ok(None) };
+        let law = self.check_friction_law(f)?;
         for side in f.strip {
             within(SECTION, "strip", side.0, positive, POSITIVE)?;
         }
@@ -54,7 +91,8 @@ impl StudyFile {
             }
         }
         at_least(SECTION, "realisations", f.realisations, 2)?;
-        within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
+        within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")?;
+        Ok(Some(FrictionStudy { section: f.clone(), material, law }))
     }
 
     pub(super) fn check_uncertainty(&self) -> Result<(), InvalidValue> {
@@ -108,27 +146,36 @@ impl StudyFile {
         at_least(SECTION, "realisations", friction.uncertainty_realisations(), 4)
     }
 
-    fn check_friction_law(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
+    fn check_friction_law(&self, f: &FrictionSection) -> Result<WindowLaw, InvalidValue> {
         const SECTION: &str = "friction";
         let material = self.material.as_ref();
-        if f.law != FrictionLawKind::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
-            return Err(invalid("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
-        }
-        if f.law == FrictionLawKind::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
-            let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
-            return Err(invalid("material", "hardness", message));
-        }
-        let missing = |key, message: &str| Err(invalid(SECTION, key, message));
-        match (f.law, f.pressure_coefficient, f.coefficient) {
-            (FrictionLawKind::PressureDependent, None, _) => {
-                missing("pressure_coefficient", "law = \"pressure_dependent\" needs its α, such as 0.05")
+        let shear = || {
+            let message = "[friction] needs the shear strength of the contacts";
+            material.and_then(|m| m.shear_strength).ok_or_else(|| invalid("material", "shear_strength", message))
+        };
+        match f.law {
+            FrictionLawKind::BowdenTabor => Ok(WindowLaw::BowdenTabor { shear_strength_pa: shear()?.0 }),
+            FrictionLawKind::AdhesionPloughing => {
+                let shear_strength_pa = shear()?.0;
+                if material.is_none_or(|m| m.hardness.is_none()) {
+                    let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
+                    return Err(invalid("material", "hardness", message));
+                }
+                Ok(WindowLaw::AdhesionPloughing { shear_strength_pa })
             }
-            (FrictionLawKind::PressureDependent, Some(alpha), _) => {
-                within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")
+            FrictionLawKind::PressureDependent => {
+                let shear_strength_pa = shear()?.0;
+                let message = "law = \"pressure_dependent\" needs its α, such as 0.05";
+                let alpha = f.pressure_coefficient.ok_or_else(|| invalid(SECTION, "pressure_coefficient", message))?;
+                within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")?;
+                Ok(WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient: alpha })
             }
-            (FrictionLawKind::Coulomb, _, None) => missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2"),
-            (FrictionLawKind::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
-            _ => Ok(()),
+            FrictionLawKind::Coulomb => {
+                let message = "law = \"coulomb\" needs its μ, such as 0.2";
+                let coefficient = f.coefficient.ok_or_else(|| invalid(SECTION, "coefficient", message))?;
+                within(SECTION, "coefficient", coefficient, positive, POSITIVE)?;
+                Ok(WindowLaw::Coulomb { coefficient })
+            }
         }
     }
 

@@ -1,23 +1,24 @@
 //! Checks of `[surface]`.
 
-use std::str::FromStr;
-
 use asperity_formats::LengthUnit;
 
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
-use crate::distribution::Marginal;
+use crate::correlation::{CorrelationFamily, CorrelationModel};
+use crate::distribution::DistributionError;
 use crate::map::{BoundaryKind, PITCH_RANGE_M};
-use crate::study::file::StudyFile;
+use crate::study::file::{StudyFile, SurfaceSection};
+use crate::surface::model::{CovarianceRequest, Expansion, Measurable, SurfaceRequest};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
+const SECTION: &str = "surface";
+
 impl StudyFile {
-    pub(super) fn check_surface(&self) -> Result<(), InvalidValue> {
-        const SECTION: &str = "surface";
+    pub(super) fn check_surface(&self) -> Result<Option<SurfaceRequest>, InvalidValue> {
         let Some(s) = &self.surface else {
             return match (self.pressure.is_some() || self.friction.is_some(), self.vibration.is_some()) {
                 (true, _) => Err(invalid(SECTION, "file", "[pressure] and [friction] need a [surface] section")),
                 (false, false) => Err(invalid(SECTION, "file", "the study has no stage; add a [surface] section")),
-                (false, true) => Ok(()),
+                (false, true) => Ok(None),
             };
         };
         if let Some(pixel) = s.pixel_size {
@@ -64,10 +65,6 @@ impl StudyFile {
             )?;
         }
         at_least(SECTION, "modes", s.modes.unwrap_or(1), 1)?;
-        if s.marginal != "measured" {
-            Marginal::from_str(&s.marginal).map_err(|error| invalid(SECTION, "marginal", error.to_string()))?;
-        }
-        let gaussian = s.generator != SurfaceGenerator::WeierstrassMandelbrot;
         let expanded = s.generator == SurfaceGenerator::KarhunenLoeve;
         for (key, stated) in [("mean_mode", !s.mean_mode), ("rescale", s.rescale.is_some())] {
             if stated && !expanded {
@@ -86,32 +83,84 @@ impl StudyFile {
         if s.file.is_some() && s.files().is_empty() {
             return Err(invalid(SECTION, "file", "the list of scans is empty; name at least one, or remove `file`"));
         }
-        if s.file.is_none() {
-            let missing =
-                |key, what: &str| invalid(SECTION, key, format!("{what} cannot be measured without `file`; state it"));
-            if gaussian && s.covariance.is_of_the_scan() {
-                return Err(missing("covariance", "the covariance"));
+        Ok(Some(s.request(CorrelationFamily::ALL)?))
+    }
+}
+
+impl SurfaceSection {
+    /// Returns the request for a random surface; a measured covariance is the best of `families`.
+    ///
+    /// # Errors
+    /// A quantity is neither stated nor measured on a scan.
+    pub(in crate::study) fn request(&self, families: &[CorrelationFamily]) -> Result<SurfaceRequest, InvalidValue> {
+        let rms_height = self.rms_height.map(|rms| rms.0);
+        let expansion = match self.generator {
+            SurfaceGenerator::KarhunenLoeve => {
+                let &Self { modes, mean_mode, rescale, .. } = self;
+                Some(Expansion { modes, mean_mode, rescale })
             }
-            if gaussian && s.marginal == "measured" {
-                return Err(missing("marginal", "the marginal distribution"));
+            SurfaceGenerator::Spectral => None,
+            SurfaceGenerator::WeierstrassMandelbrot => {
+                let rms_height_m = self.stated_or_measured("rms_height", "the rms height", rms_height)?;
+                let dimension =
+                    self.stated_or_measured("fractal_dimension", "the fractal dimension", self.fractal_dimension)?;
+                return Ok(SurfaceRequest::WeierstrassMandelbrot { rms_height_m, dimension });
             }
-            if s.rms_height.is_none() {
-                return Err(missing("rms_height", "the rms height"));
+        };
+        let stated = match self.covariance {
+            CovarianceSource::Measured | CovarianceSource::Empirical => None,
+            source => Some(self.stated_covariance(source)?),
+        };
+        let covariance = match self.stated_or_measured("covariance", "the covariance", stated)? {
+            Measurable::Stated((model, lengths_m)) => CovarianceRequest::Stated { model, lengths_m },
+            Measurable::Measured if self.covariance == CovarianceSource::Empirical => CovarianceRequest::Empirical,
+            Measurable::Measured => CovarianceRequest::Measured,
+        };
+        let marginal = match self.marginal.as_str() {
+            "measured" => None,
+            text => Some(text.parse().map_err(|e: DistributionError| invalid(SECTION, "marginal", e.to_string()))?),
+        };
+        let marginal = self.stated_or_measured("marginal", "the marginal distribution", marginal)?;
+        let rms_height_m = self.stated_or_measured("rms_height", "the rms height", rms_height)?;
+        let (families, translation) = (families.to_vec(), self.translation);
+        Ok(SurfaceRequest::Translated { rms_height_m, covariance, families, marginal, translation, expansion })
+    }
+
+    fn stated_or_measured<T>(
+        &self,
+        key: &'static str,
+        name: &str,
+        stated: Option<T>,
+    ) -> Result<Measurable<T>, InvalidValue> {
+        match stated {
+            Some(value) => Ok(Measurable::Stated(value)),
+            None if self.files().is_empty() => {
+                Err(invalid(SECTION, key, format!("{name} cannot be measured without `file`; state it")))
             }
+            None => Ok(Measurable::Measured),
         }
-        if !s.covariance.is_of_the_scan() && s.correlation_length.is_none() {
-            return Err(invalid(SECTION, "correlation_length", "a stated covariance needs its lengths along x and y"));
-        }
-        if s.covariance == CovarianceSource::SelfAffine && s.hurst.is_none() {
-            return Err(invalid(SECTION, "hurst", "a self-affine covariance requires its Hurst exponent"));
-        }
-        if s.covariance == CovarianceSource::Matern && s.smoothness.is_none() {
-            return Err(invalid(SECTION, "smoothness", "a Matérn covariance requires its smoothness ν"));
-        }
-        if !gaussian && s.fractal_dimension.is_none() && s.file.is_none() {
-            let message = "the Weierstrass–Mandelbrot generator requires this key if there is no scan to measure it on";
-            return Err(invalid(SECTION, "fractal_dimension", message));
-        }
-        Ok(())
+    }
+
+    /// Returns the stated correlation model and its lengths along x and y in metre.
+    fn stated_covariance(&self, source: CovarianceSource) -> Result<(CorrelationModel, [f64; 2]), InvalidValue> {
+        let needed = |key, message: &str| invalid(SECTION, key, message);
+        let lengths = self
+            .correlation_length
+            .ok_or_else(|| needed("correlation_length", "a stated covariance needs its lengths along x and y"))?;
+        let model = match source {
+            CovarianceSource::Matern => CorrelationModel::Matern {
+                nu: self
+                    .smoothness
+                    .ok_or_else(|| needed("smoothness", "a Matérn covariance requires its smoothness ν"))?,
+            },
+            CovarianceSource::SelfAffine => CorrelationModel::SelfAffine {
+                hurst: self
+                    .hurst
+                    .ok_or_else(|| needed("hurst", "a self-affine covariance requires its Hurst exponent"))?,
+            },
+            CovarianceSource::Exponential => CorrelationModel::Exponential,
+            _ => CorrelationModel::SquaredExponential,
+        };
+        Ok((model, lengths.map(|length| length.0)))
     }
 }

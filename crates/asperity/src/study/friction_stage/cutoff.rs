@@ -4,7 +4,8 @@ use crate::friction::SolvedLevel;
 use crate::friction::cutoff::{CutoffBlock, CutoffPlan, CutoffStudy, OperatingMean, STRIPS};
 use crate::monitor::Monitor;
 use crate::quantity::Length;
-use crate::study::file::{FrictionLawKind, FrictionSection, MaterialSection, WindowShape};
+use crate::study::check::{FrictionStudy, WindowLaw};
+use crate::study::file::{FrictionLawKind, FrictionSection, WindowShape};
 use crate::study::friction_stage::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
@@ -24,9 +25,9 @@ pub(in crate::study) fn plan(section: &FrictionSection, levels: usize) -> Option
 }
 
 /// Returns the section of the strips of a plan, or of those of half the pitch.
-fn section_of(plan: &CutoffPlan, section: &FrictionSection, halved: bool) -> FrictionSection {
-    let factor = if halved { 2 } else { 1 };
-    FrictionSection {
+fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionStudy {
+    let (factor, section) = (if halved { 2 } else { 1 }, &study.section);
+    let section = FrictionSection {
         strip: [Length(plan.length_m), section.strip[1]],
         points: plan.points.map(|points| factor * points),
         // The mean over a strip does not depend on the window, which has to fit in ten times.
@@ -35,22 +36,22 @@ fn section_of(plan: &CutoffPlan, section: &FrictionSection, halved: bool) -> Fri
         window_shape: WindowShape::Rectangle,
         realisations: STRIPS,
         ..section.clone()
-    }
+    };
+    FrictionStudy { section, ..*study }
 }
 
 /// Solves the strips of every cutoff and of half the pitch at the mean pressure of the operating level; `None` for Coulomb's law.
 pub(super) fn run(
-    section: &FrictionSection,
-    material: &MaterialSection,
+    friction: &FrictionStudy,
     surface: &SurfaceStage,
     (levels, lead): (&[SolvedLevel], usize),
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<(Option<CutoffResult>, StageOutput), StudyError> {
     let mut output = StageOutput::default();
-    let Some(plan) = plan(section, levels.len()) else { return Ok((None, output)) };
+    let Some(plan) = plan(&friction.section, levels.len()) else { return Ok((None, output)) };
     let lead = &levels[lead];
-    let [own, halved] = [false, true].map(|halved| strip_problem(&section_of(&plan, section, halved), material));
+    let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
     let (own, halved) = (own?.0, halved?.0);
     let generated = surface.model.strip(own.grid(), own.is_periodic(), XiOrder::Variance)?;
     // The sum of cosines of arbitrary directions does not close at the edges of a strip.
@@ -102,7 +103,7 @@ pub(super) fn run(
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
         band_end_m: surface.measured.as_ref().and_then(ScannedSurface::band_end_m),
-        plastic_floor: plastic_floor(section, material),
+        plastic_floor: plastic_floor(friction),
         points,
         halved_pitch,
         known: String::new(),
@@ -116,12 +117,17 @@ pub(super) fn run(
 }
 
 /// Returns the friction of contacts at the hardness: τ_max/H, plus α of a pressure-dependent shear strength.
-fn plastic_floor(section: &FrictionSection, material: &MaterialSection) -> Option<f64> {
-    let (hardness, shear) = (material.hardness?.0, material.shear_strength?.0);
-    Some(
-        shear / hardness
-            + section.pressure_coefficient.filter(|_| section.law == FrictionLawKind::PressureDependent).unwrap_or(0.0),
-    )
+fn plastic_floor(study: &FrictionStudy) -> Option<f64> {
+    let (shear_strength_pa, alpha) = match study.law {
+        WindowLaw::BowdenTabor { shear_strength_pa } | WindowLaw::AdhesionPloughing { shear_strength_pa } => {
+            (shear_strength_pa, 0.0)
+        }
+        WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient } => {
+            (shear_strength_pa, pressure_coefficient)
+        }
+        WindowLaw::Coulomb { .. } => return None,
+    };
+    Some(shear_strength_pa / study.material.hardness?.0 + alpha)
 }
 
 fn table(result: &CutoffResult) -> Table {
