@@ -86,11 +86,10 @@ fn the_slopes_that_a_stated_number_of_terms_loses_are_reported_and_warned_about(
     assert!(ended.stderr.contains("% of the slope variance"), "{ended:?}");
     // Heights that keep their whole variance have higher slopes than the terms alone.
     let scaled = surface.replace("rescale = false\n", "");
+    let folder = TempDir::new().unwrap();
     let maps = generated(folder.path(), &format!("seed = 7\n{patch}{scaled}"), 40);
     let slope = maps.iter().map(|map| squared_slope(map, 2e-6)).sum::<f64>() / 40.0;
-    let specification = folder.path().join("scaled.toml");
-    std::fs::write(&specification, format!("seed = 7\n{patch}{scaled}")).unwrap();
-    let drawn = asperity_in(folder.path(), &["surface", "generate", "scaled.toml", "--out", "scaled.npy"]);
+    let drawn = asperity_in(folder.path(), &["surface", "generate", "spec.toml", "--out", "one.npy"]);
     let (_, factor) = drawn.stderr.split_once("slopes of the random surfaces are ").unwrap();
     let factor: f64 = factor.split_whitespace().next().unwrap().parse().unwrap();
     close(factor, (slope / exponential_squared_slope(2.0)).sqrt(), 0.02);
