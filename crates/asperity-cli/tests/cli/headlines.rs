@@ -260,7 +260,7 @@ fn card_terminal_results_and_machine_have_one_friction_coefficient() {
     close(stated(&ended.stdout, "friction mean"), driving, 1e-5);
     // The card has three digits.
     let report = text("report.html");
-    let card = report.split("Which friction coefficient follows?").nth(1).unwrap();
+    let card = report.split("What is the friction coefficient?").nth(1).unwrap();
     close(stated(card, "μ = "), driving, 5e-3);
     let point = &results["friction"]["operating_point"];
     close(number(point, "mean"), driving, 1e-12);

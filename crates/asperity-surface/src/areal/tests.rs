@@ -191,15 +191,7 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
         if !wanted["Sq_m"].is_f64() {
             continue;
         }
-        let mut scan = asperity_formats::read(&folder.join(file)).unwrap();
-        // Errors of the reference's loader: it read the millimetres of one file as micrometres, and the range of the
-        // numbers of another as one less than in the header (asperity-formats, README).
-        if file == "st_tmd-1.tmd" {
-            scan.heights_m *= 1e-3;
-            scan.pitch_m = scan.pitch_m.map(|(dx, dy)| (1e-3 * dx, 1e-3 * dy));
-        } else if file == "st_nms-1.nms" {
-            scan.heights_m *= 65535.0 / 65534.0;
-        }
+        let scan = asperity_formats::read(&folder.join(file)).unwrap();
         let map = remove_form(&HeightMap::try_from(scan).unwrap(), Level::Plane).unwrap().map;
         let p = parameters(&map).unwrap();
         assert_eq!(Some(p.missing as u64), expected["n_missing"].as_u64(), "{file}");
@@ -220,7 +212,14 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
                 assert!(name == "Sdq_iso7pt" && map.grid().ny() < 7, "{file}: {name}");
                 continue;
             };
-            close(&format!("{file}: {name}"), found, wanted[name].as_f64().unwrap(), 1e-6);
+            // The reference corrects the heights of one file, which its loader scaled by 65535/65534, but not the slopes.
+            let order = match (file.as_str(), name) {
+                ("st_nms-1.nms", "Sdr_triangulated") => 2,
+                ("st_nms-1.nms", _) if name.starts_with("Sdq") => 1,
+                _ => 0,
+            };
+            let scale = (65535.0_f64 / 65534.0).powi(order);
+            close(&format!("{file}: {name}"), scale * found, wanted[name].as_f64().unwrap(), 1e-6);
         }
         let pixel_m = map.grid().dx_m();
         // On the smallest map the reference returns nothing; here one ray decays within half the field.
@@ -235,16 +234,18 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
         let peer = &expected["surfalize_0.19.2_um_on_same_levelled_array"];
         if peer["Sk"].is_f64() {
             let spiky = p.sp_m.max(p.sv_m) > 20.0 * p.sq_m;
+            // The peer read the millimetres of one file as micrometres.
+            let um = if file == "st_tmd-1.tmd" { 1e-3 } else { 1e-6 };
             for (name, found, unit, tolerance) in [
-                ("Sk", p.core.sk_m, 1e-6, 1e-3),
-                ("Spk", p.core.spk_m, 1e-6, if spiky { f64::INFINITY } else { 5e-3 }),
-                ("Svk", p.core.svk_m, 1e-6, if spiky { f64::INFINITY } else { 5e-3 }),
+                ("Sk", p.core.sk_m, um, 1e-3),
+                ("Spk", p.core.spk_m, um, if spiky { f64::INFINITY } else { 5e-3 }),
+                ("Svk", p.core.svk_m, um, if spiky { f64::INFINITY } else { 5e-3 }),
                 ("Smrk1", p.core.smrk1, 1e-2, 1e-2),
                 ("Smrk2", p.core.smrk2, 1e-2, 1e-3),
-                ("Vmp", p.vmp_m, 1e-6, if spiky { f64::INFINITY } else { 1e-2 }),
-                ("Vmc", p.vmc_m, 1e-6, 1e-3),
-                ("Vvc", p.vvc_m, 1e-6, 1e-3),
-                ("Vvv", p.vvv_m, 1e-6, if spiky { f64::INFINITY } else { 5e-3 }),
+                ("Vmp", p.vmp_m, um, if spiky { f64::INFINITY } else { 1e-2 }),
+                ("Vmc", p.vmc_m, um, 1e-3),
+                ("Vvc", p.vvc_m, um, 1e-3),
+                ("Vvv", p.vvv_m, um, if spiky { f64::INFINITY } else { 5e-3 }),
             ] {
                 close(&format!("{file}: {name}"), found, peer[name].as_f64().unwrap() * unit, tolerance);
             }
