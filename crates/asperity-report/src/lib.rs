@@ -192,3 +192,7 @@ fn validate<'a>(
     }
     Ok(())
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

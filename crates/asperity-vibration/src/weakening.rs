@@ -80,7 +80,9 @@ impl Weakening {
             }
             FrictionLaw::Linear { slope, .. } => (damping + slope, Curve::Straight),
             FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::new(table, v, 0))),
-            _ => (damping, Curve::Straight),
+            FrictionLaw::Stribeck { .. } | FrictionLaw::Exponential { .. } | FrictionLaw::Coulomb { .. } => {
+                (damping, Curve::Straight)
+            }
         };
         let steepest = curve.gain_and_curvature().map(|[gain, _]| linear.abs().max((linear + gain).abs()));
         let table = match oscillator.law() {

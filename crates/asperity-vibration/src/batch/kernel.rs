@@ -108,10 +108,13 @@ impl Consts {
         let bend = if let Curve::Exponential(_) = curve { 0.5 } else { 1.0 };
         self.softening[lane] = bend * gain * curvature;
         let law = oscillator.law();
-        self.floor[lane] =
-            if let FrictionLaw::Exponential { high_speed, .. } = law { *high_speed } else { law.kinetic() };
-        self.loss[lane] =
-            if let FrictionLaw::Linear { slope, .. } = law { slope * oscillator.belt_velocity() } else { 0.0 };
+        (self.floor[lane], self.loss[lane]) = match law {
+            FrictionLaw::Exponential { high_speed, .. } => (*high_speed, 0.0),
+            FrictionLaw::Linear { slope, .. } => (law.kinetic(), slope * oscillator.belt_velocity()),
+            FrictionLaw::Stribeck { .. } | FrictionLaw::Coulomb { .. } | FrictionLaw::Tabulated(_) => {
+                (law.kinetic(), 0.0)
+            }
+        };
         self.thinning[lane] = if let Curve::Quotient(_) = curve { curvature } else { 0.0 };
     }
 }
