@@ -87,7 +87,7 @@ impl SurfaceModel {
                 let std_m = rms_height_m.or_measure(rms_m)?;
                 let heights = || Ok(Marginal::empirical(needed("the marginal distribution")?.heights_of_all_m())?);
                 let marginal = marginal.or_measure(heights)?.standardised(0.0, std_m)?;
-                let selected = select(covariance, translation, &families, &marginal, scan)?;
+                let selected = select(covariance, translation, &families, (&marginal, std_m), scan)?;
                 let texture = Texture::Translated { covariance: selected.covariance.clone(), translation, expansion };
                 Ok((Self { marginal, texture }, Some(selected)))
             }

@@ -84,16 +84,15 @@ fn is_near(ratio: Option<f64>, tolerance: f64) -> bool {
     ratio.is_none_or(|ratio| (ratio - 1.0).abs() <= tolerance)
 }
 
-/// Selects the covariance of random surfaces with the marginal distribution `marginal`, whose standard deviation is their rms
-/// height. A measured covariance is one of `families` or the covariance of the scan.
+/// Selects the covariance of random surfaces with the marginal distribution `marginal` and the rms height `std_m`. A measured covariance is one of `families` or the covariance of the scan.
 pub(super) fn select(
     request: CovarianceRequest,
     translation: TranslationKind,
     families: &[CorrelationFamily],
-    marginal: &Marginal,
+    // The standard deviation of a distribution with other parameters differs from the rms height in its last digits.
+    (marginal, std_m): (&Marginal, f64),
     scan: Option<&ScannedSurface>,
 ) -> Result<SelectedCovariance, SurfaceModelError> {
-    let std_m = marginal.std();
     let stated = match request {
         CovarianceRequest::Stated { model, lengths_m: [x_m, y_m] } => {
             Some(SurfaceCovariance::Model(Covariance::new(model, std_m, x_m, y_m)?))

@@ -258,7 +258,7 @@ fn words(
     };
     format!(
         "Parameters of the surface are taken as independent: {} (standard deviations). {} surfaces with {realisations} strips \
-         each of the same xi_samples were solved, and the moments of friction expanded in the parameters; {}.{law}",
+         each, drawn from the same random numbers, were solved, and the moments of friction expanded in the parameters; {}.{law}",
         parameters.join(", "),
         propagation.points(),
         held.join("; "),

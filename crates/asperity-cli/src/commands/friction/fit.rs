@@ -48,7 +48,7 @@ pub(crate) struct FitRecord {
     /// Write process, tables and figures to this folder. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replace a report folder that is not empty, unless it contains the record.
+    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
     #[arg(long)]
     force: bool,
     /// Print one JSON object instead of a table.

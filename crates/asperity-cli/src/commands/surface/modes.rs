@@ -50,6 +50,7 @@ enum Model {
     /// ρ = e^{−r/ℓ}.
     Exponential,
     /// ρ = e^{−r²/ℓ²}.
+    #[value(alias = "squared-exponential")]
     SquaredExponential,
     /// Matérn, with --smoothness.
     Matern,
