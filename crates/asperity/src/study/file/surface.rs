@@ -53,7 +53,7 @@ impl From<&str> for ScanFiles {
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSection {
     /// Scan file, relative to the study file, or a list of scans of one part. The statistics of several scans are
-    /// pooled ([`crate::study::PooledStatistics`]). Random surfaces then have the correlation of all pairs of heights
+    /// pooled ([`crate::surface::scanned::PooledStatistics`]). Random surfaces then have the correlation of all pairs of heights
     /// and the distribution of all heights, each relative to the form of its own scan. All scans must have the same
     /// pixel size. Maps and figures show the first scan.
     #[serde(skip_serializing_if = "Option::is_none")]
