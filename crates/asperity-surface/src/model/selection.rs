@@ -84,7 +84,8 @@ fn is_near(ratio: Option<f64>, tolerance: f64) -> bool {
     ratio.is_none_or(|ratio| (ratio - 1.0).abs() <= tolerance)
 }
 
-/// Selects the covariance of random surfaces with the marginal distribution `marginal` and the rms height `std_m`. A measured covariance is one of `families` or the covariance of the scan.
+/// Selects the covariance of random surfaces with the marginal distribution `marginal` and, without a scan, the rms height `std_m`. A
+/// measured covariance is one of `families` or the covariance of the scan.
 pub(super) fn select(
     request: CovarianceRequest,
     translation: TranslationKind,
@@ -93,6 +94,7 @@ pub(super) fn select(
     (marginal, std_m): (&Marginal, f64),
     scan: Option<&ScannedSurface>,
 ) -> Result<SelectedCovariance, SurfaceModelError> {
+    let std_m = if scan.is_some() { marginal.std() } else { std_m };
     let stated = match request {
         CovarianceRequest::Stated { model, lengths_m: [x_m, y_m] } => {
             Some(SurfaceCovariance::Model(Covariance::new(model, std_m, x_m, y_m)?))
