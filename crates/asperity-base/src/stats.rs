@@ -103,14 +103,14 @@ pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
 /// positive.
 pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     let inside = probability > 0.0 && probability < 1.0;
-    let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-    marginal.ok().filter(|_| inside).map_or(f64::NAN, |marginal| marginal.inverse_cdf(probability))
+    let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    distribution.ok().filter(|_| inside).map_or(f64::NAN, |student| student.inverse_cdf(probability))
 }
 
 /// Returns the two-sided p-value of Student's t; NaN for NaN, and unless the degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
-    let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-    marginal.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t.abs()))
+    let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    distribution.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |student| 2.0 * student.cdf(-t.abs()))
 }
 
 /// Returns Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.

@@ -138,8 +138,8 @@ pub fn fit_length(
     // Skewed records, and so their scores, have a larger variance than the theoretical one.
     let lack_of_fit =
         tangent.lack_of_fit(dispersion.max(theory * track_redundancy)).and_then(|(statistic, degrees_of_freedom)| {
-            let marginal = ChiSquared::new(degrees_of_freedom).ok()?;
-            Some(LackOfFit { statistic, degrees_of_freedom, p_value: marginal.sf(statistic.max(0.0)) })
+            let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
+            Some(LackOfFit { statistic, degrees_of_freedom, p_value: distribution.sf(statistic.max(0.0)) })
         });
     let noise_interval = settings.noise.then(|| {
         let reach = tangent.noise_variance(noise_fraction).map_or(0.0, |variance| t * (dispersion * variance).sqrt());

@@ -192,8 +192,8 @@ impl DriftTest {
             ((variance / (records * norm)).sqrt(), freedom)
         };
         let t = estimate.abs() / standard_error;
-        let marginal = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-        let p_value = marginal.map_or(f64::NAN, |marginal| 2.0 * marginal.cdf(-t));
+        let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+        let p_value = distribution.map_or(f64::NAN, |student| 2.0 * student.cdf(-t));
         Self { estimate, standard_error, degrees_of_freedom, p_value }
     }
 
