@@ -80,6 +80,7 @@ pub fn quantile_sorted(sorted: &[f64], probability: f64) -> f64 {
 }
 
 /// Returns the linear interpolation of sorted values at a position between 0 and n − 1.
+#[inline]
 pub(crate) fn between_order_statistics(sorted: &[f64], position: f64) -> f64 {
     let left = position.floor() as usize;
     let right = (left + 1).min(sorted.len() - 1);
