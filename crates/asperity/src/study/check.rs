@@ -110,8 +110,8 @@ impl StudyFile {
         let friction = self.check_friction(material.as_ref())?;
         self.check_uncertainty()?;
         let vibration = self.check_vibration()?;
-        if let Some(vibration) = &mut self.vibration {
-            vibration.stribeck = vibration.stribeck();
+        if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
+            section.stribeck = study.stribeck();
         }
         Ok(Study { file: self, surface, pressure, friction, vibration })
     }

@@ -22,6 +22,8 @@ const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
 const RATIO: &str = "a ratio above 0, at most 1";
+/// Default coefficient a of the Stribeck law, the paper's value.
+const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(4.2);
 
 fn ratio(value: f64) -> bool {
     value > 0.0 && value <= 1.0
@@ -346,34 +348,33 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
 
 /// Checks the velocity law of friction. A key of another law is an error.
 fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, InvalidValue> {
-    let exponential = v.velocity_law == VelocityLaw::Exponential;
-    for (key, stated, belongs, law) in [
-        ("stribeck", v.stribeck.is_some(), v.velocity_law == VelocityLaw::Stribeck, "stribeck"),
-        ("linear_weakening", v.linear_weakening.is_some(), v.velocity_law == VelocityLaw::Linear, "linear"),
-        ("stribeck_velocity", v.stribeck_velocity.is_some(), exponential, "exponential"),
-        ("high_speed_share", v.high_speed_share.is_some(), exponential, "exponential"),
-    ] {
-        if stated && !belongs {
-            return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
-        }
-        if belongs && !stated && key != "stribeck" {
-            return Err(invalid(SECTION, key, format!("velocity_law = \"{law}\" requires this key")));
-        }
+    let keys = [
+        ("stribeck", v.stribeck.is_some(), VelocityLaw::Stribeck),
+        ("linear_weakening", v.linear_weakening.is_some(), VelocityLaw::Linear),
+        ("stribeck_velocity", v.stribeck_velocity.is_some(), VelocityLaw::Exponential),
+        ("high_speed_share", v.high_speed_share.is_some(), VelocityLaw::Exponential),
+    ];
+    if let Some((key, _, law)) = keys.into_iter().find(|(_, stated, law)| *stated && *law != v.velocity_law) {
+        return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
     }
-    match (v.stribeck(), v.linear_weakening, v.stribeck_velocity.zip(v.high_speed_share)) {
-        (_, Some(slope), _) => {
+    let missing = |key| invalid(SECTION, key, format!("velocity_law = \"{}\" requires this key", v.velocity_law));
+    match v.velocity_law {
+        VelocityLaw::Stribeck => {
+            let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
+            within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
+            Ok(Weakening::Stribeck(coefficient))
+        }
+        VelocityLaw::Linear => {
+            let slope = v.linear_weakening.ok_or_else(|| missing("linear_weakening"))?;
             within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
             Ok(Weakening::Linear(slope))
         }
-        (_, _, Some((velocity, high_speed_share))) => {
+        VelocityLaw::Exponential => {
+            let velocity = v.stribeck_velocity.ok_or_else(|| missing("stribeck_velocity"))?;
+            let high_speed_share = v.high_speed_share.ok_or_else(|| missing("high_speed_share"))?;
             within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
             within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
-        }
-        (stribeck, None, None) => {
-            let coefficient = stribeck.unwrap_or(Stribeck::Dimensionless(0.0));
-            within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
-            Ok(Weakening::Stribeck(coefficient))
         }
     }
 }

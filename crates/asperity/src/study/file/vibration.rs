@@ -12,9 +12,6 @@ use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Ma
 use crate::study::sentence;
 use crate::vibration::{Drive, MapOver, Method};
 
-/// Default coefficient a, the paper's value.
-const USUAL_STRIBECK: f64 = 4.2;
-
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stribeck {
@@ -233,14 +230,6 @@ pub struct VibrationSection {
     /// Marginal distribution of the friction coefficient, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_marginal: Option<String>,
-}
-
-impl VibrationSection {
-    /// Returns the stated or default Stribeck coefficient, if the law has one.
-    pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
-        let usual = Stribeck::Dimensionless(USUAL_STRIBECK);
-        (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(usual))
-    }
 }
 
 fn map_depth() -> u32 {
