@@ -9,7 +9,7 @@ use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::quantity::Length;
 use crate::random;
-use crate::study::file::SurfaceSection;
+use crate::study::file::{SurfaceSection, fixed_list};
 use crate::study::{StudyError, StudyFile, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
 
@@ -24,8 +24,10 @@ pub struct Specimen {
     /// Seed of every random draw.
     pub seed: u64,
     /// Size (x, y) of a map.
+    #[serde(deserialize_with = "fixed_list")]
     pub size: [Length; 2],
     /// Points (x, y) of a map.
+    #[serde(deserialize_with = "fixed_list")]
     pub points: [usize; 2],
     /// Continuation of a map beyond its edge.
     #[serde(default = "free")]
@@ -152,6 +154,8 @@ generator = "spectral"
             ("\"1 um\"", "\"1 GPa\"", 8, "length"),
             ("rms_height = \"1 um\"", "", 5, "rms_height"),
             ("seed = 3", "", 1, "seed"),
+            ("[64, 32]", "[64, 32, 32]", 4, "found 3 values, expected 2"),
+            ("[\"64 um\", \"32 um\"]", "[\"64 um\"]", 3, "found 1 value, expected 2"),
         ] {
             let error = Specimen::parse(&SPECIFICATION.replace(from, to), "spec.toml").unwrap_err();
             assert_eq!((error.line, error.file.as_str()), (line, "spec.toml"), "{error}");

@@ -3,7 +3,7 @@
 use asperity_base::choice;
 use serde::{Deserialize, Serialize};
 
-use super::solve_tolerance;
+use super::{fixed_list, solve_tolerance};
 use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
@@ -41,10 +41,10 @@ choice! {
 #[serde(deny_unknown_fields)]
 pub struct FrictionSection {
     /// Size (x, y) of a strip; it slides along x.
-    #[serde(default = "strip")]
+    #[serde(default = "strip", deserialize_with = "fixed_list")]
     pub strip: [Length; 2],
     /// Points (x, y) of a strip.
-    #[serde(default = "strip_points")]
+    #[serde(default = "strip_points", deserialize_with = "fixed_list")]
     pub points: [usize; 2],
     /// Length of the window along x.
     #[serde(default = "window")]

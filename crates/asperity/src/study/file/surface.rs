@@ -4,9 +4,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
-use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::fixed_list::all_values;
 use crate::quantity::Length;
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;
@@ -146,13 +147,8 @@ fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Leng
             Ok([both, both])
         }
 
-        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[Length; 2], A::Error> {
-            let x = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(0, &self))?;
-            let y = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(1, &self))?;
-            match seq.next_element::<IgnoredAny>()? {
-                None => Ok([x, y]),
-                Some(_) => Err(de::Error::invalid_length(3, &self)),
-            }
+        fn visit_seq<A: SeqAccess<'de>>(self, lengths: A) -> Result<[Length; 2], A::Error> {
+            all_values(lengths)
         }
     }
     deserializer.deserialize_any(OneOrTwo).map(Some)

@@ -7,6 +7,7 @@ use asperity_base::choice;
 use asperity_base::choice::ByName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::fixed_list;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
@@ -127,8 +128,10 @@ pub struct MapSection {
     /// Parameters of the map.
     pub over: MapOver,
     /// First axis: from, to, cells of the first grid.
+    #[serde(deserialize_with = "fixed_list")]
     pub x: (f64, f64, usize),
     /// Second axis: from, to, cells of the first grid.
+    #[serde(deserialize_with = "fixed_list")]
     pub y: (f64, f64, usize),
     /// Number of times that cells at the front are halved.
     #[serde(default = "map_depth")]
@@ -202,7 +205,7 @@ pub struct VibrationSection {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub allow_clipping: bool,
     /// Damping ratios: from, to, count.
-    #[serde(default = "damping_sweep")]
+    #[serde(default = "damping_sweep", deserialize_with = "fixed_list")]
     pub damping_sweep: (f64, f64, usize),
     /// Number of trajectories per damping ratio.
     #[serde(default = "trajectories")]
