@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
-pub(super) use friction::{FrictionStudy, WindowLaw};
+pub(super) use friction::{FrictionStudy, UncertaintyStudy, WindowLaw};
 pub(super) use pressure::PressureStudy;
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
@@ -108,7 +108,6 @@ impl StudyFile {
             friction.percentiles = Some(friction.percentiles().to_vec());
         }
         let friction = self.check_friction(material.as_ref())?;
-        self.check_uncertainty()?;
         let vibration = self.check_vibration()?;
         if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
             section.stribeck = study.stribeck();

@@ -140,7 +140,7 @@ impl Study {
                 Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
             };
             let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let stated = study.section.nominal_area.or_else(vibration_area);
+            let stated = study.nominal_area.or_else(vibration_area);
             let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
             if stated.is_none() {
                 let assumed =

@@ -119,26 +119,7 @@ pub struct UncertaintySection {
     pub realisations: Option<usize>,
 }
 
-impl UncertaintySection {
-    /// Returns the number of uncertain parameters.
-    pub fn parameters(&self) -> usize {
-        let stated = [self.rms_height.is_some(), self.correlation_length.is_some(), self.skewness.is_some()];
-        stated.into_iter().filter(|stated| *stated).count()
-    }
-}
-
 impl FrictionSection {
-    /// Returns the number of strips of each surface in the uncertainty analysis.
-    pub fn uncertainty_realisations(&self) -> usize {
-        let stated = self.uncertainty.as_ref().and_then(|uncertainty| uncertainty.realisations);
-        stated.unwrap_or((self.realisations / 2).max(4))
-    }
-
-    /// Returns the width of the window.
-    pub fn window_width(&self) -> Length {
-        self.window_width.unwrap_or(self.strip[1])
-    }
-
     /// Returns the percentages of the heights above the plane: the stated ones or, if no level is stated, the defaults.
     pub fn percentiles(&self) -> &[f64] {
         match &self.percentiles {
@@ -146,11 +127,6 @@ impl FrictionSection {
             None if self.mean_pressures.is_empty() && self.penetrations.is_empty() => &PERCENTILES,
             None => &[],
         }
-    }
-
-    /// Returns the number of levels.
-    pub fn levels(&self) -> usize {
-        self.percentiles().len() + self.mean_pressures.len() + self.penetrations.len()
     }
 }
 
