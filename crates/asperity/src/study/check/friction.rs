@@ -94,12 +94,12 @@ impl StudyFile {
         };
         let law = self.check_friction_law(f)?;
         for side in f.strip {
-            within(SECTION, "strip", side.0, positive, POSITIVE)?;
+            within(SECTION, "strip", side, positive, POSITIVE)?;
         }
         for n in f.points {
             at_least(SECTION, "points", n, 2)?;
         }
-        within(SECTION, "window", f.window.0, positive, POSITIVE)?;
+        within(SECTION, "window", f.window, positive, POSITIVE)?;
         if f.window.0 < 1.5 * f.strip[0].0 / f.points[0] as f64 {
             let message = format!("found {}, but a window must span at least two cells of the strip", f.window);
             return Err(invalid(SECTION, "window", message));
@@ -109,7 +109,7 @@ impl StudyFile {
             return Err(invalid(SECTION, "window", message));
         }
         if let Some(width) = f.window_width {
-            within(SECTION, "window_width", width.0, positive, POSITIVE)?;
+            within(SECTION, "window_width", width, positive, POSITIVE)?;
             if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
                 let message = format!(
                     "found {width}, expected at least two cells of the strip and at most its width of {}",
@@ -124,11 +124,11 @@ impl StudyFile {
             return Err(invalid(SECTION, "strip", message));
         }
         if let Some(compliance) = f.mean_compliance {
-            within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
+            within(SECTION, "mean_compliance", compliance, positive, POSITIVE)?;
         }
         let levels = check_levels(f, &material)?;
         if let Some(area) = f.nominal_area {
-            within(SECTION, "nominal_area", area.0, positive, POSITIVE)?;
+            within(SECTION, "nominal_area", area, positive, POSITIVE)?;
             if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
                 let message = format!("found {area}, but [vibration] states {other}; remove one of them");
                 return Err(invalid(SECTION, "nominal_area", message));
@@ -195,14 +195,14 @@ fn check_levels(f: &FrictionSection, material: &Material) -> Result<Vec<LevelCon
         within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
     }
     for pressure in &f.mean_pressures {
-        within(SECTION, "mean_pressures", pressure.0, positive, POSITIVE)?;
+        within(SECTION, "mean_pressures", *pressure, positive, POSITIVE)?;
         if let Some(hardness) = material.hardness.filter(|h| pressure.0 >= h.0) {
             let message = format!("found {pressure}, which is not below the hardness {hardness}");
             return Err(invalid(SECTION, "mean_pressures", message));
         }
     }
     for penetration in &f.penetrations {
-        within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
+        within(SECTION, "penetrations", *penetration, positive, POSITIVE)?;
     }
     once(SECTION, "percentiles", f.percentiles())?;
     once(SECTION, "mean_pressures", &f.mean_pressures)?;
@@ -231,12 +231,12 @@ fn check_uncertainty(
     }
     for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
         match std {
-            Some(LengthScatter::Relative(fraction)) => {
-                let expected = "a standard deviation above 0 % and of at most 100 %";
-                within(UNCERTAINTY, key, 100.0 * fraction, |percent| percent > 0.0 && percent <= 100.0, expected)?;
+            Some(std @ LengthScatter::Relative(fraction)) if !(f64::MIN_POSITIVE..=1.0).contains(&fraction) => {
+                let message = format!("found {std}, expected a standard deviation above 0 % and of at most 100 %");
+                return Err(invalid(UNCERTAINTY, key, message));
             }
-            Some(LengthScatter::Absolute(length)) => within(UNCERTAINTY, key, length.0, positive, POSITIVE)?,
-            Some(LengthScatter::Measured) | None => {}
+            Some(LengthScatter::Absolute(length)) => within(UNCERTAINTY, key, length, positive, POSITIVE)?,
+            Some(LengthScatter::Relative(_) | LengthScatter::Measured) | None => {}
         }
     }
     if let Some(NumberScatter::Absolute(std)) = u.skewness {

@@ -166,16 +166,16 @@ impl VibrationStudy {
 impl StudyFile {
     pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
         let Some(v) = &self.vibration else { return Ok(None) };
-        within(SECTION, "mass", v.mass.0, positive, POSITIVE)?;
-        within(SECTION, "natural_frequency", v.natural_frequency.0, positive, POSITIVE)?;
+        within(SECTION, "mass", v.mass, positive, POSITIVE)?;
+        within(SECTION, "natural_frequency", v.natural_frequency, positive, POSITIVE)?;
         within(SECTION, "damping_ratio", v.damping_ratio, |z| z >= 0.0, "zero or a positive value")?;
-        within(SECTION, "normal_force", v.normal_force.0, positive, POSITIVE)?;
-        within(SECTION, "nominal_area", v.nominal_area.0, positive, POSITIVE)?;
+        within(SECTION, "normal_force", v.normal_force, positive, POSITIVE)?;
+        within(SECTION, "nominal_area", v.nominal_area, positive, POSITIVE)?;
         let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
             .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
         let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
             (Some(velocity), None) => {
-                within(SECTION, "belt_velocity", velocity.0, positive, POSITIVE)?;
+                within(SECTION, "belt_velocity", velocity, positive, POSITIVE)?;
                 velocity.0 / scales.velocity_m_per_s()
             }
             (None, Some(value)) => {
@@ -288,7 +288,7 @@ impl StudyFile {
             (Some((((mean, std), correlation_length), marginal)), None, false) => {
                 within(SECTION, "static_friction", mean, positive, POSITIVE)?;
                 within(SECTION, "friction_std", std, |s| s >= 0.0, "zero or a positive value")?;
-                within(SECTION, "friction_correlation_length", correlation_length.0, positive, POSITIVE)?;
+                within(SECTION, "friction_correlation_length", correlation_length, positive, POSITIVE)?;
                 let marginal = marginal
                     .parse()
                     .map_err(|error: DistributionError| invalid(SECTION, "friction_marginal", error.to_string()))?;
@@ -361,7 +361,7 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
     match v.velocity_law {
         VelocityLaw::Stribeck => {
             let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
-            within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
+            within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;
             Ok(Weakening::Stribeck(coefficient))
         }
         VelocityLaw::Linear => {
@@ -372,7 +372,7 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
         VelocityLaw::Exponential => {
             let velocity = v.stribeck_velocity.ok_or_else(|| missing("stribeck_velocity"))?;
             let high_speed_share = v.high_speed_share.ok_or_else(|| missing("high_speed_share"))?;
-            within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
+            within(SECTION, "stribeck_velocity", velocity, positive, POSITIVE)?;
             within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
         }
@@ -383,8 +383,8 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
 fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
     match (v.forcing, v.forcing_frequency) {
         (Some(force), Some(frequency)) => {
-            within(SECTION, "forcing", force.0, |q| q >= 0.0, "zero or a positive value")?;
-            within(SECTION, "forcing_frequency", frequency.0, positive, POSITIVE)?;
+            within(SECTION, "forcing", force, |q| q >= 0.0, "zero or a positive value")?;
+            within(SECTION, "forcing_frequency", frequency, positive, POSITIVE)?;
             let (amplitude, frequency) = (force.0 / v.normal_force.0, frequency.0 / v.natural_frequency.0);
             Ok(Some(Forcing { amplitude, frequency }))
         }
@@ -411,6 +411,6 @@ fn check_map(map: &MapSection) -> Result<(), InvalidValue> {
             return Err(invalid(SECTION, key, format!("found {cells} cells, expected at most 1000")));
         }
     }
-    within(SECTION, "depth", f64::from(map.depth), |depth| depth <= 8.0, "at most 8")?;
+    within(SECTION, "depth", map.depth, |depth| depth <= 8.0, "at most 8")?;
     at_least(SECTION, "trajectories", map.trajectories, 2)
 }

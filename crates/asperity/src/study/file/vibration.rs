@@ -38,11 +38,13 @@ impl Stribeck {
             Self::Physical(value) => value.0,
         }
     }
+}
 
-    /// Returns the number as stated.
-    pub(in crate::study) fn value(self) -> f64 {
-        match self {
-            Self::Dimensionless(value) | Self::Physical(InverseVelocity(value)) => value,
+impl From<Stribeck> for f64 {
+    /// Returns the number as stated, in s/m for a quantity.
+    fn from(coefficient: Stribeck) -> Self {
+        match coefficient {
+            Stribeck::Dimensionless(value) | Stribeck::Physical(InverseVelocity(value)) => value,
         }
     }
 }
