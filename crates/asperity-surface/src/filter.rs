@@ -7,6 +7,7 @@ mod waves;
 use thiserror::Error;
 
 use asperity_base::map::MapError;
+use asperity_base::sentence;
 
 pub use gaussian::{GaussianFilter, Regression, Smoothed};
 pub use outliers::{Filtered, reject_outliers};
@@ -22,7 +23,12 @@ pub enum FilterError {
         found: f64,
     },
     /// The cutoff is shorter than a pixel or longer than the field.
-    #[error("the cutoff is {found_m:e} m, but must lie between the pixel, {low_m:e} m, and the field, {high_m:e} m")]
+    #[error(
+        "the cutoff is {}, but must lie between the pixel, {}, and the field, {}",
+        sentence::si(*found_m, "m"),
+        sentence::si(*low_m, "m"),
+        sentence::si(*high_m, "m")
+    )]
     Cutoff {
         /// Cutoff found in metre.
         found_m: f64,

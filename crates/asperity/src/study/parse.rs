@@ -57,13 +57,13 @@ fn line_at(text: &str, byte: usize) -> usize {
     text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
 }
 
-/// Returns the line of `key` in `[section]`, which may be `outer.inner`; the line of the section if the key is absent;
-/// 1 if the section is absent too.
-fn line_of_key(text: &str, section: &str, key: &str) -> usize {
+/// Returns the line of `key` in `[section]`, which may be `outer.inner`, or empty for a key of no section; the line of the
+/// section if the key is absent; 1 if the section is absent too.
+pub(super) fn line_of_key(text: &str, section: &str, key: &str) -> usize {
     let Ok(file) = DeTable::parse(text) else { return 1 };
     let find = |table: &DeTable<'_>, name: &str| table.keys().find(|key| key.get_ref() == name).map(|key| key.span());
     let (mut table, mut line) = (file.get_ref(), 1);
-    for name in section.split('.').chain([key]) {
+    for name in section.split('.').filter(|name| !name.is_empty()).chain([key]) {
         let Some(span) = find(table, name) else { return line };
         line = line_at(text, span.start);
         match table.get(name).map(|value| value.get_ref()) {

@@ -17,6 +17,7 @@ use crate::study::{
     Study, StudyError, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage,
     vibration_stage,
 };
+use crate::surface::model::{Measurable, SurfaceRequest};
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
 const NOMINAL_AREA: Area = Area(833e-6);
@@ -84,6 +85,24 @@ impl Study {
         if let (Some(section), Some(known)) = (&self.vibration, known) {
             vibration_stage::refuse_clipping(section, known)?;
             warnings.append(&mut known.warnings);
+        }
+        Ok(warnings)
+    }
+
+    /// Checks the scans and returns warnings about them; `folder` is the folder of the study file. Computes the
+    /// statistics of the scans only if the random surfaces need their fractal dimension.
+    ///
+    /// # Errors
+    /// A scan cannot be read or filtered, or has no fractal dimension although the random surfaces need one.
+    pub fn check_scans(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
+        let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(Vec::new()) };
+        let name = |path: &PathBuf| path.display().to_string();
+        let scans = || -> Result<Vec<_>, StudyError> {
+            Ok(section.files().iter().map(name).zip(section.read_scans(folder)?).collect())
+        };
+        let warnings = surface_stage::check_scans(section, scans()?)?;
+        if matches!(request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
+            surface_stage::run(section, request.clone(), scans()?)?;
         }
         Ok(warnings)
     }
