@@ -13,6 +13,10 @@ pub use gaussian::{GaussianFilter, Regression, Smoothed};
 pub use outliers::{Filtered, reject_outliers};
 pub use waves::{Edges, Respaced};
 
+fn metre(length_m: f64) -> String {
+    sentence::si(length_m, "m")
+}
+
 /// Reason why a map could not be filtered.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FilterError {
@@ -23,12 +27,7 @@ pub enum FilterError {
         found: f64,
     },
     /// The cutoff is shorter than a pixel or longer than the field.
-    #[error(
-        "the cutoff is {}, but must lie between the pixel, {}, and the field, {}",
-        sentence::si(*found_m, "m"),
-        sentence::si(*low_m, "m"),
-        sentence::si(*high_m, "m")
-    )]
+    #[error("the cutoff is {}, but must lie between the pixel, {}, and the field, {}", metre(*found_m), metre(*low_m), metre(*high_m))]
     Cutoff {
         /// Cutoff found in metre.
         found_m: f64,

@@ -8,7 +8,6 @@ use crate::contact::ContactError;
 use crate::distribution::DistributionError;
 use crate::friction::FrictionError;
 use crate::friction::process::ProcessError;
-use crate::friction::window::WindowError;
 use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
@@ -69,9 +68,6 @@ pub enum StudyError {
     /// The pressure stage failed.
     #[error("pressure: {0}")]
     Pressure(#[from] PressureError),
-    /// The window does not fit.
-    #[error("[friction] {0}")]
-    Window(#[from] WindowError),
     /// A level of the friction stage failed.
     #[error("friction at {level}: {error}")]
     Friction {
@@ -200,7 +196,6 @@ impl StudyError {
             | Self::Grid { .. }
             | Self::Contact { .. }
             | Self::Pressure(_)
-            | Self::Window(_)
             | Self::Clipped { computed: false, .. }
             | Self::Process(_)
             | Self::Propagation(_)

@@ -11,6 +11,7 @@ mod vibration;
 use serde::{Deserialize, Serialize};
 
 pub(super) use fixed_list::fixed_list;
+pub(super) use friction::usual_window_m;
 pub use friction::{FrictionLawKind, FrictionSection, UncertaintySection, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};

@@ -13,7 +13,6 @@ use crate::friction::window::Window;
 use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
-use crate::study::file::WindowShape;
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::output::StageOutput;
@@ -71,15 +70,10 @@ pub(super) struct FrictionStage {
 
 /// Returns the contact problem of the strips with its mean compliance, in m/Pa, and a description of the friction law.
 fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>, String), StudyError> {
-    let (grid, material) = (study.grid()?, &study.material);
+    let ((grid, window), material) = (study.strip()?, &study.material);
     let compliance = study.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) =
         half_space("friction", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
-    let [length_m, width_m] = study.window_m;
-    let window = match study.window_shape {
-        WindowShape::Rectangle => Window::rectangle(length_m, width_m, grid)?,
-        WindowShape::Ellipse => Window::ellipse(length_m, width_m, grid)?,
-    };
     let (law, law_in_words) = friction_law(study.law);
     let hardness_pa = material.hardness.map(|h| h.0);
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };

@@ -96,13 +96,9 @@ impl Study {
     /// A scan cannot be read or filtered, or has no fractal dimension although the random surfaces need one.
     pub fn check_scans(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
         let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(Vec::new()) };
-        let name = |path: &PathBuf| path.display().to_string();
-        let scans = || -> Result<Vec<_>, StudyError> {
-            Ok(section.files().iter().map(name).zip(section.read_scans(folder)?).collect())
-        };
-        let warnings = surface_stage::check_scans(section, scans()?)?;
+        let warnings = surface_stage::check_scans(section, section.read_scans(folder)?)?;
         if matches!(request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
-            surface_stage::run(section, request.clone(), scans()?)?;
+            surface_stage::run(section, request.clone(), section.read_scans(folder)?)?;
         }
         Ok(warnings)
     }
@@ -135,9 +131,7 @@ impl Study {
         let (mut surface, mut karhunen_loeve) = (None, None);
         if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
             monitor.progress("surface", 0, 1);
-            let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let scans = section.files().iter().map(name).zip(section.read_scans(folder)?).collect();
-            let mut stage = surface_stage::run(section, request.clone(), scans)?;
+            let mut stage = surface_stage::run(section, request.clone(), section.read_scans(folder)?)?;
             monitor.progress("surface", 1, 1);
             gathered.add(mem::take(&mut stage.output));
             surface = Some(stage);

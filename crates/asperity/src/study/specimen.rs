@@ -20,7 +20,8 @@ const STAGE: &str = "specimen";
 /// `boundary` and the section `[surface]` of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Specimen {
-    seed: u64,
+    /// Seed of every random draw.
+    pub seed: u64,
     grid: Grid,
     boundary: BoundaryKind,
     section: SurfaceSection,
@@ -65,12 +66,6 @@ impl Specimen {
         Ok(Self { seed, grid, boundary, section, request })
     }
 
-    /// Returns the same specification with another seed.
-    #[must_use]
-    pub fn with_seed(self, seed: u64) -> Self {
-        Self { seed, ..self }
-    }
-
     /// Returns the grid of a map.
     pub fn grid(&self) -> Grid {
         self.grid
@@ -93,8 +88,7 @@ impl Specimen {
     /// # Errors
     /// The scan cannot be read or has no texture, or the model is invalid.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
-        let names = self.section.files().iter().map(|file| file.to_string_lossy().into_owned());
-        let scans = names.zip(self.section.read_scans(folder)?).collect();
+        let scans = self.section.read_scans(folder)?;
         let stage = surface_stage::run(&self.section, self.request.clone(), scans)?;
         let generated = stage.model.patch(self.grid, self.boundary == BoundaryKind::Periodic)?;
         let keys = self.section.keys_without_effect().into_iter();

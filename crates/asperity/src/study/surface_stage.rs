@@ -58,13 +58,8 @@ pub(super) fn check_scans(section: &SurfaceSection, scans: Vec<(String, Scan)>) 
             own.push(format!("{missing} of {points} heights are missing"));
         }
         let checked = preparation.check(map.grid()).map_err(|error| SurfaceModelError::from(error).into());
-        if several {
-            checked.map_err(|error| of_one(&file, error))?;
-            warnings.extend(own.into_iter().map(|warning| format!("{file}: {warning}")));
-        } else {
-            checked?;
-            warnings.append(&mut own);
-        }
+        checked.map_err(|error| if several { of_one(&file, error) } else { error })?;
+        warnings.extend(own.into_iter().map(|own| if several { format!("{file}: {own}") } else { own }));
     }
     Ok(warnings)
 }

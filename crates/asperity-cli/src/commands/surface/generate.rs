@@ -39,9 +39,7 @@ pub(crate) struct Generate {
 impl Generate {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (mut specimen, text) = study_file::read(&self.spec, Specimen::parse)?;
-        if let Some(seed) = self.seed {
-            specimen = specimen.with_seed(seed);
-        }
+        specimen.seed = self.seed.unwrap_or(specimen.seed);
         let folder = study_file::folder_of(&self.spec);
         let scans = specimen.scan_paths(folder);
         let inputs: Vec<&Path> = scans.iter().chain([&self.spec]).map(PathBuf::as_path).collect();

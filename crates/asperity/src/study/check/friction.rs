@@ -4,6 +4,7 @@ use super::pressure::Material;
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
 use crate::friction::LevelControl;
+use crate::friction::window::{Window, WindowError};
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Area, Compliance};
 use crate::study::file::{
@@ -41,10 +42,21 @@ pub(in crate::study) struct FrictionStudy {
 }
 
 impl FrictionStudy {
-    /// Returns the grid of a strip.
-    pub(in crate::study) fn grid(&self) -> Result<Grid, InvalidValue> {
+    /// Returns the grid of a strip and its window.
+    pub(in crate::study) fn strip(&self) -> Result<(Grid, Window), InvalidValue> {
         let ([nx, ny], [length_m, width_m]) = (self.points, self.size_m);
-        Grid::with_size(nx, ny, length_m, width_m).map_err(|error| invalid(SECTION, "points", error.to_string()))
+        let grid = Grid::with_size(nx, ny, length_m, width_m)
+            .map_err(|error| invalid(SECTION, "points", error.to_string()))?;
+        let [length_m, width_m] = self.window_m;
+        let window = match self.window_shape {
+            WindowShape::Rectangle => Window::rectangle(length_m, width_m, grid),
+            WindowShape::Ellipse => Window::ellipse(length_m, width_m, grid),
+        };
+        let window = window.map_err(|error| {
+            let of_width = matches!(error, WindowError::TooNarrow { .. } | WindowError::TooWide { .. });
+            invalid(SECTION, if of_width { "window_width" } else { "window" }, error.to_string())
+        })?;
+        Ok((grid, window))
     }
 }
 
@@ -99,25 +111,6 @@ impl StudyFile {
         for n in f.points {
             at_least(SECTION, "points", n, 2)?;
         }
-        within(SECTION, "window", f.window, positive, POSITIVE)?;
-        if f.window.0 < 1.5 * f.strip[0].0 / f.points[0] as f64 {
-            let message = format!("found {}, but a window must span at least two cells of the strip", f.window);
-            return Err(invalid(SECTION, "window", message));
-        }
-        if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
-            let message = format!("found {}, but the strip of {} must span at least ten windows", f.window, f.strip[0]);
-            return Err(invalid(SECTION, "window", message));
-        }
-        if let Some(width) = f.window_width {
-            within(SECTION, "window_width", width, positive, POSITIVE)?;
-            if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
-                let message = format!(
-                    "found {width}, expected at least two cells of the strip and at most its width of {}",
-                    f.strip[1]
-                );
-                return Err(invalid(SECTION, "window_width", message));
-            }
-        }
         let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
         if f.boundary == BoundaryKind::Free && inner < least {
             let message = "the analysis omits both ends of a free strip, each as long as the strip is wide; no window fits between them";
@@ -152,7 +145,7 @@ impl StudyFile {
             tolerance: f.tolerance,
             uncertainty,
         };
-        study.grid()?;
+        study.strip()?;
         Ok(Some(study))
     }
 

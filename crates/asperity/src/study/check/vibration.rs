@@ -9,7 +9,7 @@ use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
 use crate::friction::{NominalContact, StatedFriction};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{FrictionSection, MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
+use crate::study::file::{MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection, usual_window_m};
 use crate::study::sentence;
 use crate::vibration::{
     Drive, Forcing, FrictionLaw, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
@@ -292,9 +292,7 @@ impl StudyFile {
                 let marginal = marginal
                     .parse()
                     .map_err(|error: DistributionError| invalid(SECTION, "friction_marginal", error.to_string()))?;
-                let usual = FrictionSection::default();
-                let window_m = [usual.window.0, usual.strip[1].0];
-                let length_m = correlation_length.0;
+                let (length_m, window_m) = (correlation_length.0, usual_window_m());
                 Ok(FrictionSource::Stated(StatedFriction { mean, std, length_m, marginal, window_m }))
             }
         }

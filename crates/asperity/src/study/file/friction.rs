@@ -130,28 +130,9 @@ impl FrictionSection {
     }
 }
 
-impl Default for FrictionSection {
-    fn default() -> Self {
-        Self {
-            strip: strip(),
-            points: strip_points(),
-            window: window(),
-            window_width: None,
-            window_shape: WindowShape::default(),
-            law: FrictionLawKind::default(),
-            pressure_coefficient: None,
-            coefficient: None,
-            boundary: periodic(),
-            mean_compliance: None,
-            percentiles: None,
-            mean_pressures: Vec::new(),
-            penetrations: Vec::new(),
-            nominal_area: None,
-            realisations: realisations(),
-            tolerance: solve_tolerance(),
-            uncertainty: None,
-        }
-    }
+/// Returns length and width of the default window in metre.
+pub(in crate::study) fn usual_window_m() -> [f64; 2] {
+    [window().0, strip()[1].0]
 }
 
 /// Default levels of the friction stage, in percent.

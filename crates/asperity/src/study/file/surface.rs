@@ -189,16 +189,19 @@ impl SurfaceSection {
         self.file.as_ref().map_or(&[], ScanFiles::paths)
     }
 
-    /// Reads the scans; returns none for a surface without scans. `folder` is the folder of the study file.
+    /// Reads the scans; returns them with the names of their files, none for a surface without scans. `folder` is the
+    /// folder of the study file.
     ///
     /// # Errors
     /// A file cannot be read or lacks the channel, or the height unit is no unit of length.
-    pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
+    pub fn read_scans(&self, folder: &Path) -> Result<Vec<(String, Scan)>, FormatError> {
         let channel = self.channel.as_deref().map(Channel::from);
         let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
         let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
         let options = ReadOptions { channel, height_unit, pitch_m };
-        self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
+        let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let read = |file| Ok((name(file), asperity_formats::read_with(&folder.join(file), &options)?));
+        self.files().iter().map(read).collect()
     }
 
     /// Returns the preparation of the scans before their statistics are computed.
