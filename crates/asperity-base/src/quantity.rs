@@ -266,6 +266,13 @@ macro_rules! quantities {
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
         pub struct $name(pub f64);
 
+        impl From<$name> for f64 {
+            /// Returns the number in SI.
+            fn from(quantity: $name) -> Self {
+                quantity.0
+            }
+        }
+
         impl FromStr for $name {
             type Err = QuantityError;
 

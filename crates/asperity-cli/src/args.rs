@@ -3,69 +3,38 @@
 use std::error::Error;
 use std::ffi::OsStr;
 use std::fmt::Display;
-use std::marker::PhantomData;
 use std::str::FromStr;
 
 use asperity::choice::Choice;
-use asperity::quantity::{Compliance, Force, Frequency, Length, Pressure, Velocity};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 
 /// Reason why a value is invalid; clap prints it after the name of the flag.
 pub(crate) type Refusal = Box<dyn Error + Send + Sync>;
 
-/// A quantity that converts to SI.
-pub(crate) trait Si: FromStr<Err: Display> + Display {
-    /// Returns the number in SI.
-    fn si(&self) -> f64;
-}
+/// A quantity with a unit; its number is in SI.
+pub(crate) trait Quantity: FromStr<Err: Display> + Display + Copy + Into<f64> {}
 
-impl Si for Length {
-    fn si(&self) -> f64 {
-        self.0
-    }
-}
-
-impl Si for Pressure {
-    fn si(&self) -> f64 {
-        self.0
-    }
-}
-
-impl Si for Force {
-    fn si(&self) -> f64 {
-        self.0
-    }
-}
-
-impl Si for Velocity {
-    fn si(&self) -> f64 {
-        self.0
-    }
-}
-
-impl Si for Frequency {
-    fn si(&self) -> f64 {
-        self.0
-    }
-}
-
-impl Si for Compliance {
-    fn si(&self) -> f64 {
-        self.0
-    }
-}
+impl<Q: FromStr<Err: Display> + Display + Copy + Into<f64>> Quantity for Q {}
 
 /// Parser of a choice by its name in study files. Accepts hyphens in place of underscores.
 #[derive(Debug, Clone)]
-pub(crate) struct Named<T>(PhantomData<T>);
+pub(crate) struct Named<T> {
+    /// Further name of one value.
+    alias: Option<(&'static str, T)>,
+}
 
 /// Returns the parser of a choice by its name.
 pub(crate) fn named<T: Choice>() -> Named<T> {
-    Named(PhantomData)
+    Named { alias: None }
 }
 
 impl<T: Choice> Named<T> {
+    /// Returns the parser that also accepts the name `alias` for `value`.
+    pub(crate) fn with_alias(self, alias: &'static str, value: T) -> Self {
+        Self { alias: Some((alias, value)) }
+    }
+
     fn values() -> impl Iterator<Item = PossibleValue> {
         T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.description()))
     }
@@ -76,12 +45,11 @@ impl<T: Choice + Send + Sync> TypedValueParser for Named<T> {
 
     fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
         let name = value.to_string_lossy().replace('-', "_");
-        // The curves use a shorter name for the amplitude of the force.
-        let name = if name == "forcing" { "forcing_amplitude" } else { &name };
-        match T::from_name(name) {
-            Ok(found) => Ok(found),
+        let aliased = self.alias.filter(|(alias, _)| *alias == name).map(|(_, value)| value);
+        match aliased.or_else(|| T::from_name(&name).ok()) {
+            Some(found) => Ok(found),
             // clap's error lists the names.
-            Err(_) => Err(PossibleValuesParser::new(Self::values())
+            None => Err(PossibleValuesParser::new(Self::values())
                 .parse_ref(command, arg, value)
                 .map_or_else(|error| error, |_| clap::Error::new(clap::error::ErrorKind::InvalidValue))),
         }
@@ -122,9 +90,9 @@ impl<T: Copy> OneOrTwo<T> {
 /// Largest accepted number in SI; squares and sums of larger numbers overflow a double.
 const LARGEST_SI: f64 = 1e30;
 
-fn quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
+fn quantity<Q: Quantity>(text: &str) -> Result<Q, Refusal> {
     let value: Q = text.parse().map_err(|e: Q::Err| e.to_string())?;
-    if value.si().abs() <= LARGEST_SI {
+    if value.into().abs() <= LARGEST_SI {
         Ok(value)
     } else {
         Err(format!("{value} is out of range: it must be at most {LARGEST_SI:e} in SI").into())
@@ -132,19 +100,23 @@ fn quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
 }
 
 /// Parses a quantity above zero.
-pub(crate) fn positive_quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
+pub(crate) fn positive_quantity<Q: Quantity>(text: &str) -> Result<Q, Refusal> {
     let value: Q = quantity(text)?;
-    if value.si() > 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must be above 0").into()) }
+    if value.into() > 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must be above 0").into()) }
 }
 
 /// Parses a quantity of zero or more.
-pub(crate) fn non_negative_quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
+pub(crate) fn non_negative_quantity<Q: Quantity>(text: &str) -> Result<Q, Refusal> {
     let value: Q = quantity(text)?;
-    if value.si() >= 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must not be negative").into()) }
+    if value.into() >= 0.0 {
+        Ok(value)
+    } else {
+        Err(format!("{value} is out of range: it must not be negative").into())
+    }
 }
 
 /// Parses `Q` or `Q,Q`, each above zero.
-pub(crate) fn quantity_pair<Q: Si>(text: &str) -> Result<OneOrTwo<Q>, Refusal> {
+pub(crate) fn quantity_pair<Q: Quantity>(text: &str) -> Result<OneOrTwo<Q>, Refusal> {
     pair(text, positive_quantity)
 }
 
@@ -238,6 +210,7 @@ fn within(x: f64, allowed: impl Fn(f64) -> bool, requirement: &str) -> Result<f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use asperity::quantity::{Length, Pressure};
 
     #[test]
     fn one_value_applies_to_both_axes_and_three_are_refused() {

@@ -5,12 +5,13 @@ use thiserror::Error;
 
 use crate::strip_sums::StripSums;
 use asperity_base::map::Grid;
+use asperity_base::sentence;
 
 /// Reason why a window does not fit its strip.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WindowError {
     /// The window is not longer than a cell.
-    #[error("the window is {window_m:e} m long, the cells {cell_m:e} m; a window contains at least two cells")]
+    #[error("the window is {} long, the cells {}; a window contains at least two cells", metre(*window_m), metre(*cell_m))]
     TooShort {
         /// Length of the window in metre.
         window_m: f64,
@@ -18,7 +19,7 @@ pub enum WindowError {
         cell_m: f64,
     },
     /// The strip contains too few independent windows.
-    #[error("the strip is {strip_m:e} m long, the window {window_m:e} m; the strip must contain at least ten windows")]
+    #[error("the strip is {} long, the window {}; a strip contains at least ten windows", metre(*strip_m), metre(*window_m))]
     TooLong {
         /// Length of the window in metre.
         window_m: f64,
@@ -26,7 +27,7 @@ pub enum WindowError {
         strip_m: f64,
     },
     /// The window is not wider than a cell.
-    #[error("the window is {window_m:e} m wide, the cells {cell_m:e} m; a window is at least two cells wide")]
+    #[error("the window is {} wide, the cells {}; a window is at least two cells wide", metre(*window_m), metre(*cell_m))]
     TooNarrow {
         /// Width of the window in metre.
         window_m: f64,
@@ -34,7 +35,7 @@ pub enum WindowError {
         cell_m: f64,
     },
     /// The window is wider than the strip.
-    #[error("the window is {window_m:e} m wide, the strip {strip_m:e} m; a window is at most as wide as the strip")]
+    #[error("the window is {} wide, the strip {}; a window is at most as wide as the strip", metre(*window_m), metre(*strip_m))]
     TooWide {
         /// Width of the window in metre.
         window_m: f64,
@@ -44,6 +45,10 @@ pub enum WindowError {
     /// The mask of the window has no cell.
     #[error("the mask of the window has no cell")]
     Empty,
+}
+
+fn metre(length_m: f64) -> String {
+    sentence::si(length_m, "m")
 }
 
 /// Cells `start..end` of one row of a window.

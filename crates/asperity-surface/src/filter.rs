@@ -7,10 +7,15 @@ mod waves;
 use thiserror::Error;
 
 use asperity_base::map::MapError;
+use asperity_base::sentence;
 
 pub use gaussian::{GaussianFilter, Regression, Smoothed};
 pub use outliers::{Filtered, reject_outliers};
 pub use waves::{Edges, Respaced};
+
+fn metre(length_m: f64) -> String {
+    sentence::si(length_m, "m")
+}
 
 /// Reason why a map could not be filtered.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -22,7 +27,7 @@ pub enum FilterError {
         found: f64,
     },
     /// The cutoff is shorter than a pixel or longer than the field.
-    #[error("the cutoff is {found_m:e} m, but must lie between the pixel, {low_m:e} m, and the field, {high_m:e} m")]
+    #[error("the cutoff is {}, but must lie between the pixel, {}, and the field, {}", metre(*found_m), metre(*low_m), metre(*high_m))]
     Cutoff {
         /// Cutoff found in metre.
         found_m: f64,

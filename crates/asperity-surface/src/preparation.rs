@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::filter::{FilterError, GaussianFilter, reject_outliers};
 use super::level::{Level, LevelError, remove_form};
-use asperity_base::map::HeightMap;
+use asperity_base::map::{Grid, HeightMap};
 
 /// Steps that turn a measured map into roughness, in this order. The form is removed. Outliers become missing. The form
 /// of the remaining heights is removed, so that outliers do not tilt it. The S-filter removes small scales, and the
@@ -66,16 +66,28 @@ pub enum PreparationError {
 }
 
 impl Preparation {
-    /// Prepares a map.
+    /// Checks that maps of this grid can be filtered.
     ///
     /// # Errors
-    /// A form that is not determined, invalid thresholds or cutoffs, or no band between the filters.
-    pub fn apply(&self, map: &HeightMap) -> Result<Prepared, PreparationError> {
+    /// No band between the filters, or a cutoff below a pixel or above the field.
+    pub fn check(&self, grid: Grid) -> Result<(), PreparationError> {
         if let (Some(s_filter_m), Some(l_filter_m)) = (self.s_filter_m, self.l_filter_m)
             && s_filter_m >= l_filter_m
         {
             return Err(PreparationError::EmptyBand { s_filter_m, l_filter_m });
         }
+        let check =
+            |cutoff_m: Option<f64>| cutoff_m.map_or(Ok(()), |cutoff_m| GaussianFilter::linear(cutoff_m).check(grid));
+        check(self.s_filter_m).map_err(PreparationError::SFilter)?;
+        check(self.l_filter_m).map_err(PreparationError::LFilter)
+    }
+
+    /// Prepares a map.
+    ///
+    /// # Errors
+    /// A form that is not determined, invalid thresholds or cutoffs, or no band between the filters.
+    pub fn apply(&self, map: &HeightMap) -> Result<Prepared, PreparationError> {
+        self.check(map.grid())?;
         let mut levelled = remove_form(map, self.level)?;
         let mut outliers = 0;
         if let Some(limit) = self.outliers {
@@ -107,7 +119,6 @@ impl Preparation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::map::Grid;
     use ndarray::Array2;
     use std::f64::consts::TAU;
 

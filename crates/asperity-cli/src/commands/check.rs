@@ -2,20 +2,19 @@
 
 use std::path::PathBuf;
 
-use asperity::map::HeightMap;
 use asperity::study::{StageEstimate, Study};
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::{run, study_file};
 use crate::failure::{Failure, Kind};
-use crate::input::read_failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 use crate::resources::{require_disk, require_memory};
 
-/// Shows a study with all its values filled in, its cost, and the warnings that are known before the run; computes
-/// nothing. Exits with 2 if the study cannot run as it is, with 5 if the machine has too little memory for it.
+/// Shows a study with all its values filled in, its cost, and the warnings that are known before the run; reads the
+/// scans and computes no results. Exits with 2 if the study cannot run as it is, with 5 if the machine has too little
+/// memory for it.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
     /// Study file.
@@ -27,13 +26,15 @@ pub(crate) struct Check {
 
 impl Check {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let study = study_file::study(&self.study, None)?;
-        let mut warnings = self.scan_warnings(&study)?;
+        let (study, text) = study_file::study(&self.study, None)?;
+        let folder = study_file::folder_of(&self.study);
+        let failure = |e| study_file::failure(&self.study, Some(&text), &e);
+        let mut warnings = study.check_scans(folder).map_err(failure)?;
         let mut problems = Vec::new();
-        match study.check_before_run(study_file::folder_of(&self.study)) {
+        match study.check_before_run(folder) {
             Ok(found) => warnings.extend(found),
             Err(e) => {
-                let failure = study_file::failure(&self.study, &e);
+                let failure = failure(e);
                 // A friction process that cannot be read or used is an error.
                 if failure.kind() == Kind::Data {
                     return Err(failure);
@@ -87,25 +88,6 @@ impl Check {
             text += &format!("# problem: {}\n", problem.message());
         }
         print(&(text + "\n" + &resolved))
-    }
-
-    /// Returns the warnings about the scans. Fails if a scan is unusable.
-    fn scan_warnings(&self, study: &Study) -> Result<Vec<String>, Failure> {
-        let Some(section) = &study.file().surface else { return Ok(Vec::new()) };
-        let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| read_failure(&e))?;
-        let mut warnings = Vec::new();
-        let several = scans.len() > 1;
-        for (file, mut scan) in section.files().iter().zip(scans) {
-            let mut own = std::mem::take(&mut scan.warnings);
-            let map = HeightMap::try_from(scan).map_err(|e| Failure::data(file.display(), &e))?;
-            let (missing, points) = (map.missing_points(), map.grid().points());
-            if missing > 0 {
-                own.push(format!("{missing} of {points} heights are missing"));
-            }
-            let with_name = |warning| if several { format!("{}: {warning}", file.display()) } else { warning };
-            warnings.extend(own.into_iter().map(with_name));
-        }
-        Ok(warnings)
     }
 }
 

@@ -42,7 +42,7 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let study = study_file::study(&self.study, self.seed)?;
+        let (study, text) = study_file::study(&self.study, self.seed)?;
         let folder = study_file::folder_of(&self.study);
         let only = self.only;
         for stage in study.estimate(rayon::current_num_threads()) {
@@ -61,7 +61,7 @@ impl Run {
         require_disk(study.disk_bytes() + scan_field_bytes(&read), &destination, "the run")?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
-            Err(study_file::failure(&self.study, &e).print(reason, self.json)?)
+            Err(study_file::failure(&self.study, Some(&text), &e).print(reason, self.json)?)
         })?;
         for warning in &outcome.results.warnings {
             monitor.warn(warning);

@@ -7,24 +7,25 @@ use asperity::study::{FailureKind, Study, StudyError, StudyFileError};
 
 use crate::failure::{Failure, Kind};
 
-/// Reads a study or specification file.
-pub(super) fn read<T>(path: &Path, parse: impl FnOnce(&str, &str) -> Result<T, StudyFileError>) -> Result<T, Failure> {
+/// Reads a study or specification file; returns also its text.
+pub(super) fn read<T>(
+    path: &Path,
+    parse: impl FnOnce(&str, &str) -> Result<T, StudyFileError>,
+) -> Result<(T, String), Failure> {
     let bytes = fs::read(path).map_err(|e| match e.kind() {
         std::io::ErrorKind::NotFound => Failure::new(Kind::Data, format!("{}: no such file", path.display())),
         _ => Failure::io(Kind::Data, path.display(), &e),
     })?;
     let text = String::from_utf8(bytes)
         .map_err(|_| Failure::usage(format_args!("{}: not a text file; a study is a TOML file", path.display())))?;
-    parse(&text, &path.display().to_string()).map_err(Failure::usage)
+    let parsed = parse(&text, &path.display().to_string()).map_err(Failure::usage)?;
+    Ok((parsed, text))
 }
 
-/// Reads a study, with another seed if one is given.
-pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<Study, Failure> {
-    let study = read(path, Study::parse)?;
-    Ok(match seed {
-        Some(seed) => study.with_seed(seed),
-        None => study,
-    })
+/// Reads a study, with another seed if one is given; returns also its text.
+pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<(Study, String), Failure> {
+    let (study, text) = read(path, Study::parse)?;
+    Ok((if let Some(seed) = seed { study.with_seed(seed) } else { study }, text))
 }
 
 /// Returns the folder of a file; the paths in the file are relative to it.
@@ -35,8 +36,9 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Converts an error of a study; `path` is its file.
-pub(super) fn failure(path: &Path, error: &StudyError) -> Failure {
+/// Converts an error of a study; `path` is its file. With `text`, the text of the file, the message names the line of the
+/// value that caused the error.
+pub(super) fn failure(path: &Path, text: Option<&str>, error: &StudyError) -> Failure {
     let kind = match error.kind() {
         FailureKind::Configuration => Kind::Usage,
         FailureKind::Input => Kind::Data,
@@ -44,9 +46,11 @@ pub(super) fn failure(path: &Path, error: &StudyError) -> Failure {
         FailureKind::Cancelled => return Failure::from(asperity::monitor::Cancelled),
         FailureKind::Runtime => Kind::Runtime,
     };
-    // The error of a scan already names its file.
-    match error {
-        StudyError::Scan(_) | StudyError::Map { .. } => Failure::new(kind, error.to_string()),
-        _ => Failure::new(kind, format!("{}: {error}", path.display())),
+    let path = path.display();
+    match (error, text.and_then(|text| error.line_in(text))) {
+        // The error of a scan already names its file.
+        (StudyError::Scan(_) | StudyError::Map { .. }, _) => Failure::new(kind, error.to_string()),
+        (_, Some(line)) => Failure::new(kind, format!("{path}:{line}: {error}")),
+        (_, None) => Failure::new(kind, format!("{path}: {error}")),
     }
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 #[cfg(target_os = "linux")]
 use crate::support::run_and_interrupt;
-use crate::support::{Finished, asperity_in, close, keys, listing, npy, number};
+use crate::support::{Finished, close, keys, listing, npy, number, run_in};
 use asperity_formats::read_bytes;
 use ndarray::Array2;
 use serde_json::Value;
@@ -65,7 +65,7 @@ fn folder_with(heights_m: Array2<f64>) -> TempDir {
 
 fn press(folder: &Path, line: &str) -> Finished {
     let line = format!("contact map.npy --pixel-size 1um {line}");
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+    run_in(folder, &line)
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use crate::support::{Finished, asperity, asperity_in, close, listing, npy, number};
+use crate::support::{Finished, asperity, asperity_in, close, listing, npy, number, run_in};
 use asperity_formats::read_bytes;
 use ndarray::{Array2, s};
 use serde_json::Value;
@@ -34,7 +34,7 @@ fn folder_with(maps: &[(&str, Array2<f64>)]) -> TempDir {
 
 fn press(folder: &Path, line: &str) -> Finished {
     let line = format!("contact map.npy --pixel-size 1um {line}");
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+    run_in(folder, &line)
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn exchanging_surface_and_counterface_changes_nothing() {
     ]);
     let run = |file: &str, line: &str| {
         let line = format!("contact {file} --pixel-size 1um --boundary free --percentile 20 --stiffness --json {line}");
-        asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>()).json(0)
+        run_in(folder.path(), &line).json(0)
     };
     let single = run("map.npy", "--youngs-modulus 210GPa");
     for (file, line) in [

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-use crate::support::{Finished, MANIFEST, asperity_in, listing, written};
+use crate::support::{Finished, MANIFEST, listing, run_in, written};
 #[cfg(target_os = "linux")]
 use crate::support::{run_and_signal, send, start, start_in, wait_for, wait_until};
 
@@ -24,10 +24,6 @@ const VIBRATION: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
 const INPUTS: [&str; 5] = ["map.x3p", "process.json", "record.csv", "spec.toml", "study.toml"];
 
-fn run(at: &Path, line: &str) -> Finished {
-    asperity_in(at, &line.split_whitespace().collect::<Vec<_>>())
-}
-
 /// A folder with a study, a specification, a map and a friction record.
 fn bench() -> TempDir {
     let folder = TempDir::new().unwrap();
@@ -39,7 +35,7 @@ fn bench() -> TempDir {
         "surface generate spec.toml --out map.x3p",
         "friction simulate process.json --length 50mm --step 50um --seed 3 --out record.csv",
     ] {
-        assert_eq!(run(at, line).code, 0);
+        assert_eq!(run_in(at, line).code, 0);
     }
     assert_eq!(listing(at), INPUTS);
     folder
@@ -65,18 +61,18 @@ fn force_never_removes_a_file_that_asperity_did_not_write() {
     for line in commands() {
         fs::create_dir(at.join("mine")).unwrap();
         fs::write(thesis("mine"), "years of work").unwrap();
-        run(at, &format!("{line} mine")).refuses(2, &["mine", "not empty"]);
-        run(at, &format!("{line} mine --force")).refuses(2, &["mine", "asperity did not write it"]);
+        run_in(at, &format!("{line} mine")).refuses(2, &["mine", "not empty"]);
+        run_in(at, &format!("{line} mine --force")).refuses(2, &["mine", "asperity did not write it"]);
         // The same file in a folder that asperity wrote.
-        assert_eq!(run(at, &format!("{line} own")).code, 0, "{line}");
+        assert_eq!(run_in(at, &format!("{line} own")).code, 0, "{line}");
         fs::rename(thesis("mine"), thesis("own")).unwrap();
-        run(at, &format!("{line} own --force")).refuses(2, &["own", "thesis.txt"]);
+        run_in(at, &format!("{line} own --force")).refuses(2, &["own", "thesis.txt"]);
         assert_eq!(fs::read_to_string(thesis("own")).unwrap(), "years of work");
         fs::remove_file(thesis("own")).unwrap();
         // Without that file the folder is replaced.
         let before = fs::read(at.join("own").join(MANIFEST)).unwrap();
         fs::remove_file(at.join("own").join(&written(&at.join("own"))[0])).ok();
-        assert_eq!(run(at, &format!("{line} own --force")).code, 0, "{line}");
+        assert_eq!(run_in(at, &format!("{line} own --force")).code, 0, "{line}");
         let after = fs::read(at.join("own").join(MANIFEST)).unwrap();
         assert_eq!(before.iter().filter(|b| **b == b'\n').count(), after.iter().filter(|b| **b == b'\n').count());
         fs::remove_dir_all(at.join("own")).unwrap();
@@ -89,17 +85,17 @@ fn force_never_removes_a_file_that_asperity_did_not_write() {
 fn force_on_the_folder_of_all_runs_keeps_every_run() {
     let folder = bench();
     let at = folder.path();
-    assert_eq!(run(at, "run study.toml --out runs/one").code, 0);
-    assert_eq!(run(at, "run study.toml --out runs/two").code, 0);
-    run(at, "run study.toml --out runs --force").refuses(2, &["--out runs", "asperity did not write it"]);
-    run(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "give a folder"]);
-    run(at, &format!("run study.toml --out {}", "n".repeat(256))).refuses(2, &["--out", "too long"]);
-    run(at, "run study.toml --out . --force").refuses(2, &["--out .", "study.toml"]);
-    run(at, "run runs/one/study.toml --out runs/one --force").refuses(2, &["runs/one", "input"]);
+    assert_eq!(run_in(at, "run study.toml --out runs/one").code, 0);
+    assert_eq!(run_in(at, "run study.toml --out runs/two").code, 0);
+    run_in(at, "run study.toml --out runs --force").refuses(2, &["--out runs", "asperity did not write it"]);
+    run_in(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "give a folder"]);
+    run_in(at, &format!("run study.toml --out {}", "n".repeat(256))).refuses(2, &["--out", "too long"]);
+    run_in(at, "run study.toml --out . --force").refuses(2, &["--out .", "study.toml"]);
+    run_in(at, "run runs/one/study.toml --out runs/one --force").refuses(2, &["runs/one", "input"]);
     assert!(at.join("runs/one/COMPLETE").is_file() && at.join("runs/two/COMPLETE").is_file());
     // A run folder inside a run folder is not part of it.
-    assert_eq!(run(at, "run study.toml --out runs/one/more").code, 0);
-    run(at, "run study.toml --out runs/one --force").refuses(2, &["runs/one", "more/"]);
+    assert_eq!(run_in(at, "run study.toml --out runs/one/more").code, 0);
+    run_in(at, "run study.toml --out runs/one --force").refuses(2, &["runs/one", "more/"]);
     assert!(at.join("runs/one/more/COMPLETE").is_file());
 }
 
@@ -108,8 +104,8 @@ fn changed_and_hidden_files_links_and_empty_folders_are_foreign() {
     let folder = bench();
     let at = folder.path();
     let line = "run study.toml --out out";
-    let force = || run(at, &format!("{line} --force"));
-    assert_eq!(run(at, line).code, 0);
+    let force = || run_in(at, &format!("{line} --force"));
+    assert_eq!(run_in(at, line).code, 0);
     let study = fs::read_to_string(at.join("out/study.toml")).unwrap();
     fs::write(at.join("out/study.toml"), format!("# my notes\n{study}")).unwrap();
     force().refuses(2, &["study.toml (changed)"]);
@@ -135,7 +131,7 @@ fn changed_and_hidden_files_links_and_empty_folders_are_foreign() {
         // The destination itself, with and without a slash.
         symlink("out", at.join("latest")).unwrap();
         for name in ["latest", "latest/"] {
-            run(at, &format!("run study.toml --out {name} --force")).refuses(2, &["--out latest", "symbolic link"]);
+            run_in(at, &format!("run study.toml --out {name} --force")).refuses(2, &["--out latest", "symbolic link"]);
         }
         fs::remove_file(at.join("latest")).unwrap();
     }
@@ -145,12 +141,12 @@ fn changed_and_hidden_files_links_and_empty_folders_are_foreign() {
     spoiled.extend(b"<!-- -->");
     fs::write(&page, spoiled).unwrap();
     force().refuses(2, &["report.html (changed)"]);
-    assert_eq!(run(at, "report out").code, 0);
+    assert_eq!(run_in(at, "report out").code, 0);
     assert_eq!(force().code, 0);
     // A run of an earlier version has no manifest.
     fs::remove_file(at.join("out").join(MANIFEST)).unwrap();
     force().refuses(2, &["out has no", MANIFEST, "earlier version"]);
-    assert_eq!(run(at, "report out").code, 0);
+    assert_eq!(run_in(at, "report out").code, 0);
     force().refuses(2, &["out has no", MANIFEST]);
     assert!(at.join("out/COMPLETE").is_file());
 }
@@ -160,7 +156,7 @@ fn changed_and_hidden_files_links_and_empty_folders_are_foreign() {
 fn sha256sum_accepts_the_manifest() {
     let folder = bench();
     let at = folder.path();
-    assert_eq!(run(at, "run study.toml --out out").code, 0);
+    assert_eq!(run_in(at, "run study.toml --out out").code, 0);
     let Ok(checked) =
         Command::new("sha256sum").args(["--check", "--quiet", MANIFEST]).current_dir(at.join("out")).output()
     else {
@@ -195,12 +191,12 @@ fn two_runs_into_one_new_folder_lose_no_result() {
     let count = |name: &str| written(&at.join(name)).len();
     let first = slow("");
     // The second run begins later and ends earlier. It does not remove the hidden folder of the first.
-    assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
+    assert_eq!(run_in(at, "surface generate spec.toml --count 2 --out maps").code, 0);
     continued(first).refuses(1, &["maps is not replaced: it was written in the meantime", "maps-2"]);
     assert_eq!((count("maps"), count("maps-2")), (2, 500));
     // The same if both may replace an older folder.
     let first = slow("--force");
-    assert_eq!(run(at, "surface generate spec.toml --count 5 --out maps --force").code, 0);
+    assert_eq!(run_in(at, "surface generate spec.toml --count 5 --out maps --force").code, 0);
     continued(first).refuses(1, &["maps-3"]);
     assert_eq!((count("maps"), count("maps-2"), count("maps-3")), (5, 500, 500));
     // A file that appears meanwhile.
@@ -280,22 +276,22 @@ fn the_next_run_removes_only_the_remains_of_a_killed_run() {
         fs::create_dir(at.join(name).parent().unwrap()).unwrap();
         fs::write(at.join(name), "years").unwrap();
     }
-    assert_eq!(run(at, "run study.toml --out out").code, 0);
+    assert_eq!(run_in(at, "run study.toml --out out").code, 0);
     assert!(!at.join(&left).exists());
     assert!(mine.iter().all(|name| at.join(name).is_file()));
     let left = killed();
     fs::write(at.join(&left).join("thesis.txt"), "years").unwrap();
-    assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
+    assert_eq!(run_in(at, "surface generate spec.toml --count 2 --out maps").code, 0);
     assert_eq!(listing(&at.join(&left)), [MANIFEST, "thesis.txt"]);
     // The next run restores a folder that a killed run was about to replace.
-    assert_eq!(run(at, "surface generate spec.toml --count 3 --out old").code, 0);
+    assert_eq!(run_in(at, "surface generate spec.toml --count 3 --out old").code, 0);
     fs::rename(at.join("old"), at.join(left.replace(".maps.partial-", ".old.replaced-"))).unwrap();
-    assert_eq!(run(at, "surface generate spec.toml --count 2 --out new").code, 0);
+    assert_eq!(run_in(at, "surface generate spec.toml --count 2 --out new").code, 0);
     assert_eq!(written(&at.join("old")).len(), 3);
     // The same for temporary files.
     let temporary = at.join(left.replace(".maps.partial-", ".asperity-") + ".tmp");
     fs::write(&temporary, "half").unwrap();
-    assert_eq!(run(at, "surface generate spec.toml --out map.x3p").code, 0);
+    assert_eq!(run_in(at, "surface generate spec.toml --out map.x3p").code, 0);
     assert!(!temporary.exists());
 }
 
@@ -329,7 +325,7 @@ fn a_full_or_read_only_disk_gives_one_message_in_plain_words() {
     let at = folder.path();
     // A system folder in which no user can create files.
     for line in ["run study.toml --out /proc/out", "surface convert map.x3p /proc/map.npy"] {
-        let found = run(at, line);
+        let found = run_in(at, line);
         found.refuses(5, &["cannot write /"]);
         assert!(!found.stderr.contains("os error"), "{found:?}");
     }

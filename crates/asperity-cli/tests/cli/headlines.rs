@@ -9,12 +9,7 @@ use ndarray::{Array2, Axis, s};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, asperity, asperity_in, close, number};
-
-/// Runs the program in a folder with arguments separated by spaces.
-fn run_in(folder: &Path, line: &str) -> Finished {
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
-}
+use crate::support::{Finished, asperity, close, number, run_in};
 
 /// Runs a study into the folder `run` and returns the output of the program and `results.json`.
 fn study(folder: &Path, text: &str) -> (Finished, Value) {
@@ -89,7 +84,7 @@ fn the_slopes_that_a_stated_number_of_terms_loses_are_reported_and_warned_about(
     let folder = TempDir::new().unwrap();
     let maps = generated(folder.path(), &format!("seed = 7\n{patch}{scaled}"), 40);
     let slope = maps.iter().map(|map| squared_slope(map, 2e-6)).sum::<f64>() / 40.0;
-    let drawn = asperity_in(folder.path(), &["surface", "generate", "spec.toml", "--out", "one.npy"]);
+    let drawn = run_in(folder.path(), "surface generate spec.toml --out one.npy");
     let (_, factor) = drawn.stderr.split_once("slopes of the random surfaces are ").unwrap();
     let factor: f64 = factor.split_whitespace().next().unwrap().parse().unwrap();
     close(factor, (slope / exponential_squared_slope(2.0)).sqrt(), 0.02);

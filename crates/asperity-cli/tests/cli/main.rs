@@ -15,4 +15,6 @@ mod surface;
 mod twin;
 mod usage;
 mod vibration;
+mod vibration_curves;
+mod vibration_ensemble;
 mod vibration_report;

@@ -7,14 +7,14 @@ use std::path::Path;
 use asperity_formats::read;
 use tempfile::TempDir;
 
-use crate::support::{Finished, asperity_in, listing, written};
+use crate::support::{Finished, listing, run_in, written};
 
 const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
                              covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
                              correlation_length = \"4 um\"\ngenerator = \"spectral\"\n";
 
 fn surface(at: &Path, line: &str) -> Finished {
-    asperity_in(at, &format!("surface {line}").split_whitespace().collect::<Vec<_>>())
+    run_in(at, &format!("surface {line}"))
 }
 
 fn folder() -> TempDir {

@@ -10,7 +10,7 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, MANIFEST, asperity_in, keys, listing, written};
+use crate::support::{MANIFEST, asperity_in, keys, listing, run_in, written};
 
 /// A small study of every stage but friction; the friction process is stated.
 const STUDY: &str = r#"seed = 5
@@ -46,10 +46,6 @@ friction_std = 0.001
 friction_correlation_length = "250 um"
 friction_marginal = "beta:2.1,5"
 "#;
-
-fn run_in(folder: &Path, line: &str) -> Finished {
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
-}
 
 fn folder_with(text: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
@@ -221,6 +217,8 @@ fn a_wrong_study_names_file_line_key_and_the_nearest_right_one() {
         ("\"1 um\"", "\"1 GPa\"", vec!["`GPa` is not a unit of length"]),
         ("\"1 um\"", "\"1\"", vec!["no unit"]),
         ("\"1 um\"", "1e-6", vec!["with its unit"]),
+        ("\"1 um\"", "\"-1 um\"", vec!["[surface] rms_height: found -1 um, expected a positive value"]),
+        ("points = [16, 16]", "points = [16, 16, 16]", vec!["found 3 values, expected 2"]),
         ("percentile = 50.0", "percentile = 500.0", vec!["percentile", "500"]),
         ("percentile = 50.0", "penetration = \"-1 um\"", vec!["penetration", "positive"]),
         ("percentile = 50.0", "percentile = nan", vec!["percentile", "NaN"]),
@@ -312,6 +310,38 @@ fn the_study_in_a_run_folder_runs_there_and_its_results_contain_no_path() {
         let results = fs::read_to_string(folder.path().join(run).join("results.json")).unwrap();
         assert!(!results.contains("my study") && !results.contains("/"), "{results}");
     }
+}
+
+#[test]
+fn check_and_run_name_the_line_of_a_value_that_does_not_suit_the_scan() {
+    let surface = &STUDY[..STUDY.find("[material]").unwrap()];
+    let folder = TempDir::new().unwrap();
+    // A surface that is smooth on the scale of its pixels has no scaling range.
+    let wave = |index: usize| (std::f64::consts::TAU * index as f64 / 32.0).sin();
+    let heights_m = Array2::from_shape_fn((64, 64), |(row, column)| 1e-7 * (wave(row) + wave(column)));
+    let bytes = write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6))), X3pData::Float64).unwrap();
+    fs::write(folder.path().join("scan.x3p"), bytes).unwrap();
+    let fractal = "generator = \"weierstrass_mandelbrot\"\n";
+    for (files, keys, line, words) in [
+        ("\"scan.x3p\"", "s_filter = \"1 nm\"\n", 4, ["S-filter: the cutoff is 1 nm", "the pixel, 1 µm"]),
+        ("\"scan.x3p\"", "s_filter = \"3 um\"\nl_filter = \"1 mm\"\n", 5, ["L-filter: the cutoff is 1 mm", "64 µm"]),
+        ("[\"scan.x3p\", \"scan.x3p\"]", "l_filter = \"1 mm\"\n", 4, ["scan.x3p: L-filter", "64 µm"]),
+        ("\"scan.x3p\"", fractal, 2, ["no scaling range", "`fractal_dimension`"]),
+    ] {
+        let keys = format!("[surface]\nfile = {files}\n{keys}");
+        fs::write(folder.path().join("study.toml"), surface.replace("[surface]\n", &keys)).unwrap();
+        let [check, run] = ["check", "run"].map(|command| run_in(folder.path(), &format!("{command} study.toml")));
+        check.refuses(2, &[&format!("study.toml:{line}: ")]);
+        check.refuses(2, &words);
+        assert_eq!((check.code, check.stderr), (run.code, run.stderr));
+        let map = "size = [\"16 um\", \"16 um\"]\npoints = [16, 16]\n[surface]\n";
+        let specification = surface.replace("[surface]\n", &keys).replace("[surface]\n", map);
+        fs::write(folder.path().join("spec.toml"), specification).unwrap();
+        let generated = run_in(folder.path(), "surface generate spec.toml --out map.npy");
+        generated.refuses(2, &[&format!("spec.toml:{}: ", line + 2)]);
+        generated.refuses(2, &words);
+    }
+    assert_eq!(listing(folder.path()), ["scan.x3p", "spec.toml", "study.toml"]);
 }
 
 #[test]
@@ -502,7 +532,7 @@ fn a_wrong_specification_or_target_writes_nothing() {
     let before = listing(folder.path());
     for (line, code, words) in [
         ("typo.toml --seed 1 --out a.npy", 2, vec!["typo.toml:3:", "did you mean `points`"]),
-        ("thin.toml --seed 1 --out a.npy", 2, vec!["thin.toml", "64 × 1"]),
+        ("thin.toml --seed 1 --out a.npy", 2, vec!["thin.toml:3:", "64 × 1"]),
         ("gone.toml --seed 1 --out a.npy", 3, vec!["gone.toml", "no such file"]),
         ("spec.toml --seed 1 --out a.tiff", 2, vec![".tiff"]),
         ("spec.toml --seed 1 --out nowhere/a.npy", 2, vec!["nowhere"]),

@@ -15,6 +15,9 @@ use serde_json::Value;
 /// Name of the manifest in each folder that the program writes.
 pub(crate) const MANIFEST: &str = ".asperity-manifest";
 
+/// The paper's friction law; periods and displacements of its tests come from a high-precision solver.
+pub(crate) const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
+
 /// Exit code and output of a finished program.
 #[derive(Debug)]
 pub(crate) struct Finished {
@@ -127,7 +130,12 @@ pub(crate) fn run_and_signal(at: &Path, line: &str, signal: &str) -> (Finished, 
 
 /// Runs `asperity` with one line of arguments, separated by spaces.
 pub(crate) fn asperity(line: &str) -> Finished {
-    asperity_in(Path::new("."), &line.split_whitespace().collect::<Vec<_>>())
+    run_in(Path::new("."), line)
+}
+
+/// Runs `asperity` in the folder `at` with one line of arguments, separated by spaces.
+pub(crate) fn run_in(at: &Path, line: &str) -> Finished {
+    asperity_in(at, &line.split_whitespace().collect::<Vec<_>>())
 }
 
 impl Finished {

@@ -7,11 +7,11 @@ use asperity_formats::{Scan, X3pData, read, write_x3p};
 use ndarray::{Array2, array};
 use tempfile::TempDir;
 
-use crate::support::{Finished, asperity, asperity_in, close, listing, npy, number, written};
+use crate::support::{Finished, asperity, close, listing, npy, number, run_in, written};
 
 fn surface(folder: &Path, line: &str) -> Finished {
     let line = format!("surface {line}");
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+    run_in(folder, &line)
 }
 
 #[test]

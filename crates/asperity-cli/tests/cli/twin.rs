@@ -8,11 +8,11 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, asperity_in, keys, listing, npy, number, written};
+use crate::support::{Finished, asperity_in, keys, listing, npy, number, run_in, written};
 
 fn twin(folder: &Path, line: &str) -> Finished {
     let line = format!("surface twin {line}");
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+    run_in(folder, &line)
 }
 
 /// A folder with a rough map drawn by the program, with holes.

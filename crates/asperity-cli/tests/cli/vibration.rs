@@ -1,19 +1,12 @@
-//! Tests of `asperity vibration` with published numbers.
+//! Tests of the cycles and trajectories of `asperity vibration` with published numbers.
 
 use std::fs;
 use std::path::Path;
-#[cfg(target_os = "linux")]
-use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
 
-#[cfg(target_os = "linux")]
-use crate::support::run_and_interrupt;
-use crate::support::{Finished, asperity, asperity_in, close, keys, number};
-
-/// The paper's friction law; periods and displacements come from a high-precision solver.
-const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
+use crate::support::{PAPER, asperity, close, keys, number, run_in};
 
 /// Writes a one-dimensional NPY file byte by byte.
 fn record(folder: &Path, values: &[f64]) {
@@ -23,11 +16,6 @@ fn record(folder: &Path, values: &[f64]) {
     bytes.extend(format!("{dictionary:<117}\n").as_bytes());
     bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
     fs::write(folder.join("m.npy"), bytes).unwrap();
-}
-
-/// Runs the program in a folder with the arguments of a line.
-fn line_in(folder: &Path, line: &str) -> Finished {
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
 #[test]
@@ -133,7 +121,7 @@ fn a_record_of_zeros_gives_the_deterministic_cycle() {
         "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-file m.npy --friction-step 0.0005 \
          --duration 60 --json"
     );
-    let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let run = |line: &str| run_in(folder.path(), line);
     let json = run(&line).json(0);
     let events = json["events"].as_array().unwrap();
     let of_kind = |kind: &str| {
@@ -159,7 +147,7 @@ fn a_record_of_zeros_gives_the_deterministic_cycle() {
 #[test]
 fn unsuitable_records_are_unusable_data() {
     let folder = TempDir::new().unwrap();
-    let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let run = |line: &str| run_in(folder.path(), line);
     let line = format!(
         "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-step 0.0005 --duration 600 --json \
          --friction-file"
@@ -224,120 +212,6 @@ fn machines_beyond_double_precision_are_refused_with_the_range() {
     asperity(&forced).refuses(2, &["forcing_frequency", "between 1e-6 and 1000"]);
 }
 
-const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --duration 637.2";
-
-#[test]
-fn an_ensemble_counts_the_published_cycles() {
-    let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 {NOISE} --trajectories 200 --seed 4 --json");
-    let json = asperity(&line).json(0);
-    for key in [
-        "cycles_deterministic",
-        "difference_mean_interval",
-        "entry_rate",
-        "entry_rate_interval",
-        "exit_rate",
-        "exit_rate_interval",
-        "kind",
-        "kind_shares",
-        "left_share",
-        "left_share_interval",
-        "micro_slips_mean",
-        "period_mean",
-        "period_std",
-        "reattachment_normality_p",
-        "reattachment_skewness",
-        "release_mean",
-        "release_normality_p",
-        "release_skewness",
-        "release_std",
-        "share_in_cycle",
-        "stick_share_mean",
-        "stick_share_se",
-        "sustained_share",
-        "sustained_share_interval",
-        "vibration_share",
-        "vibration_share_se",
-    ] {
-        assert!(!json[key].is_null(), "{key}");
-    }
-    // 69.20 (0.07) from two independent codes with 8,000 trajectories; here 4 standard errors of 200 trajectories.
-    let (mean, se) = (number(&json, "cycles_mean"), number(&json, "cycles_se"));
-    assert!((mean - 69.20).abs() < 4.0 * se.hypot(0.07), "{mean} ± {se}");
-    assert!((0.2..0.8).contains(&se), "{se}");
-    assert_eq!(number(&json, "cycles_deterministic"), 99.0);
-    close(number(&json, "difference_mean"), 99.0 - mean, 1e-12);
-}
-
-#[test]
-fn overtaking_counts_as_vibration() {
-    let machine = "--static-friction 0.432353 --stribeck 4.2 --belt-velocity 3.1416";
-    let noise = "--friction-std 1e-6 --correlation-length 30 --marginal beta:2.1,5 --seed 3";
-    for (damping, kind) in [("0.001", "overtaking"), ("0.002", "overtaking"), ("0.004", "stick_slip")] {
-        let line = format!(
-            "vibration ensemble {machine} --damping-ratio {damping} {noise} --duration 3000 --trajectories 4 --json"
-        );
-        let json = asperity(&line).json(0);
-        assert_eq!(json["kind"], kind);
-        assert_eq!((number(&json, "sustained_share"), number(&json, "vibration_share")), (1.0, 1.0));
-        assert!((number(&json, "cycles_deterministic") - 3000.0 / 6.295).abs() < 3.0);
-        assert!(json["kind_shares"][kind].as_f64().unwrap() > 0.5, "{}", json["kind_shares"]);
-    }
-    let map = format!(
-        "vibration map {machine} --damping-ratio 0.001 {noise} --damping-ratios 0.001,0.2,2 --belt-velocities 3,3.2,1 --depth 0 \
-         --trajectories 4 --duration 600 --json"
-    );
-    let map = asperity(&map).json(0);
-    let points = map["points"].as_array().unwrap();
-    let vibrates = |p: &&Value| p["sustained"]["value"] == 1.0;
-    assert_eq!(points.iter().filter(vibrates).count(), 2, "{points:?}");
-    // The probability falls from 1 to 0 within one cell.
-    assert_eq!(number(&map["resolution"], "unresolved_share"), 1.0);
-    let lines = |k: usize| map["contours"][k]["lines"].as_array().unwrap().len();
-    assert_eq!([lines(0), lines(1), lines(2)], [0, 1, 0]);
-}
-
-#[test]
-fn an_ensemble_is_the_same_for_any_number_of_threads_and_another_for_another_seed() {
-    let run = |threads: usize, seed: u64| {
-        let line = format!(
-            "vibration ensemble {PAPER} --damping-ratio 0.2 {NOISE} --trajectories 16 --drive time \
-             --steps-per-length 10 --seed {seed} --threads {threads} --json"
-        );
-        let found = asperity(&line);
-        assert_eq!(found.code, 0, "{found:?}");
-        found.stdout
-    };
-    assert_eq!(run(1, 7), run(3, 7));
-    assert_ne!(run(2, 7), run(2, 8));
-}
-
-#[test]
-fn clipped_friction_is_reported_and_refused_above_five_percent_unless_allowed() {
-    let law = "--correlation-length 0.01 --marginal beta:2.1,5 --duration 60 --seed 1";
-    let ensemble = |std: f64, more: &str| {
-        asperity(&format!(
-            "vibration ensemble {PAPER} --damping-ratio 0.17 --friction-std {std} {law} --trajectories 20 --json {more}"
-        ))
-    };
-    let calm = ensemble(0.001, "");
-    assert_eq!(number(&calm.json(0), "clipped_fraction"), 0.0);
-    assert!(!calm.stderr.contains("clipped"), "{calm:?}");
-    let wild = "% of the friction values would be clipped to stay positive, more than 5 %";
-    ensemble(0.08, "").refuses(2, &[wild, "--allow-clipping"]);
-    let allowed = ensemble(0.08, "--allow-clipping");
-    let fraction = number(&allowed.json(0), "clipped_fraction");
-    assert!((0.05..0.6).contains(&fraction), "{fraction}");
-    assert!(allowed.stderr.contains("clipped to stay positive; variability is understated"), "{allowed:?}");
-    let sound =
-        format!("vibration sound {PAPER} --damping-ratio 0.17 --friction-std 0.08 {law} --trajectories 2 --json");
-    asperity(&sound).refuses(2, &[wild]);
-    let map = format!(
-        "vibration map {PAPER} --damping-ratio 0.17 --friction-std 0.001 {law} --trajectories 2 --depth 0 --json \
-         --damping-ratios 0.1,0.2,1 --friction-stds 0,0.08,1"
-    );
-    asperity(&map).refuses(2, &[wild]);
-}
-
 #[test]
 fn implausible_machines_are_warned_about() {
     let warned = |line: &str| asperity(&format!("vibration {line}")).stderr;
@@ -352,36 +226,11 @@ fn implausible_machines_are_warned_about() {
 }
 
 #[test]
-fn an_ensemble_needs_a_seed_and_a_distribution() {
-    let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 --trajectories 20 --json");
-    asperity(&format!("{line} {NOISE}")).refuses(2, &["--seed"]);
-    let noise = NOISE.replace("beta:2.1,5", "betta:2.1,5");
-    asperity(&format!("{line} {noise} --seed 1")).refuses(2, &["--marginal", "betta:2.1,5", "beta:A,B"]);
-    let noise = NOISE.replace("--friction-std 0.001", "--friction-std 0");
-    asperity(&format!("{line} {noise} --seed 1")).refuses(2, &["--friction-std", "above 0"]);
-    asperity(&format!("{line} {NOISE} --seed -1")).refuses(2, &["--seed"]);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn an_interrupted_ensemble_prints_no_numbers() {
-    // Many trajectories, and trajectories over billions of friction values.
-    let short = NOISE.replace("--correlation-length 0.01", "--correlation-length 1e-10");
-    for (noise, paths) in [(NOISE, 10_000_000), (short.as_str(), 2)] {
-        let line =
-            format!("vibration ensemble {PAPER} --damping-ratio 0.17 {noise} --trajectories {paths} --seed 1 --json");
-        let (found, took) = run_and_interrupt(Path::new("."), &line);
-        found.refuses(130, &["cancelled", "friction values"]);
-        assert!(took < Duration::from_secs(5), "{took:?}");
-    }
-}
-
-#[test]
 fn every_friction_law_has_its_flags() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("law.csv"), "velocity,friction\n0,0.4\n0.5,0.25\n1,0.1\n").unwrap();
     fs::write(folder.path().join("wrong.csv"), "velocity,friction\n0,0.4\n0.5,x\n").unwrap();
-    let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let run = |line: &str| run_in(folder.path(), line);
     let base = "vibration cycle --static-friction 0.4 --damping-ratio 0.1 --belt-velocity 0.1 --json";
     // Linear weakening has a closed form; by its own flag and as a table of a straight line.
     for law in ["--linear-weakening 0.3", "--friction-table law.csv"] {
@@ -398,68 +247,6 @@ fn every_friction_law_has_its_flags() {
 }
 
 #[test]
-fn the_curve_of_critical_damping_passes_through_published_points_and_the_diagram_jumps_there() {
-    let curve =
-        asperity(&format!("vibration critical-curve {PAPER} --over belt-velocity --from 0.003 --to 0.1 --json"))
-            .json(0);
-    let points = curve["points"].as_array().unwrap();
-    for (end, wanted) in [(&points[0], 0.204_830_150_584_523_2), (&points[points.len() - 1], 0.111_508_270_209_214_1)] {
-        close(number(end, "critical_damping_ratio"), wanted, 1e-10);
-    }
-    let line = format!(
-        "vibration bifurcation {PAPER} --damping-ratio 0.1 --over damping-ratio --from 0.2 --to 0.21 --points 3 --json"
-    );
-    let diagram = asperity(&line).json(0);
-    let upward = diagram["upward"].as_array().unwrap();
-    let slowest = |point: &Value| point["velocity"][0].as_f64().unwrap();
-    assert!(slowest(&upward[0]) < -0.003 && slowest(&upward[2]).abs() < 1e-12);
-}
-
-#[test]
-fn the_map_falls_from_one_to_zero_and_weak_noise_has_the_sound_of_the_cycle() {
-    let noise = "--correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
-    let line = format!(
-        "vibration map {PAPER} --damping-ratio 0.1 --friction-std 0.001 {noise} --damping-ratios 0.1,0.3,2 \
-         --friction-stds 0.0002,0.001,1 --depth 1 --trajectories 20 --duration 150 --json"
-    );
-    let map = asperity(&line).json(0);
-    assert_eq!((map["x"].as_str(), map["y"].as_str()), (Some("damping_ratio"), Some("friction_std")));
-    let share = |x: f64| {
-        let points = map["points"].as_array().unwrap();
-        let at = points.iter().filter(|p| (p["x"].as_f64().unwrap() - x).abs() < 1e-9);
-        at.map(|p| p["sustained"]["value"].as_f64().unwrap()).collect::<Vec<_>>()
-    };
-    assert!(share(0.1).iter().all(|p| *p == 1.0) && share(0.3).iter().all(|p| *p == 0.0));
-    assert_eq!(map["contours"].as_array().unwrap().len(), 3);
-    asperity(&line.replace("--friction-stds 0.0002,0.001,1", "")).refuses(2, &["two axes"]);
-    let sound = format!(
-        "vibration sound {PAPER} --damping-ratio 0.15 --friction-std 1e-6 {noise} --trajectories 2 --duration 300 --json"
-    );
-    assert!(number(&asperity(&sound).json(0), "level_db").abs() < 0.1);
-}
-
-#[test]
-fn a_fitted_process_equals_the_fluctuation_of_its_flags() {
-    let folder = TempDir::new().unwrap();
-    let process = r#"{"format": "asperity friction process", "version": 1, "mean": 0.1, "std": 0.001,
-        "marginal": {"beta": {"a": 2.1, "b": 5.0, "low": 0.0, "high": 1.0}},
-        "correlation": {"model": "exponential", "length_m": 0.01}}"#;
-    fs::write(folder.path().join("process.json"), process).unwrap();
-    let rest = "--damping-ratio 0.17 --trajectories 8 --duration 100 --seed 3 --json";
-    let file = format!("vibration ensemble {PAPER} {rest} --friction-process process.json");
-    let read = line_in(folder.path(), &format!("{file} --length-unit 1m")).json(0);
-    let flags = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --translation corrected";
-    let stated = asperity(&format!("vibration ensemble {PAPER} {rest} {flags}")).json(0);
-    assert_eq!(read, stated);
-    // Lengths need a unit, and only one fluctuation may be stated.
-    assert!(line_in(folder.path(), &file).code == 2);
-    assert!(line_in(folder.path(), &format!("{file} --length-unit 1m {flags}")).code == 2);
-    let absent = format!("vibration ensemble {PAPER} {rest} --friction-process no.json --length-unit 1m");
-    assert!(line_in(folder.path(), &absent).code == 3);
-    assert!(asperity(&format!("vibration ensemble {PAPER} {rest} --friction-std 0.001")).code == 2);
-}
-
-#[test]
 fn integrators_find_the_same_events() {
     let folder = TempDir::new().unwrap();
     let values: Vec<f64> = (0..2000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
@@ -469,7 +256,7 @@ fn integrators_find_the_same_events() {
             "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-file m.npy --friction-step 0.0005 --duration 40 \
              --integrator {integrator} --json"
         );
-        let json = line_in(folder.path(), &line).json(0);
+        let json = run_in(folder.path(), &line).json(0);
         json["events"].as_array().unwrap().clone()
     };
     let series = events("taylor");
@@ -486,154 +273,7 @@ fn integrators_find_the_same_events() {
 }
 
 #[test]
-fn a_map_over_loads_scales_every_friction_law_in_si() {
-    let folder = TempDir::new().unwrap();
-    let points = |factor: f64| format!("0 0.1\n{} 0.08\n{} 0.07\n", 0.1 / factor, 0.4 / factor);
-    fs::write(folder.path().join("law.txt"), points(1.0)).unwrap();
-    fs::write(folder.path().join("heavy.txt"), points(2.0)).unwrap();
-    let laws = [
-        ("--stribeck 4.2", "--stribeck 8.4"),
-        ("--linear-weakening 0.3", "--linear-weakening 0.6"),
-        ("--stribeck-velocity 0.2 --high-speed-friction 0.06", "--stribeck-velocity 0.1 --high-speed-friction 0.06"),
-        ("--friction-table law.txt", "--friction-table heavy.txt"),
-    ];
-    let noise = "--friction-std 1e-5 --correlation-length 0.01 --marginal normal";
-    for (law, heavy) in laws {
-        let map = format!(
-            "vibration map --static-friction 0.1 {law} --belt-velocity 0.01 --damping-ratio 0.1 {noise} --belt-velocities 0.01,0.02,1 \
-             --loads 1,2,1 --depth 0 --trajectories 4 --duration 20 --seed 1 --json"
-        );
-        let map = line_in(folder.path(), &map).json(0);
-        let corner = map["points"].as_array().unwrap().iter().find(|p| p["x"] == 0.02 && p["y"] == 2.0).unwrap();
-        let line = format!("vibration critical-damping --static-friction 0.1 {heavy} --belt-velocity 0.01 --json");
-        let wanted = line_in(folder.path(), &line).json(0);
-        close(number(corner, "limit_damping_ratio"), number(&wanted, "limit_damping_ratio"), 1e-12);
-    }
-}
-
-#[test]
-fn a_motion_that_neither_sticks_nor_slides_steadily_is_reported() {
-    // ζ_c lies far below ζ_H = 375: between them the mass vibrates without sticking.
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("steep.txt"), "0 0.1\n0.001 0.1\n0.0011 0.05\n1 0.04\n").unwrap();
-    let law = "--static-friction 0.1 --friction-table steep.txt --belt-velocity 0.00105";
-    let found = line_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
-    let answer = found.json(0);
-    assert_eq!((&answer["limit_cycle"], &answer["kind"]), (&Value::Bool(true), &"slip_cycle".into()));
-    assert_eq!(answer["steady_sliding_unstable"], Value::Bool(true));
-    assert_eq!(answer["slip_duration"], answer["period"]);
-    let limit = line_in(folder.path(), &format!("vibration critical-damping {law} --json")).json(0);
-    assert!(number(&limit, "hopf_damping_ratio") > 23.0);
-    assert!(number(&limit, "critical_damping_ratio") < 23.0);
-    // Every start leads to this cycle.
-    let starts = "--displacements 0,0.15,8 --velocities -0.001,0.001,8 --json";
-    let basin = line_in(folder.path(), &format!("vibration basin {law} --damping-ratio 23 {starts}")).json(0);
-    assert_eq!(number(&basin, "slip_cycle_share"), 1.0);
-}
-
-#[test]
-fn flags_of_an_invalid_machine_or_range_are_named() {
-    let damping = "--damping-ratio 0.1";
-    for (line, words) in [
-        (format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.1 --to 0.1"), ["--to", "--from"]),
-        (
-            format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.01 --to 0.1 --points 1"),
-            ["--points", "2"],
-        ),
-        (format!("bifurcation {PAPER} {damping} --over forcing --from 0.01 --to 0.1"), ["--over forcing", "--forcing"]),
-        (format!("critical-curve {PAPER} --over damping-ratio --from 0.01 --to 0.1"), ["--over", "critical"]),
-        (
-            format!("critical-curve {PAPER} --over forcing-frequency --from 0.9 --to 1"),
-            ["forcing-frequency", "--forcing"],
-        ),
-        (
-            format!(
-                "map {PAPER} {damping} --friction-std 0.001 --correlation-length 0.01 --marginal normal --seed 1 --trajectories 4 \
-                 --duration 20 --damping-ratios 0.3,0.1,4 --belt-velocities 0.01,0.1,4"
-            ),
-            ["--damping-ratios", "above the first"],
-        ),
-        (format!("cycle {PAPER} {damping} --high-speed-friction 0.05"), ["--high-speed-friction", "--stribeck"]),
-    ] {
-        asperity(&format!("vibration {line}")).refuses(2, &words);
-    }
-}
-
-#[test]
 fn a_linear_law_that_becomes_negative_names_its_slope() {
     let line = "--static-friction 0.1 --linear-weakening 3 --belt-velocity 0.05 --damping-ratio 0.1";
     asperity(&format!("vibration cycle {line}")).refuses(2, &["slope"]);
-}
-
-#[test]
-fn a_forced_motion_that_settles_slowly_is_periodic() {
-    let line = "vibration bifurcation --static-friction 0.2 --stribeck 0 --belt-velocity 0.5 --forcing 0.01 --forcing-frequency 0.7 \
-                --damping-ratio 0.002 --over damping-ratio --from 0.002 --to 0.004 --points 2 --json";
-    let diagram = asperity(line).json(0);
-    for point in diagram["upward"].as_array().unwrap() {
-        assert_eq!((&point["multiplicity"], &point["settled"]), (&Value::from(1), &Value::Bool(true)), "{point}");
-    }
-}
-
-#[test]
-fn a_short_scan_of_the_modes_finds_their_critical_friction() {
-    let line = "vibration mode-coupling --static-friction 0.3 --stribeck 0 --belt-velocity 0.5 --json";
-    let whole = asperity(line).json(0);
-    let short = asperity(&format!("{line} --friction-to 0.2")).json(0);
-    close(number(&short, "critical_friction"), number(&whole, "critical_friction"), 1e-12);
-}
-
-#[test]
-fn a_locked_machine_has_the_published_stable_and_unstable_cycle() {
-    // Phases and multipliers from SciPy's DOP853 and finite differences.
-    let free = "--static-friction 0.2 --stribeck 4.2 --belt-velocity 0.1 --damping-ratio 0.1";
-    let line = format!("vibration forced-cycles {free} --forcing 0.02 --forcing-frequency 0.85");
-    let cycles = asperity(&format!("{line} --json")).json(0)["cycles"].as_array().unwrap().clone();
-    assert_eq!(cycles.len(), 2);
-    for (cycle, (phase, multiplier, stable)) in
-        cycles.iter().zip([(0.167_718_780_139, 0.798_109_649_788, true), (5.478_189_762_536, 1.229_339_408_056, false)])
-    {
-        close(number(cycle, "detachment_phase"), phase, 1e-11);
-        close(number(cycle, "multiplier"), multiplier, 1e-10);
-        close(number(cycle, "period"), std::f64::consts::TAU / 0.85, 1e-12);
-        assert_eq!(cycle["stable"], Value::Bool(stable));
-    }
-    let found = asperity(&line);
-    assert!(found.code == 0 && found.stdout.lines().count() == 3, "{}", found.stdout);
-    asperity(&format!("vibration forced-cycles {free}")).refuses(2, &["--forcing"]);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn ensembles_beyond_the_memory_are_refused_before_they_start() {
-    let damping = "--damping-ratio 0.17";
-    for line in [
-        format!("sound {PAPER} {damping} {NOISE} --trajectories 1000000000 --seed 1"),
-        format!("basin {PAPER} {damping} --displacements 0,1,100000 --velocities 0,1,100000"),
-        format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.01 --to 0.1 --points 1000000000000"),
-        "mode-coupling --static-friction 0.8 --stribeck 0 --belt-velocity 0.5 --points 1000000000000".to_owned(),
-    ] {
-        asperity(&format!("vibration {line}")).refuses(5, &["memory"]);
-    }
-}
-
-#[test]
-fn an_unresolved_correlation_length_is_refused_and_no_foreign_folder_is_replaced() {
-    let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 --trajectories 20 --seed 1");
-    for length in ["1e-300", "1e-17"] {
-        let noise = NOISE.replace("--correlation-length 0.01", &format!("--correlation-length {length}"));
-        asperity(&format!("{line} {noise}")).refuses(2, &["distance between values of friction"]);
-    }
-    let folder = TempDir::new().unwrap();
-    fs::create_dir(folder.path().join("keep")).unwrap();
-    fs::write(folder.path().join("keep/thesis.txt"), "years").unwrap();
-    fs::write(folder.path().join("file"), "").unwrap();
-    let report = |at: &str, words: &[&str]| {
-        let line = format!("vibration basin {PAPER} --damping-ratio 0.17 --report {at}");
-        line_in(folder.path(), &line).refuses(2, words);
-    };
-    report("keep --force", &["--report keep", "asperity did not write it"]);
-    report("keep", &["--report", "not empty"]);
-    report("file --force", &["--report file", "give a folder"]);
-    assert_eq!(fs::read_to_string(folder.path().join("keep/thesis.txt")).unwrap(), "years");
 }

@@ -7,16 +7,11 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, asperity, asperity_in, close, keys, listing, number, written};
+use crate::support::{PAPER, asperity, close, keys, listing, number, run_in, written};
 
-const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
 /// Period of the cycle at ζ = 0.17, from a high-precision solver.
 const PERIOD: f64 = 6.372_163_483_739_709;
-
-fn run(folder: &Path, line: &str) -> Finished {
-    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
-}
 
 /// The named column of a table.
 fn column(folder: &Path, table: &str, name: &str) -> Vec<f64> {
@@ -73,7 +68,7 @@ fn every_command_with_a_report_writes_answer_tables_and_figures() {
         ),
     ] {
         let name = line.split(' ').next().unwrap();
-        let found = run(at, &format!("vibration {line} --report new/{name} --json"));
+        let found = run_in(at, &format!("vibration {line} --report new/{name} --json"));
         let json = found.json(0);
         let report = at.join("new").join(name);
         assert_eq!(written(&report), ["answer.json", "figures", "tables"], "{name}");
@@ -82,10 +77,10 @@ fn every_command_with_a_report_writes_answer_tables_and_figures() {
         let answer: Value = serde_json::from_slice(&fs::read(report.join("answer.json")).unwrap()).unwrap();
         assert_eq!(answer, json, "{name}");
         // A folder with files stays unless `--force` is given.
-        run(at, &format!("vibration {line} --report new/{name} --json")).refuses(2, &["not empty"]);
-        let again = run(at, &format!("vibration {line} --report new/{name} --force --threads 1 --json"));
+        run_in(at, &format!("vibration {line} --report new/{name} --json")).refuses(2, &["not empty"]);
+        let again = run_in(at, &format!("vibration {line} --report new/{name} --force --threads 1 --json"));
         assert_eq!(again.json(0), json, "{name}");
-        run(at, &format!("vibration {line} --force")).refuses(2, &["--report"]);
+        run_in(at, &format!("vibration {line} --force")).refuses(2, &["--report"]);
     }
     assert_eq!(listing(at), ["new"]);
 }
@@ -94,7 +89,7 @@ fn every_command_with_a_report_writes_answer_tables_and_figures() {
 fn tables_agree_with_the_answer() {
     let folder = TempDir::new().unwrap();
     let line = format!("vibration basin {PAPER} --damping-ratio 0.20482 --report basin --json");
-    let json = run(folder.path(), &line).json(0);
+    let json = run_in(folder.path(), &line).json(0);
     let basin = folder.path().join("basin");
     let attractors = column(&basin, "basin", "attractor");
     assert_eq!(attractors.len(), 200 * 200);
@@ -107,7 +102,7 @@ fn tables_agree_with_the_answer() {
     close(number(&json, "separatrix_area"), sliding * x * y, 0.01);
     let line =
         format!("vibration ensemble {PAPER} --damping-ratio 0.17 {NOISE} --trajectories 3 --duration 5 --report e");
-    assert_eq!(run(folder.path(), &line).code, 0);
+    assert_eq!(run_in(folder.path(), &line).code, 0);
     let cloud = folder.path().join("e");
     let trajectory = column(&cloud, "phase_cloud", "trajectory");
     assert_eq!(trajectory.iter().filter(|t| **t == 2.0).count() * 3, trajectory.len());
@@ -177,7 +172,7 @@ fn a_sound_file_has_the_cycle_s_peak_and_frequency() {
     let folder = TempDir::new().unwrap();
     let quiet = NOISE.replace("--friction-std 0.001", "--friction-std 1e-9");
     let base = format!("vibration sound {PAPER} --damping-ratio 0.17 {quiet} --trajectories 2 --duration 300 --json");
-    let found = run(folder.path(), &format!("{base} --wav a.wav --natural-frequency 440Hz --seconds 1"));
+    let found = run_in(folder.path(), &format!("{base} --wav a.wav --natural-frequency 440Hz --seconds 1"));
     let cycle = number(&found.json(0), "cycle_period");
     close(cycle, PERIOD, 1e-12);
     let mut reader = hound::WavReader::open(folder.path().join("a.wav")).unwrap();
@@ -201,7 +196,7 @@ fn a_sound_file_has_the_cycle_s_peak_and_frequency() {
     assert!((loudest as f64 - 440.0 * TAU / PERIOD).abs() <= 0.5, "{loudest} Hz");
     // An angular frequency is the same: ω₀ = 2π·440 Hz.
     let angular = format!("{base} --wav b.wav --natural-frequency 2764.601535159018rad/s --seconds 0.1");
-    assert_eq!(run(folder.path(), &angular).code, 0);
+    assert_eq!(run_in(folder.path(), &angular).code, 0);
     assert_eq!(hound::WavReader::open(folder.path().join("b.wav")).unwrap().duration(), 4410);
 }
 
@@ -217,7 +212,7 @@ fn sounds_beyond_the_limits_of_a_file_are_refused() {
         ("--wav a.wav --natural-frequency 440m", ["--natural-frequency", "440m"]),
         ("--wav gone/a.wav --natural-frequency 440Hz", ["--wav", "gone"]),
     ] {
-        run(folder.path(), &format!("{base} {flags}")).refuses(2, &words);
+        run_in(folder.path(), &format!("{base} {flags}")).refuses(2, &words);
     }
     assert!(listing(folder.path()).is_empty());
 }

@@ -74,6 +74,19 @@ impl GaussianFilter {
         (-std::f64::consts::PI * (ALPHA * self.cutoff_m * frequency_per_m).powi(2)).exp()
     }
 
+    /// Checks that maps of this grid can be filtered.
+    ///
+    /// # Errors
+    /// [`FilterError::Cutoff`] for a cutoff below a pixel or above the field.
+    pub fn check(&self, grid: Grid) -> Result<(), FilterError> {
+        let (low_m, high_m) = (grid.dx_m().max(grid.dy_m()), grid.width_m().min(grid.height_m()));
+        if (low_m..=high_m).contains(&self.cutoff_m) {
+            Ok(())
+        } else {
+            Err(FilterError::Cutoff { found_m: self.cutoff_m, low_m, high_m })
+        }
+    }
+
     /// Returns the large scales, the output of an S-filter. Only present heights have weights; missing heights are not
     /// filled.
     ///
@@ -81,10 +94,7 @@ impl GaussianFilter {
     /// [`FilterError::Cutoff`] for a cutoff below a pixel or above the field; [`FilterError::NotConverged`].
     pub fn smooth(&self, map: &HeightMap) -> Result<Smoothed, FilterError> {
         let grid = map.grid();
-        let (low_m, high_m) = (grid.dx_m().max(grid.dy_m()), grid.width_m().min(grid.height_m()));
-        if !(low_m..=high_m).contains(&self.cutoff_m) {
-            return Err(FilterError::Cutoff { found_m: self.cutoff_m, low_m, high_m });
-        }
+        self.check(grid)?;
         let mean_m = map.present_m().sum::<f64>() / (grid.points() - map.missing_points()) as f64;
         let heights: Vec<f64> = map.heights_m().iter().map(|z| if z.is_nan() { 0.0 } else { z - mean_m }).collect();
         let present: Vec<f64> = map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect();

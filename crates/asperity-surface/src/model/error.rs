@@ -95,8 +95,8 @@ pub enum SurfaceModelError {
     ConstantMode,
     /// The Weierstrass–Mandelbrot generator has no fractal dimension.
     #[error(
-        "[surface] fractal_dimension: the scan shows no scaling range to measure it on; state a value strictly between 2 \
-         and 3"
+        "the scan shows no scaling range, so its fractal dimension cannot be measured; state a `fractal_dimension` strictly \
+         between 2 and 3"
     )]
     FractalDimension,
 }

@@ -6,11 +6,13 @@ mod pressure;
 mod surface;
 mod vibration;
 
+use std::fmt::Display;
+
 use thiserror::Error;
 
 use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
-pub(super) use friction::{FrictionStudy, WindowLaw};
+pub(super) use friction::{FrictionStudy, UncertaintyStudy, WindowLaw};
 pub(super) use pressure::PressureStudy;
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
@@ -58,15 +60,15 @@ fn invalid(section: &'static str, key: &'static str, message: impl Into<String>)
     InvalidValue { section, key, message: message.into() }
 }
 
-/// Fails unless `value` lies in the stated range.
-fn within(
+/// Fails unless `value`, a number or a quantity in SI, lies in the stated range.
+fn within<T: Copy + Display + Into<f64>>(
     section: &'static str,
     key: &'static str,
-    value: f64,
+    value: T,
     fits: impl Fn(f64) -> bool,
     expected: &str,
 ) -> Result<(), InvalidValue> {
-    if value.is_finite() && fits(value) {
+    if value.into().is_finite() && fits(value.into()) {
         Ok(())
     } else {
         Err(invalid(section, key, format!("found {value}, expected {expected}")))
@@ -78,11 +80,7 @@ fn at_least(section: &'static str, key: &'static str, value: usize, least: usize
 }
 
 /// Fails if a value of a list occurs twice.
-fn once<T: PartialEq + std::fmt::Display>(
-    section: &'static str,
-    key: &'static str,
-    values: &[T],
-) -> Result<(), InvalidValue> {
+fn once<T: PartialEq + Display>(section: &'static str, key: &'static str, values: &[T]) -> Result<(), InvalidValue> {
     let repeated = values.iter().enumerate().find(|(index, value)| values[..*index].contains(value));
     repeated.map_or(Ok(()), |(_, value)| Err(invalid(section, key, format!("found {value} twice"))))
 }
@@ -108,10 +106,9 @@ impl StudyFile {
             friction.percentiles = Some(friction.percentiles().to_vec());
         }
         let friction = self.check_friction(material.as_ref())?;
-        self.check_uncertainty()?;
         let vibration = self.check_vibration()?;
-        if let Some(vibration) = &mut self.vibration {
-            vibration.stribeck = vibration.stribeck();
+        if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
+            section.stribeck = study.stribeck();
         }
         Ok(Study { file: self, surface, pressure, friction, vibration })
     }

@@ -8,12 +8,12 @@ use crate::contact::ContactError;
 use crate::distribution::DistributionError;
 use crate::friction::FrictionError;
 use crate::friction::process::ProcessError;
-use crate::friction::window::WindowError;
 use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
 use crate::study::InvalidValue;
+use crate::study::parse::line_of_key;
 use crate::study::sentence;
 use crate::surface::GeneratorError;
 use crate::surface::filter::FilterError;
@@ -68,9 +68,6 @@ pub enum StudyError {
     /// The pressure stage failed.
     #[error("pressure: {0}")]
     Pressure(#[from] PressureError),
-    /// The window does not fit.
-    #[error("[friction] {0}")]
-    Window(#[from] WindowError),
     /// A level of the friction stage failed.
     #[error("friction at {level}: {error}")]
     Friction {
@@ -152,6 +149,28 @@ pub enum FailureKind {
 }
 
 impl StudyError {
+    /// Returns the line of the value in `text`, the study file, that caused the error; `None` if no single value did.
+    pub fn line_in(&self, text: &str) -> Option<usize> {
+        self.key().map(|(section, key)| line_of_key(text, section, key))
+    }
+
+    /// Returns the section and the key of the value that caused the error.
+    fn key(&self) -> Option<(&'static str, &'static str)> {
+        use SurfaceModelError as E;
+
+        match self {
+            Self::Invalid(value) => Some((value.section, value.key)),
+            Self::OneOf { error, .. } => error.key(),
+            Self::NoInterval { key, .. } => Some(("friction.uncertainty", key)),
+            Self::FrictionProcess { .. } => Some(("vibration", "friction_process")),
+            Self::Surface(E::Preparation(PreparationError::SFilter(_))) => Some(("surface", "s_filter")),
+            Self::Surface(E::Preparation(PreparationError::LFilter(_))) => Some(("surface", "l_filter")),
+            Self::Surface(E::FractalDimension) => Some(("surface", "fractal_dimension")),
+            Self::Surface(E::Covariance(_)) => Some(("surface", "covariance")),
+            _ => None,
+        }
+    }
+
     /// What kind of failure this is.
     pub fn kind(&self) -> FailureKind {
         match self {
@@ -177,7 +196,6 @@ impl StudyError {
             | Self::Grid { .. }
             | Self::Contact { .. }
             | Self::Pressure(_)
-            | Self::Window(_)
             | Self::Clipped { computed: false, .. }
             | Self::Process(_)
             | Self::Propagation(_)

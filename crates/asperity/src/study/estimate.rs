@@ -3,8 +3,7 @@
 use crate::contact::memory_bytes;
 use crate::friction::cutoff::STRIPS;
 use crate::map::BoundaryKind;
-use crate::study::check::FrictionSource;
-use crate::study::file::FrictionSection;
+use crate::study::check::{FrictionSource, FrictionStudy};
 use crate::study::friction_stage::cutoff;
 use crate::study::{Stage, Study};
 use crate::surface::model::MOST_MODES;
@@ -89,10 +88,10 @@ impl Study {
             }
             stages.push(stage);
         }
-        if let Some(f) = &self.file().friction {
+        if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.friction == FrictionSource::Computed(None));
-            let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * f.uncertainty_realisations());
-            let levels = f.levels() + usize::from(nominal);
+            let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * u.realisations);
+            let levels = f.levels.len() + usize::from(nominal);
             let solutions = levels * (f.realisations + uncertain);
             let plan = cutoff::plan(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
@@ -125,9 +124,7 @@ impl Study {
             // Friction that a study computes is correlated over at least one window.
             let length_m = match &v.friction {
                 FrictionSource::Stated(friction) => Some(friction.length_m),
-                FrictionSource::Computed(_) | FrictionSource::File(_) => {
-                    self.file().friction.as_ref().map(|f| f.window.0)
-                }
+                FrictionSource::Computed(_) | FrictionSource::File(_) => self.friction.as_ref().map(|f| f.window_m[0]),
             };
             let values = length_m.map_or(0.0, |length_m| FLUCTUATION_VALUES * v.sliding_distance_m() / length_m);
             let seconds = TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values;
@@ -151,7 +148,7 @@ impl Study {
         let surface = self.file().surface.as_ref().map_or(0.0, |_| STAGE_BYTES);
         let pressure =
             self.pressure.as_ref().map_or(0.0, |p| STAGE_BYTES + bytes([p.grid.nx(), p.grid.ny()], PATCH_FIELDS));
-        let friction = self.file().friction.as_ref().map_or(0.0, |f| STAGE_BYTES + bytes(f.points, 1.0));
+        let friction = self.friction.as_ref().map_or(0.0, |f| STAGE_BYTES + bytes(f.points, 1.0));
         let vibration = self.vibration.as_ref().map_or(0.0, |v| {
             let map = v.map.as_ref().map_or(0.0, |map| (map.x.2 + 1) as f64 * (map.y.2 + 1) as f64);
             STAGE_BYTES + map * MAP_POINT_BYTES
@@ -162,16 +159,17 @@ impl Study {
 
 /// Returns the bytes of the records of one strip at one level: six numbers at every position of the window and of
 /// windows of a half, a quarter and an eighth of it, and again at the mean load.
-fn record_bytes(section: &FrictionSection) -> f64 {
-    let [nx, _] = section.points;
-    let cells = (section.window.0 / section.strip[0].0 * nx as f64).max(1.0);
+fn record_bytes(study: &FrictionStudy) -> f64 {
+    let ([nx, _], [length_m, width_m]) = (study.points, study.size_m);
+    let [window_length_m, window_width_m] = study.window_m;
+    let cells = (window_length_m / length_m * nx as f64).max(1.0);
     let positions: f64 = [1.0, 2.0, 4.0, 8.0]
         .iter()
         .map(|part| cells / part)
-        .filter(|cells| *cells >= 4.0 || section.window.0 >= section.strip[0].0)
+        .filter(|cells| *cells >= 4.0 || window_length_m >= length_m)
         .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
         .sum();
-    let tracks = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
+    let tracks = (width_m / window_width_m).floor().max(1.0);
     tracks * positions * 12.0 * DOUBLE_BYTES
 }
 

@@ -2,6 +2,7 @@
 //!
 //! The type of each key checks its form. An unknown key is an error that names its line and the nearest known key.
 
+mod fixed_list;
 mod friction;
 mod pressure;
 mod surface;
@@ -9,6 +10,8 @@ mod vibration;
 
 use serde::{Deserialize, Serialize};
 
+pub(super) use fixed_list::fixed_list;
+pub(super) use friction::usual_window_m;
 pub use friction::{FrictionLawKind, FrictionSection, UncertaintySection, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};

@@ -11,10 +11,8 @@ use crate::contact::{Control, Solver};
 use crate::friction::strip::StripProblem;
 use crate::friction::window::Window;
 use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
-use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
-use crate::study::file::{FrictionSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::output::StageOutput;
@@ -37,18 +35,6 @@ fn upscaling(solved: &SolvedLevel, window: &Window, nominal_area_m2: f64) -> Ups
             std: std * variance_reduction.sqrt(),
         },
     }
-}
-
-/// Returns the levels that a section states and, if it is the operating level, the one at the nominal pressure.
-fn level_controls(section: &FrictionSection, operating: OperatingLevel) -> Vec<LevelControl> {
-    let percentiles = section.percentiles().iter().map(|percent| LevelControl::Percentile(*percent));
-    let pressures = section.mean_pressures.iter().map(|pressure| LevelControl::MeanPressure(pressure.0));
-    let penetrations = section.penetrations.iter().map(|depth| LevelControl::Penetration(depth.0));
-    let nominal = match operating {
-        OperatingLevel::NominalPressure(pascal) => Some(LevelControl::Nominal(pascal)),
-        _ => None,
-    };
-    percentiles.chain(pressures).chain(penetrations).chain(nominal).collect()
 }
 
 /// Returns the kind of a level in results.
@@ -82,28 +68,20 @@ pub(super) struct FrictionStage {
     pub(super) output: StageOutput,
 }
 
-/// Returns the contact problem of the strips of a section with its mean compliance, in m/Pa, and a description of the friction law.
-fn strip_problem(
-    FrictionStudy { section, material, law }: &FrictionStudy,
-) -> Result<(StripProblem, Option<f64>, String), StudyError> {
-    let [nx, ny] = section.points;
-    let grid = Grid::with_size(nx, ny, section.strip[0].0, section.strip[1].0)
-        .map_err(|error| StudyError::Grid { section: "friction", error })?;
-    let compliance = section.mean_compliance.map(|c| c.0);
+/// Returns the contact problem of the strips with its mean compliance, in m/Pa, and a description of the friction law.
+fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>, String), StudyError> {
+    let ((grid, window), material) = (study.strip()?, &study.material);
+    let compliance = study.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) =
-        half_space("friction", grid, material.contact_modulus_pa(), section.boundary, compliance)?;
-    let window = match section.window_shape {
-        WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
-        WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
-    };
-    let (law, law_in_words) = friction_law(*law);
+        half_space("friction", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
+    let (law, law_in_words) = friction_law(study.law);
     let hardness_pa = material.hardness.map(|h| h.0);
-    let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
+    let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
     let problem = StripProblem { half_space, window, law, hardness_pa, solver };
     Ok((problem, mean_compliance_m_per_pa, law_in_words))
 }
 
-/// Solves the strips at the levels of the section and at the operating level.
+/// Solves the strips at the levels of the study and at the operating level.
 pub(super) fn run(
     study: &FrictionStudy,
     surface: &SurfaceStage,
@@ -112,12 +90,15 @@ pub(super) fn run(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
-    let section = &study.section;
     let (problem, mean_compliance_m_per_pa, law_in_words) = strip_problem(study)?;
     let grid = problem.grid();
     let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
-    let strips = problem.strips(generated.surface.as_ref(), section.realisations, seed);
-    let stated = level_controls(section, operating);
+    let strips = problem.strips(generated.surface.as_ref(), study.realisations, seed);
+    let nominal = match operating {
+        OperatingLevel::NominalPressure(pascal) => Some(LevelControl::Nominal(pascal)),
+        OperatingLevel::Deepest | OperatingLevel::Percentile(_) => None,
+    };
+    let stated: Vec<LevelControl> = study.levels.iter().copied().chain(nominal).collect();
     let controls: Vec<Control> = stated.iter().map(|level| level.contact(&surface.model.marginal)).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
@@ -130,7 +111,7 @@ pub(super) fn run(
     }
     let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
     let lead = operating.index_in(&pressures);
-    let uncertain = friction_uncertainty::run(section, &problem, surface, &levels, seed, monitor)?;
+    let uncertain = friction_uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
     let window = &problem.window;
     let mut result = FrictionResult {
@@ -138,7 +119,7 @@ pub(super) fn run(
         window_width_m: window.width_m(),
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
-        realisations: section.realisations,
+        realisations: study.realisations,
         operating_point: entries::operating_point(&levels[lead], window, nominal_area_m2),
         levels: levels
             .iter()
@@ -160,7 +141,7 @@ pub(super) fn run(
     if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {
         output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
-    output.assumptions = words::sentences(section, &strips, &law_in_words, mean_compliance_m_per_pa, &levels[lead]);
+    output.assumptions = words::sentences(study, &strips, &law_in_words, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());
     output.extend(of_cutoff);
     if let Some((found, own)) = uncertain {

@@ -7,7 +7,7 @@ use crate::friction::strip::StripProblem;
 use crate::friction::uncertain::{PointMoments, UncertainPlan};
 use crate::friction::{LevelControl, SolvedLevel};
 use crate::monitor::Monitor;
-use crate::study::file::FrictionSection;
+use crate::study::check::FrictionStudy;
 use crate::study::friction_stage::{no_variance, prescribed};
 use crate::study::output::StageOutput;
 use crate::study::result::{
@@ -24,16 +24,16 @@ const UNEXPLAINED_SHARE: f64 = 0.2;
 
 /// Solves strips of surfaces with other parameters at the levels of the stage.
 pub(super) fn run(
-    section: &FrictionSection,
+    study: &FrictionStudy,
     problem: &StripProblem,
     surface: &SurfaceStage,
     levels: &[SolvedLevel],
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<(UncertaintyResult, StageOutput)>, StudyError> {
-    let Some(stated) = &section.uncertainty else { return Ok(None) };
+    let Some(stated) = &study.uncertainty else { return Ok(None) };
     let uncertain = UncertainSurface::new(stated, surface)?;
-    let realisations = section.uncertainty_realisations();
+    let realisations = stated.realisations;
     let propagation = Propagation::new(uncertain.parameters.clone(), stated.points, seed)?;
     let controls: Vec<LevelControl> = levels.iter().map(|level| level.control).collect();
     let plan = UncertainPlan { problem, levels: &controls, points: propagation.points(), realisations, seed };
@@ -56,7 +56,7 @@ pub(super) fn run(
         }
         let of = |which: usize| {
             let replicates = points.iter().map(|point| point[place].as_ref().ok().map(|found| &found[which]));
-            responses(&propagation, &replicates.collect::<Vec<_>>(), section.tolerance, seed)
+            responses(&propagation, &replicates.collect::<Vec<_>>(), study.tolerance, seed)
         };
         let (mut quotient, at_mean_load) = (of(0)?, of(1)?);
         if let Some(tail) = &levels[place].heavy_tail {

@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::de::{DeTable, DeValue};
 
-use crate::study::{InvalidValue, Study, StudyFile};
+use crate::study::{InvalidValue, Study, StudyFile, sentence};
 
 /// Error of a study file.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -57,13 +57,13 @@ fn line_at(text: &str, byte: usize) -> usize {
     text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
 }
 
-/// Returns the line of `key` in `[section]`, which may be `outer.inner`; the line of the section if the key is absent;
-/// 1 if the section is absent too.
-fn line_of_key(text: &str, section: &str, key: &str) -> usize {
+/// Returns the line of `key` in `[section]`, which may be `outer.inner`, or empty for a key of no section; the line of the
+/// section if the key is absent; 1 if the section is absent too.
+pub(super) fn line_of_key(text: &str, section: &str, key: &str) -> usize {
     let Ok(file) = DeTable::parse(text) else { return 1 };
     let find = |table: &DeTable<'_>, name: &str| table.keys().find(|key| key.get_ref() == name).map(|key| key.span());
     let (mut table, mut line) = (file.get_ref(), 1);
-    for name in section.split('.').chain([key]) {
+    for name in section.split('.').filter(|name| !name.is_empty()).chain([key]) {
         let Some(span) = find(table, name) else { return line };
         line = line_at(text, span.start);
         match table.get(name).map(|value| value.get_ref()) {
@@ -82,7 +82,7 @@ fn explain(message: &str) -> String {
     } else if message.starts_with("unknown variant") {
         "value"
     } else {
-        return wrong_type(message).unwrap_or_else(|| message.into());
+        return wrong_length(message).or_else(|| wrong_type(message)).unwrap_or_else(|| message.into());
     };
     let [found, known @ ..] = names.as_slice() else {
         return message.into();
@@ -94,6 +94,14 @@ fn explain(message: &str) -> String {
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let hint = nearest.map_or_else(String::new, |(_, name)| format!("; did you mean `{name}`?"));
     format!("unknown {kind} `{found}`{hint} (known: {})", known.join(", "))
+}
+
+/// Rewrites serde's "invalid length 3, expected an array of length 2" as "found 3 values, expected 2".
+fn wrong_length(message: &str) -> Option<String> {
+    let (found, expected) = message.strip_prefix("invalid length ")?.split_once(", expected ")?;
+    let expected =
+        expected.strip_prefix("an array of length ").or_else(|| expected.strip_prefix("a tuple of size "))?;
+    Some(format!("found {}, expected {expected}", sentence::count(found.parse().ok()?, "value", "values")))
 }
 
 /// Rewrites serde's "invalid type: floating point `2.5`, expected usize" as "`2.5` is not a whole number".
@@ -181,8 +189,8 @@ percentile = 50.0
             ("\"20\"", "no unit"),
             ("\"20 GPa\"", "`GPa` is not a unit of length"),
             ("\"1e400 m\"", "out of range"),
-            ("[\"20 um\"]", "list of two"),
-            ("[\"20 um\", \"20 um\", \"20 um\"]", "list of two"),
+            ("[\"20 um\"]", "found 1 value, expected 2"),
+            ("[\"20 um\", \"20 um\", \"20 um\"]", "found 3 values, expected 2"),
             ("\"-20 um\"", "positive"),
         ] {
             let error = lengths(value).unwrap_err();

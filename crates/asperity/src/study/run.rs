@@ -17,6 +17,7 @@ use crate::study::{
     Study, StudyError, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage,
     vibration_stage,
 };
+use crate::surface::model::{Measurable, SurfaceRequest};
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
 const NOMINAL_AREA: Area = Area(833e-6);
@@ -88,6 +89,20 @@ impl Study {
         Ok(warnings)
     }
 
+    /// Checks the scans and returns warnings about them; `folder` is the folder of the study file. Computes the
+    /// statistics of the scans only if the random surfaces need their fractal dimension.
+    ///
+    /// # Errors
+    /// A scan cannot be read or filtered, or has no fractal dimension although the random surfaces need one.
+    pub fn check_scans(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
+        let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(Vec::new()) };
+        let warnings = surface_stage::check_scans(section, section.read_scans(folder)?)?;
+        if matches!(request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
+            surface_stage::run(section, request.clone(), section.read_scans(folder)?)?;
+        }
+        Ok(warnings)
+    }
+
     /// Returns the warnings of a run that are known before anything is computed; `folder` is the folder of the study
     /// file.
     ///
@@ -116,9 +131,7 @@ impl Study {
         let (mut surface, mut karhunen_loeve) = (None, None);
         if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
             monitor.progress("surface", 0, 1);
-            let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let scans = section.files().iter().map(name).zip(section.read_scans(folder)?).collect();
-            let mut stage = surface_stage::run(section, request.clone(), scans)?;
+            let mut stage = surface_stage::run(section, request.clone(), section.read_scans(folder)?)?;
             monitor.progress("surface", 1, 1);
             gathered.add(mem::take(&mut stage.output));
             surface = Some(stage);
@@ -140,7 +153,7 @@ impl Study {
                 Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
             };
             let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let stated = study.section.nominal_area.or_else(vibration_area);
+            let stated = study.nominal_area.or_else(vibration_area);
             let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
             if stated.is_none() {
                 let assumed =

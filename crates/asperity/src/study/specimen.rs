@@ -1,37 +1,48 @@
 //! Random maps of the `[surface]` of a study, on any grid.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use crate::correlation::CorrelationFamily;
-use crate::map::BoundaryKind;
-use crate::map::{Grid, HeightMap};
+use crate::map::{BoundaryKind, Grid, HeightMap};
 use crate::quantity::Length;
 use crate::random;
-use crate::study::file::SurfaceSection;
-use crate::study::{StudyError, StudyFile, StudyFileError, surface_stage};
+use crate::study::file::{SurfaceSection, fixed_list};
+use crate::study::parse::line_of_key;
+use crate::study::{StudyError, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
+use crate::surface::model::SurfaceRequest;
 
 /// Stream name of the random numbers of drawn maps.
 const STAGE: &str = "specimen";
 
 /// Specification of random maps: a surface, its size and its points. The file has the keys `seed`, `size`, `points`,
 /// `boundary` and the section `[surface]` of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Specimen {
     /// Seed of every random draw.
     pub seed: u64,
+    grid: Grid,
+    boundary: BoundaryKind,
+    section: SurfaceSection,
+    request: SurfaceRequest,
+}
+
+/// File of a specification.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpecimenFile {
+    seed: u64,
     /// Size (x, y) of a map.
-    pub size: [Length; 2],
+    #[serde(deserialize_with = "fixed_list")]
+    size: [Length; 2],
     /// Points (x, y) of a map.
-    pub points: [usize; 2],
+    #[serde(deserialize_with = "fixed_list")]
+    points: [usize; 2],
     /// Continuation of a map beyond its edge.
     #[serde(default = "free")]
-    pub boundary: BoundaryKind,
-    /// Surface model.
-    pub surface: SurfaceSection,
+    boundary: BoundaryKind,
+    surface: SurfaceSection,
 }
 
 fn free() -> BoundaryKind {
@@ -44,39 +55,43 @@ impl Specimen {
     /// # Errors
     /// The first error of the specification, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        let specimen: Self = StudyFileError::read(text, file)?;
-        let study = StudyFile {
-            seed: specimen.seed,
-            surface: Some(specimen.surface.clone()),
-            material: None,
-            pressure: None,
-            friction: None,
-            vibration: None,
-        };
-        study.check().map_err(|value| StudyFileError::invalid(&value, text, file))?;
-        Ok(specimen)
+        let SpecimenFile { seed, size: [width, height], points: [nx, ny], boundary, surface: section } =
+            StudyFileError::read(text, file)?;
+        let grid = Grid::with_size(nx, ny, width.0, height.0).map_err(|error| StudyFileError {
+            file: file.into(),
+            line: line_of_key(text, "", "points"),
+            message: format!("size and points: {error}"),
+        })?;
+        let request = section.check().map_err(|value| StudyFileError::invalid(&value, text, file))?;
+        Ok(Self { seed, grid, boundary, section, request })
+    }
+
+    /// Returns the grid of a map.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Returns the scan files, `folder` being the folder of the specification.
+    pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
+        self.section.files().iter().map(|file| folder.join(file)).collect()
     }
 
     /// Estimates the memory in byte of the generator and a map.
     pub fn memory_bytes(&self) -> f64 {
         // The embedded covariance has twice the width and height, in complex numbers; the map has its normal variables.
         const BYTES_PER_POINT: f64 = 4.0 * 16.0 + 3.0 * 8.0;
-        BYTES_PER_POINT * self.points[0] as f64 * self.points[1] as f64
+        BYTES_PER_POINT * self.grid.nx() as f64 * self.grid.ny() as f64
     }
 
     /// Builds the generator of the maps. `folder` is the folder of the specification, to which scan paths are relative.
     ///
     /// # Errors
-    /// The scan cannot be read or has no texture, or the model or the grid is invalid.
+    /// The scan cannot be read or has no texture, or the model is invalid.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
-        let [width, height] = self.size;
-        let grid = Grid::with_size(self.points[0], self.points[1], width.0, height.0)
-            .map_err(|error| StudyError::Grid { section: "size and points", error })?;
-        let names = self.surface.files().iter().map(|file| file.to_string_lossy().into_owned());
-        let scans = names.zip(self.surface.read_scans(folder)?).collect();
-        let stage = surface_stage::run(&self.surface, self.surface.request(CorrelationFamily::ALL)?, scans)?;
-        let generated = stage.model.patch(grid, self.boundary == BoundaryKind::Periodic)?;
-        let keys = self.surface.keys_without_effect().into_iter();
+        let scans = self.section.read_scans(folder)?;
+        let stage = surface_stage::run(&self.section, self.request.clone(), scans)?;
+        let generated = stage.model.patch(self.grid, self.boundary == BoundaryKind::Periodic)?;
+        let keys = self.section.keys_without_effect().into_iter();
         let warnings = keys.chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }
@@ -152,12 +167,13 @@ generator = "spectral"
             ("\"1 um\"", "\"1 GPa\"", 8, "length"),
             ("rms_height = \"1 um\"", "", 5, "rms_height"),
             ("seed = 3", "", 1, "seed"),
+            ("[64, 32]", "[1, 32]", 4, "points"),
+            ("[64, 32]", "[64, 32, 32]", 4, "found 3 values, expected 2"),
+            ("[\"64 um\", \"32 um\"]", "[\"64 um\"]", 3, "found 1 value, expected 2"),
         ] {
             let error = Specimen::parse(&SPECIFICATION.replace(from, to), "spec.toml").unwrap_err();
             assert_eq!((error.line, error.file.as_str()), (line, "spec.toml"), "{error}");
             assert!(error.message.contains(expected), "{error}");
         }
-        let flat = SPECIFICATION.replace("[64, 32]", "[1, 32]");
-        assert!(Specimen::parse(&flat, "spec.toml").unwrap().sampler(Path::new(".")).is_err());
     }
 }

@@ -1,5 +1,7 @@
 //! Surface stage: statistics of the scans, and the model of the random surfaces.
 
+use std::mem;
+
 use asperity_formats::Scan;
 
 use crate::correlation::{CorrelationModel, StationaryCovariance};
@@ -41,6 +43,32 @@ impl SurfaceStage {
         };
         let (covariance, marginal) = (self.covariance.clone(), law_result(&self.model.marginal));
         SurfaceResult { measured, covariance, marginal, karhunen_loeve: karhunen_loeve.map(karhunen_loeve_result) }
+    }
+}
+
+/// Checks that the scans can be filtered and returns warnings about them; computes nothing.
+pub(super) fn check_scans(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<Vec<String>, StudyError> {
+    let (preparation, several) = (section.preparation(), scans.len() > 1);
+    let mut warnings = Vec::new();
+    for (file, mut scan) in scans {
+        let mut own = mem::take(&mut scan.warnings);
+        let map = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.clone(), error })?;
+        let (missing, points) = (map.missing_points(), map.grid().points());
+        if missing > 0 {
+            own.push(format!("{missing} of {points} heights are missing"));
+        }
+        let checked = preparation.check(map.grid()).map_err(|error| SurfaceModelError::from(error).into());
+        checked.map_err(|error| if several { of_one(&file, error) } else { error })?;
+        warnings.extend(own.into_iter().map(|own| if several { format!("{file}: {own}") } else { own }));
+    }
+    Ok(warnings)
+}
+
+/// Returns the error of one of several scans.
+fn of_one(file: &str, error: StudyError) -> StudyError {
+    match error {
+        error @ StudyError::Map { .. } => error,
+        error => StudyError::OneOf { file: file.into(), error: Box::new(error) },
     }
 }
 
@@ -95,11 +123,7 @@ fn measure_all(
     let mut measured = Vec::with_capacity(scans.len());
     for (file, scan) in scans {
         let mut own = StageOutput::default();
-        let of_file = |error: StudyError| match error {
-            error @ StudyError::Map { .. } => error,
-            error => StudyError::OneOf { file: file.clone(), error: Box::new(error) },
-        };
-        let scan = measure(section, &file, scan, &mut own).map_err(of_file)?;
+        let scan = measure(section, &file, scan, &mut own).map_err(|error| of_one(&file, error))?;
         if measured.is_empty() {
             output.fields = own.fields;
         }

@@ -3,7 +3,7 @@
 use crate::chaos::Parameter;
 use crate::stats::Interval;
 use crate::study::StudyError;
-use crate::study::file::UncertaintySection;
+use crate::study::check::UncertaintyStudy;
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::study::surface_stage::SurfaceStage;
 use crate::surface::model::{SurfaceCovariance, SurfaceModel, Variation};
@@ -20,15 +20,15 @@ pub(super) struct UncertainSurface<'a> {
 }
 
 impl<'a> UncertainSurface<'a> {
-    pub(super) fn new(section: &UncertaintySection, surface: &'a SurfaceStage) -> Result<Self, StudyError> {
+    pub(super) fn new(study: &UncertaintyStudy, surface: &'a SurfaceStage) -> Result<Self, StudyError> {
         let model = &surface.model;
         let measured = |statistic: &str| surface.measured.as_ref()?.estimate(statistic);
         let length_x_m = model.covariance().map(SurfaceCovariance::length_x_m);
         let mut parameters = Vec::new();
         let absent = |key, statistic| StudyError::NoInterval { key, statistic };
         let lengths = [
-            (RMS_HEIGHT, section.rms_height, Some(model.marginal.std()), "Sq_m"),
-            (CORRELATION_LENGTH, section.correlation_length, length_x_m, "correlation_length_x_m"),
+            (RMS_HEIGHT, study.rms_height, Some(model.marginal.std()), "Sq_m"),
+            (CORRELATION_LENGTH, study.correlation_length, length_x_m, "correlation_length_x_m"),
         ];
         for (key, scatter, nominal_m, statistic) in lengths {
             // Without a covariance the check of the study refuses an uncertain length.
@@ -46,7 +46,7 @@ impl<'a> UncertainSurface<'a> {
             };
             parameters.push(parameter);
         }
-        if let Some(scatter) = section.skewness {
+        if let Some(scatter) = study.skewness {
             let parameter = match scatter {
                 NumberScatter::Absolute(std) => Parameter::normal(SKEWNESS, model.marginal.skewness(), std)?,
                 NumberScatter::Measured => {

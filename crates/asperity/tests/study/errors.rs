@@ -35,7 +35,7 @@ fn errors_name_their_line_in_any_layout() {
         ("[60.0, 20.0]", "[\n60.0,\n\"20\"]", line_of("percentiles") + 2, "is not a number"),
         ("[60.0, 20.0]", "[60.0, 60.0]", line_of("percentiles"), "60 twice"),
         ("[60.0, 20.0]", "[]", line_of("percentiles"), "at least one"),
-        ("points = [21, 17]", "points = [21]", line_of("points = [21"), "length"),
+        ("points = [21, 17]", "points = [21]", line_of("points = [21"), "found 1 value, expected 2"),
         ("points = [21, 17]", "points = [21, 1]", line_of("points = [21"), "at least 2"),
         ("modes = 30", "modes = 30\nmodes = 31", line_of("modes") + 1, "duplicate key"),
         ("modes = 30", "modes = -1", line_of("modes"), "-1"),
@@ -65,6 +65,36 @@ fn errors_name_their_line_in_any_layout() {
         assert_eq!(error.line, line, "{error}");
         assert!(error.message.contains("positive"), "{error}");
     }
+}
+
+#[test]
+fn a_list_of_another_length_is_an_error_at_its_line() {
+    let more = [
+        ("modes = 30", "modes = 30\npixel_size = [\"2 um\", \"2 um\"]"),
+        ("percentile = 50.0", "percentile = 50.0\ncell = [1, 2]"),
+    ];
+    let map = "[vibration.map]\nover = \"damping_velocity\"\nx = [0.05, 0.3, 4]\ny = [0.001, 0.01, 3]\n";
+    let text = changed(MODEL, &more) + map;
+    study(&text);
+    let lists = text.lines().enumerate().filter(|(_, line)| line.contains("= [") && !line.starts_with("percentiles"));
+    let mut keys = Vec::new();
+    for (index, line) in lists {
+        let (key, values) = line.strip_suffix(']').unwrap().split_once(" = [").unwrap();
+        let values: Vec<&str> = values.split(", ").collect();
+        for count in [values.len() - 1, values.len() + 1, values.len() + 2] {
+            let other: Vec<&str> = values.iter().cycle().take(count).copied().collect();
+            let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            lines[index] = format!("{key} = [{}]", other.join(", "));
+            let error = Study::parse(&lines.join("\n"), "study.toml").unwrap_err();
+            let noun = if count == 1 { "value" } else { "values" };
+            let wanted = format!("found {count} {noun}, expected {}", values.len());
+            assert_eq!((error.line, error.message), (index + 1, wanted), "{key}");
+        }
+        keys.push(key);
+    }
+    let all =
+        ["correlation_length", "pixel_size", "size", "points", "cell", "strip", "points", "damping_sweep", "x", "y"];
+    assert_eq!(keys, all);
 }
 
 #[test]

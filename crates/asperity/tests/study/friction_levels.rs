@@ -213,7 +213,7 @@ fn invalid_keys_are_errors_with_their_line() {
         ("law = \"coulomb\"", 1, "needs its μ"),
         ("law = \"coulomb\"\ncoefficient = -0.1", 2, "positive"),
         ("law = \"pressure_dependent\"", 1, "needs its α"),
-        ("window_width = \"40 um\"", 1, "at most its width"),
+        ("window_width = \"40 um\"", 1, "at most as wide as the strip"),
         ("window_width = \"2 um\"", 1, "at least two cells"),
         ("mean_pressures = [\"1 MPa\", \"2 GPa\"]", 1, "hardness"),
         ("mean_pressures = [\"1 MPa\", \"1e6 Pa\"]", 1, "twice"),

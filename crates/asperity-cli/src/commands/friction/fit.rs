@@ -102,7 +102,7 @@ struct PreparationOptions {
     /// Part of the record to keep, in the file's times or distances: two times or two distances.
     #[arg(long, value_name = "A,B", value_parser = cut, allow_hyphen_values = true)]
     cut: Option<Cut>,
-    /// Trend to remove: none, mean, linear, polynomial:DEGREE or high_pass:CUTOFF. The mean stays.
+    /// Trend to remove: none, mean, linear, polynomial:DEGREE or high_pass:LENGTH. The mean stays.
     #[arg(long, value_name = "TREND", default_value = "none", value_parser = detrend, allow_hyphen_values = true)]
     detrend: Detrend,
     /// Cutoff length of a Gaussian filter that removes shorter waves.
@@ -117,8 +117,11 @@ fn law(text: &str) -> Result<DistributionChoice, args::Refusal> {
     text.parse().map_err(|e: String| e.into())
 }
 
+/// Parses a trend; hyphens in its name may stand for underscores.
 fn detrend(text: &str) -> Result<Detrend, args::Refusal> {
-    text.parse().map_err(|e: String| e.into())
+    let end = text.find(':').unwrap_or(text.len());
+    let name = text[..end].replace('-', "_");
+    format!("{name}{}", &text[end..]).parse().map_err(|e: String| e.into())
 }
 
 fn cut(text: &str) -> Result<Cut, args::Refusal> {

@@ -38,15 +38,15 @@ pub(crate) struct Generate {
 
 impl Generate {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let mut specimen = study_file::read(&self.spec, Specimen::parse)?;
+        let (mut specimen, text) = study_file::read(&self.spec, Specimen::parse)?;
         specimen.seed = self.seed.unwrap_or(specimen.seed);
         let folder = study_file::folder_of(&self.spec);
-        let scans: Vec<PathBuf> = specimen.surface.files().iter().map(|scan| folder.join(scan)).collect();
+        let scans = specimen.scan_paths(folder);
         let inputs: Vec<&Path> = scans.iter().chain([&self.spec]).map(PathBuf::as_path).collect();
         let maps = self.target.open(self.count, &inputs)?;
         require_memory(specimen.memory_bytes(), "a map of this size")?;
-        maps.require_disk(self.count, specimen.points.iter().map(|n| *n as f64).product())?;
-        let sampler = specimen.sampler(folder).map_err(|e| study_file::failure(&self.spec, &e))?;
+        maps.require_disk(self.count, specimen.grid().points() as f64)?;
+        let sampler = specimen.sampler(folder).map_err(|e| study_file::failure(&self.spec, Some(&text), &e))?;
         for warning in sampler.warnings() {
             monitor.warn(warning);
         }

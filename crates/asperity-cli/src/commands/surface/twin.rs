@@ -290,7 +290,7 @@ impl Twin {
             }
             StudyError::Grid { error, .. } => Failure::usage(format_args!("--size, --points: {error}")),
             StudyError::Cancelled(Cancelled) => Cancelled.into(),
-            error => study_file::failure(&self.file, error),
+            error => study_file::failure(&self.file, None, error),
         }
     }
 }

@@ -5,7 +5,7 @@ use asperity::vibration::Parameter;
 use asperity::vibration::{BifurcationDiagram, BifurcationPoint, BifurcationSettings, MarkKind, bifurcation_diagram};
 use clap::Args;
 
-use super::critical_curve::check_over;
+use super::critical_curve::{check_over, parameter};
 use super::folder::Folder;
 use super::{Damping, Machine, code};
 use crate::args;
@@ -25,7 +25,7 @@ pub(crate) struct Bifurcation {
     #[command(flatten)]
     damping: Damping,
     /// Parameter to vary.
-    #[arg(long, value_parser = args::named::<Parameter>())]
+    #[arg(long, value_parser = parameter())]
     over: Parameter,
     /// Least value.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]

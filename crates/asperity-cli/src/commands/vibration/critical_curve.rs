@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::Machine;
 use super::folder::Folder;
-use crate::args;
+use crate::args::{self, Named};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
@@ -18,7 +18,7 @@ pub(crate) struct CriticalCurve {
     #[command(flatten)]
     machine: Machine,
     /// Parameter to vary.
-    #[arg(long, value_parser = args::named::<Parameter>())]
+    #[arg(long, value_parser = parameter())]
     over: Parameter,
     /// Start of the curve.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
@@ -31,6 +31,11 @@ pub(crate) struct CriticalCurve {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
+}
+
+/// Returns the parser of the parameter of a curve or a diagram.
+pub(super) fn parameter() -> Named<Parameter> {
+    args::named().with_alias("forcing", Parameter::ForcingAmplitude)
 }
 
 /// Fails if the oscillator lacks the parameter, or if the range does not rise or has an impossible end.

@@ -8,7 +8,6 @@ use asperity::quantity::Length;
 use asperity::study::clipping_warning;
 use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
 use clap::Args;
-use clap::builder::ArgPredicate;
 
 use crate::args;
 use crate::commands::friction::read_process;
@@ -47,18 +46,20 @@ impl Paths {
 
 /// Source of the fluctuation: flags, or the file of a fitted process.
 #[derive(Debug, Args)]
+#[command(mut_arg("correlation_length", |length| length.required(false).required_unless_present("friction_process")))]
+#[command(mut_arg("marginal", |law| law.required(false).required_unless_present("friction_process")))]
 pub(super) struct Source {
     /// Standard deviation of the friction coefficient.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
-          required_unless_present = "friction_process",
-          requires_ifs = [(ArgPredicate::IsPresent, "correlation_length"), (ArgPredicate::IsPresent, "marginal")])]
+          required_unless_present = "friction_process")]
     friction_std: Option<f64>,
     #[command(flatten)]
     fluctuation: Option<Fluctuation>,
     /// Fitted process, written by `asperity friction fit --out` or by a study, instead of the flags of the fluctuation.
     /// Its mean and its Stribeck coefficient are ignored.
     #[arg(long, value_name = "PROCESS.json", requires = "length_unit",
-          conflicts_with_all = ["friction_std", "correlation_length", "marginal"])]
+          conflicts_with_all = ["friction_std", "correlation_length", "marginal", "steps_per_length", "generator",
+                                "translation"])]
     friction_process: Option<PathBuf>,
     /// Unit N/c of dimensionless lengths; converts the lengths of the fitted process.
     #[arg(long, value_name = "Q", requires = "friction_process", value_parser = args::positive_quantity::<Length>,

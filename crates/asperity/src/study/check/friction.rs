@@ -3,18 +3,73 @@
 use super::pressure::Material;
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
-use crate::map::BoundaryKind;
-use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile};
+use crate::friction::LevelControl;
+use crate::friction::window::{Window, WindowError};
+use crate::map::{BoundaryKind, Grid};
+use crate::quantity::{Area, Compliance};
+use crate::study::file::{
+    FrictionLawKind, FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowShape,
+};
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::surface::SurfaceGenerator;
 
-/// Friction of windows on solved strips.
+const SECTION: &str = "friction";
+const UNCERTAINTY: &str = "friction.uncertainty";
+
+/// Settings of the friction stage: friction of windows on solved strips.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct FrictionStudy {
-    /// Strips, window and levels.
-    pub(in crate::study) section: FrictionSection,
     pub(in crate::study) material: Material,
     pub(in crate::study) law: WindowLaw,
+    /// Points (x, y) of a strip.
+    pub(in crate::study) points: [usize; 2],
+    /// Size (x, y) of a strip in metre; it slides along x.
+    pub(in crate::study) size_m: [f64; 2],
+    pub(in crate::study) boundary: BoundaryKind,
+    /// Mean compliance of a periodic strip; `None` for the default.
+    pub(in crate::study) mean_compliance: Option<Compliance>,
+    /// Length and width of the window in metre.
+    pub(in crate::study) window_m: [f64; 2],
+    pub(in crate::study) window_shape: WindowShape,
+    pub(in crate::study) levels: Vec<LevelControl>,
+    /// Area over which windows average, if `[friction]` states it.
+    pub(in crate::study) nominal_area: Option<Area>,
+    /// Number of strips per level.
+    pub(in crate::study) realisations: usize,
+    /// Relative tolerance of a contact solution.
+    pub(in crate::study) tolerance: f64,
+    pub(in crate::study) uncertainty: Option<UncertaintyStudy>,
+}
+
+impl FrictionStudy {
+    /// Returns the grid of a strip and its window.
+    pub(in crate::study) fn strip(&self) -> Result<(Grid, Window), InvalidValue> {
+        let ([nx, ny], [length_m, width_m]) = (self.points, self.size_m);
+        let grid = Grid::with_size(nx, ny, length_m, width_m)
+            .map_err(|error| invalid(SECTION, "points", error.to_string()))?;
+        let [length_m, width_m] = self.window_m;
+        let window = match self.window_shape {
+            WindowShape::Rectangle => Window::rectangle(length_m, width_m, grid),
+            WindowShape::Ellipse => Window::ellipse(length_m, width_m, grid),
+        };
+        let window = window.map_err(|error| {
+            let of_width = matches!(error, WindowError::TooNarrow { .. } | WindowError::TooWide { .. });
+            invalid(SECTION, if of_width { "window_width" } else { "window" }, error.to_string())
+        })?;
+        Ok((grid, window))
+    }
+}
+
+/// Standard deviations of the uncertain parameters of the surface; `None` for parameters that are certain.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct UncertaintyStudy {
+    pub(in crate::study) rms_height: Option<LengthScatter>,
+    pub(in crate::study) correlation_length: Option<LengthScatter>,
+    pub(in crate::study) skewness: Option<NumberScatter>,
+    /// Number of surfaces, each with other parameters.
+    pub(in crate::study) points: usize,
+    /// Number of strips of each surface.
+    pub(in crate::study) realisations: usize,
 }
 
 /// Friction law of a window with its parameters.
@@ -46,33 +101,15 @@ pub(in crate::study) enum WindowLaw {
 
 impl StudyFile {
     pub(super) fn check_friction(&self, material: Option<&Material>) -> Result<Option<FrictionStudy>, InvalidValue> {
-        const SECTION: &str = "friction";
-        let (Some(f), Some(&material)) = (&self.friction, material) else { return Ok(None) };
+        let (Some(f), Some(&material), Some(surface)) = (&self.friction, material, &self.surface) else {
+            return Ok(None);
+        };
         let law = self.check_friction_law(f)?;
         for side in f.strip {
-            within(SECTION, "strip", side.0, positive, POSITIVE)?;
+            within(SECTION, "strip", side, positive, POSITIVE)?;
         }
         for n in f.points {
             at_least(SECTION, "points", n, 2)?;
-        }
-        within(SECTION, "window", f.window.0, positive, POSITIVE)?;
-        if f.window.0 < 1.5 * f.strip[0].0 / f.points[0] as f64 {
-            let message = format!("found {}, but a window must span at least two cells of the strip", f.window);
-            return Err(invalid(SECTION, "window", message));
-        }
-        if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
-            let message = format!("found {}, but the strip of {} must span at least ten windows", f.window, f.strip[0]);
-            return Err(invalid(SECTION, "window", message));
-        }
-        if let Some(width) = f.window_width {
-            within(SECTION, "window_width", width.0, positive, POSITIVE)?;
-            if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
-                let message = format!(
-                    "found {width}, expected at least two cells of the strip and at most its width of {}",
-                    f.strip[1]
-                );
-                return Err(invalid(SECTION, "window_width", message));
-            }
         }
         let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
         if f.boundary == BoundaryKind::Free && inner < least {
@@ -80,11 +117,11 @@ impl StudyFile {
             return Err(invalid(SECTION, "strip", message));
         }
         if let Some(compliance) = f.mean_compliance {
-            within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
+            within(SECTION, "mean_compliance", compliance, positive, POSITIVE)?;
         }
-        self.check_levels(f)?;
+        let levels = check_levels(f, &material)?;
         if let Some(area) = f.nominal_area {
-            within(SECTION, "nominal_area", area.0, positive, POSITIVE)?;
+            within(SECTION, "nominal_area", area, positive, POSITIVE)?;
             if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
                 let message = format!("found {area}, but [vibration] states {other}; remove one of them");
                 return Err(invalid(SECTION, "nominal_area", message));
@@ -92,62 +129,27 @@ impl StudyFile {
         }
         at_least(SECTION, "realisations", f.realisations, 2)?;
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")?;
-        Ok(Some(FrictionStudy { section: f.clone(), material, law }))
-    }
-
-    pub(super) fn check_uncertainty(&self) -> Result<(), InvalidValue> {
-        const SECTION: &str = "friction.uncertainty";
-        let (Some(surface), Some(friction)) = (&self.surface, &self.friction) else { return Ok(()) };
-        let Some(u) = &friction.uncertainty else { return Ok(()) };
-        if u.parameters() == 0 {
-            let message = "no parameter is uncertain; state rms_height, correlation_length or skewness";
-            return Err(invalid(SECTION, "rms_height", message));
-        }
-        for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
-            match std {
-                Some(LengthScatter::Relative(fraction)) => {
-                    let expected = "a standard deviation above 0 % and of at most 100 %";
-                    within(SECTION, key, 100.0 * fraction, |percent| percent > 0.0 && percent <= 100.0, expected)?;
-                }
-                Some(LengthScatter::Absolute(length)) => within(SECTION, key, length.0, positive, POSITIVE)?,
-                Some(LengthScatter::Measured) | None => {}
-            }
-        }
-        if let Some(NumberScatter::Absolute(std)) = u.skewness {
-            within(SECTION, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
-        }
-        let fractal = surface.generator == SurfaceGenerator::WeierstrassMandelbrot;
-        for (key, stated) in
-            [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())]
-        {
-            if stated && fractal {
-                return Err(invalid(SECTION, key, "Weierstrass–Mandelbrot surfaces lack it; remove the key"));
-            }
-        }
-        // A measured interval describes the estimate of the scan, so the study must use that estimate.
-        let measured = [
-            ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
-            (
-                "correlation_length",
-                u.correlation_length == Some(LengthScatter::Measured),
-                surface.covariance.is_of_the_scan(),
-            ),
-            ("skewness", u.skewness == Some(NumberScatter::Measured), surface.marginal == "measured"),
-        ];
-        for (key, asked, of_the_scan) in measured {
-            if asked && !(of_the_scan && surface.file.is_some()) {
-                let message =
-                    "found \"measured\", but [surface] does not measure this parameter; state a standard deviation";
-                return Err(invalid(SECTION, key, message));
-            }
-        }
-        at_least(SECTION, "points", u.points, Propagation::least_points(u.parameters()))?;
-        within(SECTION, "points", u.points as f64, |points| points <= 2000.0, "at most 2000")?;
-        at_least(SECTION, "realisations", friction.uncertainty_realisations(), 4)
+        let uncertainty = f.uncertainty.as_ref().map(|u| check_uncertainty(u, surface, f.realisations)).transpose()?;
+        let study = FrictionStudy {
+            material,
+            law,
+            points: f.points,
+            size_m: f.strip.map(|side| side.0),
+            boundary: f.boundary,
+            mean_compliance: f.mean_compliance,
+            window_m: [f.window.0, f.window_width.unwrap_or(f.strip[1]).0],
+            window_shape: f.window_shape,
+            levels,
+            nominal_area: f.nominal_area,
+            realisations: f.realisations,
+            tolerance: f.tolerance,
+            uncertainty,
+        };
+        study.strip()?;
+        Ok(Some(study))
     }
 
     fn check_friction_law(&self, f: &FrictionSection) -> Result<WindowLaw, InvalidValue> {
-        const SECTION: &str = "friction";
         let material = self.material.as_ref();
         let shear = || {
             let message = "[friction] needs the shear strength of the contacts";
@@ -178,28 +180,88 @@ impl StudyFile {
             }
         }
     }
+}
 
-    fn check_levels(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
-        const SECTION: &str = "friction";
-        if f.levels() == 0 {
-            return Err(invalid(SECTION, "percentiles", "found none, expected at least one level"));
-        }
-        for percentile in f.percentiles() {
-            within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
-        }
-        let hardness = self.material.as_ref().and_then(|m| m.hardness);
-        for pressure in &f.mean_pressures {
-            within(SECTION, "mean_pressures", pressure.0, positive, POSITIVE)?;
-            if let Some(hardness) = hardness.filter(|h| pressure.0 >= h.0) {
-                let message = format!("found {pressure}, which is not below the hardness {hardness}");
-                return Err(invalid(SECTION, "mean_pressures", message));
-            }
-        }
-        for penetration in &f.penetrations {
-            within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
-        }
-        once(SECTION, "percentiles", f.percentiles())?;
-        once(SECTION, "mean_pressures", &f.mean_pressures)?;
-        once(SECTION, "penetrations", &f.penetrations)
+/// Checks the levels and returns them: percentiles, mean pressures and penetrations.
+fn check_levels(f: &FrictionSection, material: &Material) -> Result<Vec<LevelControl>, InvalidValue> {
+    for percentile in f.percentiles() {
+        within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
     }
+    for pressure in &f.mean_pressures {
+        within(SECTION, "mean_pressures", *pressure, positive, POSITIVE)?;
+        if let Some(hardness) = material.hardness.filter(|h| pressure.0 >= h.0) {
+            let message = format!("found {pressure}, which is not below the hardness {hardness}");
+            return Err(invalid(SECTION, "mean_pressures", message));
+        }
+    }
+    for penetration in &f.penetrations {
+        within(SECTION, "penetrations", *penetration, positive, POSITIVE)?;
+    }
+    once(SECTION, "percentiles", f.percentiles())?;
+    once(SECTION, "mean_pressures", &f.mean_pressures)?;
+    once(SECTION, "penetrations", &f.penetrations)?;
+    let percentiles = f.percentiles().iter().map(|percent| LevelControl::Percentile(*percent));
+    let pressures = f.mean_pressures.iter().map(|pressure| LevelControl::MeanPressure(pressure.0));
+    let penetrations = f.penetrations.iter().map(|depth| LevelControl::Penetration(depth.0));
+    let levels: Vec<LevelControl> = percentiles.chain(pressures).chain(penetrations).collect();
+    if levels.is_empty() {
+        return Err(invalid(SECTION, "percentiles", "found none, expected at least one level"));
+    }
+    Ok(levels)
+}
+
+/// Checks the section `[friction.uncertainty]`; `level_realisations` is the number of strips per level.
+fn check_uncertainty(
+    u: &UncertaintySection,
+    surface: &SurfaceSection,
+    level_realisations: usize,
+) -> Result<UncertaintyStudy, InvalidValue> {
+    let parameters = [u.rms_height.is_some(), u.correlation_length.is_some(), u.skewness.is_some()];
+    let parameters = parameters.into_iter().filter(|stated| *stated).count();
+    if parameters == 0 {
+        let message = "no parameter is uncertain; state rms_height, correlation_length or skewness";
+        return Err(invalid(UNCERTAINTY, "rms_height", message));
+    }
+    for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
+        match std {
+            Some(std @ LengthScatter::Relative(fraction)) if !(f64::MIN_POSITIVE..=1.0).contains(&fraction) => {
+                let message = format!("found {std}, expected a standard deviation above 0 % and of at most 100 %");
+                return Err(invalid(UNCERTAINTY, key, message));
+            }
+            Some(LengthScatter::Absolute(length)) => within(UNCERTAINTY, key, length, positive, POSITIVE)?,
+            Some(LengthScatter::Relative(_) | LengthScatter::Measured) | None => {}
+        }
+    }
+    if let Some(NumberScatter::Absolute(std)) = u.skewness {
+        within(UNCERTAINTY, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
+    }
+    let fractal = surface.generator == SurfaceGenerator::WeierstrassMandelbrot;
+    for (key, stated) in [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())] {
+        if stated && fractal {
+            return Err(invalid(UNCERTAINTY, key, "Weierstrass–Mandelbrot surfaces lack it; remove the key"));
+        }
+    }
+    // A measured interval describes the estimate of the scan, so the study must use that estimate.
+    let measured = [
+        ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
+        (
+            "correlation_length",
+            u.correlation_length == Some(LengthScatter::Measured),
+            surface.covariance.is_of_the_scan(),
+        ),
+        ("skewness", u.skewness == Some(NumberScatter::Measured), surface.marginal == "measured"),
+    ];
+    for (key, asked, of_the_scan) in measured {
+        if asked && !(of_the_scan && surface.file.is_some()) {
+            let message =
+                "found \"measured\", but [surface] does not measure this parameter; state a standard deviation";
+            return Err(invalid(UNCERTAINTY, key, message));
+        }
+    }
+    at_least(UNCERTAINTY, "points", u.points, Propagation::least_points(parameters))?;
+    within(UNCERTAINTY, "points", u.points as f64, |points| points <= 2000.0, "at most 2000")?;
+    let realisations = u.realisations.unwrap_or((level_realisations / 2).max(4));
+    at_least(UNCERTAINTY, "realisations", realisations, 4)?;
+    let &UncertaintySection { rms_height, correlation_length, skewness, points, .. } = u;
+    Ok(UncertaintyStudy { rms_height, correlation_length, skewness, points, realisations })
 }

@@ -59,14 +59,14 @@ impl StudyFile {
             }
             return Ok(None);
         };
-        within(SECTION, "youngs_modulus", material.youngs_modulus.0, positive, POSITIVE)?;
+        within(SECTION, "youngs_modulus", material.youngs_modulus, positive, POSITIVE)?;
         let ratio = "a Poisson ratio above -1 and at most 0.5";
         within(SECTION, "poisson_ratio", material.poisson_ratio, |nu| nu > -1.0 && nu <= 0.5, ratio)?;
         if let Some(hardness) = material.hardness {
-            within(SECTION, "hardness", hardness.0, positive, POSITIVE)?;
+            within(SECTION, "hardness", hardness, positive, POSITIVE)?;
         }
         if let Some(shear) = material.shear_strength {
-            within(SECTION, "shear_strength", shear.0, positive, POSITIVE)?;
+            within(SECTION, "shear_strength", shear, positive, POSITIVE)?;
         }
         let (youngs_modulus, poisson_ratio) = (material.youngs_modulus, material.poisson_ratio);
         Ok(Some(Material { youngs_modulus, poisson_ratio, hardness: material.hardness }))
@@ -75,7 +75,7 @@ impl StudyFile {
     pub(super) fn check_pressure(&self, material: Option<&Material>) -> Result<Option<PressureStudy>, InvalidValue> {
         let (Some(p), Some(&material)) = (&self.pressure, material) else { return Ok(None) };
         for side in p.size {
-            within(PRESSURE, "size", side.0, positive, POSITIVE)?;
+            within(PRESSURE, "size", side, positive, POSITIVE)?;
         }
         for n in p.points {
             at_least(PRESSURE, "points", n, 2)?;
@@ -89,7 +89,7 @@ impl StudyFile {
             return Err(invalid(PRESSURE, "cell", message));
         }
         if let Some(compliance) = p.mean_compliance {
-            within(PRESSURE, "mean_compliance", compliance.0, positive, POSITIVE)?;
+            within(PRESSURE, "mean_compliance", compliance, positive, POSITIVE)?;
         }
         let control = match (p.percentile, p.penetration, p.mean_pressure) {
             (Some(percentile), None, None) => {
@@ -97,11 +97,11 @@ impl StudyFile {
                 LevelControl::Percentile(percentile)
             }
             (None, Some(penetration), None) => {
-                within(PRESSURE, "penetration", penetration.0, positive, POSITIVE)?;
+                within(PRESSURE, "penetration", penetration, positive, POSITIVE)?;
                 LevelControl::Penetration(penetration.0)
             }
             (None, None, Some(pressure)) => {
-                within(PRESSURE, "mean_pressure", pressure.0, positive, POSITIVE)?;
+                within(PRESSURE, "mean_pressure", pressure, positive, POSITIVE)?;
                 if let Some(hardness) = material.hardness.filter(|h| pressure.0 >= h.0) {
                     let message = format!("found {pressure}, which is not below the hardness {hardness}");
                     return Err(invalid(PRESSURE, "mean_pressure", message));

@@ -21,41 +21,56 @@ impl StudyFile {
                 (false, true) => Ok(None),
             };
         };
-        if let Some(pixel) = s.pixel_size {
+        if !s.mean_mode && self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free) {
+            let message = "only periodic patches have a constant Fourier mode to omit; set boundary = \"periodic\" in \
+                           [pressure]";
+            return Err(invalid(SECTION, "mean_mode", message));
+        }
+        s.check().map(Some)
+    }
+}
+
+impl SurfaceSection {
+    /// Checks the values and returns the request for a random surface.
+    ///
+    /// # Errors
+    /// A value is out of range, or a quantity is neither stated nor measured on a scan.
+    pub(in crate::study) fn check(&self) -> Result<SurfaceRequest, InvalidValue> {
+        if let Some(pixel) = self.pixel_size {
             for side in pixel {
                 let (low, high) = (PITCH_RANGE_M.start(), PITCH_RANGE_M.end());
                 let expected = format!("a size between {low:e} m and {high:e} m");
-                within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &expected)?;
+                within(SECTION, "pixel_size", side, |side| PITCH_RANGE_M.contains(&side), &expected)?;
             }
         }
-        if let Some(Err(error)) = s.height_unit.as_deref().map(str::parse::<LengthUnit>) {
+        if let Some(Err(error)) = self.height_unit.as_deref().map(str::parse::<LengthUnit>) {
             return Err(invalid(SECTION, "height_unit", error.to_string()));
         }
-        if let Some(outliers) = s.outliers {
+        if let Some(outliers) = self.outliers {
             within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
         }
-        for (key, cutoff) in [("s_filter", s.s_filter), ("l_filter", s.l_filter)] {
+        for (key, cutoff) in [("s_filter", self.s_filter), ("l_filter", self.l_filter)] {
             if let Some(cutoff) = cutoff {
-                within(SECTION, key, cutoff.0, positive, POSITIVE)?;
+                within(SECTION, key, cutoff, positive, POSITIVE)?;
             }
         }
-        if let (Some(short), Some(long)) = (s.s_filter, s.l_filter) {
+        if let (Some(short), Some(long)) = (self.s_filter, self.l_filter) {
             let expected = "a cutoff longer than `s_filter`, so that some wavelengths remain";
-            within(SECTION, "l_filter", long.0, |cutoff| cutoff > short.0, expected)?;
+            within(SECTION, "l_filter", long, |cutoff| cutoff > short.0, expected)?;
         }
-        if let Some(rms) = s.rms_height {
-            within(SECTION, "rms_height", rms.0, positive, POSITIVE)?;
+        if let Some(rms) = self.rms_height {
+            within(SECTION, "rms_height", rms, positive, POSITIVE)?;
         }
-        for length in s.correlation_length.into_iter().flatten() {
-            within(SECTION, "correlation_length", length.0, positive, POSITIVE)?;
+        for length in self.correlation_length.into_iter().flatten() {
+            within(SECTION, "correlation_length", length, positive, POSITIVE)?;
         }
-        if let Some(hurst) = s.hurst {
+        if let Some(hurst) = self.hurst {
             within(SECTION, "hurst", hurst, |h| h > 0.0 && h < 1.0, "a Hurst exponent strictly between 0 and 1")?;
         }
-        if let Some(smoothness) = s.smoothness {
+        if let Some(smoothness) = self.smoothness {
             within(SECTION, "smoothness", smoothness, positive, POSITIVE)?;
         }
-        if let Some(dimension) = s.fractal_dimension {
+        if let Some(dimension) = self.fractal_dimension {
             within(
                 SECTION,
                 "fractal_dimension",
@@ -64,30 +79,23 @@ impl StudyFile {
                 "a value strictly between 2 and 3",
             )?;
         }
-        at_least(SECTION, "modes", s.modes.unwrap_or(1), 1)?;
-        let expanded = s.generator == SurfaceGenerator::KarhunenLoeve;
-        for (key, stated) in [("mean_mode", !s.mean_mode), ("rescale", s.rescale.is_some())] {
+        at_least(SECTION, "modes", self.modes.unwrap_or(1), 1)?;
+        let expanded = self.generator == SurfaceGenerator::KarhunenLoeve;
+        for (key, stated) in [("mean_mode", !self.mean_mode), ("rescale", self.rescale.is_some())] {
             if stated && !expanded {
                 return Err(invalid(SECTION, key, "this key requires generator = \"karhunen_loeve\""));
             }
         }
-        if !s.mean_mode && self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free) {
-            let message = "only periodic patches have a constant Fourier mode to omit; set boundary = \"periodic\" in \
-                           [pressure]";
-            return Err(invalid(SECTION, "mean_mode", message));
-        }
-        if s.rescale.is_some() && s.marginal != "normal" {
+        if self.rescale.is_some() && self.marginal != "normal" {
             let message = "this key requires marginal = \"normal\"; any other distribution is imposed at every point";
             return Err(invalid(SECTION, "rescale", message));
         }
-        if s.file.is_some() && s.files().is_empty() {
+        if self.file.is_some() && self.files().is_empty() {
             return Err(invalid(SECTION, "file", "the list of scans is empty; name at least one, or remove `file`"));
         }
-        Ok(Some(s.request(CorrelationFamily::ALL)?))
+        self.request(CorrelationFamily::ALL)
     }
-}
 
-impl SurfaceSection {
     /// Returns the request for a random surface; a measured covariance is the best of `families`.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
 use crate::friction::{NominalContact, StatedFriction};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{FrictionSection, MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
+use crate::study::file::{MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection, usual_window_m};
 use crate::study::sentence;
 use crate::vibration::{
     Drive, Forcing, FrictionLaw, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
@@ -22,6 +22,8 @@ const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
 const RATIO: &str = "a ratio above 0, at most 1";
+/// Default coefficient a of the Stribeck law, the paper's value.
+const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(4.2);
 
 fn ratio(value: f64) -> bool {
     value > 0.0 && value <= 1.0
@@ -164,16 +166,16 @@ impl VibrationStudy {
 impl StudyFile {
     pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
         let Some(v) = &self.vibration else { return Ok(None) };
-        within(SECTION, "mass", v.mass.0, positive, POSITIVE)?;
-        within(SECTION, "natural_frequency", v.natural_frequency.0, positive, POSITIVE)?;
+        within(SECTION, "mass", v.mass, positive, POSITIVE)?;
+        within(SECTION, "natural_frequency", v.natural_frequency, positive, POSITIVE)?;
         within(SECTION, "damping_ratio", v.damping_ratio, |z| z >= 0.0, "zero or a positive value")?;
-        within(SECTION, "normal_force", v.normal_force.0, positive, POSITIVE)?;
-        within(SECTION, "nominal_area", v.nominal_area.0, positive, POSITIVE)?;
+        within(SECTION, "normal_force", v.normal_force, positive, POSITIVE)?;
+        within(SECTION, "nominal_area", v.nominal_area, positive, POSITIVE)?;
         let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
             .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
         let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
             (Some(velocity), None) => {
-                within(SECTION, "belt_velocity", velocity.0, positive, POSITIVE)?;
+                within(SECTION, "belt_velocity", velocity, positive, POSITIVE)?;
                 velocity.0 / scales.velocity_m_per_s()
             }
             (None, Some(value)) => {
@@ -286,13 +288,11 @@ impl StudyFile {
             (Some((((mean, std), correlation_length), marginal)), None, false) => {
                 within(SECTION, "static_friction", mean, positive, POSITIVE)?;
                 within(SECTION, "friction_std", std, |s| s >= 0.0, "zero or a positive value")?;
-                within(SECTION, "friction_correlation_length", correlation_length.0, positive, POSITIVE)?;
+                within(SECTION, "friction_correlation_length", correlation_length, positive, POSITIVE)?;
                 let marginal = marginal
                     .parse()
                     .map_err(|error: DistributionError| invalid(SECTION, "friction_marginal", error.to_string()))?;
-                let usual = FrictionSection::default();
-                let window_m = [usual.window.0, usual.strip[1].0];
-                let length_m = correlation_length.0;
+                let (length_m, window_m) = (correlation_length.0, usual_window_m());
                 Ok(FrictionSource::Stated(StatedFriction { mean, std, length_m, marginal, window_m }))
             }
         }
@@ -346,34 +346,33 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
 
 /// Checks the velocity law of friction. A key of another law is an error.
 fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, InvalidValue> {
-    let exponential = v.velocity_law == VelocityLaw::Exponential;
-    for (key, stated, belongs, law) in [
-        ("stribeck", v.stribeck.is_some(), v.velocity_law == VelocityLaw::Stribeck, "stribeck"),
-        ("linear_weakening", v.linear_weakening.is_some(), v.velocity_law == VelocityLaw::Linear, "linear"),
-        ("stribeck_velocity", v.stribeck_velocity.is_some(), exponential, "exponential"),
-        ("high_speed_share", v.high_speed_share.is_some(), exponential, "exponential"),
-    ] {
-        if stated && !belongs {
-            return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
-        }
-        if belongs && !stated && key != "stribeck" {
-            return Err(invalid(SECTION, key, format!("velocity_law = \"{law}\" requires this key")));
-        }
+    let keys = [
+        ("stribeck", v.stribeck.is_some(), VelocityLaw::Stribeck),
+        ("linear_weakening", v.linear_weakening.is_some(), VelocityLaw::Linear),
+        ("stribeck_velocity", v.stribeck_velocity.is_some(), VelocityLaw::Exponential),
+        ("high_speed_share", v.high_speed_share.is_some(), VelocityLaw::Exponential),
+    ];
+    if let Some((key, _, law)) = keys.into_iter().find(|(_, stated, law)| *stated && *law != v.velocity_law) {
+        return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
     }
-    match (v.stribeck(), v.linear_weakening, v.stribeck_velocity.zip(v.high_speed_share)) {
-        (_, Some(slope), _) => {
+    let missing = |key| invalid(SECTION, key, format!("velocity_law = \"{}\" requires this key", v.velocity_law));
+    match v.velocity_law {
+        VelocityLaw::Stribeck => {
+            let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
+            within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;
+            Ok(Weakening::Stribeck(coefficient))
+        }
+        VelocityLaw::Linear => {
+            let slope = v.linear_weakening.ok_or_else(|| missing("linear_weakening"))?;
             within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
             Ok(Weakening::Linear(slope))
         }
-        (_, _, Some((velocity, high_speed_share))) => {
-            within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
+        VelocityLaw::Exponential => {
+            let velocity = v.stribeck_velocity.ok_or_else(|| missing("stribeck_velocity"))?;
+            let high_speed_share = v.high_speed_share.ok_or_else(|| missing("high_speed_share"))?;
+            within(SECTION, "stribeck_velocity", velocity, positive, POSITIVE)?;
             within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
-        }
-        (stribeck, None, None) => {
-            let coefficient = stribeck.unwrap_or(Stribeck::Dimensionless(0.0));
-            within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
-            Ok(Weakening::Stribeck(coefficient))
         }
     }
 }
@@ -382,8 +381,8 @@ fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, Invalid
 fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
     match (v.forcing, v.forcing_frequency) {
         (Some(force), Some(frequency)) => {
-            within(SECTION, "forcing", force.0, |q| q >= 0.0, "zero or a positive value")?;
-            within(SECTION, "forcing_frequency", frequency.0, positive, POSITIVE)?;
+            within(SECTION, "forcing", force, |q| q >= 0.0, "zero or a positive value")?;
+            within(SECTION, "forcing_frequency", frequency, positive, POSITIVE)?;
             let (amplitude, frequency) = (force.0 / v.normal_force.0, frequency.0 / v.natural_frequency.0);
             Ok(Some(Forcing { amplitude, frequency }))
         }
@@ -410,6 +409,6 @@ fn check_map(map: &MapSection) -> Result<(), InvalidValue> {
             return Err(invalid(SECTION, key, format!("found {cells} cells, expected at most 1000")));
         }
     }
-    within(SECTION, "depth", f64::from(map.depth), |depth| depth <= 8.0, "at most 8")?;
+    within(SECTION, "depth", map.depth, |depth| depth <= 8.0, "at most 8")?;
     at_least(SECTION, "trajectories", map.trajectories, 2)
 }

@@ -3,7 +3,7 @@
 use asperity_base::choice;
 use serde::{Deserialize, Serialize};
 
-use super::solve_tolerance;
+use super::{fixed_list, solve_tolerance};
 use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
@@ -41,10 +41,10 @@ choice! {
 #[serde(deny_unknown_fields)]
 pub struct FrictionSection {
     /// Size (x, y) of a strip; it slides along x.
-    #[serde(default = "strip")]
+    #[serde(default = "strip", deserialize_with = "fixed_list")]
     pub strip: [Length; 2],
     /// Points (x, y) of a strip.
-    #[serde(default = "strip_points")]
+    #[serde(default = "strip_points", deserialize_with = "fixed_list")]
     pub points: [usize; 2],
     /// Length of the window along x.
     #[serde(default = "window")]
@@ -119,26 +119,7 @@ pub struct UncertaintySection {
     pub realisations: Option<usize>,
 }
 
-impl UncertaintySection {
-    /// Returns the number of uncertain parameters.
-    pub fn parameters(&self) -> usize {
-        let stated = [self.rms_height.is_some(), self.correlation_length.is_some(), self.skewness.is_some()];
-        stated.into_iter().filter(|stated| *stated).count()
-    }
-}
-
 impl FrictionSection {
-    /// Returns the number of strips of each surface in the uncertainty analysis.
-    pub fn uncertainty_realisations(&self) -> usize {
-        let stated = self.uncertainty.as_ref().and_then(|uncertainty| uncertainty.realisations);
-        stated.unwrap_or((self.realisations / 2).max(4))
-    }
-
-    /// Returns the width of the window.
-    pub fn window_width(&self) -> Length {
-        self.window_width.unwrap_or(self.strip[1])
-    }
-
     /// Returns the percentages of the heights above the plane: the stated ones or, if no level is stated, the defaults.
     pub fn percentiles(&self) -> &[f64] {
         match &self.percentiles {
@@ -147,35 +128,11 @@ impl FrictionSection {
             None => &[],
         }
     }
-
-    /// Returns the number of levels.
-    pub fn levels(&self) -> usize {
-        self.percentiles().len() + self.mean_pressures.len() + self.penetrations.len()
-    }
 }
 
-impl Default for FrictionSection {
-    fn default() -> Self {
-        Self {
-            strip: strip(),
-            points: strip_points(),
-            window: window(),
-            window_width: None,
-            window_shape: WindowShape::default(),
-            law: FrictionLawKind::default(),
-            pressure_coefficient: None,
-            coefficient: None,
-            boundary: periodic(),
-            mean_compliance: None,
-            percentiles: None,
-            mean_pressures: Vec::new(),
-            penetrations: Vec::new(),
-            nominal_area: None,
-            realisations: realisations(),
-            tolerance: solve_tolerance(),
-            uncertainty: None,
-        }
-    }
+/// Returns length and width of the default window in metre.
+pub(in crate::study) fn usual_window_m() -> [f64; 2] {
+    [window().0, strip()[1].0]
 }
 
 /// Default levels of the friction stage, in percent.

@@ -4,9 +4,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
-use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::fixed_list::all_values;
 use crate::quantity::Length;
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;
@@ -146,13 +147,8 @@ fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Leng
             Ok([both, both])
         }
 
-        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[Length; 2], A::Error> {
-            let x = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(0, &self))?;
-            let y = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(1, &self))?;
-            match seq.next_element::<IgnoredAny>()? {
-                None => Ok([x, y]),
-                Some(_) => Err(de::Error::invalid_length(3, &self)),
-            }
+        fn visit_seq<A: SeqAccess<'de>>(self, lengths: A) -> Result<[Length; 2], A::Error> {
+            all_values(lengths)
         }
     }
     deserializer.deserialize_any(OneOrTwo).map(Some)
@@ -193,16 +189,19 @@ impl SurfaceSection {
         self.file.as_ref().map_or(&[], ScanFiles::paths)
     }
 
-    /// Reads the scans; returns none for a surface without scans. `folder` is the folder of the study file.
+    /// Reads the scans; returns them with the names of their files, none for a surface without scans. `folder` is the
+    /// folder of the study file.
     ///
     /// # Errors
     /// A file cannot be read or lacks the channel, or the height unit is no unit of length.
-    pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
+    pub fn read_scans(&self, folder: &Path) -> Result<Vec<(String, Scan)>, FormatError> {
         let channel = self.channel.as_deref().map(Channel::from);
         let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
         let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
         let options = ReadOptions { channel, height_unit, pitch_m };
-        self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
+        let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let read = |file| Ok((name(file), asperity_formats::read_with(&folder.join(file), &options)?));
+        self.files().iter().map(read).collect()
     }
 
     /// Returns the preparation of the scans before their statistics are computed.

@@ -7,13 +7,11 @@ use asperity_base::choice;
 use asperity_base::choice::ByName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::fixed_list;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
 use crate::vibration::{Drive, MapOver, Method};
-
-/// Default coefficient a, the paper's value.
-const USUAL_STRIBECK: f64 = 4.2;
 
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,11 +38,13 @@ impl Stribeck {
             Self::Physical(value) => value.0,
         }
     }
+}
 
-    /// Returns the number as stated.
-    pub(in crate::study) fn value(self) -> f64 {
-        match self {
-            Self::Dimensionless(value) | Self::Physical(InverseVelocity(value)) => value,
+impl From<Stribeck> for f64 {
+    /// Returns the number as stated, in s/m for a quantity.
+    fn from(coefficient: Stribeck) -> Self {
+        match coefficient {
+            Stribeck::Dimensionless(value) | Stribeck::Physical(InverseVelocity(value)) => value,
         }
     }
 }
@@ -130,8 +130,10 @@ pub struct MapSection {
     /// Parameters of the map.
     pub over: MapOver,
     /// First axis: from, to, cells of the first grid.
+    #[serde(deserialize_with = "fixed_list")]
     pub x: (f64, f64, usize),
     /// Second axis: from, to, cells of the first grid.
+    #[serde(deserialize_with = "fixed_list")]
     pub y: (f64, f64, usize),
     /// Number of times that cells at the front are halved.
     #[serde(default = "map_depth")]
@@ -205,7 +207,7 @@ pub struct VibrationSection {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub allow_clipping: bool,
     /// Damping ratios: from, to, count.
-    #[serde(default = "damping_sweep")]
+    #[serde(default = "damping_sweep", deserialize_with = "fixed_list")]
     pub damping_sweep: (f64, f64, usize),
     /// Number of trajectories per damping ratio.
     #[serde(default = "trajectories")]
@@ -233,14 +235,6 @@ pub struct VibrationSection {
     /// Marginal distribution of the friction coefficient, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_marginal: Option<String>,
-}
-
-impl VibrationSection {
-    /// Returns the stated or default Stribeck coefficient, if the law has one.
-    pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
-        let usual = Stribeck::Dimensionless(USUAL_STRIBECK);
-        (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(usual))
-    }
 }
 
 fn map_depth() -> u32 {

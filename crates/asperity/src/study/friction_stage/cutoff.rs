@@ -3,9 +3,8 @@
 use crate::friction::SolvedLevel;
 use crate::friction::cutoff::{CutoffBlock, CutoffPlan, CutoffStudy, OperatingMean, STRIPS};
 use crate::monitor::Monitor;
-use crate::quantity::Length;
 use crate::study::check::{FrictionStudy, WindowLaw};
-use crate::study::file::{FrictionLawKind, FrictionSection, WindowShape};
+use crate::study::file::WindowShape;
 use crate::study::friction_stage::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
@@ -17,27 +16,24 @@ use crate::surface::scanned::ScannedSurface;
 /// Fraction of contact cells at the hardness from which on yielding explains why shorter waves change nothing.
 const MOSTLY_PLASTIC: f64 = 0.5;
 
-/// Returns the plan for a section with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
-pub(in crate::study) fn plan(section: &FrictionSection, levels: usize) -> Option<CutoffPlan> {
-    let size_m = section.strip.map(|length| length.0);
-    let depends_on_contact = section.law != FrictionLawKind::Coulomb;
-    depends_on_contact.then(|| CutoffPlan::new(section.points, size_m, levels * section.realisations))
+/// Returns the plan for a study with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
+pub(in crate::study) fn plan(study: &FrictionStudy, levels: usize) -> Option<CutoffPlan> {
+    let depends_on_contact = !matches!(study.law, WindowLaw::Coulomb { .. });
+    depends_on_contact.then(|| CutoffPlan::new(study.points, study.size_m, levels * study.realisations))
 }
 
-/// Returns the section of the strips of a plan, or of those of half the pitch.
+/// Returns the settings of the strips of a plan, or of those of half the pitch.
 fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionStudy {
-    let (factor, section) = (if halved { 2 } else { 1 }, &study.section);
-    let section = FrictionSection {
-        strip: [Length(plan.length_m), section.strip[1]],
+    let factor = if halved { 2 } else { 1 };
+    let width_m = study.size_m[1];
+    FrictionStudy {
         points: plan.points.map(|points| factor * points),
+        size_m: [plan.length_m, width_m],
         // The mean over a strip does not depend on the window, which has to fit in ten times.
-        window: Length(section.window.0.min(0.1 * plan.length_m)),
-        window_width: None,
+        window_m: [study.window_m[0].min(0.1 * plan.length_m), width_m],
         window_shape: WindowShape::Rectangle,
-        realisations: STRIPS,
-        ..section.clone()
-    };
-    FrictionStudy { section, ..*study }
+        ..study.clone()
+    }
 }
 
 /// Solves the strips of every cutoff and of half the pitch at the mean pressure of the operating level; `None` for Coulomb's law.
@@ -49,7 +45,7 @@ pub(super) fn run(
     monitor: &dyn Monitor,
 ) -> Result<(Option<CutoffResult>, StageOutput), StudyError> {
     let mut output = StageOutput::default();
-    let Some(plan) = plan(&friction.section, levels.len()) else { return Ok((None, output)) };
+    let Some(plan) = plan(friction, levels.len()) else { return Ok((None, output)) };
     let lead = &levels[lead];
     let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
     let (own, halved) = (own?.0, halved?.0);
@@ -254,6 +250,7 @@ fn beyond_the_band(result: &CutoffResult, anchor: &OperatingMean) -> Option<Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::Study;
 
     fn result(means: [f64; 3], plastic_fraction: f64, plastic_floor: Option<f64>) -> CutoffResult {
         let points = means.into_iter().enumerate().map(|(index, mean)| CutoffPoint {
@@ -307,8 +304,11 @@ mod tests {
 
     #[test]
     fn coulombs_law_has_no_plan() {
-        let usual = FrictionSection::default();
-        assert!(plan(&usual, 5).is_some());
-        assert_eq!(plan(&FrictionSection { law: FrictionLawKind::Coulomb, ..usual }, 5), None);
+        let text = "seed = 1\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                    correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
+                    shear_strength = \"385 MPa\"\n[friction]\n";
+        let study = |law: &str| Study::parse(&format!("{text}{law}"), "study.toml").unwrap().friction.unwrap();
+        assert!(plan(&study(""), 5).is_some());
+        assert_eq!(plan(&study("law = \"coulomb\"\ncoefficient = 0.2\n"), 5), None);
     }
 }

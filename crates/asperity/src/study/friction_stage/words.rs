@@ -1,16 +1,17 @@
 //! What the friction stage assumed, and what to be wary of, in sentences.
 
-use crate::friction::SolvedLevel;
 use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
-use crate::study::file::{FrictionSection, WindowShape};
+use crate::friction::{LevelControl, SolvedLevel};
+use crate::study::check::FrictionStudy;
+use crate::study::file::WindowShape;
 use crate::study::sentence;
 
 /// Probability of a drift under stationarity below which it is warned about.
 const UNLIKELY: f64 = 0.01;
 
 pub(super) fn sentences(
-    section: &FrictionSection,
+    study: &FrictionStudy,
     strips: &Strips<'_>,
     law: &str,
     mean_compliance_m_per_pa: Option<f64>,
@@ -37,7 +38,7 @@ pub(super) fn sentences(
             if study.window_only() { ": the correlation is the window's alone" } else { " beside the window's" }
         ),
     };
-    let shape = match section.window_shape {
+    let shape = match study.window_shape {
         WindowShape::Rectangle => "a window",
         WindowShape::Ellipse => "an elliptic window",
     };
@@ -56,14 +57,14 @@ pub(super) fn sentences(
             "{} strips of {} ({boundary}) were solved, the same at every level. They hold all Fourier modes of their grid, \
              since a truncated expansion cannot hold the variance of a long strip.",
             strips.realisations,
-            sentence::size(section.strip[0].0, section.strip[1].0),
+            sentence::size(study.size_m[0], study.size_m[1]),
         ),
         "The friction coefficient is that at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries; the \
          plain quotient F/N of each window has a section of its own."
             .into(),
         correlation,
     ];
-    if !section.penetrations.is_empty() {
+    if study.levels.iter().any(|level| matches!(level, LevelControl::Penetration(_))) {
         sentences.push(
             "A percentile is of the ensemble: one plane in space, to which strips are pressed more or less. A penetration is \
              counted from the highest point of each strip, so that the plane differs from strip to strip."
