@@ -61,7 +61,7 @@ pub(super) fn contact_warning(scan: &HeightMap, maps: &[HeightMap]) -> Option<St
         format!(
             "pressed elastically as hard as {of_part}the scan, which touches on {} % of its area, random maps touch on {} times that \
              area, and mean contact pressures are off by about that factor: random maps have the scan's spectrum and heights, but not \
-             the shape of its summits",
+             the shape of its summits; a form of higher degree to remove (`level`), or the rejection of outliers, may help",
             sentence::digits(100.0 * of_scan),
             sentence::digits(ratio),
         )
