@@ -175,7 +175,10 @@ pub(crate) fn show_range(low: f64, high: f64) -> String {
 }
 
 fn attach(number: &str, unit: &Unit) -> String {
-    if unit.symbol.is_empty() { number.to_owned() } else { format!("{number}{NO_BREAK}{}", unit.symbol) }
+    match unit.symbol.as_str() {
+        "" | "°" => format!("{number}{}", unit.symbol),
+        symbol => format!("{number}{NO_BREAK}{symbol}"),
+    }
 }
 
 /// Replaces the hyphen before a number by a minus sign.

@@ -8,6 +8,7 @@ use asperity_results::{
 };
 
 use super::cells::{DASH, percent, plain, shown, yes_or_no};
+use super::random_surface::meaning;
 use super::{DataTable, cutoff, in_words};
 use crate::format::{Dimension, significant};
 
@@ -185,7 +186,7 @@ fn moments(friction: &FrictionResult) -> DataTable {
         "CoV",
         "Skewness",
         "Excess kurtosis",
-        "Marginal distribution",
+        "Distribution",
     ];
     let table = by_level(friction, &caption, &headers, |level| {
         let number = |value, interval| shown(Dimension::None, value, interval);
@@ -198,7 +199,7 @@ fn moments(friction: &FrictionResult) -> DataTable {
             number(level.coefficient_of_variation, level.coefficient_of_variation_interval),
             number(level.skewness, level.skewness_interval),
             number(level.excess_kurtosis, level.excess_kurtosis_interval),
-            level.marginal.as_ref().map_or_else(|| DASH.into(), marginal),
+            level.marginal.as_ref().map_or_else(|| DASH.into(), distribution_name),
         ]
     });
     DataTable { source: "tables/friction_levels.csv".into(), ..table }
@@ -276,7 +277,10 @@ impl Distribution<'_> {
         if let Some(marginal) = self.marginal {
             rows.push(vec!["distribution ranked first".into(), distribution_name(marginal)]);
             rows.extend(marginal.parameters.iter().map(|(name, value)| {
-                vec![name.clone(), shown(Dimension::None, *value, self.intervals.get(name).copied().flatten())]
+                vec![
+                    meaning(&marginal.name, name).0,
+                    shown(Dimension::None, *value, self.intervals.get(name).copied().flatten()),
+                ]
             }));
         }
         if let Some(gof) = self.gof {
@@ -337,11 +341,4 @@ fn correlation_models(level: &LevelResult) -> DataTable {
 pub(crate) fn distribution_name(fit: &LawResult) -> String {
     let shifted = fit.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
     format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&fit.name))
-}
-
-fn marginal(fit: &LawResult) -> String {
-    let parameters: Vec<String> =
-        fit.parameters.iter().map(|(name, value)| format!("{name} = {}", significant(*value, 5))).collect();
-    let name = distribution_name(fit);
-    if parameters.is_empty() { name } else { format!("{name} ({})", parameters.join(", ")) }
 }

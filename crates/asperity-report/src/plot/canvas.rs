@@ -76,6 +76,10 @@ pub(crate) enum Dash {
     Dotted,
     Alternating,
     Long,
+    Short,
+    DoubleDotted,
+    LongShort,
+    Sparse,
 }
 
 impl Dash {
@@ -87,6 +91,10 @@ impl Dash {
             Self::Dotted => " stroke-dasharray=\"2 3\"",
             Self::Alternating => " stroke-dasharray=\"10 3.5 2 3.5\"",
             Self::Long => " stroke-dasharray=\"16 5\"",
+            Self::Short => " stroke-dasharray=\"4 2.5\"",
+            Self::DoubleDotted => " stroke-dasharray=\"9 3 2 3 2 3\"",
+            Self::LongShort => " stroke-dasharray=\"14 4 5 4\"",
+            Self::Sparse => " stroke-dasharray=\"2 6\"",
         }
     }
 }

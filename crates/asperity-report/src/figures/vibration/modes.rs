@@ -8,7 +8,7 @@ use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen
 
 /// Contact states of the mass: number in tables, name and pen.
 const CONTACTS: [(f64, &str, Pen); 4] = [
-    (0.0, "stick", Pen::new(VERMILION, 3.0, Dash::Solid)),
+    (0.0, "stick", Pen::new(VERMILION, 3.0, Dash::Short)),
     (1.0, "slip", Pen::new(BLUE, 2.0, Dash::Solid)),
     (2.0, "faster than the belt", Pen::new(GREEN, 2.0, Dash::Dashed)),
     (3.0, "off the belt", Pen::new(PURPLE, 2.0, Dash::Dotted)),
