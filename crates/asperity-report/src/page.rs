@@ -277,8 +277,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let motion = Section::new(
         "vibration",
         "Friction-induced vibration",
-        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement and time are \
-         dimensionless: X = xc/N, τ = ω₀t.",
+        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement, time and \
+         velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.",
         vibration.map_or_else(Vec::new, vibration::tables),
         figures::vibration::figures(run)?,
     );

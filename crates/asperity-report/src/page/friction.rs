@@ -206,7 +206,7 @@ fn moments(friction: &FrictionResult) -> DataTable {
 }
 
 fn process(friction: &FrictionResult) -> DataTable {
-    let caption = "The process at the mean load by level, windows weighted by the load they carry; ℓ is that of e^(−s/ℓ), with and without \
+    let caption = "The process at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the load they carry; ℓ is that of e^(−s/ℓ), with and without \
                    the effect of the window; “paper” lets one window carry the whole normal force, “area” averages μ over the \
                    nominal area";
     let headers = [
@@ -247,14 +247,14 @@ fn process(friction: &FrictionResult) -> DataTable {
 fn drifts(friction: &FrictionResult) -> DataTable {
     let caption = "Drifts of friction along the strips, with the p-value of each test for no drift, and the correlation of contact area and \
                    load of a window";
-    let headers = ["Slope of μ", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
+    let headers =
+        ["Slope of μ (1/m)", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
     by_level(friction, caption, &headers, |level| {
         let tests = level.stationarity.clone().unwrap_or_default();
-        let slope = tests.trend_per_m.map(|slope| format!("{} /m", significant(slope, 2)));
         let chances = [tests.trend_p, tests.mean_change_p, tests.ends_p, tests.variance_change_p, tests.wander_p];
         let together = level.area_and_load.as_ref();
         let together = together.map(|found| shown(Dimension::None, found.correlation, Some(found.interval)));
-        std::iter::once(slope.unwrap_or_else(|| DASH.into()))
+        std::iter::once(plain(tests.trend_per_m, 2))
             .chain(chances.map(|p| plain(p, 2)))
             .chain([together.unwrap_or_else(|| DASH.into())])
             .collect()

@@ -22,7 +22,9 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
 /// Returns the motion without fluctuation, the limits of the damping ratio, and the friction.
 fn scalars(vibration: &VibrationResult) -> DataTable {
     let VibrationResult { cycle, area, paper, .. } = vibration;
-    let number = |value: Option<f64>| plain(value, 5);
+    let number = |value: Option<f64>| plain(value, 4);
+    // The limits often differ in the last digits only.
+    let limit = |value: Option<f64>| plain(value, 5);
     let in_unit = |dimension: Dimension, value: Option<f64>| shown(dimension, value, None);
     let distribution = vibration.marginal.iter().flat_map(|fit| {
         let of = |(key, value): (&String, &f64)| (meaning(&fit.name, key).0, plain(*value, 4));
@@ -48,9 +50,9 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
         (
             "Limits of the damping ratio",
             vec![
-                ("ζ_v, largest with any vibration", number(vibration.limit_damping_ratio)),
-                ("ζ_c, largest with stick–slip", number(vibration.critical_damping_ratio)),
-                ("ζ_H, steady sliding is unstable below", number(vibration.hopf_damping_ratio)),
+                ("ζ_v, largest with any vibration", limit(vibration.limit_damping_ratio)),
+                ("ζ_c, largest with stick–slip", limit(vibration.critical_damping_ratio)),
+                ("ζ_H, steady sliding is unstable below", limit(vibration.hopf_damping_ratio)),
             ],
         ),
         (
@@ -73,7 +75,12 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
         std::iter::once(vec![title.to_owned()]).chain(rows)
     });
     let rows = rows.chain(distribution.map(|(name, value)| vec![name, value]));
-    DataTable::new("Without roughness", &["Property", "Value"], rows.collect(), "results.json")
+    DataTable::new(
+        "Motion without roughness, and the friction of the machine",
+        &["Property", "Value"],
+        rows.collect(),
+        "results.json",
+    )
 }
 
 /// Returns the name of a kind of motion for readers.

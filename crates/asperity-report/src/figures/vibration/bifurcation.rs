@@ -95,7 +95,7 @@ fn draw_marks(chart: &mut Chart, tables: &Tables, parameter: &str) {
         let values = tables.get("bifurcation_marks").and_then(|table| table.column(column)).unwrap_or_default();
         for value in values.iter().filter(|value| value.is_finite()) {
             let at = if parameter == "damping_ratio" { format!(", {symbol} = ") } else { " at ".into() };
-            chart.vertical(format!("{name}{at}{}", significant(*value, 5)), *value, Pen::new(BLACK, 1.6, dash));
+            chart.vertical(format!("{name}{at}{}", significant(*value, 4)), *value, Pen::new(BLACK, 1.6, dash));
         }
     }
 }

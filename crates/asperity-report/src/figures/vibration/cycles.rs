@@ -62,7 +62,7 @@ impl<'a> Sweep<'a> {
         ];
         let limits = limits.into_iter().filter_map(|(value, label, pen)| {
             let value = value?;
-            Some((value, format!("{label} = {}", significant(value, 5)), pen))
+            Some((value, format!("{label} = {}", significant(value, 4)), pen))
         });
         let limits: Vec<_> = limits.collect();
         let (mut low, mut high) = range(damping)?;

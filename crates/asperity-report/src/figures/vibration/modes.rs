@@ -62,7 +62,7 @@ fn draw_values(chart: &mut Chart, answer: &Value, last: f64) {
     for (key, name, pen) in values {
         if let Some(x) = answer[key].as_f64() {
             let beyond = if x > last { ", beyond the axis" } else { "" };
-            chart.vertical(format!("{name} = {}{beyond}", significant(x, 5)), x, pen);
+            chart.vertical(format!("{name} = {}{beyond}", significant(x, 4)), x, pen);
         }
     }
 }
