@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Count, Ensemble, EnsembleSettings, Oscillator, VibrationError, limit_cycle, limit_damping};
 use asperity_base::monitor::{Cancelled, Monitor, Quiet};
+use asperity_base::sentence;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::FrictionProcess;
 
@@ -166,7 +167,7 @@ impl Search<'_> {
             Fall::Above => {
                 let reason = format!(
                     "vibration takes more than {percent} % of the time up to the damping ratio {}, where the search ends",
-                    self.top
+                    sentence::digits(self.top)
                 );
                 return Ok(Crossing::none(level, reason));
             }
