@@ -110,7 +110,8 @@ fn counts(vibration: &VibrationResult) -> DataTable {
         }
         counts.push(row);
     }
-    let headers = ["ζ", "Deterministic", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
+    let headers =
+        ["ζ", "Kind without roughness", "M(det)", "Mean M, “area”", "Lost, “area”", "Mean M, “paper”", "Lost, “paper”"];
     let caption =
         "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets are 95 % intervals";
     DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns()
@@ -184,9 +185,9 @@ fn motion(vibration: &VibrationResult) -> DataTable {
             cell(|motion| format!("{} %", with_error(100.0 * motion.stick_share, 100.0 * motion.stick_share_se))),
         ),
         ("Time in vibration", cell(|motion| percent(motion.share_in_cycle, 4))),
-        ("in stick-slip", kind(KindResult::StickSlip)),
-        ("overtaking the belt without stick", kind(KindResult::Overtaking)),
-        ("slower than the belt throughout", kind(KindResult::SlipCycle)),
+        ("of it in stick–slip", kind(KindResult::StickSlip)),
+        ("of it overtaking the belt without stick", kind(KindResult::Overtaking)),
+        ("of it slower than the belt throughout", kind(KindResult::SlipCycle)),
         (
             "Rate of leaving vibration, per τ in it",
             cell(move |motion| number(motion.exit_rate, motion.exit_rate_interval)),

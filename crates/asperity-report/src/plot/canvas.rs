@@ -214,8 +214,11 @@ impl Canvas {
         }
     }
 
-    /// Writes a text whose vertical middle lies at the point.
+    /// Writes a text whose vertical middle lies at the point; an empty text is left out.
     pub(crate) fn text(&mut self, (x, y): Point, text: &str, size: f64, align: Align) {
+        if text.is_empty() {
+            return;
+        }
         let (x, y, text) = (px(x), px(y), escape(text));
         let (anchor, turn) = match align {
             Align::Start => ("start", String::new()),
