@@ -275,12 +275,10 @@ impl Distribution<'_> {
     fn table(&self, level: &LevelResult) -> DataTable {
         let mut rows = Vec::new();
         if let Some(marginal) = self.marginal {
-            rows.push(vec!["distribution ranked first".into(), distribution_name(marginal)]);
+            rows.push(("distribution ranked first".into(), distribution_name(marginal)));
             rows.extend(marginal.parameters.iter().map(|(name, value)| {
-                vec![
-                    meaning(&marginal.name, name).0,
-                    shown(Dimension::None, *value, self.intervals.get(name).copied().flatten()),
-                ]
+                let interval = self.intervals.get(name).copied().flatten();
+                (meaning(&marginal.name, name).0, shown(Dimension::None, *value, interval))
             }));
         }
         if let Some(gof) = self.gof {
@@ -290,25 +288,25 @@ impl Distribution<'_> {
             ];
             rows.extend(distances.into_iter().filter_map(|(name, distance, chance)| {
                 let chance = chance.map_or_else(String::new, |p| format!(" (p = {})", significant(p, 2)));
-                Some(vec![name.into(), format!("{}{chance}", significant(distance?, 3))])
+                Some((name.into(), format!("{}{chance}", significant(distance?, 3))))
             }));
         }
         let ranked = self.ranked.iter();
         let ranked: Vec<String> =
             ranked.map(|fit| format!("{} {}", in_words(&fit.name), significant(fit.aic_difference, 3))).collect();
         if !ranked.is_empty() {
-            rows.push(vec!["distributions by ΔAIC".into(), ranked.join(", ")]);
+            rows.push(("distributions by ΔAIC".into(), ranked.join(", ")));
         }
         for exceeded in self.return_levels {
             let name = format!("exceeded once in {}", Dimension::Length.show(exceeded.distance_m));
-            rows.push(vec![name, shown(Dimension::None, exceeded.mu, exceeded.interval)]);
+            rows.push((name, shown(Dimension::None, exceeded.mu, exceeded.interval)));
         }
         let caption = format!(
             "Distribution of μ at the operating point ({}), {}; brackets are 95 % intervals",
             level_name(level),
             self.of
         );
-        DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
+        DataTable::properties(&caption, rows, "results.json")
     }
 }
 

@@ -1,7 +1,8 @@
-//! The rows of the provenance.
+//! The table of the provenance.
 
 use asperity_results::Provenance;
 
+use super::DataTable;
 use super::cells::DASH;
 use crate::format::Dimension;
 
@@ -9,31 +10,28 @@ use crate::format::Dimension;
 const LISTED: usize = 12;
 
 /// Returns every entry of `provenance.json`: the run, its inputs, the machine and the computing times.
-pub(super) fn rows(provenance: &Provenance) -> Vec<Vec<String>> {
+pub(super) fn table(provenance: &Provenance) -> DataTable {
     let machine = &provenance.machine;
     let sets = &machine.instruction_sets;
     let sets = if sets.len() <= LISTED { sets.join(", ") } else { format!("{} values", sets.len()) };
-    let row = |name: &str, value: &str| vec![name.to_owned(), value.to_owned()];
-    let inputs = provenance.inputs.iter().map(|(file, hash)| row(file, hash));
-    let times = provenance.seconds.iter();
-    let times = times.map(|(task, seconds)| row(&task.replace('_', " "), &Dimension::Time.show_short(*seconds)));
-    let title = |title: &str| std::iter::once(vec![title.to_owned()]);
     let rows = [
-        row("version of asperity", &provenance.asperity),
-        row("study", &provenance.study),
-        row("seed", &provenance.seed.to_string()),
-        row("stage", provenance.only.as_deref().unwrap_or("all")),
-        row("start", &date(provenance.started_unix_s)),
+        ("version of asperity", provenance.asperity.clone()),
+        ("study", provenance.study.clone()),
+        ("seed", provenance.seed.to_string()),
+        ("stage", provenance.only.clone().unwrap_or_else(|| "all".into())),
+        ("start", date(provenance.started_unix_s)),
+        ("Machine", String::new()),
+        ("system", machine.system.clone()),
+        ("architecture", machine.architecture.clone()),
+        ("processor", machine.processor.clone().unwrap_or_else(|| DASH.into())),
+        ("instruction sets", if sets.is_empty() { DASH.into() } else { sets }),
+        ("threads", machine.threads.to_string()),
+        ("Inputs (SHA-256)", String::new()),
     ];
-    let machine = [
-        row("system", &machine.system),
-        row("architecture", &machine.architecture),
-        row("processor", machine.processor.as_deref().unwrap_or(DASH)),
-        row("instruction sets", &sets),
-        row("threads", &machine.threads.to_string()),
-    ];
-    let rows = rows.into_iter().chain(title("Inputs (SHA-256)")).chain(inputs);
-    rows.chain(title("Machine")).chain(machine).chain(title("Computing time")).chain(times).collect()
+    let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(provenance.inputs.clone());
+    let time = |(task, seconds): (&String, &f64)| (task.replace('_', " "), Dimension::Time.show_short(*seconds));
+    let times = std::iter::once(("Computing time".into(), String::new())).chain(provenance.seconds.iter().map(time));
+    DataTable::properties("", rows.chain(times), "provenance.json")
 }
 
 /// Formats seconds since 1970-01-01 as date and time in UTC (H. Hinnant's algorithm for days of the Gregorian calendar).

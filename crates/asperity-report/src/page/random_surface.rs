@@ -6,29 +6,28 @@ use super::DataTable;
 use super::cells::{percent, plain, yes_or_no};
 use crate::format::Dimension;
 
-/// Returns the random surface as rows of name and value: covariance, distribution of the heights, expansion.
+/// Returns the random surface: covariance, distribution of the heights, expansion.
 pub(super) fn table(surface: &SurfaceResult) -> DataTable {
     let mut rows = Vec::new();
     if let Some(found) = &surface.covariance {
-        rows.push(vec!["Covariance".to_owned()]);
-        rows.extend(covariance(found).chain(found.empirical.iter().flat_map(empirical)).map(<Vec<_>>::from));
+        rows.extend(covariance(found).chain(found.empirical.iter().flat_map(empirical)));
     }
     let fit = &surface.marginal;
-    rows.extend([vec!["Marginal distribution".to_owned()], vec!["distribution".to_owned(), in_words(&fit.name)]]);
+    rows.extend([("Marginal distribution".into(), String::new()), ("distribution".into(), in_words(&fit.name))]);
     rows.extend(fit.parameters.iter().map(|(key, value)| {
         let (meaning, has_unit) = meaning(&fit.name, key);
         let dimension = if has_unit { Dimension::Length } else { Dimension::None };
-        vec![if key == "mu" { format!("{meaning}, in metre") } else { meaning }, dimension.show(*value)]
+        (if key == "mu" { format!("{meaning}, in metre") } else { meaning }, dimension.show(*value))
     }));
-    if let Some(found) = &surface.karhunen_loeve {
-        rows.extend([
-            vec!["Karhunen–Loève expansion".to_owned()],
-            vec!["modes".to_owned(), found.modes.to_string()],
-            vec!["fraction of the variance".to_owned(), plain(found.captured_variance, 4)],
-            vec!["fraction of the slope variance".to_owned(), plain(found.captured_slope_variance, 4)],
-        ]);
-    }
-    DataTable::new("Random surface", &["Property", "Value"], rows, "results.json")
+    rows.extend(surface.karhunen_loeve.iter().flat_map(|found| {
+        [
+            ("Karhunen–Loève expansion".into(), String::new()),
+            ("modes".into(), found.modes.to_string()),
+            ("fraction of the variance".into(), plain(found.captured_variance, 4)),
+            ("fraction of the slope variance".into(), plain(found.captured_slope_variance, 4)),
+        ]
+    }));
+    DataTable::properties("Random surface", rows, "results.json")
 }
 
 /// Meaning of a length over which the correlation falls to 1/e.
@@ -67,43 +66,36 @@ pub(crate) fn in_words(name: &str) -> String {
 }
 
 /// Returns the model with its lengths and exponents, and the models that were tried.
-fn covariance(found: &CovarianceResult) -> impl Iterator<Item = [String; 2]> {
+fn covariance(found: &CovarianceResult) -> impl Iterator<Item = (String, String)> {
     let length = length_in_words(&found.model);
-    let number = |dimension: Dimension, value: Option<f64>| value.map(|value| dimension.show(value));
+    let metre = |value| Some(Dimension::Length.show(value));
+    let number = |value: Option<f64>| value.map(|value| plain(value, 4));
+    // Most models have the length to 1/e as their own.
+    let decay = |value| metre(value).filter(|_| length != TO_1_E);
     let tried = |tried: &CovarianceCandidate| {
         format!("{} ({}; {})", in_words(&tried.model), plain(tried.misfit, 3), plain(tried.slope_ratio, 3))
     };
     let candidates = found.candidates.iter().map(tried).collect::<Vec<_>>().join(", ");
-    let mut rows = vec![
-        ("model".to_owned(), Some(in_words(&found.model))),
-        ("standard deviation".to_owned(), number(Dimension::Length, Some(found.std_m))),
-        (format!("length along x ({length})"), number(Dimension::Length, Some(found.length_x_m))),
-        (format!("length along y ({length})"), number(Dimension::Length, Some(found.length_y_m))),
+    let rows = [
+        ("Covariance".into(), Some(String::new())),
+        ("model".into(), Some(in_words(&found.model))),
+        ("standard deviation".into(), metre(found.std_m)),
+        (format!("length along x ({length})"), metre(found.length_x_m)),
+        (format!("length along y ({length})"), metre(found.length_y_m)),
+        (format!("length along x ({TO_1_E})"), decay(found.decay_length_x_m)),
+        (format!("length along y ({TO_1_E})"), decay(found.decay_length_y_m)),
+        ("smoothness ν".into(), number(found.smoothness)),
+        ("Hurst exponent".into(), number(found.hurst)),
+        ("misfit, rms of ln(measured/model spectral density)".into(), number(found.misfit)),
+        ("Sdq of random maps over Sdq of the scan, within the reliable band".into(), number(found.slope_ratio)),
+        ("cut-off of the S-filter of both Sdq".into(), found.slope_cutoff_m.and_then(metre)),
+        ("models tried (misfit; ratio of Sdq)".into(), Some(candidates).filter(|text| !text.is_empty())),
     ];
-    // Most models have the length to 1/e as their own.
-    if length != TO_1_E {
-        let decay = [("x", found.decay_length_x_m), ("y", found.decay_length_y_m)];
-        let decay =
-            decay.map(|(axis, metre)| (format!("length along {axis} ({TO_1_E})"), Some(Dimension::Length.show(metre))));
-        rows.extend(decay);
-    }
-    let others = [
-        ("smoothness ν", number(Dimension::None, found.smoothness)),
-        ("Hurst exponent", number(Dimension::None, found.hurst)),
-        ("misfit, rms of ln(measured/model spectral density)", number(Dimension::None, found.misfit)),
-        (
-            "Sdq of random maps over Sdq of the scan, within the reliable band",
-            number(Dimension::None, found.slope_ratio),
-        ),
-        ("cut-off of the S-filter of both Sdq", number(Dimension::Length, found.slope_cutoff_m)),
-        ("models tried (misfit; ratio of Sdq)", Some(candidates).filter(|text| !text.is_empty())),
-    ];
-    let others = others.map(|(name, value)| (name.to_owned(), value));
-    rows.into_iter().chain(others).filter_map(|(name, value)| Some([name, value?]))
+    rows.into_iter().filter_map(|(name, value)| Some((name, value?)))
 }
 
 /// Returns the changes that made the scan's own autocorrelation a covariance.
-fn empirical(found: &EmpiricalCovariance) -> [[String; 2]; 9] {
+fn empirical(found: &EmpiricalCovariance) -> [(String, String); 9] {
     let length = |metre| Dimension::Length.show(metre);
     let rows = [
         ("estimate used as it is up to the lag along x", length(found.reliable_x_m)),
@@ -116,7 +108,7 @@ fn empirical(found: &EmpiricalCovariance) -> [[String; 2]; 9] {
         ("fraction of the variance in clipped negative spectral values", percent(found.clipped_variance, 3)),
         ("largest change of a lag by the clipping", plain(found.clipping_change, 3)),
     ];
-    rows.map(|(name, value)| [name.to_owned(), value])
+    rows.map(|(name, value)| (name.to_owned(), value))
 }
 
 /// Returns the meaning of a parameter of a distribution, and whether it has the unit of the distributed quantity.

@@ -21,66 +21,43 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
 
 /// Returns the motion without fluctuation, the limits of the damping ratio, and the friction.
 fn scalars(vibration: &VibrationResult) -> DataTable {
-    let VibrationResult { cycle, area, paper, .. } = vibration;
+    let cycle = &vibration.cycle;
     let number = |value: Option<f64>| plain(value, 4);
     // The limits often differ in the last digits only.
     let limit = |value: Option<f64>| plain(value, 5);
     let in_unit = |dimension: Dimension, value: Option<f64>| shown(dimension, value, None);
+    let rows = [
+        ("Motion that starts in stick", String::new()),
+        ("damping ratio ζ of the study", number(Some(vibration.damping_ratio))),
+        ("belt velocity V", number(Some(vibration.belt_velocity))),
+        ("kind", kind_in_words(vibration.kind).into()),
+        ("period τ", number(cycle.period)),
+        ("duration τ of the slip", number(cycle.slip_duration)),
+        ("least displacement X", number(cycle.displacement_min)),
+        ("largest displacement X", number(cycle.displacement_max)),
+        ("displacement X at re-attachment", number(cycle.reattachment_displacement)),
+        ("least velocity dX/dτ", number(cycle.velocity_min)),
+        ("steady sliding is unstable", yes_or_no(vibration.steady_sliding_unstable).into()),
+        ("smallest kick that starts vibration", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
+        ("Limits of the damping ratio", String::new()),
+        ("ζ_v, largest with any vibration", limit(vibration.limit_damping_ratio)),
+        ("ζ_c, largest with stick–slip", limit(vibration.critical_damping_ratio)),
+        ("ζ_H, steady sliding is unstable below", limit(vibration.hopf_damping_ratio)),
+        ("Friction", String::new()),
+        ("upscaling of the study", format!("“{}”", vibration.upscaling)),
+        ("percentile of the level", number(vibration.level_percentile)),
+        ("mean pressure of the level", in_unit(Dimension::Pressure, vibration.level_mean_pressure_pa)),
+        ("static friction coefficient", number(Some(vibration.static_friction))),
+        ("variance of μ, “area” over one window", number(Some(vibration.variance_reduction))),
+        ("correlation length of μ", in_unit(Dimension::Length, Some(vibration.friction_correlation_length_m))),
+        ("correlation length of μ, in X", number(Some(vibration.correlation_length))),
+    ];
     let distribution = vibration.marginal.iter().flat_map(|fit| {
-        let of = |(key, value): (&String, &f64)| (meaning(&fit.name, key).0, plain(*value, 4));
+        let of = |(key, value): (&String, &f64)| (meaning(&fit.name, key).0, number(Some(*value)));
         std::iter::once(("distribution of μ".into(), distribution_name(fit))).chain(fit.parameters.iter().map(of))
     });
-    let groups = [
-        (
-            "Motion that starts in stick",
-            vec![
-                ("damping ratio ζ of the study", number(Some(vibration.damping_ratio))),
-                ("belt velocity V", number(Some(vibration.belt_velocity))),
-                ("kind", kind_in_words(vibration.kind).into()),
-                ("period τ", number(cycle.period)),
-                ("duration τ of the slip", number(cycle.slip_duration)),
-                ("least displacement X", number(cycle.displacement_min)),
-                ("largest displacement X", number(cycle.displacement_max)),
-                ("displacement X at re-attachment", number(cycle.reattachment_displacement)),
-                ("least velocity dX/dτ", number(cycle.velocity_min)),
-                ("steady sliding is unstable", yes_or_no(vibration.steady_sliding_unstable).into()),
-                ("smallest kick that starts vibration", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
-            ],
-        ),
-        (
-            "Limits of the damping ratio",
-            vec![
-                ("ζ_v, largest with any vibration", limit(vibration.limit_damping_ratio)),
-                ("ζ_c, largest with stick–slip", limit(vibration.critical_damping_ratio)),
-                ("ζ_H, steady sliding is unstable below", limit(vibration.hopf_damping_ratio)),
-            ],
-        ),
-        (
-            "Friction",
-            vec![
-                ("percentile of the level", number(vibration.level_percentile)),
-                ("mean pressure of the level", in_unit(Dimension::Pressure, vibration.level_mean_pressure_pa)),
-                ("static friction coefficient", number(Some(vibration.static_friction))),
-                ("standard deviation of μ, “area”", plain(area.friction_std, 4)),
-                ("standard deviation of μ, “paper”", plain(paper.friction_std, 4)),
-                ("variance of μ, “area” over one window", plain(vibration.variance_reduction, 4)),
-                ("correlation length of μ", in_unit(Dimension::Length, Some(vibration.friction_correlation_length_m))),
-                ("correlation length of μ, in X", number(Some(vibration.correlation_length))),
-                ("upscaling of the study", format!("“{}”", vibration.upscaling)),
-            ],
-        ),
-    ];
-    let rows = groups.into_iter().flat_map(|(title, rows)| {
-        let rows = rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]);
-        std::iter::once(vec![title.to_owned()]).chain(rows)
-    });
-    let rows = rows.chain(distribution.map(|(name, value)| vec![name, value]));
-    DataTable::new(
-        "Motion without roughness, and the friction of the machine",
-        &["Property", "Value"],
-        rows.collect(),
-        "results.json",
-    )
+    let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(distribution);
+    DataTable::properties("Motion without roughness, and the friction of the machine", rows, "results.json")
 }
 
 /// Returns the name of a kind of motion for readers.
