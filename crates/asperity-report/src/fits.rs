@@ -2,18 +2,9 @@
 
 use crate::Table;
 
-/// Distributions by their name in columns, with the name for readers.
-const DISTRIBUTIONS: [(&str, &str); 9] = [
-    ("johnson_su", "Johnson SU"),
-    ("johnson_sb", "Johnson SB"),
-    ("johnson_sl", "Johnson SL"),
-    ("johnson_sn", "Johnson SN"),
-    ("lognormal", "Lognormal"),
-    ("weibull", "Weibull"),
-    ("gamma", "Gamma"),
-    ("normal", "Normal"),
-    ("beta", "Beta"),
-];
+/// Distributions by their name in columns.
+const DISTRIBUTIONS: [&str; 9] =
+    ["johnson_su", "johnson_sb", "johnson_sl", "johnson_sn", "lognormal", "weibull", "gamma", "normal", "beta"];
 
 /// A fitted distribution: a row of the table.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,13 +20,6 @@ pub(crate) struct HeightFit {
     pub(crate) p_value: f64,
 }
 
-impl HeightFit {
-    /// Returns the name of the distribution for readers.
-    pub(crate) fn name(&self) -> &'static str {
-        DISTRIBUTIONS.iter().find(|(own, _)| *own == self.distribution).map_or(self.distribution, |(_, name)| name)
-    }
-}
-
 /// Returns the rows of known distributions, best first. The columns with parameters identify the distribution of a row.
 pub(crate) fn height_fits(table: &Table) -> Vec<HeightFit> {
     let rows = table.columns.first().map_or(0, |(_, values)| values.len());
@@ -47,7 +31,7 @@ pub(crate) fn height_fits(table: &Table) -> Vec<HeightFit> {
             };
             table.columns.iter().filter_map(own).collect()
         };
-        let mut known = DISTRIBUTIONS.iter().map(|(distribution, _)| (*distribution, parameters(distribution)));
+        let mut known = DISTRIBUTIONS.into_iter().map(|distribution| (distribution, parameters(distribution)));
         let (distribution, parameters) = known.find(|(_, parameters)| !parameters.is_empty())?;
         let cell = |name: &str| table.column(name).and_then(|values| values.get(row)).copied().unwrap_or(f64::NAN);
         Some(HeightFit {

@@ -89,7 +89,7 @@ impl Dimension {
             Self::Velocity => &[("µm/s", 1e-6), ("mm/s", 1e-3), ("m/s", 1.0)],
             Self::Area => &[("µm²", 1e-12), ("mm²", 1e-6), ("m²", 1.0)],
             Self::Time => &[("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)],
-            Self::Compliance => &[("µm/GPa", 1e-15), ("µm/MPa", 1e-12), ("m/Pa", 1.0)],
+            Self::Compliance => &[("nm/MPa", 1e-15), ("µm/MPa", 1e-12), ("m/Pa", 1.0)],
             Self::Stiffness => &[("Pa/m", 1.0), ("kPa/µm", 1e9), ("MPa/µm", 1e12), ("GPa/µm", 1e15)],
             Self::Angle => &[("°", PI / 180.0)],
             Self::Other(_) => &[],
@@ -145,7 +145,7 @@ impl Dimension {
                     Some(decimals) if value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) => {
                         significant(value, 2)
                     }
-                    Some(decimals) => fixed(value, decimals),
+                    Some(decimals) => rounded(value, decimals),
                     None => significant(value, 4),
                 };
                 format!("{} {}", attach(&number, &unit), show_range(low, high))
@@ -169,13 +169,16 @@ fn decimals(uncertainty: f64) -> Option<usize> {
 /// Formats `[low, high]` with two digits of its width.
 pub(crate) fn show_range(low: f64, high: f64) -> String {
     match decimals(high - low) {
-        Some(decimals) => format!("[{},{NO_BREAK}{}]", fixed(low, decimals), fixed(high, decimals)),
+        Some(decimals) => format!("[{},{NO_BREAK}{}]", rounded(low, decimals), rounded(high, decimals)),
         None => format!("[{},{NO_BREAK}{}]", significant(low, 3), significant(high, 3)),
     }
 }
 
 fn attach(number: &str, unit: &Unit) -> String {
-    if unit.symbol.is_empty() { number.to_owned() } else { format!("{number}{NO_BREAK}{}", unit.symbol) }
+    match unit.symbol.as_str() {
+        "" | "°" => format!("{number}{}", unit.symbol),
+        symbol => format!("{number}{NO_BREAK}{symbol}"),
+    }
 }
 
 /// Replaces the hyphen before a number by a minus sign.
@@ -194,6 +197,11 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
     if zero { text.trim_start_matches('-').to_owned() } else { minus(text) }
+}
+
+/// Formats a number as [`fixed`] does, but an exact zero without decimals.
+fn rounded(value: f64, decimals: usize) -> String {
+    if value == 0.0 { "0".into() } else { fixed(value, decimals) }
 }
 
 /// Formats a number with that many significant digits, very large and small ones as a power of ten, undefined ones as a dash.
@@ -243,7 +251,7 @@ mod tests {
         assert_eq!(spaced(Dimension::Pressure.show(2.1e11)), "210 GPa");
         assert_eq!(spaced(Dimension::Pressure.show(-3e6)), "−3 MPa");
         assert_eq!(spaced(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4)))), "250 µm [200, 300]");
-        assert_eq!(spaced(Dimension::Length.show_interval(0.0, Some((0.0, 9.07e-6)))), "0.0 µm [0.0, 9.1]");
+        assert_eq!(spaced(Dimension::Length.show_interval(0.0, Some((0.0, 9.07e-6)))), "0 µm [0, 9.1]");
         assert_eq!(spaced(Dimension::None.show_interval(0.0621, Some((0.0, 19.0)))), "0.062 [0, 19]");
         assert_eq!(spaced(Dimension::None.show_interval(25.9871, Some((23.49, 28.51)))), "26.0 [23.5, 28.5]");
         assert_eq!(

@@ -102,9 +102,8 @@ impl Section {
 
     /// Returns the section of the provenance; `None` without it.
     pub(crate) fn provenance(provenance: Option<&Provenance>) -> Option<Self> {
-        let rows = provenance.map_or_else(Vec::new, provenance::rows);
-        let table = DataTable::new("", &["Item", "Value"], rows, "provenance.json");
-        Self::new("provenance", "Provenance", "", vec![table], Vec::new())
+        let tables = provenance.map(provenance::table).into_iter().collect();
+        Self::new("provenance", "Provenance", "", tables, Vec::new())
     }
 
     fn html(&self, number: &mut usize) -> Html {
@@ -168,6 +167,12 @@ impl DataTable {
     pub(crate) fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>, source: &str) -> Self {
         let headers = headers.iter().map(|header| (*header).to_owned()).collect();
         Self { caption: caption.into(), headers, rows, highlighted: Vec::new(), source: source.into() }
+    }
+
+    /// Returns a table of names and values. A name with an empty value is the title of the rows below it.
+    fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
+        let row = |(name, value): (String, String)| if value.is_empty() { vec![name] } else { vec![name, value] };
+        Self::new(caption, &["Property", "Value"], rows.into_iter().map(row).collect(), source)
     }
 
     /// Highlights the last cell of some rows.
@@ -277,8 +282,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let motion = Section::new(
         "vibration",
         "Friction-induced vibration",
-        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement and time are \
-         dimensionless: X = xc/N, τ = ω₀t.",
+        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement, time and \
+         velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.",
         vibration.map_or_else(Vec::new, vibration::tables),
         figures::vibration::figures(run)?,
     );

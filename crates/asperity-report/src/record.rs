@@ -66,16 +66,16 @@ fn record(table: &Table) -> Vec<Chart> {
         return Vec::new();
     };
     let panels = [
-        vec![("as measured", "measured", BLUE, 0.9), ("trend", "trend", VERMILION, 2.0)],
-        vec![("without its trend", "mu", GREEN, 0.9)],
+        vec![("as measured", "measured", BLUE, 0.9, Dash::Solid), ("trend", "trend", VERMILION, 2.0, Dash::Dashed)],
+        vec![("without its trend", "mu", GREEN, 0.9, Dash::Solid)],
     ];
     let charts = panels.into_iter().filter_map(|curves| {
         let y = range(curves.iter().filter_map(|curve| table.column(curve.1)).flatten())?;
         let x = Axis::linear("Sliding distance", Dimension::Length.unit(ends.1), ends);
         let mut chart = Chart::new(x, Axis::padded("Friction coefficient μ", Unit::none(), y, 0.06));
-        for (name, column, colour, width) in curves {
+        for (name, column, colour, width, dash) in curves {
             if let Some(y) = table.column(column) {
-                chart.line(name, position, y, Pen::new(colour, width, Dash::Solid));
+                chart.line(name, position, y, Pen::new(colour, width, dash));
             }
         }
         Some(chart)

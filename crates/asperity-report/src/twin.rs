@@ -170,7 +170,7 @@ fn likeness(comparison: &Comparison) -> Option<Answer> {
     let outside = if outside.is_empty() { String::new() } else { format!("Outside: {}. ", outside.join(", ")) };
     (compared > 0).then(|| Answer {
         question: "Is the scan like its twins?",
-        answer: format!("{inside} of {compared} statistics{curves} lie within"),
+        answer: format!("{inside} of {compared} statistics{curves} lie within the band of the twins"),
         detail: format!("{outside}About {chance} are expected outside by chance.{by_curve}"),
     })
 }

@@ -79,12 +79,12 @@ fn axis_label(parameter: &str) -> String {
     label.to_owned()
 }
 
-/// Attractors of the motion: number in tables, name and colour.
-const ATTRACTORS: [(f64, &str, Colour); 4] = [
-    (0.0, "steady sliding", BLUE),
-    (1.0, "slip cycle", GREEN),
-    (2.0, "stick-slip", VERMILION),
-    (3.0, "overtaking", ORANGE),
+/// Attractors of the motion: number in tables, name, colour and dash.
+const ATTRACTORS: [(f64, &str, Colour, Dash); 4] = [
+    (0.0, "steady sliding", BLUE, Dash::Long),
+    (1.0, "slip cycle", GREEN, Dash::Alternating),
+    (2.0, "stick–slip", VERMILION, Dash::Solid),
+    (3.0, "overtaking", ORANGE, Dash::Short),
 ];
 
 /// Returns the points of several curves, with an undefined point between them wherever the number of the curve changes.

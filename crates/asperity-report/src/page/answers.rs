@@ -14,7 +14,7 @@ const NEGLIGIBLE: f64 = 0.01;
 /// Largest half width of an interval around zero, as a fraction of the deterministic cycles, at which there is no effect. A wider
 /// interval is inconclusive.
 const NARROW: f64 = 0.1;
-const VANISHES: &str = "The paper’s effect vanishes at your scale";
+const VANISHES: &str = "No effect at the scale of your machine";
 
 /// A question, its short answer, and its conditions.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -157,18 +157,18 @@ fn damping(vibration: &VibrationResult) -> Option<Answer> {
     let grazing = critical.filter(|critical| *critical < limit).map_or(String::new(), |critical| {
         format!(
             " The mass reaches the velocity of the belt up to ζ = {} only; beyond, it vibrates slower than the belt.",
-            significant(critical, 5)
+            significant(critical, 4)
         )
     });
     let hopf = vibration.hopf_damping_ratio.map_or(String::new(), |hopf| {
-        format!(" Steady sliding is unstable below ζ = {} (Hopf point).", significant(hopf, 5))
+        format!(" Steady sliding is unstable below ζ = {} (Hopf point).", significant(hopf, 4))
     });
     let side = if zeta < limit { "below" } else { "above" };
     let margin =
         format!(" The study’s ζ = {} lies {} {side} it.", significant(zeta, 4), significant((zeta - limit).abs(), 2));
     Some(Answer {
         question: "How much damping stops it?",
-        answer: format!("ζ = {}", significant(limit, 5)),
+        answer: format!("ζ = {}", significant(limit, 4)),
         detail: format!("Above this damping ratio no vibration persists.{grazing}{hopf}{margin}"),
     })
 }

@@ -8,6 +8,7 @@ use asperity_results::{
 };
 
 use super::cells::{DASH, percent, plain, shown, yes_or_no};
+use super::random_surface::meaning;
 use super::{DataTable, cutoff, in_words};
 use crate::format::{Dimension, significant};
 
@@ -185,7 +186,7 @@ fn moments(friction: &FrictionResult) -> DataTable {
         "CoV",
         "Skewness",
         "Excess kurtosis",
-        "Marginal distribution",
+        "Distribution",
     ];
     let table = by_level(friction, &caption, &headers, |level| {
         let number = |value, interval| shown(Dimension::None, value, interval);
@@ -198,14 +199,14 @@ fn moments(friction: &FrictionResult) -> DataTable {
             number(level.coefficient_of_variation, level.coefficient_of_variation_interval),
             number(level.skewness, level.skewness_interval),
             number(level.excess_kurtosis, level.excess_kurtosis_interval),
-            level.marginal.as_ref().map_or_else(|| DASH.into(), marginal),
+            level.marginal.as_ref().map_or_else(|| DASH.into(), distribution_name),
         ]
     });
     DataTable { source: "tables/friction_levels.csv".into(), ..table }
 }
 
 fn process(friction: &FrictionResult) -> DataTable {
-    let caption = "The process at the mean load by level, windows weighted by the load they carry; ℓ is that of e^(−s/ℓ), with and without \
+    let caption = "The process at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the load they carry; ℓ is that of e^(−s/ℓ), with and without \
                    the effect of the window; “paper” lets one window carry the whole normal force, “area” averages μ over the \
                    nominal area";
     let headers = [
@@ -246,14 +247,14 @@ fn process(friction: &FrictionResult) -> DataTable {
 fn drifts(friction: &FrictionResult) -> DataTable {
     let caption = "Drifts of friction along the strips, with the p-value of each test for no drift, and the correlation of contact area and \
                    load of a window";
-    let headers = ["Slope of μ", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
+    let headers =
+        ["Slope of μ (1/m)", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
     by_level(friction, caption, &headers, |level| {
         let tests = level.stationarity.clone().unwrap_or_default();
-        let slope = tests.trend_per_m.map(|slope| format!("{} /m", significant(slope, 2)));
         let chances = [tests.trend_p, tests.mean_change_p, tests.ends_p, tests.variance_change_p, tests.wander_p];
         let together = level.area_and_load.as_ref();
         let together = together.map(|found| shown(Dimension::None, found.correlation, Some(found.interval)));
-        std::iter::once(slope.unwrap_or_else(|| DASH.into()))
+        std::iter::once(plain(tests.trend_per_m, 2))
             .chain(chances.map(|p| plain(p, 2)))
             .chain([together.unwrap_or_else(|| DASH.into())])
             .collect()
@@ -274,9 +275,10 @@ impl Distribution<'_> {
     fn table(&self, level: &LevelResult) -> DataTable {
         let mut rows = Vec::new();
         if let Some(marginal) = self.marginal {
-            rows.push(vec!["distribution ranked first".into(), distribution_name(marginal)]);
+            rows.push(("distribution ranked first".into(), distribution_name(marginal)));
             rows.extend(marginal.parameters.iter().map(|(name, value)| {
-                vec![name.clone(), shown(Dimension::None, *value, self.intervals.get(name).copied().flatten())]
+                let interval = self.intervals.get(name).copied().flatten();
+                (meaning(&marginal.name, name).0, shown(Dimension::None, *value, interval))
             }));
         }
         if let Some(gof) = self.gof {
@@ -286,25 +288,25 @@ impl Distribution<'_> {
             ];
             rows.extend(distances.into_iter().filter_map(|(name, distance, chance)| {
                 let chance = chance.map_or_else(String::new, |p| format!(" (p = {})", significant(p, 2)));
-                Some(vec![name.into(), format!("{}{chance}", significant(distance?, 3))])
+                Some((name.into(), format!("{}{chance}", significant(distance?, 3))))
             }));
         }
         let ranked = self.ranked.iter();
         let ranked: Vec<String> =
             ranked.map(|fit| format!("{} {}", in_words(&fit.name), significant(fit.aic_difference, 3))).collect();
         if !ranked.is_empty() {
-            rows.push(vec!["distributions by ΔAIC".into(), ranked.join(", ")]);
+            rows.push(("distributions by ΔAIC".into(), ranked.join(", ")));
         }
         for exceeded in self.return_levels {
             let name = format!("exceeded once in {}", Dimension::Length.show(exceeded.distance_m));
-            rows.push(vec![name, shown(Dimension::None, exceeded.mu, exceeded.interval)]);
+            rows.push((name, shown(Dimension::None, exceeded.mu, exceeded.interval)));
         }
         let caption = format!(
             "Distribution of μ at the operating point ({}), {}; brackets are 95 % intervals",
             level_name(level),
             self.of
         );
-        DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
+        DataTable::properties(&caption, rows, "results.json")
     }
 }
 
@@ -337,11 +339,4 @@ fn correlation_models(level: &LevelResult) -> DataTable {
 pub(crate) fn distribution_name(fit: &LawResult) -> String {
     let shifted = fit.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
     format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&fit.name))
-}
-
-fn marginal(fit: &LawResult) -> String {
-    let parameters: Vec<String> =
-        fit.parameters.iter().map(|(name, value)| format!("{name} = {}", significant(*value, 5))).collect();
-    let name = distribution_name(fit);
-    if parameters.is_empty() { name } else { format!("{name} ({})", parameters.join(", ")) }
 }

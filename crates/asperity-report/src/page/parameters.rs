@@ -2,8 +2,8 @@
 
 use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
 
-use super::DataTable;
 use super::cells::DASH;
+use super::{DataTable, in_words};
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
 use crate::{Run, Table};
@@ -245,7 +245,7 @@ pub(super) fn distributions(run: &Run) -> Option<DataTable> {
         .map(|fit| {
             vec![
                 fit.rank.to_string(),
-                fit.name().to_owned(),
+                in_words(fit.distribution),
                 parameters_of(fit),
                 cell(fit.delta_aic, 3),
                 cell(fit.weight, 2),

@@ -1,42 +1,61 @@
-//! The rows of the provenance.
+//! The table of the provenance.
 
 use asperity_results::Provenance;
 
-use super::cells::{DASH, plain};
+use super::DataTable;
+use super::cells::DASH;
 use crate::format::Dimension;
 
 /// Largest number of instruction sets that are listed; more are counted.
 const LISTED: usize = 12;
 
-/// Returns every entry of `provenance.json` with its name, in the order of the names.
-pub(super) fn rows(provenance: &Provenance) -> Vec<Vec<String>> {
+/// Returns every entry of `provenance.json`: the run, its inputs, the machine and the computing times.
+pub(super) fn table(provenance: &Provenance) -> DataTable {
     let machine = &provenance.machine;
     let sets = &machine.instruction_sets;
     let sets = if sets.len() <= LISTED { sets.join(", ") } else { format!("{} values", sets.len()) };
-    let word = |word: &Option<String>| word.clone().unwrap_or_else(|| DASH.into());
-    let row = |name: &str, value: String| vec![name.to_owned(), value];
-    let inputs = provenance.inputs.iter().map(|(file, hash)| row(&format!("inputs · {}", spaced(file)), hash.clone()));
-    let seconds =
-        provenance.seconds.iter().map(|(task, time)| row(&format!("seconds · {}", spaced(task)), plain(*time, 5)));
-    std::iter::once(row("asperity", provenance.asperity.clone()))
-        .chain(inputs)
-        .chain([
-            row("machine · architecture", machine.architecture.clone()),
-            row("machine · instruction sets", sets),
-            row("machine · processor", word(&machine.processor)),
-            row("machine · system", machine.system.clone()),
-            row("machine · threads", machine.threads.to_string()),
-            row("only", word(&provenance.only)),
-        ])
-        .chain(seconds)
-        .chain([
-            row("seed", provenance.seed.to_string()),
-            row("started unix", Dimension::Time.show_interval(provenance.started_unix_s as f64, None)),
-            row("study", provenance.study.clone()),
-        ])
-        .collect()
+    let rows = [
+        ("version of asperity", provenance.asperity.clone()),
+        ("study", provenance.study.clone()),
+        ("seed", provenance.seed.to_string()),
+        ("stage", provenance.only.clone().unwrap_or_else(|| "all".into())),
+        ("start", date(provenance.started_unix_s)),
+        ("Machine", String::new()),
+        ("system", machine.system.clone()),
+        ("architecture", machine.architecture.clone()),
+        ("processor", machine.processor.clone().unwrap_or_else(|| DASH.into())),
+        ("instruction sets", if sets.is_empty() { DASH.into() } else { sets }),
+        ("threads", machine.threads.to_string()),
+        ("Inputs (SHA-256)", String::new()),
+    ];
+    let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(provenance.inputs.clone());
+    let time = |(task, seconds): (&String, &f64)| (task.replace('_', " "), Dimension::Time.show_short(*seconds));
+    let times = std::iter::once(("Computing time".into(), String::new())).chain(provenance.seconds.iter().map(time));
+    DataTable::properties("", rows.chain(times), "provenance.json")
 }
 
-fn spaced(name: &str) -> String {
-    name.replace('_', " ")
+/// Formats seconds since 1970-01-01 as date and time in UTC (H. Hinnant's algorithm for days of the Gregorian calendar).
+fn date(unix_s: u64) -> String {
+    let (day, minute) = (unix_s / 86_400 + 719_468, unix_s / 60 % 1440);
+    // Eras of 400 years begin on 1 March.
+    let (era, day) = (day / 146_097, day % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (year, month) = if month < 10 { (year, month + 3) } else { (year + 1, month - 9) };
+    format!("{:04}-{month:02}-{day:02} {:02}:{:02} UTC", 400 * era + year, minute / 60, minute % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_follow_the_gregorian_calendar() {
+        assert_eq!(date(0), "1970-01-01 00:00 UTC");
+        assert_eq!(date(951_782_399), "2000-02-28 23:59 UTC");
+        assert_eq!(date(951_782_400), "2000-02-29 00:00 UTC");
+        assert_eq!(date(4_107_542_400), "2100-03-01 00:00 UTC");
+    }
 }

@@ -2,8 +2,9 @@
 
 use asperity_results::{DampingResult, EnsembleResult, KindResult, MotionResult, Pair, PointsResult, VibrationResult};
 
-use super::DataTable;
 use super::cells::{DASH, percent, plain, shown, yes_or_no};
+use super::random_surface::meaning;
+use super::{DataTable, distribution_name};
 use crate::format::{Dimension, show_range, significant, with_error};
 
 /// Returns limits and cycle, cycles over damping, motion, and distributions of points.
@@ -18,50 +19,55 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
     ]
 }
 
-/// Returns the properties without fluctuation, in the order of the names.
+/// Returns the motion without fluctuation, the limits of the damping ratio, and the friction.
 fn scalars(vibration: &VibrationResult) -> DataTable {
     let cycle = &vibration.cycle;
-    let number = |value: Option<f64>| plain(value, 5);
+    let number = |value: Option<f64>| plain(value, 4);
+    // The limits often differ in the last digits only.
+    let limit = |value: Option<f64>| plain(value, 5);
     let in_unit = |dimension: Dimension, value: Option<f64>| shown(dimension, value, None);
-    let mut rows = vec![
-        ("belt velocity", number(Some(vibration.belt_velocity))),
-        ("correlation length", number(Some(vibration.correlation_length))),
-        ("critical damping ratio", number(vibration.critical_damping_ratio)),
-        ("cycle · damping ratio", number(Some(cycle.damping_ratio))),
-        ("cycle · displacement max", number(cycle.displacement_max)),
-        ("cycle · displacement min", number(cycle.displacement_min)),
-        ("cycle · limit cycle", yes_or_no(cycle.limit_cycle).into()),
-        ("cycle · period", number(cycle.period)),
-        ("cycle · reattachment displacement", number(cycle.reattachment_displacement)),
-        ("cycle · slip duration", number(cycle.slip_duration)),
-        ("cycle · velocity min", number(cycle.velocity_min)),
-        ("damping ratio", number(Some(vibration.damping_ratio))),
-        ("friction correlation length", in_unit(Dimension::Length, Some(vibration.friction_correlation_length_m))),
-        ("Hopf damping ratio", number(vibration.hopf_damping_ratio)),
-        ("kick", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
-        ("kind", vibration.kind.name().into()),
-        ("level mean pressure", in_unit(Dimension::Pressure, vibration.level_mean_pressure_pa)),
-        ("level percentile", number(vibration.level_percentile)),
-        ("limit damping ratio", number(vibration.limit_damping_ratio)),
-    ]
-    .into_iter()
-    .map(|(name, value)| vec![name.to_owned(), value])
-    .collect::<Vec<_>>();
-    match &vibration.marginal {
-        None => rows.push(vec!["marginal".into(), DASH.into()]),
-        Some(fit) => {
-            rows.push(vec!["marginal · name".into(), fit.name.clone()]);
-            let parameters = fit.parameters.iter();
-            rows.extend(parameters.map(|(name, v)| vec![format!("marginal · parameters · {name}"), plain(*v, 5)]));
-        }
+    let rows = [
+        ("Motion that starts in stick", String::new()),
+        ("damping ratio ζ of the study", number(Some(vibration.damping_ratio))),
+        ("belt velocity V", number(Some(vibration.belt_velocity))),
+        ("kind", kind_in_words(vibration.kind).into()),
+        ("period τ", number(cycle.period)),
+        ("duration τ of the slip", number(cycle.slip_duration)),
+        ("least displacement X", number(cycle.displacement_min)),
+        ("largest displacement X", number(cycle.displacement_max)),
+        ("displacement X at re-attachment", number(cycle.reattachment_displacement)),
+        ("least velocity dX/dτ", number(cycle.velocity_min)),
+        ("steady sliding is unstable", yes_or_no(vibration.steady_sliding_unstable).into()),
+        ("smallest kick that starts vibration", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
+        ("Limits of the damping ratio", String::new()),
+        ("ζ_v, largest with any vibration", limit(vibration.limit_damping_ratio)),
+        ("ζ_c, largest with stick–slip", limit(vibration.critical_damping_ratio)),
+        ("ζ_H, steady sliding is unstable below", limit(vibration.hopf_damping_ratio)),
+        ("Friction", String::new()),
+        ("upscaling of the study", format!("“{}”", vibration.upscaling)),
+        ("percentile of the level", number(vibration.level_percentile)),
+        ("mean pressure of the level", in_unit(Dimension::Pressure, vibration.level_mean_pressure_pa)),
+        ("static friction coefficient", number(Some(vibration.static_friction))),
+        ("variance of μ, “area” over one window", number(Some(vibration.variance_reduction))),
+        ("correlation length of μ", in_unit(Dimension::Length, Some(vibration.friction_correlation_length_m))),
+        ("correlation length of μ, in X", number(Some(vibration.correlation_length))),
+    ];
+    let distribution = vibration.marginal.iter().flat_map(|fit| {
+        let of = |(key, value): (&String, &f64)| (meaning(&fit.name, key).0, number(Some(*value)));
+        std::iter::once(("distribution of μ".into(), distribution_name(fit))).chain(fit.parameters.iter().map(of))
+    });
+    let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(distribution);
+    DataTable::properties("Motion without roughness, and the friction of the machine", rows, "results.json")
+}
+
+/// Returns the name of a kind of motion for readers.
+fn kind_in_words(kind: KindResult) -> &'static str {
+    match kind {
+        KindResult::StickSlip => "stick–slip",
+        KindResult::Overtaking => "overtaking",
+        KindResult::SlipCycle => "slip cycle",
+        KindResult::None => "steady sliding",
     }
-    rows.extend([
-        vec!["static friction".into(), plain(vibration.static_friction, 5)],
-        vec!["steady sliding unstable".into(), yes_or_no(vibration.steady_sliding_unstable).into()],
-        vec!["upscaling".into(), vibration.upscaling.clone()],
-        vec!["variance reduction".into(), plain(vibration.variance_reduction, 5)],
-    ]);
-    DataTable::new("Without roughness", &["Property", "Value"], rows, "results.json")
 }
 
 /// Returns the cycles by damping ratio and upscaling.
@@ -73,7 +79,7 @@ fn counts(vibration: &VibrationResult) -> DataTable {
             continue;
         }
         let deterministic = shown(Dimension::None, entry.cycles_deterministic as f64, None);
-        let mut row = vec![damping, entry.kind.name().replace('_', "-"), deterministic];
+        let mut row = vec![damping, kind_in_words(entry.kind).to_owned(), deterministic];
         for (_, part) in upscalings(vibration) {
             let found = part.damping.iter().find(|other| other.damping_ratio == entry.damping_ratio);
             row.push(found.map_or_else(|| DASH.into(), |found| shown(Dimension::None, found.cycles_mean, None)));
@@ -81,7 +87,8 @@ fn counts(vibration: &VibrationResult) -> DataTable {
         }
         counts.push(row);
     }
-    let headers = ["ζ", "Deterministic", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
+    let headers =
+        ["ζ", "Kind without roughness", "M(det)", "Mean M, “area”", "Lost, “area”", "Mean M, “paper”", "Lost, “paper”"];
     let caption =
         "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets are 95 % intervals";
     DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns()
@@ -155,9 +162,9 @@ fn motion(vibration: &VibrationResult) -> DataTable {
             cell(|motion| format!("{} %", with_error(100.0 * motion.stick_share, 100.0 * motion.stick_share_se))),
         ),
         ("Time in vibration", cell(|motion| percent(motion.share_in_cycle, 4))),
-        ("in stick-slip", kind(KindResult::StickSlip)),
-        ("overtaking the belt without stick", kind(KindResult::Overtaking)),
-        ("slower than the belt throughout", kind(KindResult::SlipCycle)),
+        ("of it in stick–slip", kind(KindResult::StickSlip)),
+        ("of it overtaking the belt without stick", kind(KindResult::Overtaking)),
+        ("of it slower than the belt throughout", kind(KindResult::SlipCycle)),
         (
             "Rate of leaving vibration, per τ in it",
             cell(move |motion| number(motion.exit_rate, motion.exit_rate_interval)),
@@ -195,7 +202,7 @@ fn points(vibration: &VibrationResult, of: fn(&EnsembleResult) -> &PointsResult,
             },
             number(points.skewness),
             number(points.excess_kurtosis),
-            number(points.normality_p),
+            plain(points.normality_p, 2),
         ]
     });
     let headers = ["Upscaling", "Std of μ", "X: mean ± std", "Skewness", "Excess kurtosis", "p (normality)"];

@@ -147,7 +147,7 @@ impl Axis {
         let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
         let mut ticks = Vec::new();
         // Powers and plain numbers are not mixed on one axis.
-        let plain = first >= -2 && last <= 4;
+        let plain = first >= -3 && last <= 4;
         for exponent in first..=last {
             for digit in 1..10 {
                 let value = f64::from(digit) * 10f64.powi(exponent);

@@ -76,6 +76,10 @@ pub(crate) enum Dash {
     Dotted,
     Alternating,
     Long,
+    Short,
+    DoubleDotted,
+    LongShort,
+    Sparse,
 }
 
 impl Dash {
@@ -87,6 +91,10 @@ impl Dash {
             Self::Dotted => " stroke-dasharray=\"2 3\"",
             Self::Alternating => " stroke-dasharray=\"10 3.5 2 3.5\"",
             Self::Long => " stroke-dasharray=\"16 5\"",
+            Self::Short => " stroke-dasharray=\"4 2.5\"",
+            Self::DoubleDotted => " stroke-dasharray=\"9 3 2 3 2 3\"",
+            Self::LongShort => " stroke-dasharray=\"14 4 5 4\"",
+            Self::Sparse => " stroke-dasharray=\"2 6\"",
         }
     }
 }
@@ -206,8 +214,11 @@ impl Canvas {
         }
     }
 
-    /// Writes a text whose vertical middle lies at the point.
+    /// Writes a text whose vertical middle lies at the point; an empty text is left out.
     pub(crate) fn text(&mut self, (x, y): Point, text: &str, size: f64, align: Align) {
+        if text.is_empty() {
+            return;
+        }
         let (x, y, text) = (px(x), px(y), escape(text));
         let (anchor, turn) = match align {
             Align::Start => ("start", String::new()),

@@ -13,17 +13,18 @@ pub(crate) const OLIVE: Colour = Colour(128, 128, 0);
 pub(crate) const GREY: Colour = Colour(150, 150, 150);
 pub(crate) const BLACK: Colour = Colour(20, 20, 20);
 
-/// Returns the pen of curve number `index`; neighbours differ in colour, lightness and dash (colours after Okabe & Ito).
+/// Returns the pen of curve number `index`; nine curves differ in colour and in dash (colours after Okabe & Ito).
 pub(crate) fn pen(index: usize) -> Pen {
-    const PENS: [(Colour, Dash); 8] = [
+    const PENS: [(Colour, Dash); 9] = [
         (BLUE, Dash::Solid),
         (VERMILION, Dash::Dashed),
         (GREEN, Dash::Alternating),
         (PURPLE, Dash::Dotted),
         (ORANGE, Dash::Long),
-        (SKY, Dash::Solid),
-        (BLACK, Dash::Dashed),
-        (GREY, Dash::Alternating),
+        (SKY, Dash::Short),
+        (BLACK, Dash::DoubleDotted),
+        (OLIVE, Dash::LongShort),
+        (PLUM, Dash::Sparse),
     ];
     let (colour, dash) = PENS[index % PENS.len()];
     Pen::new(colour, 1.8, dash)
@@ -100,10 +101,8 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_pens_differ_in_dash_as_well_as_colour() {
-        for index in 0..7 {
-            let (one, next) = (pen(index), pen(index + 1));
-            assert!(one.colour != next.colour && one.dash != next.dash);
-        }
+    fn nine_pens_differ_in_dash_as_well_as_colour() {
+        let differ = |one: Pen, other: Pen| one.colour != other.colour && one.dash != other.dash;
+        assert!((0..9).all(|index| (0..index).all(|other| differ(pen(index), pen(other)))));
     }
 }

@@ -20,7 +20,7 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     );
     has(&run, "friction_shape", &["CoV of μ", "Skewness of μ", "95 %, at the mean load", "Penetration (µm)"]);
     has(&run, "friction_load_curve", &["Mean pressure (MPa)", "Contact fraction", "95 % interval"]);
-    has(&run, "friction_histogram", &["ranked first (shifted lognormal)", "Beta", "shifted gamma", "normal"]);
+    has(&run, "friction_histogram", &["ranked first (shifted lognormal)", "Beta", "shifted Gamma", "normal"]);
     has(&run, "friction_acf", &["window alone (triangle)", "window and exponential", "squared exponential"]);
     has(
         &run,
@@ -30,14 +30,14 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     has(&run, "friction_spectrum", &["95 % band", "window alone", "Frequency (1/mm)"]);
     let page = |run: &Run| text(&render(run).unwrap().html).replace('\u{a0}', " ");
     for wanted in [
-        "Window of 600 µm × 75 µm on 60 strips 75 µm wide (periodic, of mean compliance 8.28 µm/GPa under a fixed plane).",
+        "Window of 600 µm × 75 µm on 60 strips 75 µm wide (periodic, of mean compliance 8.28 nm/MPa under a fixed plane).",
         "250 µm [200, 320] (due to the window alone)",
         "25.0 µm [21.0, 29.0]",
         "<td>0.061</td>",
         "exceeded once in 100 mm",
         "0.2310 [0.2280, 0.2360]",
         "<td>included</td><td>600 µm</td><td>0.012</td>",
-        "<td>removed</td><td>0.0 µm [0.0, 8.5]</td>",
+        "<td>removed</td><td>0 µm [0, 8.5]</td>",
         "0.021 (p = 0.41)",
         "Std, “area”",
     ] {

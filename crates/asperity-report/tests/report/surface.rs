@@ -27,7 +27,7 @@ fn parameters_are_in_groups_with_their_intervals() {
 fn fitted_distributions_are_named_by_rank_in_figure_and_table() {
     let run = full_run();
     let drawn = words(&run, "height_pdf");
-    for name in ["1. Johnson SU", "2. Beta", "3. Normal", "distribution of the study"] {
+    for name in ["1. Johnson SU", "2. Beta", "3. normal", "distribution of the study"] {
         assert!(drawn.iter().any(|word| word == name), "{name} in {drawn:?}");
     }
     assert!(!drawn.iter().any(|word| word.contains("Weibull")), "the fourth is not drawn");

@@ -88,16 +88,16 @@ pub(super) fn run(
     let mut warnings = generated.warnings.clone();
     let patch = [patch_sentence(study, (row, column), &half_space, hardness_pa), expansion_sentence(study, surface)];
     for method in &results.methods {
+        let name = method.method.name().replace('_', " ");
         if let Err(reason) = &method.outcome {
-            warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
+            warnings.push(format!("pressure method {name} has no estimate: {reason}"));
         }
         let estimate = method.outcome.as_ref().ok().map(|(estimate, _)| estimate);
         let bias = estimate.and_then(|found| found.mean_bias_pa.map(|bias_pa| (found.mean_pa, bias_pa)));
         if let Some((mean_pa, bias_pa)) = bias.filter(|(mean_pa, bias_pa)| bias_pa.abs() > LARGE_BIAS * mean_pa) {
             warnings.push(format!(
-                "pressure method {} is biased: samples that it was not fitted to move its mean from {} to {}; its intervals are corrected, \
+                "pressure method {name} is biased: samples that it was not fitted to move its mean from {} to {}; its intervals are corrected, \
                  its other numbers are not",
-                method.method.name(),
                 sentence::si(mean_pa, "Pa"),
                 sentence::si(mean_pa - bias_pa, "Pa"),
             ));

@@ -65,17 +65,27 @@ fn report_field(dx_m: f64, dy_m: f64, values: &ndarray::Array2<f64>) -> Field {
 /// Returns every key of a study with its value as written in the file, by section.
 fn inputs(study: &str) -> Vec<Input> {
     let Ok(document) = study.parse::<toml::Table>() else { return Vec::new() };
-    let input = |section: &str, key: &str, value: &toml::Value| Input {
-        section: section.to_owned(),
-        key: key.to_owned(),
-        value: format_value(value),
-    };
     let (sections, plain): (Vec<_>, Vec<_>) = document.iter().partition(|(_, value)| value.is_table());
-    let top = plain.into_iter().map(|(key, value)| input("study", key, value));
-    let below = sections.into_iter().flat_map(|(section, value)| {
-        value.as_table().into_iter().flatten().map(move |(key, value)| input(section, key, value))
-    });
-    top.chain(below).collect()
+    let mut inputs = inputs_of("study", "", plain);
+    for (section, value) in sections {
+        inputs.extend(value.as_table().into_iter().flat_map(|keys| inputs_of(section, "", keys)));
+    }
+    inputs
+}
+
+/// Returns the keys of a table, those of tables inside it as `table.key`.
+fn inputs_of<'a>(
+    section: &str,
+    prefix: &str,
+    table: impl IntoIterator<Item = (&'a String, &'a toml::Value)>,
+) -> Vec<Input> {
+    let of = |(key, value): (&String, &'a toml::Value)| match value {
+        toml::Value::Table(inner) => inputs_of(section, &format!("{prefix}{key}."), inner),
+        value => {
+            vec![Input { section: section.to_owned(), key: format!("{prefix}{key}"), value: format_value(value) }]
+        }
+    };
+    table.into_iter().flat_map(of).collect()
 }
 
 fn format_value(value: &toml::Value) -> String {
@@ -92,8 +102,16 @@ mod tests {
 
     #[test]
     fn inputs_keep_their_section_and_unit() {
-        let found = inputs("seed = 7\n[pressure]\nsize = [\"200 um\", \"100 um\"]\npercentile = 50.0\n");
+        let found = inputs(
+            "seed = 7\n[pressure]\nsize = [\"200 um\", \"100 um\"]\npercentile = 50.0\n[vibration.map]\ndepth = 2\n",
+        );
         let as_text: Vec<String> = found.iter().map(|i| format!("{}.{} = {}", i.section, i.key, i.value)).collect();
-        assert_eq!(as_text, ["study.seed = 7", "pressure.percentile = 50.0", "pressure.size = 200 um, 100 um"]);
+        let wanted = [
+            "study.seed = 7",
+            "pressure.percentile = 50.0",
+            "pressure.size = 200 um, 100 um",
+            "vibration.map.depth = 2",
+        ];
+        assert_eq!(as_text, wanted);
     }
 }

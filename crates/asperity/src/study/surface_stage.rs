@@ -133,7 +133,7 @@ fn measure_all(
     }
     output.assumptions.push(format!(
         "The {} scans are taken as samples of one part: statistics are weighted means over the scans, the correlation is \
-         that of all pairs of heights within a scan, the marginal law that of all heights. Maps and figures of the \
+         that of all pairs of heights within a scan, the marginal distribution that of all heights. Maps and figures of the \
          measured heights show {}.",
         measured.len(),
         measured[0].0
@@ -210,7 +210,7 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -
         Texture::WeierstrassMandelbrot { dimension } => format!(
             "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
              {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
-             are taken as normal; covariance and marginal law of the study play no part.",
+             are taken as normal; covariance and marginal distribution of the study have no effect.",
             sentence::digits(*dimension),
             if section.fractal_dimension.is_some() { "stated".into() } else { format!("measured on {scans}") },
             sentence::si(model.marginal.std(), "m"),
@@ -220,9 +220,9 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -
             covariance_words(section, covariance, scans),
             sentence::si(covariance.std_m(), "m"),
             if section.marginal == "measured" {
-                "The marginal law of the measured heights is".to_owned()
+                "The distribution of the measured heights is".to_owned()
             } else {
-                format!("The marginal law {} is", section.marginal)
+                format!("The marginal distribution `{}` is", section.marginal)
             },
             match translation {
                 TranslationKind::Plain => "plain",
@@ -236,21 +236,19 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -
 fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, scans: &str) -> String {
     let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
     match covariance {
-        SurfaceCovariance::Model(model) => format!(
-            "a {} covariance ({}, {} {})",
-            model.model().name(),
-            if section.covariance == CovarianceSource::Measured {
-                format!("fitted to {scans}")
-            } else {
-                "stated".into()
-            },
-            match model.model() {
-                CorrelationModel::Matern { .. } => "scales",
-                CorrelationModel::SelfAffine { .. } => "roll-off lengths",
-                CorrelationModel::Exponential | CorrelationModel::SquaredExponential => "lengths",
-            },
-            along(model.length_x_m(), model.length_y_m()),
-        ),
+        SurfaceCovariance::Model(model) => {
+            let (name, lengths) = match model.model() {
+                CorrelationModel::Matern { .. } => ("Matérn", "scales"),
+                CorrelationModel::SelfAffine { .. } => ("self-affine", "roll-off lengths"),
+                CorrelationModel::Exponential => ("exponential", "lengths"),
+                CorrelationModel::SquaredExponential => ("squared exponential", "lengths"),
+            };
+            let along = along(model.length_x_m(), model.length_y_m());
+            match section.covariance {
+                CovarianceSource::Measured => format!("a {name} covariance (fitted to {scans}, {lengths} {along})"),
+                _ => format!("a {name} covariance (stated, {lengths} {along})"),
+            }
+        }
         SurfaceCovariance::Empirical(own) => {
             let report = own.report();
             format!(

@@ -171,7 +171,7 @@ impl Twins {
             covariance.std_m = model.rms_height_m;
         }
         self.assumptions.push(format!(
-            "The form that is removed from a map takes along {} % of the variance of such a surface ({TRIALS} trial maps), so \
+            "The removal of the form removes {} % of the variance of such a surface ({TRIALS} trial maps), so \
              twins were drawn with the rms height {}: without their form they have that of the scan.",
             sentence::digits(100.0 * share),
             sentence::si(self.model.rms_height_m, "m")
@@ -231,8 +231,8 @@ impl Twins {
         }
         if section.marginal == "measured" && section.generator != SurfaceGenerator::WeierstrassMandelbrot {
             self.assumptions.push(
-                "The measured marginal law ends at the scan's own extremes and knows of a sharp peak or pit as a few heights \
-                 alone: Sp, Sv and Sz of the twins tend to be smaller."
+                "The measured marginal distribution ends at the extremes of the scan and contains a sharp peak or pit as a few \
+                 heights only: Sp, Sv and Sz of the twins tend to be smaller."
                     .into(),
             );
         }
@@ -355,14 +355,14 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
         );
     } else {
         limits.push(
-            "Twins are Gaussian fields whose heights were bent to a marginal law: scratches, pores and spikes of the scan \
-             come back as heights that are as frequent, not as connected features."
+            "Twins are Gaussian fields whose heights are transformed to a marginal distribution. Their heights are as frequent \
+             as those of scratches, pores and spikes of the scan, but do not form connected features."
                 .into(),
         );
         if section.covariance == CovarianceSource::Empirical {
             limits.push(
                 "The scan's own correlation is kept at short lags and tapered where it falls into its noise: longer waves \
-                 come back weaker."
+                 are weaker in the twins."
                     .into(),
             );
         } else {

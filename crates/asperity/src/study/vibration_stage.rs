@@ -368,8 +368,8 @@ impl Ensembles<'_> {
         let (study, window) = (self.study, self.window);
         let mut sentences = vec![format!(
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
-             starting in stick. The damping ratios at which vibration falls through 95, 50 and 5 % belong to the second half of this \
-             time: the longer it is, the more trajectories leave vibration.",
+             starting in stick. The damping ratios at which vibration falls below 95, 50 and 5 % of the time belong to the second \
+             half of this time: the longer it is, the more trajectories leave vibration.",
             describe_law(self.oscillator.law()),
             sentence::digits(self.oscillator.belt_velocity()),
             self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
@@ -401,7 +401,7 @@ impl Ensembles<'_> {
             let but = if other == generator {
                 String::new()
             } else {
-                format!(", but over the nominal area, where its law is normal, by the {} one", other.name())
+                format!(", but over the nominal area, where its distribution is normal, by the {} one", other.name())
             };
             sentences.push(format!("The fluctuation is made by the {} generator{but}.", generator.name()));
         }
@@ -411,13 +411,13 @@ impl Ensembles<'_> {
         sentences.extend(window.area_m2.map(|area_m2| {
             format!(
                 "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the \
-                 windows of a square nominal area of {} average, so that the scatter falls to {}{}. Both keep the correlation \
+                 windows of a square nominal area of {} average, so that the standard deviation falls to {}{}. Both keep the correlation \
                  length of one window.",
                 study.normal_force,
                 sentence::si(study.normal_force.0 / area_m2, "Pa"),
                 study.nominal_area,
                 sentence::digits(area_std),
-                if window.holds_many() { " and its law becomes normal" } else { "" }
+                if window.holds_many() { " and the distribution becomes normal" } else { "" }
             )
         }));
         sentences

@@ -138,7 +138,7 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
     assert_eq!(averaged.vibration.unwrap().area.clipped_fraction, 0.0);
     let calm = run(&stated("0.001", "833 mm^2"), None).results;
     assert!(calm.warnings.is_empty(), "{:?}", calm.warnings);
-    assert!(calm.assumptions.iter().any(|sentence| sentence.contains("its law becomes normal")));
+    assert!(calm.assumptions.iter().any(|sentence| sentence.contains("the distribution becomes normal")));
 }
 
 #[test]

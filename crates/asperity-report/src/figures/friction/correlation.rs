@@ -18,7 +18,7 @@ pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {
     let mut chart = Chart::new(x, y);
     chart.horizontal("", 0.0, Pen::new(GREY, 1.0, Dash::Solid));
     // Beside the exponential of the paper other models are thin.
-    let (first, width) = if table.column("fit").is_some() { (3, 1.1) } else { (1, 1.8) };
+    let (first, width) = if table.column("fit").is_some() { (4, 1.1) } else { (1, 1.8) };
     let mut others = (first..).map(|index| Pen { width, ..pen(index) });
     for (name, values) in curves {
         let (label, pen) = match name {

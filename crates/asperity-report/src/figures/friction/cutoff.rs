@@ -44,7 +44,7 @@ fn chart(table: &Table, cutoff: Option<&CutoffResult>) -> Option<Chart> {
         chart.horizontal("plastic floor τ/H", floor, Pen::new(BLACK, 1.3, Dash::Dashed));
     }
     if let Some(own) = own {
-        chart.vertical("cut-off of the study’s strips", own, Pen::new(GREY, 1.5, Dash::Solid));
+        chart.vertical("cut-off of the study’s strips", own, Pen::new(GREY, 1.5, Dash::Dotted));
     }
     if let Some(end) = band_end {
         chart.vertical("end of the scan’s band", end, Pen::new(GREEN, 1.5, Dash::Long));

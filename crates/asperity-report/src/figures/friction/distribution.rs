@@ -4,7 +4,7 @@ use super::columns;
 use crate::Table;
 use crate::format::Unit;
 use crate::page::in_words;
-use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILION, range};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREY, Pen, VERMILION, pen, range};
 
 /// Draws the histogram with the chosen distribution and the other fitted ones; Beta stands out.
 pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart> {
@@ -27,23 +27,12 @@ pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart
     let x = Axis::linear("Friction coefficient μ", Unit::none(), (low - margin, high + margin));
     let mut chart = Chart::new(x, Axis::linear("Density", Unit::none(), (0.0, 1.06 * top)));
     chart.bars(data, mu, density, BLUE);
-    let pens = [
-        (GREEN, Dash::Alternating),
-        (PURPLE, Dash::Dotted),
-        (SKY, Dash::Solid),
-        (GREY, Dash::Long),
-        (OLIVE, Dash::Alternating),
-        (ORANGE, Dash::Dotted),
-    ];
-    let mut others = pens.into_iter().cycle();
+    let mut others = (2..).map(|index| Pen { width: 1.3, ..pen(index) });
     for (name, values) in fits {
         let (label, pen) = match name {
             "fitted" => (chosen.to_owned(), Pen::new(VERMILION, 2.2, Dash::Solid)),
-            "beta" => ("Beta".to_owned(), Pen::new(BLACK, 1.8, Dash::Dashed)),
-            other => {
-                let (colour, dash) = others.next().unwrap_or((GREEN, Dash::Solid));
-                (in_words(other), Pen::new(colour, 1.3, dash))
-            }
+            "beta" => (in_words(name), Pen::new(BLACK, 1.8, Dash::Dashed)),
+            other => (in_words(other), others.next().unwrap_or(pen(2))),
         };
         chart.line(label, mu, values, pen);
     }

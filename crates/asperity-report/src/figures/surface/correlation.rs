@@ -2,7 +2,7 @@
 
 use super::{CaptionedFigure, columns, scan, scan_sentence};
 use crate::format::{Dimension, Unit};
-use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Pen, VERMILION, range};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 use crate::{Run, Table};
 
 const NAME: &str = "height_acf";
@@ -17,13 +17,14 @@ struct Side<'a> {
     measured: &'a [f64],
     band: Option<[&'a [f64]; 2]>,
     model: Option<&'a [f64]>,
-    /// Lag at which the correlation falls to 1/e.
+    /// Lag at which the correlation falls to 1/e, and its symbol in the figure.
     length_m: Option<f64>,
+    shape: Shape,
     pens: [Pen; 2],
 }
 
 impl<'a> Side<'a> {
-    fn new(run: &Run, table: &'a Table, axis: &'static str, pens: [Pen; 2]) -> Option<Self> {
+    fn new(run: &Run, table: &'a Table, axis: &'static str, shape: Shape, pens: [Pen; 2]) -> Option<Self> {
         let length_m = scan(run).and_then(|scan| scan.number(&format!("correlation_length_{axis}_m")));
         Some(Self {
             axis,
@@ -31,6 +32,7 @@ impl<'a> Side<'a> {
             band: columns(table, [&format!("acf_{axis}_low"), &format!("acf_{axis}_high")]),
             model: table.column(&format!("fit_{axis}")),
             length_m: length_m.filter(|length| *length > 0.0),
+            shape,
             pens,
         })
     }
@@ -50,26 +52,15 @@ impl<'a> Side<'a> {
         if let Some(y) = self.model {
             chart.line(format!("model, {}", self.axis), lag, y, model);
         }
-        if let Some(length_m) = self.length_m {
-            chart.vertical("", length_m, Pen::new(pen.colour, 1.0, Dash::Dotted));
-            chart.points("", &[length_m], &[(-1f64).exp()], pen);
-        }
-    }
-
-    /// Writes the length at the upper right of its mark, away from falling curves; `row` counts notes upwards and `aside` is the
-    /// distance to the right, as a fraction of the chart.
-    fn note(&self, chart: &mut Chart, row: usize, aside: f64) {
-        if let Some(length_m) = self.length_m {
-            let ((first, last), (low, high)) = (chart.x.ends(), chart.y.ends());
-            let y = (-1f64).exp() + (0.02 + 0.06 * row as f64) * (high - low);
-            let text = format!("ℓ{} = {}", self.axis, Dimension::Length.show_short(length_m));
-            chart.note(length_m + aside * (last - first), y, text);
+        if let Some(x) = self.length_m {
+            let name = format!("ℓ{} = {}", self.axis, Dimension::Length.show_short(x));
+            chart.add(name, Mark::Symbol { x, y: (-1f64).exp(), shape: self.shape, colour: pen.colour });
         }
     }
 }
 
 /// Draws some axes over the lags of interest.
-fn chart(sides: &[Side<'_>], lag: &[f64], aside: f64) -> Option<Chart> {
+fn chart(sides: &[Side<'_>], lag: &[f64]) -> Option<Chart> {
     let (first, end) = range(lag)?;
     let longest = sides.iter().filter_map(|side| side.length_m).fold(0.0, f64::max);
     // Lags without a value in any series are left out.
@@ -81,9 +72,8 @@ fn chart(sides: &[Side<'_>], lag: &[f64], aside: f64) -> Option<Chart> {
     let x = Axis::linear("Lag", Dimension::Length.unit(last), (first, last));
     let mut chart = Chart::new(x, Axis::linear("Autocorrelation", Unit::none(), ends));
     chart.horizontal("", 0.0, Pen::new(GREY, 1.0, Dash::Solid));
-    chart.horizontal("1/e", (-1f64).exp(), Pen::new(GREY, 1.2, Dash::Dotted));
+    chart.horizontal("1/e", (-1f64).exp(), Pen::new(GREY, 1.2, Dash::Dashed));
     sides.iter().for_each(|side| side.draw(&mut chart, lag));
-    sides.iter().rev().enumerate().for_each(|(row, side)| side.note(&mut chart, row, aside));
     Some(chart)
 }
 
@@ -91,10 +81,11 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let table = run.tables.get(NAME)?;
     let [lag] = columns(table, ["lag_m"])?;
     let pens = [
-        ("x", [Pen::new(BLUE, 2.0, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dotted)]),
-        ("y", [Pen::new(VERMILION, 2.0, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
+        ("x", Shape::Disc, [Pen::new(BLUE, 2.0, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dotted)]),
+        ("y", Shape::Diamond, [Pen::new(VERMILION, 2.0, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
     ];
-    let sides: Vec<Side<'_>> = pens.into_iter().filter_map(|(axis, pens)| Side::new(run, table, axis, pens)).collect();
+    let side = |(axis, shape, pens)| Side::new(run, table, axis, shape, pens);
+    let sides: Vec<Side<'_>> = pens.into_iter().filter_map(side).collect();
     let lengths: Vec<f64> = sides.iter().filter_map(|side| side.length_m).collect();
     let apart = match lengths[..] {
         [x, y] => x.max(y) > ONE_CHART * x.min(y),
@@ -102,8 +93,8 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         [_] => sides.len() == 2,
         _ => false,
     };
-    let (each, height, aside) = if apart { (1, 320.0, 0.24) } else { (2, 350.0, 0.12) };
-    let charts = sides.chunks(each).filter_map(|sides| chart(sides, lag, aside));
+    let (each, height) = if apart { (1, 320.0) } else { (2, 350.0) };
+    let charts = sides.chunks(each).filter_map(|sides| chart(sides, lag));
     let charts: Vec<Chart> = charts.map(|chart| chart.with_height(height)).collect();
     let mut caption = "Autocorrelation of the levelled heights along x and y".to_owned();
     if sides.iter().any(|side| side.model.is_some()) {

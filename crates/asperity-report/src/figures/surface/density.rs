@@ -3,14 +3,13 @@
 use super::{CaptionedFigure, columns, scan_sentence};
 use crate::fits::{HeightFit, height_fits};
 use crate::format::Dimension;
-use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, ORANGE, PURPLE, Pen, VERMILION, range};
+use crate::page::in_words;
+use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Mark, ORANGE, PURPLE, Pen, VERMILION, range};
 use crate::{Run, Table};
 
 const NAME: &str = "height_pdf";
 /// Number of fits in the figure, the best first.
 const DRAWN: usize = 3;
-/// Number of bins from which the density is drawn without discs, which would hide the curves.
-const MANY_BINS: usize = 80;
 
 /// Returns columns of the table with their names and pens, in the order of the legend.
 fn curves(table: &Table, fits: &[HeightFit]) -> Vec<(String, String, Pen)> {
@@ -18,7 +17,7 @@ fn curves(table: &Table, fits: &[HeightFit]) -> Vec<(String, String, Pen)> {
     let normal = Pen::new(BLACK, 1.6, Dash::Dashed);
     let ranked = fits.iter().take(DRAWN).zip(pens).map(|(fit, (colour, dash))| {
         let pen = if fit.distribution == "normal" { normal } else { Pen::new(colour, 1.9, dash) };
-        (format!("{}_density_per_m", fit.distribution), format!("{}. {}", fit.rank, fit.name()), pen)
+        (format!("{}_density_per_m", fit.distribution), format!("{}. {}", fit.rank, in_words(fit.distribution)), pen)
     });
     let mut curves: Vec<(String, String, Pen)> = ranked.collect();
     if curves.is_empty() {
@@ -57,13 +56,8 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let mut logarithmic = Chart::new(axis(), Axis::logarithmic("Density", per, (0.3 * lowest, 2.0 * highest)));
     linear.bars("measured", x, measured, BLUE);
     // Bars have no base on a logarithmic axis.
-    let step = Pen { opacity: 0.55, ..Pen::new(BLUE, 1.2, Dash::Solid) };
-    let positive: Vec<f64> = measured.iter().map(|v| if *v > 0.0 { *v } else { f64::NAN }).collect();
-    if x.len() > MANY_BINS {
-        logarithmic.line("", x, &positive, step);
-    } else {
-        logarithmic.points("", x, &positive, Pen { opacity: 0.35, ..step });
-    }
+    let dots = Mark::Dots { x: x.to_vec(), y: measured.to_vec(), radius: 1.8, colour: BLUE, opacity: 0.55 };
+    logarithmic.add("measured (right)", dots);
     for (column, label, pen) in &curves {
         if let Some(y) = table.column(column) {
             linear.line(label, x, y, *pen);

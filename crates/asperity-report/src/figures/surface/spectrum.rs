@@ -130,7 +130,7 @@ fn chart(
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let radial_pens = [Pen::new(BLUE, 1.9, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dashed)];
     let pens = [
-        ("x", [Pen::new(PURPLE, 1.9, Dash::Solid), Pen::new(BLACK, 1.6, Dash::Dotted)]),
+        ("x", [Pen::new(PURPLE, 1.9, Dash::Short), Pen::new(BLACK, 1.6, Dash::Dotted)]),
         ("y", [Pen::new(VERMILION, 1.9, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
     ];
     let radial: Vec<Spectrum<'_>> = Spectrum::binned(run, RADIAL, "m4", "radial", radial_pens).into_iter().collect();

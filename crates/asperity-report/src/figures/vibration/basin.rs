@@ -20,7 +20,7 @@ pub(super) fn figure(tables: &Tables) -> Result<Option<CaptionedFigure>, ReportE
     let axis = |name: &str, ends| Axis::linear(name, Unit::none(), ends);
     let mut chart = Chart::new(axis("Start: displacement X", grid.x), axis("Start: velocity dX/dτ", grid.y));
     chart.backdrop = Some(Backdrop { data_uri: grid.image(attractor)?, x: grid.x, y: grid.y });
-    for (kind, name, colour) in ATTRACTORS {
+    for (kind, name, colour, _) in ATTRACTORS {
         if attractor.contains(&kind) {
             chart.add(name, Mark::Patch { colour: tint(kind, colour) });
         }
@@ -66,8 +66,8 @@ impl Grid {
 
     /// Encodes the image, from the top.
     fn image(&self, attractor: &[f64]) -> Result<String, ReportError> {
-        let tints = ATTRACTORS.iter().map(|(kind, _, colour)| tint(*kind, *colour));
-        let index = |found: &f64| ATTRACTORS.iter().position(|(kind, _, _)| kind == found).map_or(0, |k| k as u8 + 1);
+        let tints = ATTRACTORS.iter().map(|(kind, _, colour, _)| tint(*kind, *colour));
+        let index = |found: &f64| ATTRACTORS.iter().position(|(kind, ..)| kind == found).map_or(0, |k| k as u8 + 1);
         let rows = (0..self.rows).rev().map(|row| &attractor[row * self.columns..(row + 1) * self.columns]);
         let indices: Vec<u8> = rows.flatten().map(index).collect();
         indexed(self.columns, self.rows, &indices, std::iter::once(WHITE).chain(tints).collect())

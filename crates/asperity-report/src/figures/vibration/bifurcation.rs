@@ -35,7 +35,7 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
 
 /// Draws curves in the colour of the attractor, with a dot at each point without neighbours.
 fn draw_curves(chart: &mut Chart, tables: &Tables, parameter: &str, names: &[String; 2]) {
-    for (kind, name, colour) in ATTRACTORS {
+    for (kind, name, colour, dash) in ATTRACTORS {
         let mut named = false;
         for (table, _, width, opacity) in DIRECTIONS {
             let Some([x, attractor]) = tables.get(table).and_then(|t| columns(t, [parameter, "attractor"])) else {
@@ -47,7 +47,7 @@ fn draw_curves(chart: &mut Chart, tables: &Tables, parameter: &str, names: &[Str
             for column in names.iter().filter_map(|name| tables[table].column(name)) {
                 let y: Vec<f64> =
                     column.iter().zip(attractor).map(|(y, found)| if *found == kind { *y } else { f64::NAN }).collect();
-                let pen = Pen { opacity, ..Pen::new(colour, width, Dash::Solid) };
+                let pen = Pen { opacity, ..Pen::new(colour, width, dash) };
                 let legend = !named && width < 2.0;
                 named |= legend;
                 chart.add("", isolated_points(x, &y, pen));
@@ -95,7 +95,7 @@ fn draw_marks(chart: &mut Chart, tables: &Tables, parameter: &str) {
         let values = tables.get("bifurcation_marks").and_then(|table| table.column(column)).unwrap_or_default();
         for value in values.iter().filter(|value| value.is_finite()) {
             let at = if parameter == "damping_ratio" { format!(", {symbol} = ") } else { " at ".into() };
-            chart.vertical(format!("{name}{at}{}", significant(*value, 5)), *value, Pen::new(BLACK, 1.6, dash));
+            chart.vertical(format!("{name}{at}{}", significant(*value, 4)), *value, Pen::new(BLACK, 1.6, dash));
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen
 
 /// Contact states of the mass: number in tables, name and pen.
 const CONTACTS: [(f64, &str, Pen); 4] = [
-    (0.0, "stick", Pen::new(VERMILION, 3.0, Dash::Solid)),
+    (0.0, "stick", Pen::new(VERMILION, 3.0, Dash::Short)),
     (1.0, "slip", Pen::new(BLUE, 2.0, Dash::Solid)),
     (2.0, "faster than the belt", Pen::new(GREEN, 2.0, Dash::Dashed)),
     (3.0, "off the belt", Pen::new(PURPLE, 2.0, Dash::Dotted)),
@@ -62,7 +62,7 @@ fn draw_values(chart: &mut Chart, answer: &Value, last: f64) {
     for (key, name, pen) in values {
         if let Some(x) = answer[key].as_f64() {
             let beyond = if x > last { ", beyond the axis" } else { "" };
-            chart.vertical(format!("{name} = {}{beyond}", significant(x, 5)), x, pen);
+            chart.vertical(format!("{name} = {}{beyond}", significant(x, 4)), x, pen);
         }
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
     }
     chart.line("velocity of the mass", frequency, density, Pen::new(BLUE, 2.0, Dash::Solid));
     if let Some(period) = answer["cycle_period"].as_f64().filter(|period| *period > 0.0) {
-        let name = format!("limit cycle, ω/ω₀ = {}", significant(TAU / period, 5));
+        let name = format!("limit cycle, ω/ω₀ = {}", significant(TAU / period, 4));
         chart.vertical(name, TAU / period, Pen::new(VERMILION, 1.8, Dash::Dashed));
     }
     if let Some(level) = level(answer) {

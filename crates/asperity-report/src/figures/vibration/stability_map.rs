@@ -68,7 +68,8 @@ fn drawn(map: &MapResult, tables: &Tables) -> Result<Option<CaptionedFigure>, Re
     let mut chart = Chart::new(axis(x, cells.x), axis(y, cells.y));
     chart.backdrop = Some(Backdrop { data_uri: cells.image()?, x: cells.x, y: cells.y });
     let contours = LEVELS.map(|(level, name, dash)| ("map_contours", Some(level), name, Pen::new(BLACK, 2.0, dash)));
-    let limit = ("map_limit", None, "end of vibration without fluctuation", Pen::new(VERMILION, 2.6, Dash::Solid));
+    let limit =
+        ("map_limit", None, "end of vibration without fluctuation", Pen::new(VERMILION, 2.6, Dash::Alternating));
     for (table, level, name, pen) in contours.into_iter().chain([limit]) {
         if let Some((x, y)) = tables.get(table).and_then(|table| lines(table, [x, y], level)) {
             outlined(&mut chart, name, &x, &y, pen);

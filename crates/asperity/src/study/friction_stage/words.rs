@@ -35,7 +35,7 @@ pub(super) fn sentences(
             sentence::si(study.interval.low, "m"),
             sentence::si(study.interval.high, "m"),
             study.model.name().replace('_', " "),
-            if study.window_only() { ": the correlation is the window's alone" } else { " beside the window's" }
+            if study.window_only() { ": the correlation is due to the window alone" } else { " beside the window" }
         ),
     };
     let shape = match study.window_shape {
@@ -130,7 +130,7 @@ pub(super) fn correlation(lead: &SolvedLevel) -> Vec<String> {
     if let Some(p) = study.one_length_p.filter(|p| *p < UNLIKELY) {
         warnings.push(format!(
             "at {name}, the length beside the window differs from window to window (p = {p:.1e}, {model} model): one length does \
-             not describe the correlation, and the scatter over the nominal area depends on the window"
+             not describe the correlation, and the standard deviation over the nominal area depends on the window"
         ));
     }
     if let Some(test) = study.lack_of_fit.filter(|test| test.p_value < UNLIKELY) {
