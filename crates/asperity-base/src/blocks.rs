@@ -5,7 +5,6 @@
 //! results do not depend on the number of threads. A loop whose length depends on its results is a sequence of rounds: each
 //! round is planned from the results of the rounds before it.
 
-use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -43,12 +42,6 @@ impl<'a> Task<'a> {
         let result = compute();
         self.monitor.progress(self.name, self.done.fetch_add(1, Ordering::Relaxed) + 1, self.steps);
         Ok(result)
-    }
-}
-
-impl fmt::Debug for Task<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Task").field("name", &self.name).field("steps", &self.steps).finish_non_exhaustive()
     }
 }
 
