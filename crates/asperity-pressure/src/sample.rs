@@ -87,7 +87,9 @@ impl<'a> SamplePlan<'a> {
         let Sampling { site_stride, field_bytes, .. } = self.sampling;
         let solution = self.problem.solve(&xi(&self.designs, index), workspace)?;
         let observation = self.problem.observation(&solution, workspace)?;
-        let is_site = |row: usize, column: usize| site_stride.is_some_and(|n| row % n == 0 && column % n == 0);
+        let is_site = |row: usize, column: usize| {
+            site_stride.is_some_and(|stride| row.is_multiple_of(stride) && column.is_multiple_of(stride))
+        };
         let sites = solution.pressure_pa().indexed_iter().filter(|((row, column), _)| is_site(*row, *column));
         let sites = sites.map(|(_, p)| *p as f32).collect();
         let field = field_bytes.map(|_| Field::new(&solution, index < self.kept_fields));
