@@ -5,6 +5,8 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
+#[doc(hidden)]
+pub mod blocks;
 pub mod choice;
 pub mod correlation;
 pub mod distribution;

@@ -1,9 +1,9 @@
 //! Sobol' indices of expansions with bootstrap intervals.
 
-use rayon::prelude::*;
 use thiserror::Error;
 
 use super::{Estimate, Expansion, Factor, Resamples, ResamplesError};
+use asperity_base::blocks;
 use asperity_base::stats::Interval;
 
 /// Smallest fraction of resamples that must have an expansion.
@@ -89,7 +89,7 @@ impl Resamples {
         }
         let replicate = |index: usize| fit(&self.positions(index, &[samples])[0]).map(|expansion| all(&expansion));
         let (mut replicates, mut failed, mut first) = (vec![Vec::with_capacity(self.count); values.len()], 0, None);
-        for outcome in (0..self.count).into_par_iter().map(replicate).collect::<Vec<_>>() {
+        for outcome in blocks::map::<_, Vec<_>>(0..self.count, replicate) {
             match outcome {
                 Ok(indices) => replicates.iter_mut().zip(indices).for_each(|(list, index)| list.push(index)),
                 Err(error) => {

@@ -5,6 +5,7 @@
 //! octaves, and with half the pitch. All use the same random numbers, so the ratio of their friction to that of the unchanged
 //! strips has a smaller variance than either. The mean of the operating level is multiplied by this ratio.
 
+use asperity_base::blocks::Task;
 use asperity_base::map::MapError;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{Interval, student_quantile};
@@ -12,7 +13,6 @@ use asperity_contact::{Boundary, Control, rms_gradient};
 use asperity_surface::RandomSurface;
 use asperity_surface::filter::{Edges, Respaced};
 
-use crate::PartOf;
 use crate::solved_level::SolvedLevel;
 use crate::strip::{Record, StripProblem};
 
@@ -129,18 +129,21 @@ impl<'a> CutoffStudy<'a> {
         (index + 1 < self.blocks()).then(|| 2.0 * self.pitch_m() * f64::from(1_u32 << index))
     }
 
+    /// Returns the task of all blocks.
+    pub fn task<'t>(&self, monitor: &'t dyn Monitor) -> Task<'t> {
+        Task::new(monitor, "friction cut-off", self.blocks() * STRIPS)
+    }
+
     /// Solves block number `index`; returns the reason if a strip has no solution or carries no load.
     ///
     /// # Errors
     /// The monitor cancelled.
-    pub fn solve(&self, index: usize, monitor: &dyn Monitor) -> Result<Result<CutoffBlock, String>, Cancelled> {
-        let (before, total) = (index * STRIPS, self.blocks() * STRIPS);
-        let part = PartOf { monitor, task: "friction cut-off", before, total };
+    pub fn solve(&self, index: usize, task: &Task<'_>) -> Result<Result<CutoffBlock, String>, Cancelled> {
         let own = self.surface;
         match self.cutoff_m(index) {
-            Some(_) if index == 0 => self.solve_strips(self.problem, own, &part),
-            Some(cutoff_m) => self.solve_strips(self.problem, &Respaced::smoothed(own, self.edges, cutoff_m), &part),
-            None => self.solve_strips(self.halved, &self.finer, &part),
+            Some(_) if index == 0 => self.solve_strips(self.problem, own, task),
+            Some(cutoff_m) => self.solve_strips(self.problem, &Respaced::smoothed(own, self.edges, cutoff_m), task),
+            None => self.solve_strips(self.halved, &self.finer, task),
         }
     }
 
@@ -148,10 +151,10 @@ impl<'a> CutoffStudy<'a> {
         &self,
         problem: &StripProblem,
         surface: &dyn RandomSurface,
-        monitor: &dyn Monitor,
+        task: &Task<'_>,
     ) -> Result<Result<CutoffBlock, String>, Cancelled> {
         let strips = problem.strips(surface, STRIPS, self.seed);
-        let level = match strips.solve(&[self.control], monitor)?.remove(0) {
+        let level = match strips.solve_steps(&[self.control], task)?.remove(0) {
             Ok(level) => level,
             Err(error) => return Ok(Err(error.to_string())),
         };

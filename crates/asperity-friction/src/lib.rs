@@ -33,7 +33,7 @@ pub use solved_level::SolvedLevel;
 pub use strip_sums::StripSums;
 pub use window_friction::{NominalContact, StatedFriction, WindowFriction};
 
-use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::monitor::Cancelled;
 use asperity_base::stats::StatsError;
 
 /// Reason why friction could not be computed.
@@ -70,25 +70,6 @@ pub enum FrictionError {
     /// The monitor cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-}
-
-/// Monitor of one part of a task; it reports progress of the whole task.
-struct PartOf<'a> {
-    monitor: &'a dyn Monitor,
-    /// Name of the task.
-    task: &'static str,
-    before: usize,
-    total: usize,
-}
-
-impl Monitor for PartOf<'_> {
-    fn progress(&self, _what: &str, done: usize, _total: usize) {
-        self.monitor.progress(self.task, self.before + done, self.total);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.monitor.cancelled()
-    }
 }
 
 #[cfg(doctest)]

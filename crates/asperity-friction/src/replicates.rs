@@ -2,6 +2,7 @@
 
 use crate::statistics::correlate;
 use crate::strip::{Level, Record};
+use asperity_base::blocks;
 use asperity_base::stats::Moments;
 
 /// Coefficient of variation below which friction counts as constant.
@@ -77,18 +78,17 @@ impl MomentReplicates {
         })
     }
 
-    fn by(level: &Level, moments: impl Fn(&[Record]) -> LevelMoments) -> Self {
+    fn by(level: &Level, moments: impl Fn(&[Record]) -> LevelMoments + Sync + Send) -> Self {
         let (all, tracks) = (moments(&level.records), level.tracks.max(1));
         let strips = level.records.len() / tracks + level.failures.len();
-        let mut first = 0;
-        let without = (0..strips).map(|strip| {
+        let without = |strip: usize| {
             if level.failures.iter().any(|failure| failure.index == strip) {
                 return all;
             }
-            let kept = [&level.records[..first], &level.records[first + tracks..]].concat();
-            first += tracks;
-            moments(&kept)
-        });
-        Self { without: without.collect(), all }
+            let failed_before = level.failures.iter().filter(|failure| failure.index < strip).count();
+            let first = (strip - failed_before) * tracks;
+            moments(&[&level.records[..first], &level.records[first + tracks..]].concat())
+        };
+        Self { all, without: blocks::map(0..strips, without) }
     }
 }

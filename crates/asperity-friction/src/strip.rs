@@ -1,13 +1,12 @@
 //! Strips of a random surface, solved at several levels of contact and evaluated by a sliding window.
 
 use ndarray::Array2;
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::FrictionError;
 use crate::StripSums;
 use crate::law::FrictionLaw;
 use crate::window::{Window, WindowContact};
+use asperity_base::blocks::{self, Task};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;
@@ -150,6 +149,9 @@ pub struct Level {
     pub sample_pressure_pa: Option<Array2<f64>>,
 }
 
+/// Block of one strip: its result at every level, or the reason why it has no solution there.
+type StripBlock = Vec<Result<StripResult, String>>;
+
 /// One strip at one level.
 struct StripResult {
     records: Vec<Record>,
@@ -176,38 +178,38 @@ impl Strips<'_> {
         levels: &[Control],
         monitor: &dyn Monitor,
     ) -> Result<Vec<Result<Level, FrictionError>>, Cancelled> {
-        let total = self.realisations * levels.len();
-        let done = AtomicUsize::new(0);
-        let strips: Result<Vec<Vec<Result<StripResult, String>>>, Cancelled> = (0..self.realisations)
-            .into_par_iter()
-            .map_init(
-                || self.problem.half_space.workspace(),
-                |workspace, index| {
-                    let map = self.map(index);
-                    levels
-                        .iter()
-                        .map(|&control| {
-                            if monitor.cancelled() {
-                                return Err(Cancelled);
-                            }
-                            let solved = match map.complete_heights_m() {
-                                Ok(heights_m) => self.solve_one(heights_m, control, index == 0, workspace),
-                                Err(error) => Err(error.to_string()),
-                            };
-                            monitor.progress("friction", done.fetch_add(1, Ordering::Relaxed) + 1, total);
-                            Ok(solved)
-                        })
-                        .collect()
-                },
-            )
-            .collect();
-        let mut by_level: Vec<Vec<Result<StripResult, String>>> = levels.iter().map(|_| Vec::new()).collect();
-        for strip in strips? {
-            for (level, result) in by_level.iter_mut().zip(strip) {
-                level.push(result);
-            }
-        }
-        Ok(by_level.into_iter().map(|results| self.gather(results)).collect())
+        self.solve_steps(levels, &Task::new(monitor, "friction", self.realisations * levels.len()))
+    }
+
+    /// Solves as [`Strips::solve`], as part of a task of one step per strip and level.
+    pub(super) fn solve_steps(
+        &self,
+        levels: &[Control],
+        task: &Task<'_>,
+    ) -> Result<Vec<Result<Level, FrictionError>>, Cancelled> {
+        let workspace = || self.problem.half_space.workspace();
+        let strips: Result<Vec<StripBlock>, Cancelled> =
+            blocks::map_with(0..self.realisations, workspace, |workspace, index| {
+                self.solve_strip(index, levels, task, workspace)
+            });
+        let mut strips: Vec<_> = strips?.into_iter().map(Vec::into_iter).collect();
+        Ok(levels.iter().map(|_| self.gather(strips.iter_mut().filter_map(Iterator::next))).collect())
+    }
+
+    /// Solves one strip at every level.
+    fn solve_strip(
+        &self,
+        index: usize,
+        levels: &[Control],
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<StripBlock, Cancelled> {
+        let map = self.map(index);
+        let mut solve = |control: &Control| {
+            let heights_m = map.complete_heights_m().map_err(|error| error.to_string())?;
+            self.solve_one(heights_m, *control, index == 0, workspace)
+        };
+        levels.iter().map(|control| task.step(|| solve(control))).collect()
     }
 
     /// Generates the map of strip number `index`.
@@ -263,7 +265,8 @@ impl Strips<'_> {
         })
     }
 
-    fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
+    /// Reduces the results of all strips at one level, in the order of the strips.
+    fn gather(&self, results: impl Iterator<Item = Result<StripResult, String>>) -> Result<Level, FrictionError> {
         let mut level = Level {
             records: Vec::new(),
             tracks: self.problem.window.tracks(self.problem.is_periodic()).len(),
@@ -277,7 +280,7 @@ impl Strips<'_> {
             sample_pressure_pa: None,
         };
         let (mut contact_cells, mut plastic_cells) = (0.0, 0.0);
-        for (index, result) in results.into_iter().enumerate() {
+        for (index, result) in results.enumerate() {
             match result {
                 Ok(strip) => {
                     level.penetration_m += strip.penetration_m;

@@ -1,11 +1,11 @@
 //! Friction of several random surfaces with the same strips: plan and blocks.
 
+use asperity_base::blocks::Task;
 use asperity_base::distribution::Marginal;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_contact::Control;
 use asperity_surface::RandomSurface;
 
-use crate::PartOf;
 use crate::level_control::LevelControl;
 use crate::replicates::MomentReplicates;
 use crate::strip::StripProblem;
@@ -29,23 +29,25 @@ pub struct UncertainPlan<'a> {
 pub type PointMoments = Vec<Result<[MomentReplicates; 2], String>>;
 
 impl UncertainPlan<'_> {
-    /// Solves block number `index`: the strips of one surface, with this marginal distribution of its heights, at all levels.
+    /// Returns the task of all blocks.
+    pub fn task<'t>(&self, monitor: &'t dyn Monitor) -> Task<'t> {
+        Task::new(monitor, "friction uncertainty", self.points * self.realisations * self.levels.len())
+    }
+
+    /// Solves one block: the strips of one surface, with this marginal distribution of its heights, at all levels.
     ///
     /// # Errors
     /// The monitor cancelled.
     pub fn solve(
         &self,
-        index: usize,
         surface: &dyn RandomSurface,
         marginal: &Marginal,
-        monitor: &dyn Monitor,
+        task: &Task<'_>,
     ) -> Result<PointMoments, Cancelled> {
         let strips = self.problem.strips(surface, self.realisations, self.seed);
         let controls: Vec<Control> = self.levels.iter().map(|level| level.contact(marginal)).collect();
-        let each = self.realisations * self.levels.len();
-        let part = PartOf { monitor, task: "friction uncertainty", before: index * each, total: self.points * each };
         let step_m = self.problem.window.step_m();
-        let levels = strips.solve(&controls, &part)?.into_iter().map(|level| {
+        let levels = strips.solve_steps(&controls, task)?.into_iter().map(|level| {
             let level = level.map_err(|error| error.to_string())?;
             Ok([MomentReplicates::of_quotient(&level, step_m), MomentReplicates::at_mean_load(&level, step_m)])
         });

@@ -3,10 +3,9 @@
 //! A window of length W that slides over uncorrelated friction has a triangular correlation. Windows of several lengths
 //! on the same strips separate this effect from the process, whose own length ℓ does not depend on the window.
 
-use rayon::prelude::*;
-
 use crate::strip::Record;
 use crate::window::Window;
+use asperity_base::blocks;
 use asperity_base::correlation::{
     EstimateError, LackOfFit, LengthFit, LengthSettings, RankedLength, RecordCorrelation, RecordModel, WindowedModel,
     WindowedRecords, fit_length, fit_record, rank_lengths,
@@ -88,20 +87,18 @@ impl WindowStudy {
         let model = joint.model;
         let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
         let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
-        let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = channels
-            .par_iter()
-            .map(|channel| {
-                let estimate = correlation(channel)?;
-                let fitted = WindowCorrelation {
-                    window_m: channel.window_m,
-                    std: estimate.variance.sqrt(),
-                    expected_std: joint.std * std_ratio(&shape, joint.length_m, channel.window_m, narrowest_m),
-                    length_m: fit_record(&estimate, RecordModel::Exponential)?.length_m,
-                    own: fit_length(std::slice::from_ref(channel), model, settings).ok(),
-                };
-                Ok((fitted, estimate.misfit(&shape.with_window(channel.window_m), joint.length_m)))
-            })
-            .collect();
+        let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = blocks::map(0..channels.len(), |window| {
+            let channel = &channels[window];
+            let estimate = correlation(channel)?;
+            let fitted = WindowCorrelation {
+                window_m: channel.window_m,
+                std: estimate.variance.sqrt(),
+                expected_std: joint.std * std_ratio(&shape, joint.length_m, channel.window_m, narrowest_m),
+                length_m: fit_record(&estimate, RecordModel::Exponential)?.length_m,
+                own: fit_length(std::slice::from_ref(channel), model, settings).ok(),
+            };
+            Ok((fitted, estimate.misfit(&shape.with_window(channel.window_m), joint.length_m)))
+        });
         let seen = seen?;
         let resolution_m = channels.iter().map(|channel| channel.step_m).fold(f64::INFINITY, f64::min);
         let own: Vec<f64> = seen.iter().filter_map(|(seen, _)| seen.own).map(|own| own.length_m).collect();
@@ -171,7 +168,7 @@ impl Scatter {
             let own = left.iter().map(|channel| length(std::slice::from_ref(channel)).unwrap_or(f64::NAN)).collect();
             Some((length(&left)?, own))
         };
-        let found: Option<Vec<(f64, Vec<f64>)>> = (0..groups).into_par_iter().map(without).collect();
+        let found: Option<Vec<(f64, Vec<f64>)>> = blocks::map(0..groups, without);
         let (joint, own) = found?.into_iter().unzip();
         Some(Self { joint, own, least_m })
     }

@@ -157,17 +157,13 @@ impl MethodComparison {
         let monte_carlo = monte_carlo.without_fields();
         let stratified = |method, stage| {
             let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_fraction);
-            match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
-                Err(PressureError::Sampling(reason)) => Ok(Err(MethodError::from(reason))),
-                Err(error) => Err(error),
-                Ok(samples) => Ok(Ok(samples)),
-            }
+            method_error(solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor))
         };
         let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
         let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
-        let nested = NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor)?;
-        let rotated =
-            RotatedSamples::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
+        let nested = method_error(NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor))?;
+        let fresh = |variables| self.fresh_design("pressure/surrogate", variables);
+        let rotated = method_error(RotatedSamples::new(problem, &monte_carlo, fresh))?;
         Ok(Solutions {
             settings: *self,
             problem: *problem,
@@ -194,7 +190,7 @@ impl MethodComparison {
         self.validate(problem)?;
         let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
         let samples = solve(problem, sampling, monitor)?;
-        let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
+        let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)?;
         Ok((nested.estimate_pressure(problem, self.seed, true, true)?, nested.coarse_solves(problem)))
     }
 
@@ -341,7 +337,7 @@ impl Solutions<'_> {
         };
         let expanded = |response| {
             let latin = self.latin.as_ref().map_err(Clone::clone)?;
-            let (xi_samples, pressures_pa) = (latin.leading_xi(variables), pressures_pa(latin));
+            let (xi_samples, pressures_pa) = (latin.leading_xi(variables), latin.pressures_pa());
             let groups: Vec<usize> = (0..latin.len()).map(|position| latin.replicate_of(position)).collect();
             let fresh = self.settings.fresh_xi(variables)?;
             let evaluations = fresh.len();
@@ -385,15 +381,12 @@ fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
     (ny.div_ceil(stride), nx.div_ceil(stride))
 }
 
-fn pressures_pa(samples: &Samples) -> Vec<f64> {
-    samples.observations().iter().map(|o| o.pressure_pa).collect()
-}
-
 /// Separates the errors of a method from other errors.
-fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estimate, MethodError>, PressureError> {
+fn method_error<T>(outcome: Result<T, PressureError>) -> Result<Result<T, MethodError>, PressureError> {
     match outcome {
-        Ok(estimate) => Ok(Ok(estimate)),
+        Ok(found) => Ok(Ok(found)),
         Err(PressureError::Method(reason)) => Ok(Err(reason)),
+        Err(PressureError::Sampling(reason)) => Ok(Err(reason.into())),
         Err(error) => Err(error),
     }
 }

@@ -1,12 +1,12 @@
 //! Distributions of the pressures of all cells.
 
 use ndarray::{Array2, ArrayView2};
-use rayon::prelude::*;
 
 use crate::field_samples::FieldSamples;
 use crate::homogeneity::Homogeneity;
 use crate::nested::kappa_pa_per_m;
 use crate::{MethodError, Samples};
+use asperity_base::blocks;
 use asperity_base::map::Grid;
 use asperity_base::stats::wilson_interval;
 use asperity_chaos::{Basis, LeastSquares, RegressionError, number_of_terms};
@@ -90,7 +90,7 @@ impl FieldDistributions {
             contact_probability: map(&|i| f64::from(fields.in_contact[i]) / count as f64),
             contact_probability_low: map(&|i| interval(i).low),
             contact_probability_high: map(&|i| interval(i).high),
-            mean_pa: map(&|i| fields.sums_pa[i] / count as f64),
+            mean_pa: map(&|i| fields.sum_pa(i) / count as f64),
             mean_se_pa: Array2::from_elem(shape, f64::NAN),
             quantiles: Vec::new(),
             global: global(samples, fields, variables, degree),
@@ -119,7 +119,7 @@ impl FieldDistributions {
             found
         };
         let rows: Vec<Vec<[f64; QUANTILES.len() + 1]>> =
-            (0..ny).into_par_iter().map(|row| (0..nx).map(|column| of_cell(row, column)).collect()).collect();
+            blocks::map(0..ny, |row| (0..nx).map(|column| of_cell(row, column)).collect());
         let map = |k: usize| Array2::from_shape_fn((ny, nx), |(row, column)| rows[row][column][k]);
         self.quantiles = QUANTILES
             .iter()
@@ -161,16 +161,14 @@ fn global(
 fn error_map(squares: &LeastSquares, fields: &FieldSamples, kappa: f64) -> Result<Array2<f64>, RegressionError> {
     let (ny, nx) = fields.grid.shape();
     // Row by row, so that not all cells are in double precision at once.
-    let errors: Vec<Vec<f64>> = (0..ny)
-        .into_par_iter()
-        .map(|row| {
-            let latent = Array2::from_shape_fn((fields.kept.len(), nx), |(k, column)| {
-                let value = f64::from(fields.kept[k][row * nx + column]);
-                if value > 0.0 { value } else { kappa * value }
-            });
-            relative_errors(squares, latent.view())
-        })
-        .collect::<Result<_, RegressionError>>()?;
+    let errors: Result<Vec<Vec<f64>>, RegressionError> = blocks::map(0..ny, |row| {
+        let latent = Array2::from_shape_fn((fields.kept.len(), nx), |(k, column)| {
+            let value = f64::from(fields.kept[k][row * nx + column]);
+            if value > 0.0 { value } else { kappa * value }
+        });
+        relative_errors(squares, latent.view())
+    });
+    let errors = errors?;
     Ok(Array2::from_shape_fn((ny, nx), |(row, column)| errors[row][column]))
 }
 

@@ -20,6 +20,7 @@
 use crate::band::{Moments, Total};
 use crate::predictor::Predictor;
 use crate::{Band, MethodError};
+use asperity_base::blocks;
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
 /// Number of parts into which the samples are split for cross-fitting.
@@ -99,6 +100,12 @@ struct Fold {
 }
 
 impl Fold {
+    /// Fits the predictors of all folds; each with the quantity of all samples, drawn where it was not solved.
+    fn fit_all(levels: &LevelSamples, settings: &Settings) -> Result<Vec<(Self, Vec<f64>)>, MethodError> {
+        let folds: Vec<_> = blocks::map(0..FOLDS, |fold| Self::fit(levels, fold, settings));
+        folds.into_iter().collect()
+    }
+
     fn fit(levels: &LevelSamples, fold: usize, settings: &Settings) -> Result<(Self, Vec<f64>), MethodError> {
         let last = levels.values.len() - 1;
         // The quantity itself where it was solved, elsewhere a draw from its conditional distribution.
@@ -230,7 +237,7 @@ pub(super) fn estimate(levels: &LevelSamples, settings: &Settings) -> Result<Mul
     if fine < LEAST_SAMPLES {
         return Err(MethodError::TooFewSamples { samples: fine, wanted: LEAST_SAMPLES });
     }
-    let folds = (0..FOLDS).map(|fold| Fold::fit(levels, fold, settings)).collect::<Result<Vec<_>, _>>()?;
+    let folds = Fold::fit_all(levels, settings)?;
     let drawn = folds.first().map_or(&[][..], |(_, values)| values.as_slice());
     let thresholds = thresholds(&levels.values[last], drawn, settings);
     let nodes: Vec<f64> = nodes(&thresholds, drawn, &levels.values[last], settings);
@@ -276,7 +283,7 @@ pub(super) fn estimate(levels: &LevelSamples, settings: &Settings) -> Result<Mul
 /// levels must cover the same samples.
 pub(super) fn bracket_variances(levels: &LevelSamples, settings: &Settings) -> Result<Vec<f64>, MethodError> {
     let last = levels.values.len() - 1;
-    let folds = (0..FOLDS).map(|fold| Fold::fit(levels, fold, settings)).collect::<Result<Vec<_>, _>>()?;
+    let folds = Fold::fit_all(levels, settings)?;
     let fine = &levels.values[last];
     let nodes = nodes(&thresholds(fine, fine, settings), fine, fine, settings);
     let mut moments: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();

@@ -1,15 +1,13 @@
 //! Samples of a quantity on several models: many on coarse models, few on the fine one.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
-
 use crate::coarse::{CoarseModel, generation_work, solution_work};
 use crate::multilevel::{self, LevelSamples, MultilevelEstimate, Settings};
 use crate::rotated_variables::RotatedVariables;
 use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples, stiffness};
+use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
+use asperity_contact::Workspace;
 
 /// Smallest fraction of the fine samples that a coarse model must solve.
 const LEAST_HAD: f64 = 0.95;
@@ -63,6 +61,11 @@ impl Quantity {
         }
     }
 
+    /// Returns the values of several observations, continued beyond their bounds if possible.
+    pub(super) fn values(self, observations: &[Observation], kappa: f64) -> Vec<f64> {
+        observations.iter().map(|observation| self.latent(observation, kappa)).collect()
+    }
+
     /// Returns further covariates from a coarse solution: for the pressure, the values beside the cell.
     fn covariates(self, observation: &Observation, kappa: f64) -> Vec<f64> {
         let [pressure_pa, gap_m, plastic_displacement_m] = observation.beside;
@@ -92,6 +95,59 @@ pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
     };
     let (pressure_pa, gap_m) = (spread(true, |o| o.pressure_pa), spread(false, |o| o.gap_m));
     if pressure_pa > 0.0 && gap_m > 0.0 { pressure_pa / gap_m } else { 1.0 }
+}
+
+/// Samples that coarse models solve at once.
+struct Round<'a> {
+    problem: &'a Problem<'a>,
+    samples: RoundSamples<'a>,
+    /// Number of leading samples that each model solves, coarsest first.
+    counts: Vec<usize>,
+}
+
+/// Samples of a round.
+enum RoundSamples<'a> {
+    /// Samples with a fine solution.
+    Fine(&'a Samples),
+    /// Samples of a design, with the rotation of their normal variables.
+    Further(Design, RotatedVariables),
+}
+
+/// Results of one sample of a round.
+struct CoarseBlock {
+    /// Rotated normal variables; empty for samples with a fine solution.
+    variables: Vec<f64>,
+    /// Result of each model that solves the sample; `None` marks a failure.
+    observations: Vec<Option<Observation>>,
+}
+
+impl Round<'_> {
+    fn blocks(&self) -> usize {
+        match &self.samples {
+            RoundSamples::Fine(fine) => fine.len(),
+            RoundSamples::Further(design, _) => design.samples(),
+        }
+    }
+
+    fn solve(&self, index: usize, models: &[CoarseModel], workspaces: &mut [Workspace]) -> CoarseBlock {
+        let (xi, rotation) = match &self.samples {
+            RoundSamples::Fine(fine) => (fine.xi(index), None),
+            RoundSamples::Further(design, rotation) => (design.xi(index), Some(rotation)),
+        };
+        let map = self.problem.surface().generate(&xi);
+        let wanted = models.iter().zip(workspaces).zip(&self.counts).filter(|(_, count)| index < **count);
+        let observations = wanted.map(|((model, workspace), _)| model.observe(self.problem, &map, workspace)).collect();
+        CoarseBlock { variables: rotation.map_or_else(Vec::new, |rotation| rotation.apply(&xi)), observations }
+    }
+
+    /// Solves all samples.
+    fn run(&self, models: &[CoarseModel], monitor: &dyn Monitor) -> Result<Vec<CoarseBlock>, Cancelled> {
+        let task = Task::new(monitor, "pressure/coarse", self.blocks());
+        let workspaces = || models.iter().map(CoarseModel::workspace).collect::<Vec<_>>();
+        blocks::map_with(0..self.blocks(), workspaces, |workspaces, index| {
+            task.step(|| self.solve(index, models, workspaces))
+        })
+    }
 }
 
 /// Contact solutions on the fine grid and on coarser ones.
@@ -125,56 +181,77 @@ impl NestedSamples {
     /// reached.
     ///
     /// # Errors
-    /// The design cannot be created, or the monitor cancels.
+    /// The design cannot be created, the estimator fails ([`PressureError::Method`]), or the monitor cancels.
     pub(super) fn solve(
         problem: &Problem<'_>,
         fine: &Samples,
         seed: u64,
         monitor: &dyn Monitor,
-    ) -> Result<Result<Self, MethodError>, PressureError> {
-        let mut models = CoarseModel::all(problem);
-        let xi_samples: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.xi(i)).collect();
-        let mut solved = observe(problem, &models, &xi_samples, "pressure/coarse", monitor)?;
-        // A model that fails on many samples (for instance if its few points have equal heights) is dropped; so is a
-        // sample on which one of the other models fails.
-        let had = |l: usize| solved.iter().filter(|row| row[l].is_some()).count() as f64;
+    ) -> Result<Self, PressureError> {
+        let models = CoarseModel::all(problem);
+        let pilot = Round { problem, samples: RoundSamples::Fine(fine), counts: vec![fine.len(); models.len()] };
+        let blocks = pilot.run(&models, monitor)?;
+        let (mut samples, rotation) = Self::from_pilot(problem, fine, models, blocks)?;
+        if let Some(round) = samples.plan(problem, rotation, seed)? {
+            let blocks = round.run(&samples.models, monitor)?;
+            samples.add(blocks);
+        }
+        Ok(samples)
+    }
+
+    /// Creates the samples from the first round, with the rotation of their normal variables.
+    ///
+    /// A model that fails on many samples (for instance if its few points have equal heights) is dropped; so is a sample
+    /// on which one of the other models fails.
+    fn from_pilot(
+        problem: &Problem<'_>,
+        fine: &Samples,
+        mut models: Vec<CoarseModel>,
+        blocks: Vec<CoarseBlock>,
+    ) -> Result<(Self, RotatedVariables), MethodError> {
+        let had = |l: usize| blocks.iter().filter(|block| block.observations[l].is_some()).count() as f64;
         let serves: Vec<bool> = (0..models.len()).map(|l| had(l) >= LEAST_HAD * fine.len() as f64).collect();
         retain(&mut models, &serves);
-        solved.iter_mut().for_each(|row| retain(row, &serves));
-        let rows: Vec<Option<Vec<Observation>>> = solved.into_iter().map(|row| row.into_iter().collect()).collect();
-        let kept: Vec<usize> = (0..fine.len()).filter(|i| rows[*i].is_some()).collect();
+        let mut coarse = vec![Vec::new(); models.len()];
+        let mut kept = Vec::new();
+        for (position, mut block) in blocks.into_iter().enumerate() {
+            retain(&mut block.observations, &serves);
+            if push(&mut coarse, block.observations) {
+                kept.push(position);
+            }
+        }
         if kept.len() < multilevel::LEAST_SAMPLES {
-            let (samples, wanted) = (kept.len(), multilevel::LEAST_SAMPLES);
-            return Ok(Err(MethodError::TooFewSamples { samples, wanted }));
+            return Err(MethodError::TooFewSamples { samples: kept.len(), wanted: multilevel::LEAST_SAMPLES });
         }
-        let observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
-        let xi_samples: Vec<Vec<f64>> = kept.iter().map(|i| xi_samples[*i].clone()).collect();
-        let coarse = columns(rows.into_iter().flatten(), models.len());
-        let kappa = kappa_pa_per_m(&observations);
-        let values: Vec<f64> = observations.iter().map(|o| Quantity::Pressure.latent(o, kappa)).collect();
-        let rotation = match RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values) {
-            Ok(rotation) => rotation,
-            Err(error) => return Ok(Err(error)),
-        };
-        let mut samples =
-            Self { models, coarse, xi: xi_samples.iter().map(|xi| rotation.apply(xi)).collect(), fine: observations };
-        let plan = match samples.plan(problem, seed) {
-            Ok(plan) => plan,
-            Err(error) => return Ok(Err(error)),
-        };
-        samples.keep(&plan);
-        let more = plan.iter().map(|(_, more)| *more).max().unwrap_or(0);
-        if more > 0 {
-            let design =
-                Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, problem.surface().xi_len())?;
-            let counts: Vec<usize> = plan.iter().map(|(_, more)| *more).collect();
-            samples.add(problem, &design, &counts, &rotation, monitor)?;
-        }
-        Ok(Ok(samples))
+        let fine_observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
+        let xi_samples: Vec<Vec<f64>> = kept.iter().map(|i| fine.xi(*i)).collect();
+        let values = Quantity::Pressure.values(&fine_observations, kappa_pa_per_m(&fine_observations));
+        let rotation = RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values)?;
+        let xi = xi_samples.iter().map(|xi| rotation.apply(xi)).collect();
+        Ok((Self { models, coarse, fine: fine_observations, xi }, rotation))
+    }
+
+    /// Keeps the models that are worth their work and plans the second round; `None` if further samples are not worth
+    /// it.
+    fn plan<'a>(
+        &mut self,
+        problem: &'a Problem<'a>,
+        rotation: RotatedVariables,
+        seed: u64,
+    ) -> Result<Option<Round<'a>>, PressureError> {
+        let plan = self.allocation(problem, seed)?;
+        let used: Vec<bool> = (0..self.models.len()).map(|l| plan.iter().any(|(own, _)| *own == l)).collect();
+        retain(&mut self.models, &used);
+        retain(&mut self.coarse, &used);
+        let counts: Vec<usize> = plan.into_iter().map(|(_, more)| more).collect();
+        let Some(more) = counts.iter().copied().max().filter(|more| *more > 0) else { return Ok(None) };
+        let xi_len = problem.surface().xi_len();
+        let design = Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, xi_len)?;
+        Ok(Some(Round { problem, samples: RoundSamples::Further(design, rotation), counts }))
     }
 
     /// Returns the models to use with their numbers of further samples.
-    fn plan(&self, problem: &Problem<'_>, seed: u64) -> Result<Vec<(usize, usize)>, MethodError> {
+    fn allocation(&self, problem: &Problem<'_>, seed: u64) -> Result<Vec<(usize, usize)>, MethodError> {
         let fine_work = mean_work(problem.half_space().grid().shape(), &self.fine);
         let generation = generation_work(problem.half_space().grid().shape());
         let works: Vec<f64> = self
@@ -202,50 +279,13 @@ impl NestedSamples {
         Ok(best.1)
     }
 
-    /// Keeps the models of the plan.
-    fn keep(&mut self, plan: &[(usize, usize)]) {
-        let used: Vec<bool> = (0..self.models.len()).map(|l| plan.iter().any(|(own, _)| *own == l)).collect();
-        retain(&mut self.models, &used);
-        retain(&mut self.coarse, &used);
-    }
-
-    /// Solves the leading `counts` samples of a design on the models.
-    fn add(
-        &mut self,
-        problem: &Problem<'_>,
-        design: &Design,
-        counts: &[usize],
-        rotation: &RotatedVariables,
-        monitor: &dyn Monitor,
-    ) -> Result<(), Cancelled> {
-        let done = AtomicUsize::new(0);
-        type Row = (Vec<f64>, Vec<Observation>);
-        let rows: Vec<Option<Row>> = (0..design.samples())
-            .into_par_iter()
-            .map_init(
-                || self.models.iter().map(CoarseModel::workspace).collect::<Vec<_>>(),
-                |workspaces, index| {
-                    if monitor.cancelled() {
-                        return Err(Cancelled);
-                    }
-                    let xi = design.xi(index);
-                    let map = problem.surface().generate(&xi);
-                    let wanted = self.models.iter().zip(workspaces).zip(counts).filter(|(_, count)| index < **count);
-                    let observations =
-                        wanted.map(|((model, workspace), _)| model.observe(problem, &map, workspace)).collect();
-                    monitor.progress("pressure/coarse", done.fetch_add(1, Ordering::Relaxed) + 1, design.samples());
-                    Ok(Option::<Vec<Observation>>::map(observations, |observations| {
-                        (rotation.apply(&xi), observations)
-                    }))
-                },
-            )
-            .collect::<Result<_, Cancelled>>()?;
-        // Samples of finer models remain the leading ones if one was left out.
-        for (normal, observations) in rows.into_iter().flatten() {
-            self.xi.push(normal);
-            self.coarse.iter_mut().zip(observations).for_each(|(column, observation)| column.push(observation));
+    /// Adds the second round. If a sample is left out, the samples of finer models remain the leading ones.
+    fn add(&mut self, blocks: Vec<CoarseBlock>) {
+        for CoarseBlock { variables, observations } in blocks {
+            if push(&mut self.coarse, observations) {
+                self.xi.push(variables);
+            }
         }
-        Ok(())
     }
 
     /// Estimates the distribution of a quantity from all models.
@@ -315,7 +355,7 @@ impl NestedSamples {
     fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> LevelSamples {
         let kappa = kappa_pa_per_m(&self.fine);
         let values = |observations: &[Observation]| -> Vec<f64> {
-            observations[..kept(observations.len())].iter().map(|o| quantity.latent(o, kappa)).collect()
+            quantity.values(&observations[..kept(observations.len())], kappa)
         };
         let mut models: Vec<Vec<f64>> = used.iter().map(|l| values(&self.coarse[*l])).collect();
         models.push(values(&self.fine));
@@ -362,45 +402,15 @@ fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
     solution_work(shape, iterations)
 }
 
-/// Solves each sample on every model; `None` marks a failure.
-fn observe(
-    problem: &Problem<'_>,
-    models: &[CoarseModel],
-    xi_samples: &[Vec<f64>],
-    stage: &str,
-    monitor: &dyn Monitor,
-) -> Result<Vec<Vec<Option<Observation>>>, Cancelled> {
-    let done = AtomicUsize::new(0);
-    xi_samples
-        .par_iter()
-        .map_init(
-            || models.iter().map(CoarseModel::workspace).collect::<Vec<_>>(),
-            |workspaces, xi| {
-                if monitor.cancelled() {
-                    return Err(Cancelled);
-                }
-                let map = problem.surface().generate(xi);
-                let observations =
-                    models.iter().zip(workspaces).map(|(model, workspace)| model.observe(problem, &map, workspace));
-                let observations = observations.collect();
-                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, xi_samples.len());
-                Ok(observations)
-            },
-        )
-        .collect()
-}
-
 /// Keeps the marked items.
 fn retain<T>(items: &mut Vec<T>, marked: &[bool]) {
     let mut marks = marked.iter();
     items.retain(|_| marks.next() == Some(&true));
 }
 
-/// Transposes rows into columns.
-fn columns(rows: impl Iterator<Item = Vec<Observation>>, count: usize) -> Vec<Vec<Observation>> {
-    let mut columns = vec![Vec::new(); count];
-    for row in rows {
-        columns.iter_mut().zip(row).for_each(|(column, observation)| column.push(observation));
-    }
-    columns
+/// Adds one observation to each of the leading columns; returns false if one of them is missing.
+fn push(columns: &mut [Vec<Observation>], observations: Vec<Option<Observation>>) -> bool {
+    let Some(row) = observations.into_iter().collect::<Option<Vec<Observation>>>() else { return false };
+    columns.iter_mut().zip(row).for_each(|(column, observation)| column.push(observation));
+    true
 }

@@ -10,10 +10,10 @@
 //! adaptation).
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use crate::predictor::Predictor;
 use crate::{MethodError, Problem};
+use asperity_base::blocks;
 use asperity_contact::Boundary;
 
 /// Largest number of variables ξ for which a response is computed by finite differences, if the surface does not
@@ -136,21 +136,18 @@ fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -
     if xi_len > MAX_XI_LEN {
         return Vec::new();
     }
-    let columns: Vec<Vec<f64>> = (0..xi_len)
-        .into_par_iter()
-        .map(|j| {
-            let mut xi = vec![0.0; xi_len];
-            let mut means = |value: f64| -> Vec<f64> {
-                xi[j] = value;
-                let map = surface.generate(&xi);
-                let heights_m = map.heights_m().as_slice().unwrap_or(&[]);
-                let mean = |ring: &Vec<usize>| ring.iter().map(|i| heights_m[*i]).sum::<f64>() / ring.len() as f64;
-                rings.iter().map(mean).collect()
-            };
-            let (above, below) = (means(DIFFERENCE), means(-DIFFERENCE));
-            above.iter().zip(&below).map(|(above, below)| above - below).collect()
-        })
-        .collect();
+    let columns: Vec<Vec<f64>> = blocks::map(0..xi_len, |j| {
+        let mut xi = vec![0.0; xi_len];
+        let mut means = |value: f64| -> Vec<f64> {
+            xi[j] = value;
+            let map = surface.generate(&xi);
+            let heights_m = map.heights_m().as_slice().unwrap_or(&[]);
+            let mean = |ring: &Vec<usize>| ring.iter().map(|i| heights_m[*i]).sum::<f64>() / ring.len() as f64;
+            rings.iter().map(mean).collect()
+        };
+        let (above, below) = (means(DIFFERENCE), means(-DIFFERENCE));
+        above.iter().zip(&below).map(|(above, below)| above - below).collect()
+    });
     used.iter().map(|ring| columns.iter().map(|column| column[*ring]).collect()).collect()
 }
 

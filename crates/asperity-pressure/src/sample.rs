@@ -1,12 +1,11 @@
 //! Contact solutions on a design of samples ξ.
 
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use crate::field_samples::{FieldSamples, FieldSums, signed};
+use crate::field_samples::{Field, FieldSamples};
 use crate::{FailureReason, Observation, PressureError, Problem};
-use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::blocks::{self, Task};
+use asperity_base::monitor::Monitor;
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
+use asperity_contact::Workspace;
 
 /// Sample without a solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +54,55 @@ impl<'a> Sampling<'a> {
     }
 }
 
+/// Contact problems of a sampled run.
+struct SamplePlan<'a> {
+    problem: &'a Problem<'a>,
+    sampling: Sampling<'a>,
+    /// One design for each replicate, equally large.
+    designs: Vec<Design>,
+    /// Number of leading samples whose whole fields are kept.
+    kept_fields: usize,
+}
+
+/// Results of one solved sample.
+struct SampleBlock {
+    observation: Observation,
+    /// Pressures of the sites in pascal.
+    sites: Vec<f32>,
+    field: Option<Field>,
+}
+
+impl<'a> SamplePlan<'a> {
+    fn new(problem: &'a Problem<'a>, sampling: Sampling<'a>) -> Result<Self, PressureError> {
+        let Sampling { method, replicates, seed, stage, samples, field_bytes, .. } = sampling;
+        let each = samples.div_ceil(replicates.max(1));
+        let design = Design::new(method, seed, stage, each, problem.surface().xi_len())?;
+        let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
+        let points = problem.half_space().grid().points();
+        let kept_fields = field_bytes.map_or(0, |bytes| bytes / (size_of::<f32>() * points));
+        Ok(Self { problem, sampling, designs, kept_fields })
+    }
+
+    fn solve(&self, index: usize, workspace: &mut Workspace) -> Result<SampleBlock, FailureReason> {
+        let Sampling { site_stride, field_bytes, .. } = self.sampling;
+        let solution = self.problem.solve(&xi(&self.designs, index), workspace)?;
+        let observation = self.problem.observation(&solution, workspace)?;
+        let is_site = |row: usize, column: usize| {
+            site_stride.is_some_and(|stride| row.is_multiple_of(stride) && column.is_multiple_of(stride))
+        };
+        let sites = solution.pressure_pa().indexed_iter().filter(|((row, column), _)| is_site(*row, *column));
+        let sites = sites.map(|(_, p)| *p as f32).collect();
+        let field = field_bytes.map(|_| Field::new(&solution, index < self.kept_fields));
+        Ok(SampleBlock { observation, sites, field })
+    }
+}
+
+/// Returns the normal variables ξ of a sample of several designs.
+fn xi(designs: &[Design], index: usize) -> Vec<f64> {
+    let each = designs[0].samples();
+    designs[index / each].xi(index % each)
+}
+
 /// Pressures of a design of samples in index order, and the failed samples.
 #[derive(Debug, Clone)]
 pub struct Samples {
@@ -74,70 +122,30 @@ pub struct Samples {
 /// # Errors
 /// The design cannot be created, too few problems were solved, or the monitor cancelled.
 pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
-    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_fraction } = sampling;
-    let each = samples.div_ceil(replicates.max(1));
-    let design = Design::new(method, seed, stage, each, problem.surface().xi_len())?;
-    let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
-    let samples = each * designs.len();
-    let done = AtomicUsize::new(0);
-    let sums = field_bytes.map(|_| FieldSums::new(problem.half_space()));
-    let kept = field_bytes.map_or(0, |bytes| bytes / (size_of::<f32>() * problem.half_space().grid().points()));
-    type Outcome = Result<(Observation, Vec<f32>, Option<Vec<f32>>), FailureReason>;
-    let outcomes: Vec<Outcome> = (0..samples)
-        .into_par_iter()
-        .map_init(
-            || (problem.half_space().workspace(), vec![0.0; design.dimensions()]),
-            |(workspace, xi), index| {
-                if monitor.cancelled() {
-                    return Err(Cancelled);
-                }
-                designs[index / each].fill_xi(index % each, xi);
-                let outcome = problem.solve(xi, workspace).and_then(|solution| {
-                    let observation = problem.observation(&solution, workspace)?;
-                    let stride = site_stride.unwrap_or(usize::MAX);
-                    let sites = solution.pressure_pa().indexed_iter();
-                    let sites = sites.filter(|((row, column), _)| {
-                        site_stride.is_some() && row % stride == 0 && column % stride == 0
-                    });
-                    let sites = sites.map(|(_, p)| *p as f32).collect();
-                    if let Some(sums) = &sums {
-                        sums.add(solution.pressure_pa());
-                    }
-                    Ok((observation, sites, (index < kept).then(|| signed(&solution))))
-                });
-                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, samples);
-                Ok(outcome)
-            },
-        )
-        .collect::<Result<_, Cancelled>>()?;
+    let plan = SamplePlan::new(problem, sampling)?;
+    let half_space = problem.half_space();
     let mut solved = Samples {
-        designs,
+        designs: plan.designs.clone(),
         indices: Vec::new(),
         observations: Vec::new(),
         sites: Vec::new(),
-        fields: sums.map(FieldSamples::new),
+        fields: sampling.field_bytes.map(|_| FieldSamples::new(half_space)),
         failures: Vec::new(),
     };
-    for (index, outcome) in outcomes.into_iter().enumerate() {
-        match outcome {
-            Ok((observation, sites, field)) => {
-                solved.indices.push(index);
-                solved.observations.push(observation);
-                solved.sites.push(sites);
-                if let (Some(fields), Some(field)) = (&mut solved.fields, field) {
-                    fields.kept.push(field);
-                }
-            }
-            Err(reason) => solved.failures.push(Failure { index, reason }),
-        }
-    }
+    let samples = solved.posed();
+    let task = Task::new(monitor, sampling.stage, samples);
+    let block_bytes = sampling.field_bytes.map_or(0, |_| Field::POINT_BYTES * half_space.grid().points());
+    let block = |workspace: &mut Workspace, index| task.step(|| plan.solve(index, workspace));
+    blocks::reduce(samples, block_bytes, || half_space.workspace(), block, |index, block| solved.add(index, block))?;
     match solved.failures.first() {
-        Some(first) if (solved.indices.len() as f64) < valid_fraction * samples as f64 || solved.indices.is_empty() => {
+        Some(first)
+            if (solved.len() as f64) < sampling.valid_fraction * samples as f64 || solved.indices.is_empty() =>
+        {
             Err(PressureError::TooFewValid {
-                stage: stage.to_owned(),
-                valid: solved.indices.len(),
+                stage: sampling.stage.to_owned(),
+                valid: solved.len(),
                 samples,
-                wanted_percent: 100.0 * valid_fraction,
+                wanted_percent: 100.0 * sampling.valid_fraction,
                 first_index: first.index,
                 first_reason: first.reason.clone(),
             })
@@ -147,6 +155,20 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
 }
 
 impl Samples {
+    fn add(&mut self, index: usize, block: Result<SampleBlock, FailureReason>) {
+        match block {
+            Ok(SampleBlock { observation, sites, field }) => {
+                self.indices.push(index);
+                self.observations.push(observation);
+                self.sites.push(sites);
+                if let (Some(fields), Some(field)) = (&mut self.fields, field) {
+                    fields.add(field);
+                }
+            }
+            Err(reason) => self.failures.push(Failure { index, reason }),
+        }
+    }
+
     /// Returns the number of solved samples.
     pub fn len(&self) -> usize {
         self.indices.len()
@@ -174,8 +196,7 @@ impl Samples {
 
     /// Returns the normal variables ξ of the solved sample number `position`.
     pub fn xi(&self, position: usize) -> Vec<f64> {
-        let (index, each) = (self.indices[position], self.designs[0].samples());
-        self.designs[index / each].xi(index % each)
+        xi(&self.designs, self.indices[position])
     }
 
     /// Returns the leading `variables` entries of ξ of every solved sample.
@@ -214,6 +235,11 @@ impl Samples {
         Self { fields: None, ..self }
     }
 
+    /// Returns the pressures of the solved samples in pascal.
+    pub(super) fn pressures_pa(&self) -> Vec<f64> {
+        self.observations.iter().map(|o| o.pressure_pa).collect()
+    }
+
     /// Returns the number K of samples in contact.
     pub fn in_contact(&self) -> usize {
         self.observations.iter().filter(|o| o.pressure_pa > 0.0).count()
@@ -229,8 +255,7 @@ impl Samples {
     /// # Errors
     /// A pressure is not finite.
     pub fn distribution(&self) -> Result<DiscreteDistribution, PressureError> {
-        let pressures: Vec<f64> = self.observations.iter().map(|o| o.pressure_pa).collect();
-        Ok(DiscreteDistribution::empirical(&pressures)?)
+        Ok(DiscreteDistribution::empirical(&self.pressures_pa())?)
     }
 }
 
@@ -242,6 +267,7 @@ mod tests {
     use asperity_base::monitor::Silent;
     use asperity_contact::{Boundary, ContactError, Control, HalfSpace};
     use asperity_surface::RandomSurface;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// Surface that is flat, and therefore refused by the contact solver, for ξ < `flat_below`.
     struct OftenFlat {

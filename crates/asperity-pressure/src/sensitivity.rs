@@ -1,11 +1,11 @@
 //! Sensitivity of contact results to the variables of a random surface.
 
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::directions::NamedDirections;
-use crate::surrogate::latent_pa;
+use crate::nested::kappa_pa_per_m;
 use crate::{Problem, Quantity, Samples};
+use asperity_base::blocks;
 use asperity_chaos::{
     Basis, BasisError, Candidates, Expansion, IndexError, IndexEstimates, RegressionError, Resamples, SparseError,
     SparseRegression,
@@ -92,24 +92,12 @@ pub(super) fn estimate(
         let rows: Vec<Vec<f64>> = (0..samples.len()).map(|i| named.apply(&samples.xi(i))).collect();
         (set, named.names, rows)
     });
-    let pairs: Vec<(Quantity, usize)> =
-        QUANTITIES.iter().flat_map(|quantity| [(*quantity, 0), (*quantity, 1)]).collect();
-    pairs
-        .into_par_iter()
-        .map(|(quantity, set)| {
-            let values: Vec<f64> = match quantity {
-                Quantity::Pressure => latent_pa(samples),
-                Quantity::ContactFraction => samples.observations().iter().map(|o| o.contact_fraction).collect(),
-                Quantity::MeanPressure => samples.observations().iter().map(|o| o.mean_pressure_pa).collect(),
-                Quantity::MeanGap => samples.observations().iter().map(|o| o.mean_gap_m).collect(),
-                Quantity::Stiffness => {
-                    samples.observations().iter().map(|o| o.stiffness_pa_per_m.unwrap_or(f64::NAN)).collect()
-                }
-            };
-            let (variables, names, rows) = &sets[set];
-            Sensitivity { quantity, variables: *variables, outcome: indices(names, rows, &values, degree, seed) }
-        })
-        .collect()
+    let kappa = kappa_pa_per_m(samples.observations());
+    blocks::map(0..QUANTITIES.len() * sets.len(), |index| {
+        let (quantity, (variables, names, rows)) = (QUANTITIES[index / sets.len()], &sets[index % sets.len()]);
+        let values = quantity.values(samples.observations(), kappa);
+        Sensitivity { quantity, variables: *variables, outcome: indices(names, rows, &values, degree, seed) }
+    })
 }
 
 fn indices(

@@ -16,14 +16,13 @@
 //! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
 //! V. Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
-use rayon::prelude::*;
-
 use crate::band::{Moments, Total};
 use crate::estimate::nodes;
 use crate::multilevel::RARE;
 use crate::nested::kappa_pa_per_m;
 use crate::rotated_variables::RotatedVariables;
-use crate::{Band, Estimate, MethodError, Problem, Samples};
+use crate::{Band, Estimate, MethodError, PressureError, Problem, Quantity, Samples};
+use asperity_base::blocks;
 use asperity_base::stats::{Interval, wilson_interval};
 use asperity_chaos::{Design, DiscreteDistribution};
 
@@ -177,13 +176,10 @@ pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: 
 /// Returns the unbiased distribution function at the nodes, and the mean.
 fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
     let count = training.pressures_pa.len();
-    let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
-        .into_par_iter()
-        .map(|fold| {
-            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| training.group(*i) % FOLDS == fold);
-            (held, surrogate.fit(&fitted))
-        })
-        .collect();
+    let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = blocks::map(0..FOLDS, |fold| {
+        let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| training.group(*i) % FOLDS == fold);
+        (held, surrogate.fit(&fitted))
+    });
     let mut observed: Vec<Vec<f64>> = training.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
     let mut predicted = vec![Vec::new(); count];
     for (held, fitted) in parts {
@@ -260,25 +256,24 @@ pub struct RotatedSamples {
 
 impl RotatedSamples {
     /// Creates the rotated samples. `design` creates fresh samples of the given number of variables.
-    pub(super) fn new<E>(
+    ///
+    /// # Errors
+    /// The variables cannot be rotated ([`PressureError::Method`]), or there is no design.
+    pub(super) fn new(
         problem: &Problem<'_>,
         samples: &Samples,
-        design: impl Fn(usize) -> Result<Design, E>,
-    ) -> Result<Result<Self, MethodError>, E> {
+        design: impl Fn(usize) -> Result<Design, PressureError>,
+    ) -> Result<Self, PressureError> {
         let xi_samples: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.xi(i)).collect();
-        let latent = latent_pa(samples);
-        let rotation = match RotatedVariables::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent) {
-            Ok(rotation) => rotation,
-            Err(error) => return Ok(Err(error)),
-        };
+        let latent = Quantity::Pressure.values(samples.observations(), kappa_pa_per_m(samples.observations()));
+        let rotation = RotatedVariables::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent)?;
         let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| rotation.apply(xi)).collect();
         let variables = rows.first().map_or(0, Vec::len);
         // A design has at least one variable.
         let design = design(variables.max(1))?;
         let fresh = (0..design.samples()).map(|i| design.xi(i)).collect();
-        let pressures_pa = samples.observations().iter().map(|o| o.pressure_pa).collect();
         let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
-        Ok(Ok(Self { rows, pressures_pa, fresh, largest_pa }))
+        Ok(Self { rows, pressures_pa: samples.pressures_pa(), fresh, largest_pa })
     }
 
     pub fn variables(&self) -> usize {
@@ -290,13 +285,6 @@ impl RotatedSamples {
         let Self { pressures_pa, fresh, largest_pa, .. } = self;
         TrainingSamples { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
     }
-}
-
-/// Returns the pressure of each sample, continued below zero by the gap and above the hardness by the plastic displacement.
-pub(super) fn latent_pa(samples: &Samples) -> Vec<f64> {
-    let kappa = kappa_pa_per_m(samples.observations());
-    let latent = |o: &crate::Observation| o.pressure_pa + kappa * (o.plastic_displacement_m - o.gap_m);
-    samples.observations().iter().map(latent).collect()
 }
 
 /// Returns the positions below `count` that do not occur in the increasing list.

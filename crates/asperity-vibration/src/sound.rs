@@ -1,15 +1,14 @@
 //! Loudness and spectrum of the vibration.
 
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
     MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, limit_cycle, positive,
     trajectory_portrait,
 };
+use asperity_base::blocks::{self, Task};
 use asperity_base::correlation::{RecordEnds, record_spectrum};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{Moments, NORMAL_95};
@@ -84,20 +83,14 @@ impl Sound {
         }
         let points = points as usize + 1;
         let followed = TrajectorySettings { duration: settings.from + step * (points - 1) as f64, ..settings.followed };
-        let finished = AtomicUsize::new(0);
-        let records: Vec<Vec<f64>> = (0..settings.trajectories)
-            .into_par_iter()
-            .map(|index| {
-                if monitor.cancelled() {
-                    return Err(Cancelled.into());
-                }
-                let path = Cancellable::new(process.path(settings.seed, index as u64), monitor);
-                let portrait = trajectory_portrait(oscillator, path, &followed, settings.from, points)
-                    .map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
-                monitor.progress("paths", finished.fetch_add(1, Ordering::Relaxed) + 1, settings.trajectories);
-                Ok(portrait.iter().map(|point| point.velocity).collect())
-            })
-            .collect::<Result<_, VibrationError>>()?;
+        let task = Task::new(monitor, "paths", settings.trajectories);
+        let records: Result<Vec<Vec<f64>>, VibrationError> = blocks::map(0..settings.trajectories, |index| {
+            let path = Cancellable::new(process.path(settings.seed, index as u64), monitor);
+            let portrait = task.step(|| trajectory_portrait(oscillator, path, &followed, settings.from, points))?;
+            let portrait = portrait.map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
+            Ok(portrait.iter().map(|point| point.velocity).collect())
+        });
+        let records = records?;
         let squares: Vec<f64> = records.iter().map(|record| Moments::new(record).std.powi(2)).collect();
         let moments = Moments::new(&squares);
         let half_width = NORMAL_95 * moments.standard_error();

@@ -3,15 +3,14 @@
 mod contour;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::contour::{boundary, contour};
 use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, limit_cycle, limit_damping};
+use asperity_base::blocks::{self, Task};
 use asperity_base::choice;
-use asperity_base::monitor::{Cancelled, Monitor, Quiet};
+use asperity_base::monitor::{Monitor, Quiet};
 use asperity_process::FrictionProcess;
 
 /// Fraction of the trajectories after which a point is decided if all of them agree.
@@ -248,19 +247,12 @@ pub fn stability_map(
         wanted.sort_unstable();
         wanted.dedup();
         wanted.retain(|place| !points.contains_key(place));
-        let finished = AtomicUsize::new(0);
-        let found: Vec<(Place, MapPoint)> = wanted
-            .par_iter()
-            .map(|&(i, j)| {
-                if monitor.cancelled() {
-                    return Err(Cancelled.into());
-                }
-                let point = point(machine, settings.x.at(i, nx), settings.y.at(j, ny), &settings.ensemble, monitor)?;
-                monitor.progress("points of the map", finished.fetch_add(1, Ordering::Relaxed) + 1, wanted.len());
-                Ok(((i, j), point))
-            })
-            .collect::<Result<_, VibrationError>>()?;
-        points.extend(found);
+        let task = Task::new(monitor, "points of the map", wanted.len());
+        let found: Result<Vec<MapPoint>, VibrationError> = blocks::map(0..wanted.len(), |index| {
+            let (x, y) = (settings.x.at(wanted[index].0, nx), settings.y.at(wanted[index].1, ny));
+            task.step(|| point(machine, x, y, &settings.ensemble, monitor))?
+        });
+        points.extend(wanted.into_iter().zip(found?));
         // Each square is checked with all points on its sides, including points that neighbours added later.
         leaves.append(&mut squares);
         let (halved, kept): (Vec<Square>, Vec<Square>) =

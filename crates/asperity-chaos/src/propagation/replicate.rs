@@ -1,9 +1,8 @@
 //! Bootstrap of moments and indices over the choice of points and the noise of the samples.
 
-use rayon::prelude::*;
-
 use super::{NoIndices, Noise, Observed, ParameterIndices};
 use crate::{Estimate, Expansion, RegressionError, Resamples};
+use asperity_base::blocks;
 use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
 
 /// Smallest fraction of resamples that must have an expansion.
@@ -86,8 +85,7 @@ impl<'a> Samples<'a> {
     /// Returns the mean and standard deviation of the points.
     pub(super) fn moments(&self, resamples: &Resamples) -> (Estimate, Estimate) {
         let moments = Moments::new(&self.values);
-        let drawn: Vec<Moments> =
-            (0..resamples.count).into_par_iter().map(|i| Moments::new(&self.resample(resamples, i).1)).collect();
+        let drawn: Vec<Moments> = blocks::map(0..resamples.count, |i| Moments::new(&self.resample(resamples, i).1));
         (
             resamples.estimate(moments.mean, drawn.iter().map(|m| m.mean).collect(), ANY),
             resamples.estimate(moments.sample_std(), drawn.iter().map(Moments::sample_std).collect(), POSITIVE),
@@ -114,7 +112,7 @@ impl<'a> Samples<'a> {
             Expansion::fit(expansion.basis().clone(), &xi_samples, &values).map(|(expansion, _)| numbers(&expansion))
         };
         let found: Vec<Vec<f64>> =
-            (0..resamples.count).into_par_iter().filter_map(|index| replicate(index).ok()).collect();
+            blocks::map::<_, Vec<_>>(0..resamples.count, replicate).into_iter().flatten().collect();
         let failed = resamples.count - found.len();
         let estimates: Vec<Estimate> = numbers(expansion)
             .into_iter()

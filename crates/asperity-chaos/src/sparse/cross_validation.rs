@@ -1,13 +1,13 @@
 //! Selection of the number of terms by cross-validation.
 
 use ndarray::Axis;
-use rayon::prelude::*;
 
 use super::growing_fit::GrowingFit;
 use super::{
     Attempt, Candidates, Search, SparseError, SparseFit, SparseMethod, SparseRegression, mean_and_spread,
     subspace_pursuit,
 };
+use asperity_base::blocks;
 use asperity_base::random::{standard_normal, stream};
 
 /// Returns the model whose number of terms has the smallest cross-validation error.
@@ -28,10 +28,9 @@ pub(super) fn select(
         _ => (constant + 1..=limit).collect(),
     };
     let parts = partition(samples, folds);
-    let found: Result<Vec<Part>, SparseError> = (0..folds)
-        .into_par_iter()
-        .map(|fold| Part::new(regression, candidates, response, &sizes, |sample| parts[sample] == fold))
-        .collect();
+    let found: Result<Vec<Part>, SparseError> = blocks::map(0..folds, |fold| {
+        Part::new(regression, candidates, response, &sizes, |sample| parts[sample] == fold)
+    });
     let (_, spread) = mean_and_spread(response);
     let scale = samples as f64 * spread * spread / (samples as f64 - 1.0);
     let mut squares = vec![0.0; sizes.len()];

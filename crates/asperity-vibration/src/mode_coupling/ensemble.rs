@@ -1,8 +1,5 @@
 //! Ensembles of trajectories and the probability that they become a vibration.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::super::sample_distribution::RunningMoments;
@@ -10,12 +7,11 @@ use super::super::{Count, Failure, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;
 use super::{Contact, Model, State, TrajectorySettings};
+use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::wilson_interval;
 use asperity_process::{Cancellable, Fluctuation, FrictionProcess, Steady};
 
-/// Number of trajectories between checks for cancellation.
-const BLOCK: usize = 256;
 /// Last fraction of the time, in which a vibration counts as sustained.
 const LAST_FRACTION: f64 = 0.25;
 
@@ -184,27 +180,15 @@ pub(super) fn run_all<T: Send>(
         let wanted = "in 0 … 1";
         return Err(VibrationError::Parameter { parameter: "least_valid_share", value: least_valid_share, wanted });
     }
-    let finished = AtomicUsize::new(0);
+    let task = Task::new(monitor, "trajectories", total);
+    let found: Vec<Result<T, VibrationError>> = blocks::map(0..total, |index| task.step(|| run(index as u64))?);
     let mut runs = Runs { values: Vec::with_capacity(total), failures: Vec::new() };
-    for first in (0..total).step_by(BLOCK) {
-        let block: Vec<Result<T, VibrationError>> = (first..total.min(first + BLOCK))
-            .into_par_iter()
-            .map(|index| {
-                if monitor.cancelled() {
-                    return Err(Cancelled.into());
-                }
-                let value = run(index as u64);
-                monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
-                value
-            })
-            .collect();
-        for (trajectory, value) in (first..).zip(block) {
-            match value {
-                Ok(value) => runs.values.push(value),
-                // A cancelled trajectory may end in any error, because it was not followed to its end.
-                Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
-                Err(error) => runs.failures.push(Failure { trajectory, reason: error.to_string() }),
-            }
+    for (trajectory, value) in found.into_iter().enumerate() {
+        match value {
+            Ok(value) => runs.values.push(value),
+            // A cancelled trajectory may end in any error, because it was not followed to its end.
+            Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
+            Err(error) => runs.failures.push(Failure { trajectory, reason: error.to_string() }),
         }
     }
     let valid = runs.values.len();

@@ -1,8 +1,5 @@
 //! Starts that end in steady sliding, and starts that end in vibration.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::super::cycle::cycle_at_belt;
@@ -14,7 +11,8 @@ use super::super::weakening::Weakening;
 use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use super::planar::Planar;
 use super::slip_cycle::{ReturnMap, return_map};
-use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::blocks::{self, Task};
+use asperity_base::monitor::Monitor;
 use asperity_base::numeric::{bisect, try_root_between};
 use asperity_process::Steady;
 
@@ -269,23 +267,15 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
     area.validate()?;
     let classifier = StartClassifier::new(oscillator)?;
     let [columns, rows] = area.cells;
-    let finished = AtomicUsize::new(0);
-    let lines: Vec<Vec<MotionKind>> = (0..rows)
-        .into_par_iter()
-        .map(|row| {
-            if monitor.cancelled() {
-                return Err(Cancelled.into());
-            }
-            let start = |column| {
-                let [displacement, velocity] = area.centre(column, row);
-                classifier.kind(displacement, velocity)
-            };
-            let line = (0..columns).map(start).collect::<Result<Vec<_>, _>>();
-            monitor.progress("rows of the basin", finished.fetch_add(1, Ordering::Relaxed) + 1, rows);
-            line
-        })
-        .collect::<Result<_, VibrationError>>()?;
-    let attractors = lines.concat();
+    let task = Task::new(monitor, "rows of the basin", rows);
+    let lines: Result<Vec<Vec<MotionKind>>, VibrationError> = blocks::map(0..rows, |row| {
+        let start = |column| {
+            let [displacement, velocity] = area.centre(column, row);
+            classifier.kind(displacement, velocity)
+        };
+        task.step(|| (0..columns).map(start).collect())?
+    });
+    let attractors = lines?.concat();
     let sliding = attractors.iter().filter(|a| **a == MotionKind::None).count();
     let sliding_share = sliding as f64 / attractors.len() as f64;
     Ok(Basin { area: *area, attractors, sliding_share })

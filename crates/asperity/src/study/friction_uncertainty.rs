@@ -37,12 +37,13 @@ pub(super) fn run(
     let propagation = Propagation::new(uncertain.parameters.clone(), stated.points, seed)?;
     let controls: Vec<LevelControl> = levels.iter().map(|level| level.control).collect();
     let plan = UncertainPlan { problem, levels: &controls, points: propagation.points(), realisations, seed };
+    let task = plan.task(monitor);
     let mut output = StageOutput::default();
     let (mut points, mut warned) = (Vec::new(), Vec::new());
     for index in 0..plan.points {
         let model = uncertain.at(&propagation.point(index))?;
         let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
-        points.push(plan.solve(index, generated.surface.as_ref(), &model.marginal, monitor)?);
+        points.push(plan.solve(generated.surface.as_ref(), &model.marginal, &task)?);
         warned.extend(generated.warnings.into_iter().next());
     }
     if let Some(first) = warned.first() {

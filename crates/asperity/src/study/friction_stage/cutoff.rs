@@ -59,7 +59,8 @@ pub(super) fn run(
     let mut failed = |place: String, reason: String| {
         output.warnings.push(format!("the study of the cut-off has no answer {place}: {reason}"));
     };
-    let unchanged = match study.solve(0, monitor)? {
+    let task = study.task(monitor);
+    let unchanged = match study.solve(0, &task)? {
         Ok(unchanged) => unchanged,
         Err(reason) => {
             failed("at the strips' own cut-off".into(), reason);
@@ -79,7 +80,7 @@ pub(super) fn run(
     };
     let (mut points, mut halved_pitch) = (vec![point(2.0 * pitch_m, &unchanged)], None);
     for index in 1..study.blocks() {
-        match (study.solve(index, monitor)?, study.cutoff_m(index)) {
+        match (study.solve(index, &task)?, study.cutoff_m(index)) {
             (Ok(found), Some(cutoff_m)) => points.push(point(cutoff_m, &found)),
             (Ok(found), None) => {
                 let (mean, interval) = anchor.of(&found, &unchanged);

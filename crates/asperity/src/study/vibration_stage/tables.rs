@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
+use asperity_base::blocks;
 
 use crate::distribution::Marginal;
 use crate::friction::process::{Cancellable, FrictionProcess};
@@ -93,16 +93,14 @@ pub fn cloud_table(
     let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
     let followed = TrajectorySettings { duration, start, drive, method };
     let from = (duration - CLOUD_SPAN).max(0.0);
-    let curves: Vec<Result<Vec<PhasePoint>, VibrationError>> = (0..settings.trajectories.min(most))
-        .into_par_iter()
-        .map(|index| {
+    let curves: Vec<Result<Vec<PhasePoint>, VibrationError>> =
+        blocks::map(0..settings.trajectories.min(most), |index| {
             if monitor.cancelled() {
                 return Err(Cancelled.into());
             }
             let path = Cancellable::new(process.path(seed, index as u64), monitor);
             trajectory_portrait(oscillator, path, &followed, from, CLOUD_POINTS)
-        })
-        .collect();
+        });
     let mut columns = [const { Vec::new() }; 4];
     for (index, curve) in curves.into_iter().enumerate() {
         let points = match curve {
