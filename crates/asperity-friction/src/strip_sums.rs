@@ -14,7 +14,7 @@ use asperity_contact::{Boundary, Solution, area::PERIMETER_WEIGHT};
 /// its edges that count for the perimeter. So an edge between two cells of a window counts whole, and an edge on the
 /// border of the window counts half.
 #[derive(Debug, Clone)]
-pub struct StripSums {
+pub(super) struct StripSums {
     grid: Grid,
     periodic: bool,
     of_columns: bool,
@@ -69,12 +69,8 @@ enum Cell {
 }
 
 impl StripSums {
-    /// Computes the sums that `windows` need on a solved strip. The undeformed heights of the strip, in metre, are
-    /// required only for ploughing.
-    ///
-    /// # Panics
-    /// If the heights do not have the shape of the solution.
-    pub fn new(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
+    /// Computes the sums that `windows` need on a solved strip; see [`crate::window::window_contacts`].
+    pub(super) fn new(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
         let p = solution.pressure_pa();
         let (ny, nx) = p.dim();
         assert!(

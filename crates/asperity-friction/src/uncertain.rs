@@ -47,7 +47,7 @@ impl UncertainPlan<'_> {
         let step_m = self.problem.window.step_m();
         let levels = strips.solve(&controls, &part)?.into_iter().map(|level| {
             let level = level.map_err(|error| error.to_string())?;
-            Ok([MomentReplicates::of_quotient(&level, step_m), MomentReplicates::at_mean_load(&level, step_m)])
+            Ok([MomentReplicates::from_quotients(&level, step_m), MomentReplicates::from_mean_load(&level, step_m)])
         });
         Ok(levels.collect())
     }

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::strip_sums::StripSums;
 use asperity_base::map::Grid;
+use asperity_contact::Solution;
 
 /// Reason why a window does not fit its strip.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -213,17 +214,10 @@ impl Window {
         (margin..(grid.nx() + 1).saturating_sub(self.cells + margin)).step_by(self.step_cells).collect()
     }
 
-    /// Computes contact and load of every position on a solved strip, track by track in the order of sliding.
-    ///
-    /// On a periodic strip the window wraps around. A free strip is a punch with loaded ends; positions nearer to
-    /// an end than the strip is wide are left out.
-    ///
-    /// # Panics
-    /// If the sums were computed for other windows or another strip.
-    pub fn slide(&self, sums: &StripSums) -> Vec<Vec<WindowContact>> {
+    /// Computes the contact of every position from the sums of a strip, track by track.
+    fn slide(&self, sums: &StripSums) -> Vec<Vec<WindowContact>> {
         let grid = sums.grid();
         assert!(grid.ny() == self.strip_rows && grid.dx_m() == self.cell_m, "the window belongs to another strip");
-        assert!(!sums.of_columns() || self.spans_columns(), "sums over whole columns are invalid for this window");
         let runs = if sums.of_columns() { &self.runs[..1] } else { &self.runs[..] };
         let starts = self.starts(grid, sums.periodic());
         let centre_m = |start: usize| (start as f64 + 0.5 * self.cells as f64) * self.cell_m;
@@ -232,6 +226,24 @@ impl Window {
             .map(|track| starts.iter().map(|&start| sums.window(runs, track, start, centre_m(start))).collect())
             .collect()
     }
+}
+
+/// Computes the contact of windows that slide along a solved strip: of each window by track and position, in the order of
+/// sliding.
+///
+/// On a periodic strip a window wraps around. A free strip is a punch with loaded ends; positions nearer to an end than the
+/// strip is wide are left out. The undeformed heights of the strip, in metre, are required for
+/// [`WindowContact::ploughing_n`] only, which is 0 without them.
+///
+/// # Panics
+/// If a window belongs to strips of another grid, or the heights do not have the shape of the solution.
+pub fn window_contacts(
+    solution: &Solution,
+    windows: &[&Window],
+    ploughing_heights_m: Option<&Array2<f64>>,
+) -> Vec<Vec<Vec<WindowContact>>> {
+    let sums = StripSums::new(solution, ploughing_heights_m, windows);
+    windows.iter().map(|window| window.slide(&sums)).collect()
 }
 
 /// Returns the number of cells of a window along x, if it fits.

@@ -8,7 +8,6 @@ mod contact_check;
 mod error;
 mod estimate;
 pub mod file;
-mod friction_law;
 mod friction_process;
 mod friction_stage;
 mod friction_uncertainty;

@@ -10,12 +10,12 @@ use thiserror::Error;
 
 use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
-pub(super) use friction::{FrictionStudy, WindowLaw};
+pub(super) use friction::FrictionStudy;
 pub(super) use pressure::PressureStudy;
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
 /// Study with checked values, made from a [`StudyFile`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Study {
     file: StudyFile,
     pub(super) surface: Option<SurfaceRequest>,

@@ -9,10 +9,10 @@ mod vibration;
 
 use serde::{Deserialize, Serialize};
 
-pub use friction::{FrictionLawKind, FrictionSection, UncertaintySection, WindowShape};
+pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
-pub use vibration::{MapSection, Stribeck, Upscaling, VelocityLaw, VibrationSection};
+pub use vibration::{MapSection, Stribeck, VelocityLaw, VibrationSection};
 
 /// Study file: scan or surface model, stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

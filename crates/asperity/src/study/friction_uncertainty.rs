@@ -274,8 +274,8 @@ fn numbers(levels: &[UncertainLevel], value: impl Fn(&UncertainLevel) -> Option<
 fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
     vec![
         ("percentile".into(), solved.iter().map(|l| l.control.percentile().unwrap_or(f64::NAN)).collect()),
-        ("penetration_m".into(), solved.iter().map(|l| l.level.penetration_m).collect()),
-        ("mean_pressure_pa".into(), solved.iter().map(|l| l.level.mean_pressure_pa).collect()),
+        ("penetration_m".into(), solved.iter().map(|l| l.strips.penetration_m).collect()),
+        ("mean_pressure_pa".into(), solved.iter().map(|l| l.strips.mean_pressure_pa).collect()),
     ]
 }
 

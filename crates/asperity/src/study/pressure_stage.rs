@@ -62,13 +62,13 @@ pub(super) fn run(
     let (grid, material) = (surface.grid(), &study.material);
     let compliance = study.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) =
-        half_space("pressure", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
+        half_space("pressure", grid, material.contact_modulus_pa, study.boundary, compliance)?;
     let control = match study.control.contact(marginal) {
         // Truncation lowers the heights, so the plane is scaled down too.
         Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
         control => control,
     };
-    let hardness_pa = material.hardness.map(|h| h.0);
+    let hardness_pa = material.hardness_pa;
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
     let (row, column) = study.cell;
     let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);

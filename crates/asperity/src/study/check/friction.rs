@@ -1,54 +1,30 @@
 //! Checks of `[friction]`.
 
+use std::sync::Arc;
+
 use super::pressure::Material;
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
+use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use crate::map::BoundaryKind;
-use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile};
+use crate::study::file::{FrictionSection, StudyFile, WindowLawKind};
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::surface::SurfaceGenerator;
 
 /// Friction of windows on solved strips.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(in crate::study) struct FrictionStudy {
     /// Strips, window and levels.
     pub(in crate::study) section: FrictionSection,
     pub(in crate::study) material: Material,
-    pub(in crate::study) law: WindowLaw,
-}
-
-/// Friction law of a window with its parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::study) enum WindowLaw {
-    /// F = τ_max A_c.
-    BowdenTabor {
-        /// τ_max in pascal.
-        shear_strength_pa: f64,
-    },
-    /// F = τ_max A_c + αN.
-    PressureDependent {
-        /// τ_max in pascal.
-        shear_strength_pa: f64,
-        /// α.
-        pressure_coefficient: f64,
-    },
-    /// F = τ_max A_c and the ploughing of yielded contacts.
-    AdhesionPloughing {
-        /// τ_max in pascal.
-        shear_strength_pa: f64,
-    },
-    /// F = μN.
-    Coulomb {
-        /// μ.
-        coefficient: f64,
-    },
+    pub(in crate::study) law: Arc<dyn WindowLaw>,
 }
 
 impl StudyFile {
     pub(super) fn check_friction(&self, material: Option<&Material>) -> Result<Option<FrictionStudy>, InvalidValue> {
         const SECTION: &str = "friction";
         let (Some(f), Some(&material)) = (&self.friction, material) else { return Ok(None) };
-        let law = self.check_friction_law(f)?;
+        let law = self.check_window_law(f)?;
         for side in f.strip {
             within(SECTION, "strip", side.0, positive, POSITIVE)?;
         }
@@ -82,7 +58,7 @@ impl StudyFile {
         if let Some(compliance) = f.mean_compliance {
             within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
         }
-        self.check_levels(f)?;
+        check_levels(f, &material)?;
         if let Some(area) = f.nominal_area {
             within(SECTION, "nominal_area", area.0, positive, POSITIVE)?;
             if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
@@ -146,7 +122,7 @@ impl StudyFile {
         at_least(SECTION, "realisations", friction.uncertainty_realisations(), 4)
     }
 
-    fn check_friction_law(&self, f: &FrictionSection) -> Result<WindowLaw, InvalidValue> {
+    fn check_window_law(&self, f: &FrictionSection) -> Result<Arc<dyn WindowLaw>, InvalidValue> {
         const SECTION: &str = "friction";
         let material = self.material.as_ref();
         let shear = || {
@@ -154,52 +130,48 @@ impl StudyFile {
             material.and_then(|m| m.shear_strength).ok_or_else(|| invalid("material", "shear_strength", message))
         };
         match f.law {
-            FrictionLawKind::BowdenTabor => Ok(WindowLaw::BowdenTabor { shear_strength_pa: shear()?.0 }),
-            FrictionLawKind::AdhesionPloughing => {
+            WindowLawKind::BowdenTabor => Ok(Arc::new(BowdenTabor { shear_strength_pa: shear()?.0 })),
+            WindowLawKind::AdhesionPloughing => {
                 let shear_strength_pa = shear()?.0;
                 if material.is_none_or(|m| m.hardness.is_none()) {
                     let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
                     return Err(invalid("material", "hardness", message));
                 }
-                Ok(WindowLaw::AdhesionPloughing { shear_strength_pa })
+                Ok(Arc::new(AdhesionPloughing { shear_strength_pa }))
             }
-            FrictionLawKind::PressureDependent => {
+            WindowLawKind::PressureDependent => {
                 let shear_strength_pa = shear()?.0;
                 let message = "law = \"pressure_dependent\" needs its α, such as 0.05";
                 let alpha = f.pressure_coefficient.ok_or_else(|| invalid(SECTION, "pressure_coefficient", message))?;
                 within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")?;
-                Ok(WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient: alpha })
+                Ok(Arc::new(PressureDependent { shear_strength_pa, pressure_coefficient: alpha }))
             }
-            FrictionLawKind::Coulomb => {
+            WindowLawKind::Coulomb => {
                 let message = "law = \"coulomb\" needs its μ, such as 0.2";
                 let coefficient = f.coefficient.ok_or_else(|| invalid(SECTION, "coefficient", message))?;
                 within(SECTION, "coefficient", coefficient, positive, POSITIVE)?;
-                Ok(WindowLaw::Coulomb { coefficient })
+                Ok(Arc::new(Coulomb { coefficient }))
             }
         }
     }
+}
 
-    fn check_levels(&self, f: &FrictionSection) -> Result<(), InvalidValue> {
-        const SECTION: &str = "friction";
-        if f.levels() == 0 {
-            return Err(invalid(SECTION, "percentiles", "found none, expected at least one level"));
-        }
-        for percentile in f.percentiles() {
-            within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
-        }
-        let hardness = self.material.as_ref().and_then(|m| m.hardness);
-        for pressure in &f.mean_pressures {
-            within(SECTION, "mean_pressures", pressure.0, positive, POSITIVE)?;
-            if let Some(hardness) = hardness.filter(|h| pressure.0 >= h.0) {
-                let message = format!("found {pressure}, which is not below the hardness {hardness}");
-                return Err(invalid(SECTION, "mean_pressures", message));
-            }
-        }
-        for penetration in &f.penetrations {
-            within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
-        }
-        once(SECTION, "percentiles", f.percentiles())?;
-        once(SECTION, "mean_pressures", &f.mean_pressures)?;
-        once(SECTION, "penetrations", &f.penetrations)
+/// Checks the levels of contact.
+fn check_levels(f: &FrictionSection, material: &Material) -> Result<(), InvalidValue> {
+    const SECTION: &str = "friction";
+    if f.levels() == 0 {
+        return Err(invalid(SECTION, "percentiles", "found none, expected at least one level"));
     }
+    for percentile in f.percentiles() {
+        within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
+    }
+    for pressure in &f.mean_pressures {
+        material.check_mean_pressure(SECTION, "mean_pressures", *pressure)?;
+    }
+    for penetration in &f.penetrations {
+        within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
+    }
+    once(SECTION, "percentiles", f.percentiles())?;
+    once(SECTION, "mean_pressures", &f.mean_pressures)?;
+    once(SECTION, "penetrations", &f.penetrations)
 }

@@ -7,9 +7,9 @@ use asperity_base::choice::ByName;
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
-use crate::friction::{NominalContact, StatedFriction};
+use crate::friction::{NominalContact, StatedFriction, Upscaling};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{FrictionSection, MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection};
+use crate::study::file::{FrictionSection, MapSection, Stribeck, StudyFile, VelocityLaw, VibrationSection};
 use crate::study::sentence;
 use crate::vibration::{
     Drive, Forcing, FrictionLaw, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,

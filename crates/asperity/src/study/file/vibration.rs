@@ -7,6 +7,7 @@ use asperity_base::choice;
 use asperity_base::choice::ByName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use crate::friction::Upscaling;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
@@ -108,18 +109,6 @@ choice! {
         Linear = "linear",
         /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
         Exponential = "exponential",
-    }
-}
-
-choice! {
-    /// Relation between the standard deviation of friction over the nominal area and over one window.
-    #[derive(Default)]
-    pub enum Upscaling: "upscaling" {
-        /// Windows average over the nominal area.
-        #[default]
-        Area = "area",
-        /// One window carries the whole normal force (the paper's reading).
-        Paper = "paper",
     }
 }
 

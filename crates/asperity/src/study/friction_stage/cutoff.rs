@@ -4,8 +4,8 @@ use crate::friction::SolvedLevel;
 use crate::friction::cutoff::{CutoffBlock, CutoffPlan, CutoffStudy, OperatingMean, STRIPS};
 use crate::monitor::Monitor;
 use crate::quantity::Length;
-use crate::study::check::{FrictionStudy, WindowLaw};
-use crate::study::file::{FrictionLawKind, FrictionSection, WindowShape};
+use crate::study::check::FrictionStudy;
+use crate::study::file::{FrictionSection, WindowLawKind, WindowShape};
 use crate::study::friction_stage::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
@@ -20,7 +20,7 @@ const MOSTLY_PLASTIC: f64 = 0.5;
 /// Returns the plan for a section with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
 pub(in crate::study) fn plan(section: &FrictionSection, levels: usize) -> Option<CutoffPlan> {
     let size_m = section.strip.map(|length| length.0);
-    let depends_on_contact = section.law != FrictionLawKind::Coulomb;
+    let depends_on_contact = section.law != WindowLawKind::Coulomb;
     depends_on_contact.then(|| CutoffPlan::new(section.points, size_m, levels * section.realisations))
 }
 
@@ -37,7 +37,7 @@ fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionS
         realisations: STRIPS,
         ..section.clone()
     };
-    FrictionStudy { section, ..*study }
+    FrictionStudy { section, ..study.clone() }
 }
 
 /// Solves the strips of every cutoff and of half the pitch at the mean pressure of the operating level; `None` for Coulomb's law.
@@ -57,7 +57,7 @@ pub(super) fn run(
     // The sum of cosines of arbitrary directions does not close at the edges of a strip.
     let closes = own.is_periodic() && !matches!(surface.model.texture, Texture::WeierstrassMandelbrot { .. });
     let strips = (generated.surface.as_ref(), closes);
-    let study = CutoffStudy::new(plan, [&own, &halved], strips, lead.level.mean_pressure_pa, seed)
+    let study = CutoffStudy::new(plan, [&own, &halved], strips, lead.strips.mean_pressure_pa, seed)
         .map_err(|error| StudyError::Grid { section: "friction", error })?;
     let pitch_m = study.pitch_m();
     let mut failed = |place: String, reason: String| {
@@ -97,13 +97,13 @@ pub(super) fn run(
         }
     }
     let mut result = CutoffResult {
-        mean_pressure_pa: lead.level.mean_pressure_pa,
+        mean_pressure_pa: lead.strips.mean_pressure_pa,
         strips: STRIPS,
         strip_length_m: plan.length_m,
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
         band_end_m: surface.measured.as_ref().and_then(ScannedSurface::band_end_m),
-        plastic_floor: plastic_floor(friction),
+        plastic_floor: friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal)),
         points,
         halved_pitch,
         known: String::new(),
@@ -114,20 +114,6 @@ pub(super) fn run(
     output.warnings.extend(beyond_the_band(&result, &anchor));
     output.assumptions.push(result.known.clone());
     Ok((Some(result), output))
-}
-
-/// Returns the friction of contacts at the hardness: τ_max/H, plus α of a pressure-dependent shear strength.
-fn plastic_floor(study: &FrictionStudy) -> Option<f64> {
-    let (shear_strength_pa, alpha) = match study.law {
-        WindowLaw::BowdenTabor { shear_strength_pa } | WindowLaw::AdhesionPloughing { shear_strength_pa } => {
-            (shear_strength_pa, 0.0)
-        }
-        WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient } => {
-            (shear_strength_pa, pressure_coefficient)
-        }
-        WindowLaw::Coulomb { .. } => return None,
-    };
-    Some(shear_strength_pa / study.material.hardness?.0 + alpha)
 }
 
 fn table(result: &CutoffResult) -> Table {
@@ -309,6 +295,6 @@ mod tests {
     fn coulombs_law_has_no_plan() {
         let usual = FrictionSection::default();
         assert!(plan(&usual, 5).is_some());
-        assert_eq!(plan(&FrictionSection { law: FrictionLawKind::Coulomb, ..usual }, 5), None);
+        assert_eq!(plan(&FrictionSection { law: WindowLawKind::Coulomb, ..usual }, 5), None);
     }
 }

@@ -5,7 +5,6 @@ use crate::distribution::Marginal;
 use crate::distribution::fit::{Family, Fit};
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
-use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::friction::{LevelControl, SolvedLevel};
 use crate::stats::{Estimate, Histogram, sorted_present};
@@ -23,10 +22,10 @@ pub(super) fn of_levels(levels: &[SolvedLevel]) -> Tables {
 }
 
 /// Law, correlation, spectrum and window study of the leading level, at the mean load.
-pub(super) fn of_lead(lead: &SolvedLevel, window: &Window) -> Tables {
+pub(super) fn of_lead(lead: &SolvedLevel) -> Tables {
     let mut tables = law_tables(lead);
-    tables.extend(correlation_table(lead, window).map(|table| ("friction_acf", table)));
-    tables.extend(spectrum_table(lead, window).map(|table| ("friction_spectrum", table)));
+    tables.extend(correlation_table(lead).map(|table| ("friction_acf", table)));
+    tables.extend(spectrum_table(lead).map(|table| ("friction_spectrum", table)));
     tables.extend(cross_table(lead).map(|table| ("friction_area_load", table)));
     tables.extend(lead.window_study.as_ref().map(|study| ("friction_windows", windows_table(study))));
     tables
@@ -46,8 +45,8 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
     let of = |l: &SolvedLevel, value: f64| if l.heavy_tail.is_none() { value } else { f64::NAN };
     Table::new([
         ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
-        ("penetration_m", column(&|l| l.level.penetration_m)),
-        ("mean_pressure_pa", column(&|l| l.level.mean_pressure_pa)),
+        ("penetration_m", column(&|l| l.strips.penetration_m)),
+        ("mean_pressure_pa", column(&|l| l.strips.mean_pressure_pa)),
         ("mean", column(&|l| l.quotient_mean().unwrap_or(f64::NAN))),
         ("mean_low", column(&|l| of(l, low(l.statistics.estimates.mean)))),
         ("mean_high", column(&|l| of(l, high(l.statistics.estimates.mean)))),
@@ -72,7 +71,7 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
 
 /// Load against depth, from the shallowest level.
 fn load_curve_table(levels: &[SolvedLevel]) -> Table {
-    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_level(&level.level)).collect();
+    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_strips(&level.strips)).collect();
     points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
     let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
     Table::new([
@@ -96,11 +95,11 @@ fn trace_column(level: LevelControl) -> String {
 }
 
 fn trace_table(levels: &[SolvedLevel]) -> Table {
-    let first = levels.iter().filter_map(|level| level.level.records.first()).next();
+    let first = levels.iter().filter_map(|level| level.strips.records.first()).next();
     let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];
     let rows = columns[0].1.len();
     for level in levels {
-        let trace = level.level.records.first().filter(|record| record.friction.len() == rows);
+        let trace = level.strips.records.first().filter(|record| record.friction.len() == rows);
         columns.push((
             trace_column(level.control),
             trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
@@ -141,7 +140,8 @@ fn table(columns: Columns) -> Table {
 }
 
 /// Autocorrelation with the models fitted to it.
-fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
+fn correlation_table(lead: &SolvedLevel) -> Option<Table> {
+    let window = &lead.window;
     let correlation = lead.process.correlation.as_ref().ok()?;
     let estimate = &correlation.estimate;
     let lags: Vec<f64> = (0..estimate.correlation.len()).map(|k| k as f64 * estimate.step_m).collect();
@@ -170,7 +170,8 @@ fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
 }
 
 /// Power spectral density with its band, and that of the window alone and of the process under it.
-fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
+fn spectrum_table(lead: &SolvedLevel) -> Option<Table> {
+    let window = &lead.window;
     let spectrum = lead.analysis.spectrum.as_ref().ok()?;
     let variance = lead.process.moments.std.powi(2);
     let mut columns = vec![

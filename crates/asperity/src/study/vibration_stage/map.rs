@@ -1,13 +1,13 @@
 //! Stability map of a study.
 
-use super::{CONSTANT_STD, Ensembles, Fluctuation};
+use super::{CONSTANT_STD, Ensembles};
 use crate::friction::process::{FrictionProcess, ProcessModel};
 use crate::monitor::Monitor;
 use crate::study::file::MapSection;
 use crate::study::{StudyError, Table};
 use crate::vibration::{
     EnsembleSettings, MapAxis, MapCell, MapOver, MapPoint, MapSettings, Oscillator, StabilityMap, VibrationError,
-    stability_map,
+    clipped_to_positive, stability_map,
 };
 
 impl Ensembles<'_> {
@@ -18,15 +18,10 @@ impl Ensembles<'_> {
         MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble }
     }
 
-    /// Computes the map over the parameters of the study, with one upscaling.
-    pub(super) fn map(
-        &self,
-        section: &MapSection,
-        noise: &Fluctuation,
-        monitor: &dyn Monitor,
-    ) -> Result<StabilityMap, StudyError> {
+    /// Computes the map over the parameters of the study, with its main upscaling.
+    pub(super) fn map(&self, section: &MapSection, monitor: &dyn Monitor) -> Result<StabilityMap, StudyError> {
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = self.machine_and_model(section.over, noise, [x, y])?;
+            let (oscillator, model) = self.machine_and_model(section.over, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
@@ -37,12 +32,14 @@ impl Ensembles<'_> {
     pub(super) fn machine_and_model(
         &self,
         over: MapOver,
-        noise: &Fluctuation,
         point: [f64; 2],
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
-        let (oscillator, std, load) = over.at(&self.oscillator, noise.std, point)?;
+        let stated = self.model(self.study.upscaling);
+        let (oscillator, std, load) = over.at(&self.oscillator, stated.std, point)?;
+        let (shape, correlation_length) = (stated.shape.in_unit(load), stated.correlation_length / load);
+        let model = ProcessModel { std, shape, correlation_length, ..stated };
         let varies = std >= CONSTANT_STD;
-        let model = varies.then(|| self.model(&oscillator, noise.marginal.clone(), std, load, 1.0));
+        let model = varies.then(|| clipped_to_positive(&oscillator, model, 1.0));
         Ok((oscillator, model))
     }
 }
