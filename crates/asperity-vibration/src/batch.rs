@@ -13,7 +13,7 @@ use std::ops::Range;
 use self::kernel::{Consts, Cuts, Expansion, LANES, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
-use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::{Drive, Event, EventKind, Method, Oscillator, Slips, TrajectorySettings, VelocityLaw, VibrationError};
 use asperity_base::monitor::Silent;
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::{Cell, Fluctuation};
@@ -158,10 +158,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
     /// Creates a trajectory at its start; returns none if batches do not support it.
     fn new(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
         let Task { oscillator, mut fluctuation, observer, swing_level } = task;
-        if matches!(oscillator.law(), FrictionLaw::Tabulated(_))
-            || oscillator.forcing().is_some()
-            || swing_level.is_finite()
-        {
+        if oscillator.law().is_tabulated() || oscillator.forcing().is_some() || swing_level.is_finite() {
             return Ok(None);
         }
         let velocity = oscillator.belt_velocity();
@@ -191,7 +188,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
 
     /// Returns whether the law has an exponential part; an exponential law without weakening has none.
     fn is_exponential(&self) -> bool {
-        matches!(self.oscillator.law(), FrictionLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
+        matches!(self.oscillator.law(), VelocityLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
     }
 
     /// Returns m at the scaled distance `passed` since the start of the cell.
@@ -465,8 +462,8 @@ mod tests {
         found.into_iter().map(|ended| ended.expect("every trajectory ends")).collect()
     }
 
-    fn exponential(kinetic: f64, high_speed: f64, stribeck_velocity: f64) -> FrictionLaw {
-        FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity }
+    fn exponential(kinetic: f64, high_speed: f64, stribeck_velocity: f64) -> VelocityLaw {
+        VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity }
     }
 
     fn machines() -> Vec<(Oscillator, f64)> {
@@ -475,19 +472,19 @@ mod tests {
             (Oscillator::new(parameters).unwrap(), std)
         };
         vec![
-            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.001),
-            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.25, 0.003, 0.001),
-            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.006),
-            of(0.3, FrictionLaw::Stribeck { kinetic: 0.25, decay: 3.0 }, 0.05, 0.05, 0.01),
-            of(0.3, FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.05, 0.05, 0.005),
-            of(0.4, FrictionLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
+            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.001),
+            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.25, 0.003, 0.001),
+            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.006),
+            of(0.3, VelocityLaw::Stribeck { kinetic: 0.25, decay: 3.0 }, 0.05, 0.05, 0.01),
+            of(0.3, VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.05, 0.05, 0.005),
+            of(0.4, VelocityLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
             of(0.4, exponential(0.4, 0.3, 0.4), 0.05, 0.05, 0.005),
             of(0.3, exponential(0.25, 0.1, 0.03), 0.05, 0.1, 0.005),
             // Laws that fall within a small fraction of the velocity of the belt, and one that hardly falls.
             of(0.3, exponential(0.3, 0.2, 0.001), 0.05, 0.05, 0.004),
             of(0.3, exponential(0.3, 0.2, 300.0), 0.01, 0.05, 0.004),
             // Strong motion: the mass overtakes the belt.
-            of(0.17, FrictionLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
+            of(0.17, VelocityLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
         ]
     }
 
@@ -553,7 +550,7 @@ mod tests {
         let of = |index: usize| {
             let damping_ratio = 0.1 + 0.005 * (index % 20) as f64;
             let (static_friction, law, belt_velocity) = match index / 20 {
-                0 => (0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.003),
+                0 => (0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.003),
                 1 => (0.3, exponential(0.3, 0.1, 0.2), 0.02),
                 _ => (0.4, exponential(0.35, 0.2, 0.004), 0.08),
             };

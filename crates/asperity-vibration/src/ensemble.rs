@@ -329,7 +329,7 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Forcing, FrictionLaw, FrictionTable, Parameters};
+    use crate::{Forcing, FrictionTable, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
     use asperity_testing::AlwaysCancelled;
@@ -401,11 +401,11 @@ mod tests {
         let process = FrictionProcess::new(model).unwrap();
         for drive in [Drive::Distance, Drive::Time] {
             for law in [
-                FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
-                FrictionLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
-                FrictionLaw::Coulomb { kinetic: 0.1 },
-                FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
-                FrictionLaw::Tabulated(
+                VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+                VelocityLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
+                VelocityLaw::Coulomb { kinetic: 0.1 },
+                VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
+                VelocityLaw::Tabulated(
                     FrictionTable::new(&[[0.0, 0.1], [0.01, 0.09], [0.03, 0.08], [0.05, 0.085]]).unwrap(),
                 ),
             ] {

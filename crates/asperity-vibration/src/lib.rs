@@ -69,7 +69,7 @@ pub use deterministic::deterministic_slips;
 pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
-pub use law::FrictionLaw;
+pub use law::VelocityLaw;
 pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};

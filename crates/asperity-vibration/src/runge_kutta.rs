@@ -201,7 +201,7 @@ fn shift(c: &mut [f64], a: f64) {
 mod tests {
     use super::*;
     use crate::{
-        Drive, EventKind, Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, Trajectory, TrajectorySettings,
+        Drive, EventKind, Forcing, FrictionTable, Oscillator, Parameters, Trajectory, TrajectorySettings, VelocityLaw,
     };
     use asperity_process::{Fluctuation, FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
@@ -319,7 +319,7 @@ mod tests {
     fn all_methods_find_the_same_events() {
         let base = Parameters {
             static_friction: 0.1,
-            law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+            law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
             damping_ratio: 0.02,
             belt_velocity: 0.05,
             forcing: None,
@@ -327,10 +327,10 @@ mod tests {
         let table = FrictionTable::new(&[[0.0, 0.1], [0.03, 0.08], [0.06, 0.075], [0.1, 0.08]]).unwrap();
         let laws = [
             base.law.clone(),
-            FrictionLaw::Coulomb { kinetic: 0.05 },
-            FrictionLaw::Linear { kinetic: 0.09, slope: 0.1 },
-            FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 },
-            FrictionLaw::Tabulated(table),
+            VelocityLaw::Coulomb { kinetic: 0.05 },
+            VelocityLaw::Linear { kinetic: 0.09, slope: 0.1 },
+            VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 },
+            VelocityLaw::Tabulated(table),
         ];
         let model =
             ProcessModel { steps_per_length: 4, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.002, 0.05) };

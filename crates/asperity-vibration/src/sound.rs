@@ -138,7 +138,7 @@ fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, FrictionLaw, Method, Parameters};
+    use crate::{Drive, Method, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
 
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn the_coulomb_cycle_has_the_mean_square_of_its_arcs() {
         // Slip is X = μ_k + A cos with the duration 2π − 2 atan(Δ/V); stick lasts 2Δ/V at the velocity V.
-        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
         let found = cycle_rms(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();

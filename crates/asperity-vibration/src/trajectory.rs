@@ -187,7 +187,7 @@ impl Slips {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, Parameters, limit_cycle, trajectory_portrait};
+    use crate::{Parameters, VelocityLaw, limit_cycle, trajectory_portrait};
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
     #[test]
@@ -268,7 +268,7 @@ mod tests {
         let nowhere = TrajectorySettings { start: Some(f64::NAN), ..settings };
         assert!(Trajectory::simulate(&oscillator, Steady, &nowhere).is_err());
         // A linear law has no positive value at the speed of the mass.
-        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
         let fast = limit_cycle(&Oscillator::new(parameters).unwrap());

@@ -219,12 +219,12 @@ pub(super) fn run_all<T: Send>(
 mod tests {
     use super::super::{Damping, Parameters, limit_cycle};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
 
     fn model(friction: f64) -> Model {
-        let law = FrictionLaw::Coulomb { kinetic: friction };
+        let law = VelocityLaw::Coulomb { kinetic: friction };
         let damping = Damping::Modal { ratios: [0.05; 2] };
         Model::new(Parameters { law, static_friction: friction, damping, ..Parameters::default() }).unwrap()
     }

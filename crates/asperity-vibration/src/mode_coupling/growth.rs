@@ -230,7 +230,7 @@ mod tests {
 
     use super::super::{Damping, Mode, Parameters, State, Trajectory, TrajectorySettings};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
     use asperity_base::monitor::Silent;
     use asperity_process::{ProcessModel, RecordedProcess, Steady};
 
@@ -242,7 +242,7 @@ mod tests {
     #[test]
     fn without_fluctuation_the_rate_is_the_real_part_of_the_eigenvalue() {
         let damping = Damping::Modal { ratios: [0.02, 0.08] };
-        let law = FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.2 };
+        let law = VelocityLaw::Stribeck { kinetic: 0.9, decay: 0.2 };
         let model = Model::new(Parameters { damping, law, static_friction: 0.9, ..Parameters::default() }).unwrap();
         for friction in [0.3, 0.8, 1.2] {
             let wanted = leading(&model, friction);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::{FrictionLaw, VibrationError, non_negative, positive};
+use super::super::{VelocityLaw, VibrationError, non_negative, positive};
 
 /// Largest stiffness, velocity, friction coefficient and damping; results for larger values would be meaningless.
 const MOST: f64 = 1e6;
@@ -50,7 +50,7 @@ pub struct Parameters {
     /// μ_s, the stick limit.
     pub static_friction: f64,
     /// Kinetic friction law μ(|v|).
-    pub law: FrictionLaw,
+    pub law: VelocityLaw,
     /// V > 0.
     pub belt_velocity: f64,
 }
@@ -67,7 +67,7 @@ impl Default for Parameters {
             contact_stiffness: 4.0 / 3.0,
             damping: Damping::Axes { tangential: 0.0, normal: 0.0 },
             static_friction: 0.8,
-            law: FrictionLaw::Coulomb { kinetic: 0.8 },
+            law: VelocityLaw::Coulomb { kinetic: 0.8 },
             belt_velocity: 0.5,
         }
     }
@@ -137,7 +137,7 @@ impl Model {
             bounded(name, value)?;
         }
         law.validate()?;
-        if let FrictionLaw::Tabulated(_) = law {
+        if law.is_tabulated() {
             let reason = "mode coupling does not support friction tables; use a law with a formula";
             return Err(VibrationError::NotFound { what: "series of the friction law", reason });
         }
@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn invalid_parameters_are_refused() {
         let fine = Parameters::default();
-        let law = FrictionLaw::Coulomb { kinetic: 0.9 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.9 };
         for parameters in [
             Parameters { angles_deg: [f64::NAN, 30.0], ..fine.clone() },
             Parameters { springs: [-1.0, 1.0], ..fine.clone() },

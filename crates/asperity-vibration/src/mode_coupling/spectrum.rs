@@ -272,7 +272,7 @@ fn falling(model: &Model, most: f64) -> Result<Option<f64>, VibrationError> {
 mod tests {
     use super::super::{Damping, Parameters};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
 
     fn damped(damping: Damping) -> Model {
         Model::new(Parameters { damping, ..Parameters::default() }).unwrap()
@@ -344,13 +344,13 @@ mod tests {
 
     #[test]
     fn the_onset_is_where_the_largest_growth_rate_vanishes() {
-        let stribeck = FrictionLaw::Stribeck { kinetic: 0.5, decay: 0.3 };
+        let stribeck = VelocityLaw::Stribeck { kinetic: 0.5, decay: 0.3 };
         for (damping, law) in [
-            (Damping::Axes { tangential: 0.1, normal: 0.02 }, FrictionLaw::Coulomb { kinetic: 0.5 }),
-            (Damping::Proportional { mass: 0.02, stiffness: 0.03 }, FrictionLaw::Coulomb { kinetic: 0.5 }),
-            (Damping::Modal { ratios: [0.03, 0.01] }, FrictionLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Axes { tangential: 0.1, normal: 0.02 }, VelocityLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Proportional { mass: 0.02, stiffness: 0.03 }, VelocityLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Modal { ratios: [0.03, 0.01] }, VelocityLaw::Coulomb { kinetic: 0.5 }),
             (Damping::Modal { ratios: [0.05, 0.05] }, stribeck),
-            (Damping::Axes { tangential: 0.05, normal: 0.05 }, FrictionLaw::Linear { kinetic: 0.5, slope: 0.05 }),
+            (Damping::Axes { tangential: 0.05, normal: 0.05 }, VelocityLaw::Linear { kinetic: 0.5, slope: 0.05 }),
         ] {
             let model = Model::new(Parameters { damping, law, ..Parameters::default() }).unwrap();
             let critical = critical_friction(&model, 2.0).unwrap().unwrap();

@@ -134,7 +134,7 @@ mod tests {
 
     use super::super::{Damping, EventKind, Parameters, modes};
     use super::*;
-    use crate::{self as vibration, FrictionLaw};
+    use crate::{self as vibration, VelocityLaw};
     use asperity_base::random;
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
@@ -147,7 +147,7 @@ mod tests {
         Model::new(Parameters {
             damping: Damping::Axes { tangential: 0.02, normal: 0.02 },
             static_friction: 1.3,
-            law: FrictionLaw::Stribeck { kinetic: 1.2, decay: 0.3 },
+            law: VelocityLaw::Stribeck { kinetic: 1.2, decay: 0.3 },
             belt_velocity: 0.2,
             ..Parameters::default()
         })
@@ -224,10 +224,10 @@ mod tests {
         // With Coulomb friction growth is exactly linear; under a weakening law the nonlinear part is of the order of
         // the amplitude.
         for (law, a, tolerance) in [
-            (FrictionLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
-            (FrictionLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
-            (FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
-            (FrictionLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
+            (VelocityLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
+            (VelocityLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
+            (VelocityLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
+            (VelocityLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
         ] {
             let model =
                 Model::new(Parameters { damping, law: law.clone(), static_friction: 0.9, ..Parameters::default() })
@@ -344,7 +344,7 @@ mod tests {
     fn without_coupling_events_match_one_degree_of_freedom() {
         let stribeck = vibration::Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         // The weakening acts in the last hundredth of a slip.
-        let law = FrictionLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
+        let law = VelocityLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
         let steep =
             vibration::Parameters { law, belt_velocity: 0.04, damping_ratio: 0.005, ..stribeck.parameters().clone() };
         for (oscillator, length) in [(stribeck, 0.01), (vibration::Oscillator::new(steep).unwrap(), 20.0)] {
@@ -387,7 +387,7 @@ mod tests {
             let decay = z[1].exp();
             let kinetic = static_friction * (1.0 - 0.2 * z[2].abs()).max(0.2);
             let law =
-                if z[3] > 0.0 { FrictionLaw::Stribeck { kinetic, decay } } else { FrictionLaw::Coulomb { kinetic } };
+                if z[3] > 0.0 { VelocityLaw::Stribeck { kinetic, decay } } else { VelocityLaw::Coulomb { kinetic } };
             let model = Model::new(Parameters {
                 angles_deg: [180.0 * z[4], 180.0 * z[5]],
                 springs: [z[6].exp(), z[7].exp()],

@@ -509,7 +509,7 @@ mod tests {
     #[test]
     fn a_slowly_settling_motion_is_followed_until_it_repeats() {
         // Slip under a force, without stick, loses the effect of its start as e^{−ζτ}: to 1 % in 100 forcing periods.
-        let law = crate::FrictionLaw::Coulomb { kinetic: 0.2 };
+        let law = crate::VelocityLaw::Coulomb { kinetic: 0.2 };
         let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
         let (damping_ratio, belt_velocity) = (0.005, 0.5);
         let parameters = crate::Parameters { static_friction: 0.2, law, damping_ratio, belt_velocity, forcing };

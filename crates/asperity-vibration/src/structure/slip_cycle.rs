@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::motion::SlipState;
-use super::super::{FrictionLaw, Oscillator, Phase, VibrationError};
+use super::super::{Oscillator, Phase, VibrationError};
 use super::planar::{Lap, Planar, Turn};
 use asperity_base::numeric::newton_between;
 
@@ -234,7 +234,7 @@ pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
 /// # References
 /// Duff, *Annals of Mathematics* **57** (1953) 15, <https://doi.org/10.2307/1969724>.
 pub(crate) fn fold_damping(oscillator: &Oscillator, above: f64) -> Result<Option<f64>, VibrationError> {
-    if matches!(oscillator.law(), FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. }) {
+    if oscillator.law().is_linear() {
         return Ok(None);
     }
     // Returns −max ln(P/r) and its derivative.
@@ -306,7 +306,7 @@ fn cycle(oscillator: &Oscillator, rest: f64, r: f64, lap: &Lap) -> SlipCycle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, FrictionTable, Parameters, critical_damping};
+    use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping};
 
     #[test]
     fn one_unstable_cycle_lies_exactly_between_the_hopf_point_and_the_fold() {
@@ -355,11 +355,11 @@ mod tests {
     #[test]
     fn laws_without_isolated_cycles_have_none() {
         for (law, damping_ratio) in [
-            (FrictionLaw::Coulomb { kinetic: 0.3 }, 0.0),
-            (FrictionLaw::Coulomb { kinetic: 0.3 }, 0.01),
-            (FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1),
-            (FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.09),
-            (FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1001),
+            (VelocityLaw::Coulomb { kinetic: 0.3 }, 0.0),
+            (VelocityLaw::Coulomb { kinetic: 0.3 }, 0.01),
+            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1),
+            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.09),
+            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1001),
         ] {
             for static_friction in [0.3, 0.31] {
                 let law = law.clone();
@@ -372,7 +372,7 @@ mod tests {
     #[test]
     fn all_orbits_approach_a_relaxation_oscillation() {
         // Relaxation oscillation: 2ζ dX/dτ = μ − X on the two flat pieces, 0.1 and 0.05 … 0.04, and jumps between them.
-        let law = FrictionLaw::Tabulated(
+        let law = VelocityLaw::Tabulated(
             FrictionTable::new(&[[0.0, 0.1], [0.001, 0.1], [0.0011, 0.05], [1.0, 0.04]]).unwrap(),
         );
         let (damping_ratio, belt_velocity) = (23.0, 0.00105);
@@ -401,7 +401,7 @@ mod tests {
 
     #[test]
     fn a_repelling_node_has_no_cycle_around_it() {
-        let law = FrictionLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
+        let law = VelocityLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
         let parameters =
             Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };
         let map = return_map(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();

@@ -4,7 +4,7 @@
 use asperity_base::monitor::Silent;
 use asperity_process::{FrictionProcess, ProcessModel};
 use asperity_vibration::{
-    Ensemble, EnsembleSettings, FrictionLaw, FrictionTable, MotionKind, Oscillator, Parameters, limit_cycle,
+    Ensemble, EnsembleSettings, FrictionTable, MotionKind, Oscillator, Parameters, VelocityLaw, limit_cycle,
 };
 
 /// Belt velocity of the published cycles.
@@ -199,7 +199,7 @@ fn slip_cycles_count_as_vibration_and_noise_about_steady_sliding_does_not() {
     let points: Vec<[f64; 2]> = (0..=80).map(|i| 0.005 * f64::from(i)).map(|v| [v, law(v)]).collect();
     let table = FrictionTable::new(&points).unwrap();
     let machine = |damping_ratio| {
-        let (static_friction, law) = (0.4, FrictionLaw::Tabulated(table.clone()));
+        let (static_friction, law) = (0.4, VelocityLaw::Tabulated(table.clone()));
         Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity: 0.056, forcing: None })
             .unwrap()
     };

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
-pub use vibration::{MapSection, Stribeck, VelocityLaw, VibrationSection};
+pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
 
 /// Study file: scan or surface model, stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

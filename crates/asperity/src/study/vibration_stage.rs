@@ -7,9 +7,7 @@ mod tables;
 
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
-use self::entries::{
-    crossing_result, cycle_result, damping_result, describe_law, kind_result, motion_result, points_result,
-};
+use self::entries::{crossing_result, cycle_result, damping_result, kind_result, motion_result, points_result};
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
@@ -322,7 +320,7 @@ impl<'a> Ensembles<'a> {
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
              starting in stick. The damping ratios at which vibration falls through 95, 50 and 5 % belong to the second half of this \
              time: the longer it is, the more trajectories leave vibration.",
-            describe_law(self.oscillator.law()),
+            self.oscillator.law().describe(),
             sentence::digits(self.oscillator.belt_velocity()),
             self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
                 ", under the force {} cos {}τ in units of N",

@@ -101,7 +101,7 @@ impl<'de> Deserialize<'de> for Stribeck {
 choice! {
     /// Dependence of friction on the sliding velocity.
     #[derive(Default)]
-    pub enum VelocityLaw: "velocity law" {
+    pub enum VelocityLawKind: "velocity law" {
         /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law).
         #[default]
         Stribeck = "stribeck",
@@ -161,7 +161,7 @@ pub struct VibrationSection {
     pub kinetic_share: f64,
     /// Dependence of friction on the velocity.
     #[serde(default)]
-    pub velocity_law: VelocityLaw,
+    pub velocity_law: VelocityLawKind,
     /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity or in s/m; 4.2 when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stribeck: Option<Stribeck>,
@@ -228,7 +228,7 @@ impl VibrationSection {
     /// Returns the stated or default Stribeck coefficient, if the law has one.
     pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
         let usual = Stribeck::Dimensionless(USUAL_STRIBECK);
-        (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(usual))
+        (self.velocity_law == VelocityLawKind::Stribeck).then(|| self.stribeck.unwrap_or(usual))
     }
 }
 
