@@ -1,6 +1,6 @@
 //! The random surface fitted to the measured one: its covariance, its distribution, its expansion.
 
-use asperity_results::{CovarianceCandidate, CovarianceResult, EmpiricalCovariance, LawResult, SurfaceResult};
+use asperity_results::{CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, LawResult, SurfaceResult};
 
 use super::DataTable;
 use super::cells::{DASH, plain, yes_or_no};
@@ -67,7 +67,7 @@ fn covariance(found: &CovarianceResult) -> Vec<(String, String)> {
     rows.extend(named.into_iter().filter_map(|(name, dimension, value)| {
         Some((format!("covariance · {name}"), dimension.show_interval(value?, None)))
     }));
-    let candidate = |tried: &CovarianceCandidate| {
+    let candidate = |tried: &CovarianceCandidateResult| {
         format!("{} ({}; {})", in_words(&tried.model), plain(tried.misfit, 3), plain(tried.slope_ratio, 3))
     };
     let candidates: Vec<String> = found.candidates.iter().map(candidate).collect();
@@ -170,7 +170,7 @@ mod tests {
     fn the_length_of_a_model_has_its_meaning() {
         let of = |covariance| SurfaceResult { covariance: Some(covariance), ..SurfaceResult::default() };
         let candidate =
-            |model: &str, misfit, slope_ratio| CovarianceCandidate { model: model.into(), misfit, slope_ratio };
+            |model: &str, misfit, slope_ratio| CovarianceCandidateResult { model: model.into(), misfit, slope_ratio };
         let matern = of(CovarianceResult {
             model: "matern".into(),
             length_x_m: 2e-5,
