@@ -31,7 +31,7 @@ use std::time::Instant;
 use asperity::friction::process::{FrictionProcess, ProcessModel, Steady};
 use asperity::monitor::Silent;
 use asperity::vibration::{
-    Drive, Ensemble, EnsembleSettings, Event, EventKind, Method, Oscillator, Trajectory, TrajectorySettings,
+    Drive, Ensemble, EnsembleSettings, Event, EventKind, Integrator, Oscillator, Trajectory, TrajectorySettings,
     damping_sweep, deterministic_slips, limit_cycle,
 };
 use serde_json::{Value, json};
@@ -97,7 +97,7 @@ impl Job {
     }
 
     fn settings(&self, duration: f64) -> TrajectorySettings {
-        TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::default() }
+        TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::default() }
     }
 
     /// Time in which a mass from the default start finishes at least `cycles` cycles.

@@ -13,7 +13,7 @@ use std::ops::Range;
 use self::kernel::{Consts, Cuts, Expansion, LANES, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
-use super::{Drive, Event, EventKind, Method, Oscillator, Slips, TrajectorySettings, VelocityLaw, VibrationError};
+use super::{Drive, Event, EventKind, Integrator, Oscillator, Slips, TrajectorySettings, VelocityLaw, VibrationError};
 use asperity_base::monitor::Silent;
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::{Cell, Fluctuation};
@@ -67,7 +67,7 @@ pub(super) fn simulate_many<F: Fluctuation, W: Observer>(
     };
     let mut waiting = indices;
     if settings.drive == Drive::Time
-        || settings.method != Method::Taylor
+        || settings.method != Integrator::Taylor
         || !(settings.duration.is_finite() && settings.duration > 0.0)
     {
         waiting.for_each(|index| done(index, alone(index)));
@@ -443,7 +443,7 @@ mod tests {
         duration: f64,
         indices: Range<usize>,
     ) -> Vec<Result<(Slips, All), VibrationError>> {
-        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let mut found: Vec<Option<Result<(Slips, All), VibrationError>>> = indices.clone().map(|_| None).collect();
         let first = indices.start;
         simulate_many(
@@ -493,7 +493,7 @@ mod tests {
         for (oscillator, std) in machines() {
             let process = process(std);
             let settings =
-                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
             for (index, ended) in followed(&oscillator, &process, 25.0, 0..40).into_iter().enumerate() {
                 let (slips, All(events)) = ended.unwrap();
                 let alone = Trajectory::simulate(&oscillator, process.path(3, index as u64), &settings).unwrap();
@@ -530,7 +530,7 @@ mod tests {
     fn ending_records_and_negative_friction_fail_as_in_a_single_simulation() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
-            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {
             let record = RecordedProcess::new(0.005, values).unwrap();
             let alone = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap_err();
@@ -546,7 +546,7 @@ mod tests {
     #[test]
     fn without_noise_every_lane_follows_the_cycle() {
         let settings =
-            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let of = |index: usize| {
             let damping_ratio = 0.1 + 0.005 * (index % 20) as f64;
             let (static_friction, law, belt_velocity) = match index / 20 {

@@ -35,12 +35,12 @@ pub fn deterministic_slips(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Method, Trajectory};
+    use crate::{Drive, Forcing, Integrator, Trajectory};
 
     #[test]
     fn oscillators_in_lockstep_match_single_simulations() {
         let settings =
-            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let machines: Vec<Oscillator> = (0..70)
             .map(|i| {
                 let free = Oscillator::stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();

@@ -130,7 +130,7 @@ impl Oracle<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Forcing, FrictionTable, Method, Parameters, VelocityLaw};
+    use crate::{Forcing, FrictionTable, Integrator, Parameters, VelocityLaw};
     use asperity_process::{Fluctuation, FrictionProcess, Generator, ProcessModel};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
@@ -147,7 +147,7 @@ mod tests {
         let mut path = process.path(11, 0);
         let cells: Vec<Cell> = (0..4000).map(|_| path.next_cell().unwrap()).collect();
         let oscillator = Oscillator::new(parameters).unwrap();
-        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Method::Taylor };
+        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Integrator::Taylor };
         let fast = Trajectory::simulate(&oscillator, process.path(11, 0), &settings).unwrap();
         let slow = Oracle {
             oscillator: &oscillator,

@@ -13,7 +13,7 @@ mod tests {
     use rayon::prelude::*;
 
     use super::super::{
-        Count, Drive, Ensemble, EnsembleSettings, Method, Oscillator, Parameters, Trajectory, TrajectorySettings,
+        Count, Drive, Ensemble, EnsembleSettings, Integrator, Oscillator, Parameters, Trajectory, TrajectorySettings,
         VelocityLaw,
     };
     use super::check::{Checked, check};
@@ -122,7 +122,7 @@ mod tests {
                     return [0; 3];
                 };
                 let alone =
-                    TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+                    TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
                 let mut sums = [0; 3];
                 for i in 0..6 {
                     match Trajectory::simulate(&oscillator, case.process.path(SEED, i), &alone) {
@@ -156,7 +156,7 @@ mod tests {
                 let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method };
                 Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events
             };
-            let (series, stages) = (events(Method::Taylor), events(Method::DormandPrince { tolerance: 1e-12 }));
+            let (series, stages) = (events(Integrator::Taylor), events(Integrator::DormandPrince { tolerance: 1e-12 }));
             assert!(
                 series.len() == stages.len() && series.len() > 5,
                 "{belt_velocity}: {} and {}",

@@ -16,7 +16,7 @@ use super::weakening::Weakening;
 /// Integration method of slip. All methods find events on the polynomials of the steps, to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Method {
+pub enum Integrator {
     /// Taylor series of up to 24 terms, whose dropped terms are below about 10⁻¹⁴ of the state: the fastest method.
     #[default]
     Taylor,
@@ -32,7 +32,7 @@ pub enum Method {
     },
 }
 
-impl Choice for Method {
+impl Choice for Integrator {
     const NOUN: &'static str = "integrator";
     const ALL: &'static [Self] =
         &[Self::Taylor, Self::RungeKuttaFehlberg { tolerance: 1e-10 }, Self::DormandPrince { tolerance: 1e-12 }];
@@ -66,7 +66,7 @@ const SAFETY: f64 = 0.9;
 /// Continuation of a law below W = 0 that a stage may use, as in [`Weakening::curvature_of`].
 const CONTINUATION: f64 = -0.5;
 
-impl Method {
+impl Integrator {
     /// Returns the integrator; fails if a tolerance is out of range.
     pub(super) fn stepper(self) -> Result<Option<Stepper>, VibrationError> {
         let (tableau, tolerance) = match self {
@@ -205,8 +205,8 @@ mod tests {
     };
     use asperity_process::{Fluctuation, FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
-    const FEHLBERG_AT: fn(f64) -> Method = |tolerance| Method::RungeKuttaFehlberg { tolerance };
-    const DORMAND_PRINCE_AT: fn(f64) -> Method = |tolerance| Method::DormandPrince { tolerance };
+    const FEHLBERG_AT: fn(f64) -> Integrator = |tolerance| Integrator::RungeKuttaFehlberg { tolerance };
+    const DORMAND_PRINCE_AT: fn(f64) -> Integrator = |tolerance| Integrator::DormandPrince { tolerance };
 
     #[test]
     fn hermite_s_polynomial_of_a_polynomial_is_itself() {
@@ -286,7 +286,11 @@ mod tests {
         }
     }
 
-    fn differences(parameters: Parameters, process: &impl Fn() -> Box<dyn Fluctuation>, method: Method) -> [f64; 4] {
+    fn differences(
+        parameters: Parameters,
+        process: &impl Fn() -> Box<dyn Fluctuation>,
+        method: Integrator,
+    ) -> [f64; 4] {
         let oscillator = Oscillator::new(parameters).unwrap();
         let mut settings = TrajectorySettings { duration: 40.0, start: None, drive: Drive::Distance, method };
         let mut worst = [0.0_f64; 4];
@@ -296,7 +300,7 @@ mod tests {
                 let settings = TrajectorySettings { method, ..settings };
                 Trajectory::simulate(&oscillator, &mut *process(), &settings).unwrap().events
             };
-            let (found, wanted) = (events(method), events(Method::Taylor));
+            let (found, wanted) = (events(method), events(Integrator::Taylor));
             assert!(
                 wanted.len() > 6 && found.len() == wanted.len(),
                 "{method:?} {oscillator:?}: {} and {}",
@@ -381,8 +385,8 @@ mod tests {
                 assert!(matches!(period(make(tolerance)), Err(VibrationError::Parameter { .. })));
             }
         }
-        let text = serde_json::to_string(&Method::DormandPrince { tolerance: 1e-9 }).unwrap();
+        let text = serde_json::to_string(&Integrator::DormandPrince { tolerance: 1e-9 }).unwrap();
         assert_eq!(text, r#"{"dormand_prince":{"tolerance":1e-9}}"#);
-        assert_eq!(serde_json::from_str::<Method>(r#""taylor""#).unwrap(), Method::Taylor);
+        assert_eq!(serde_json::from_str::<Integrator>(r#""taylor""#).unwrap(), Integrator::Taylor);
     }
 }

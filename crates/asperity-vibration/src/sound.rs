@@ -138,7 +138,7 @@ fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Method, Parameters, VelocityLaw};
+    use crate::{Drive, Integrator, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
 
@@ -147,7 +147,7 @@ mod tests {
     }
 
     fn settings(duration: f64) -> SoundSettings {
-        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         SoundSettings { trajectories: 8, points_per_period: 64, from: 60.0, seed: 3, followed }
     }
 

@@ -120,7 +120,7 @@ impl MapSettings {
 }
 
 /// Machine: an oscillator and its friction fluctuation, if any.
-pub type Machine = (Oscillator, Option<FrictionProcess>);
+pub type FluctuatingOscillator = (Oscillator, Option<FrictionProcess>);
 
 /// Point of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -225,7 +225,7 @@ impl Square {
 ///
 /// Fails like [`Ensemble::simulate`] at the first point that fails, if an axis is empty, or when cancelled.
 pub fn stability_map(
-    machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
+    machine: &(dyn Fn(f64, f64) -> Result<FluctuatingOscillator, VibrationError> + Sync),
     settings: &MapSettings,
     monitor: &dyn Monitor,
 ) -> Result<StabilityMap, VibrationError> {
@@ -312,7 +312,7 @@ fn is_crossed(square: &Square, points: &BTreeMap<Place, MapPoint>) -> bool {
 }
 
 fn point(
-    machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
+    machine: &(dyn Fn(f64, f64) -> Result<FluctuatingOscillator, VibrationError> + Sync),
     x: f64,
     y: f64,
     settings: &EnsembleSettings,

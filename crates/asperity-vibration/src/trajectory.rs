@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
-use super::{Drive, Event, EventKind, Method, Oscillator, VibrationError, positive};
+use super::{Drive, Event, EventKind, Integrator, Oscillator, VibrationError, positive};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_process::Fluctuation;
 
@@ -19,7 +19,7 @@ pub struct TrajectorySettings {
     pub drive: Drive,
     /// Integration method of slip.
     #[serde(default)]
-    pub method: Method,
+    pub method: Integrator,
 }
 
 /// Counts of finished slips. A slip ends when the mass sticks, or when it returns from over-slip without stick.
@@ -208,7 +208,7 @@ mod tests {
             duration: number("tau_end"),
             start: Some(number("X_start")),
             drive: Drive::Distance,
-            method: Method::Taylor,
+            method: Integrator::Taylor,
         };
         let found = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
         let wanted = reference["events_mp"].as_array().unwrap();
@@ -239,7 +239,7 @@ mod tests {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let process = noisy(0.006, 0);
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Method::Taylor };
+            let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Integrator::Taylor };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, 300_001).unwrap();
             let mut counted = Slips::default();
@@ -257,7 +257,7 @@ mod tests {
     fn a_record_that_ends_and_friction_without_sign_are_errors() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
-            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let run = |values: Vec<f64>| {
             Trajectory::simulate(&oscillator, RecordedProcess::new(0.01, values).unwrap().path(), &settings)
         };

@@ -2,7 +2,9 @@
 
 use rand::RngExt;
 
-use super::super::{Drive, Forcing, FrictionTable, Method, Oscillator, Parameters, TrajectorySettings, VelocityLaw};
+use super::super::{
+    Drive, Forcing, FrictionTable, Integrator, Oscillator, Parameters, TrajectorySettings, VelocityLaw,
+};
 use asperity_base::random;
 use asperity_process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, TranslationKind};
 
@@ -156,5 +158,5 @@ pub(super) fn case(seed: u64, index: u64) -> Case {
     let duration = draw.decades(1.0, 3.0).min((MOST_GRID_POINTS * spacing / speed).max(LEAST_DURATION));
     let start = draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0));
     let oscillator = Oscillator::new(parameters).unwrap();
-    Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Method::Taylor } }
+    Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Integrator::Taylor } }
 }

@@ -4,7 +4,7 @@ use super::super::{Forcing, Oscillator, Parameters, VibrationError};
 
 asperity_base::choice! {
     /// Parameter of a curve or a diagram.
-    pub enum Parameter: "parameter of the oscillator" {
+    pub enum CurveParameter: "parameter of the oscillator" {
         /// Damping ratio ζ.
         DampingRatio = "damping_ratio",
         /// Dimensionless belt velocity V.
@@ -20,7 +20,7 @@ asperity_base::choice! {
     }
 }
 
-impl Parameter {
+impl CurveParameter {
     /// Returns the value of the parameter; none if the oscillator does not have it.
     pub fn value(self, oscillator: &Oscillator) -> Option<f64> {
         match self {
@@ -72,12 +72,12 @@ mod tests {
             .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.9 }))
             .unwrap();
         let all = [
-            Parameter::DampingRatio,
-            Parameter::BeltVelocity,
-            Parameter::StaticFriction,
-            Parameter::Weakening,
-            Parameter::ForcingAmplitude,
-            Parameter::ForcingFrequency,
+            CurveParameter::DampingRatio,
+            CurveParameter::BeltVelocity,
+            CurveParameter::StaticFriction,
+            CurveParameter::Weakening,
+            CurveParameter::ForcingAmplitude,
+            CurveParameter::ForcingFrequency,
         ];
         for parameter in all {
             let other = parameter.set(&forced, 0.7).unwrap();
@@ -86,14 +86,15 @@ mod tests {
                 assert_eq!(rest.value(&other), rest.value(&forced));
             }
         }
-        let friction = Parameter::StaticFriction.set(&forced, 0.7).unwrap();
+        let friction = CurveParameter::StaticFriction.set(&forced, 0.7).unwrap();
         assert_eq!(friction.law().kinetic(), 0.7);
         let law = VelocityLaw::Coulomb { kinetic: 0.2 };
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
-        assert_eq!(Parameter::Weakening.value(&coulomb), None);
+        assert_eq!(CurveParameter::Weakening.value(&coulomb), None);
         assert!(
-            Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
+            CurveParameter::Weakening.set(&coulomb, 1.0).is_err()
+                && CurveParameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
         );
-        assert!(Parameter::BeltVelocity.set(&coulomb, -1.0).is_err());
+        assert!(CurveParameter::BeltVelocity.set(&coulomb, -1.0).is_err());
     }
 }

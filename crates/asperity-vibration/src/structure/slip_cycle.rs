@@ -386,7 +386,7 @@ mod tests {
             duration: 5.0 * cycle.period,
             start: None,
             drive: crate::Drive::Distance,
-            method: crate::Method::DormandPrince { tolerance: 1e-11 },
+            method: crate::Integrator::DormandPrince { tolerance: 1e-11 },
         };
         let steady = asperity_process::Steady;
         let from = 3.0 * cycle.period;

@@ -6,7 +6,7 @@ use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
 use asperity::monitor::Silent;
 use asperity::study::Study;
 use asperity::study::result::{KindResult, VibrationResult};
-use asperity::vibration::{Drive, Ensemble, EnsembleSettings, Method, Oscillator, Parameters, VelocityLaw};
+use asperity::vibration::{Drive, Ensemble, EnsembleSettings, Integrator, Oscillator, Parameters, VelocityLaw};
 
 use crate::support::run_all;
 
@@ -134,12 +134,12 @@ fn generators_drives_and_integrators_agree_with_the_library() {
     };
     let recursion = Generator::Autoregressive;
     let cases = [
-        ("", recursion, Drive::Distance, Method::Taylor),
-        ("generator = \"renewal\"", Generator::Renewal, Drive::Distance, Method::Taylor),
-        ("generator = \"jacobi\"", Generator::Jacobi, Drive::Distance, Method::Taylor),
-        ("generator = \"spectral\"", Generator::Spectral { harmonics: 256 }, Drive::Distance, Method::Taylor),
-        ("drive = \"time\"", recursion, Drive::Time, Method::Taylor),
-        ("integrator = \"dormand_prince\"", recursion, Drive::Distance, Method::DormandPrince { tolerance: 1e-12 }),
+        ("", recursion, Drive::Distance, Integrator::Taylor),
+        ("generator = \"renewal\"", Generator::Renewal, Drive::Distance, Integrator::Taylor),
+        ("generator = \"jacobi\"", Generator::Jacobi, Drive::Distance, Integrator::Taylor),
+        ("generator = \"spectral\"", Generator::Spectral { harmonics: 256 }, Drive::Distance, Integrator::Taylor),
+        ("drive = \"time\"", recursion, Drive::Time, Integrator::Taylor),
+        ("integrator = \"dormand_prince\"", recursion, Drive::Distance, Integrator::DormandPrince { tolerance: 1e-12 }),
     ];
     let mut counts = Vec::new();
     for (keys, generator, drive, method) in cases {

@@ -1,7 +1,7 @@
 //! Attractors of the machine without fluctuation along a parameter.
 
 use asperity::study::Table;
-use asperity::vibration::Parameter;
+use asperity::vibration::CurveParameter;
 use asperity::vibration::{BifurcationDiagram, BifurcationPoint, BifurcationSettings, MarkKind, bifurcation_diagram};
 use clap::Args;
 
@@ -25,8 +25,8 @@ pub(crate) struct Bifurcation {
     #[command(flatten)]
     damping: Damping,
     /// Parameter to vary.
-    #[arg(long, value_parser = args::named::<Parameter>())]
-    over: Parameter,
+    #[arg(long, value_parser = args::named::<CurveParameter>())]
+    over: CurveParameter,
     /// Least value.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,

@@ -1,7 +1,9 @@
 //! Damping ratio at which stick-slip ends, along a parameter.
 
 use asperity::study::Table;
-use asperity::vibration::{Branch, BranchPoint, CurveSettings, Oscillator, Parameter, critical_curve, locked_curve};
+use asperity::vibration::{
+    Branch, BranchPoint, CurveParameter, CurveSettings, Oscillator, critical_curve, locked_curve,
+};
 use clap::Args;
 
 use super::Machine;
@@ -18,8 +20,8 @@ pub(crate) struct CriticalCurve {
     #[command(flatten)]
     machine: Machine,
     /// Parameter to vary.
-    #[arg(long, value_parser = args::named::<Parameter>())]
-    over: Parameter,
+    #[arg(long, value_parser = args::named::<CurveParameter>())]
+    over: CurveParameter,
     /// Start of the curve.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,
@@ -34,10 +36,10 @@ pub(crate) struct CriticalCurve {
 }
 
 /// Fails if the oscillator lacks the parameter, or if the range does not rise or has an impossible end.
-pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
+pub(super) fn check_over(over: CurveParameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
     if over.value(oscillator).is_none() {
         let reason = match over {
-            Parameter::ForcingAmplitude | Parameter::ForcingFrequency => {
+            CurveParameter::ForcingAmplitude | CurveParameter::ForcingFrequency => {
                 "the machine has no forcing; give --forcing and --forcing-frequency"
             }
             _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
@@ -56,7 +58,7 @@ pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to
 impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0, monitor)?;
-        if self.over == Parameter::DampingRatio {
+        if self.over == CurveParameter::DampingRatio {
             return Err(Failure::usage("--over damping_ratio: the curve itself gives the critical damping ratio"));
         }
         check_over(self.over, &oscillator, self.from, self.to)?;

@@ -8,8 +8,9 @@ use asperity::friction::process::{FrictionProcess, Steady};
 use asperity::study::{Table, implausible_damping, implausible_friction};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
-    Contact, Damping, EigenvalueScan, Ensemble, EnsembleSettings, GrowthRates, GrowthSettings, Mode, Model, Parameters,
-    Point, Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle, modes,
+    Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Mode, Model, Point,
+    eigenvalue_scan, growth_rates, limit_cycle, modes,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -128,15 +129,15 @@ fn number_pair(text: &str) -> Result<[f64; 2], Refusal> {
 }
 
 impl Springs {
-    fn parameters(&self, friction: &Friction, belt_velocity: f64) -> Result<Parameters, Failure> {
-        let usual = Parameters::default();
+    fn parameters(&self, friction: &Friction, belt_velocity: f64) -> Result<CoupledParameters, Failure> {
+        let usual = CoupledParameters::default();
         let damping = match (self.modal_damping, self.proportional_damping, self.dampers) {
             (Some(ratios), _, _) => Damping::Modal { ratios },
             (_, Some([mass, stiffness]), _) => Damping::Proportional { mass, stiffness },
             (_, _, Some([tangential, normal])) => Damping::Axes { tangential, normal },
             (None, None, None) => usual.damping,
         };
-        Ok(Parameters {
+        Ok(CoupledParameters {
             angles_deg: self.angles.unwrap_or(usual.angles_deg),
             springs: self.springs.unwrap_or(usual.springs),
             contact_stiffness: self.contact_stiffness.unwrap_or(usual.contact_stiffness),
@@ -152,9 +153,9 @@ impl Springs {
 struct Found {
     model: Model,
     scan: EigenvalueScan,
-    regime: Regime,
+    regime: CoupledRegime,
     growth: Option<GrowthRates>,
-    ensemble: Option<(f64, Ensemble)>,
+    ensemble: Option<(f64, CoupledEnsemble)>,
 }
 
 impl ModeCoupling {
@@ -229,8 +230,9 @@ impl Noise {
         let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: MIN_VALID_FRACTION };
         let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)?;
         let least_valid_share = MIN_VALID_FRACTION;
-        let settings = EnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
-        let ensemble = Ensemble::simulate(model, &process, &settings, monitor)?;
+        let settings =
+            CoupledEnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
+        let ensemble = CoupledEnsemble::simulate(model, &process, &settings, monitor)?;
         if let Some(first) = ensemble.failures.first() {
             let failed = ensemble.failures.len();
             monitor.warn(&format!("{failed} of {trajectories} trajectories failed, the first: {}", first.reason));
@@ -256,8 +258,8 @@ fn tables(found: &Found) -> Result<Vec<(&'static str, Table)>, VibrationError> {
         ]),
     )];
     if let Some(cycle) = found.regime.cycle() {
-        let settings = TrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
-        let points = Trajectory::portrait(&found.model, Steady, &settings, 0.0, CYCLE_POINTS)?;
+        let settings = CoupledTrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
+        let points = CoupledTrajectory::portrait(&found.model, Steady, &settings, 0.0, CYCLE_POINTS)?;
         tables.push(("mode_cycle", portrait(&points)));
     }
     Ok(tables)

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity::study::Table;
-use asperity::vibration::{self, Drive, Method, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
+use asperity::vibration::{self, Drive, Integrator, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use clap::Args;
 
 use super::folder::Folder;
@@ -62,7 +62,7 @@ impl Sound {
                 duration: self.duration,
                 start: None,
                 drive: Drive::Distance,
-                method: Method::Taylor,
+                method: Integrator::Taylor,
             },
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();

@@ -12,7 +12,7 @@ use crate::quantity::{Area, Force, Length};
 use crate::study::file::{FrictionSection, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection};
 use crate::study::sentence;
 use crate::vibration::{
-    Drive, Forcing, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VelocityLaw,
+    Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VelocityLaw,
     VibrationError,
 };
 
@@ -48,7 +48,7 @@ pub(in crate::study) struct VibrationStudy {
     /// Generator of the fluctuation, if the study states it.
     pub(in crate::study) generator: Option<Generator>,
     pub(in crate::study) drive: Drive,
-    pub(in crate::study) method: Method,
+    pub(in crate::study) method: Integrator,
     /// Upscaling of the main result.
     pub(in crate::study) upscaling: Upscaling,
     /// Whether more than 5 % of the friction values may be clipped to stay positive.
@@ -312,7 +312,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         duration: study.duration.min(FIRST_TIME),
         start: None,
         drive: study.drive,
-        method: Method::Taylor,
+        method: Integrator::Taylor,
     };
     Trajectory::simulate(&oscillator, Steady, &settings).map_or_else(of_key, |_| Ok(()))
 }

@@ -11,7 +11,7 @@ use crate::friction::Upscaling;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
-use crate::vibration::{Drive, MapOver, Method};
+use crate::vibration::{Drive, Integrator, MapOver};
 
 /// Default coefficient a, the paper's value.
 const USUAL_STRIBECK: f64 = 4.2;
@@ -183,7 +183,7 @@ pub struct VibrationSection {
     pub drive: Drive,
     /// Integration method of slip.
     #[serde(default)]
-    pub integrator: ByName<Method>,
+    pub integrator: ByName<Integrator>,
     /// Upscaling that the report shows first; both are computed.
     #[serde(default)]
     pub upscaling: Upscaling,
