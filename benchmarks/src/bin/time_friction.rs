@@ -17,7 +17,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, contact_modulus_pa};
+use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver, contact_modulus_pa};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::distribution::Marginal;
 use asperity::friction::law::BowdenTabor;
@@ -120,7 +120,8 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
         maps_s += start.elapsed().as_secs_f64();
         let mut last: Option<Array2<f64>> = None;
         for (level, control) in by_level.iter_mut().zip(controls) {
-            let problem = Problem::new(&setup.half_space, map.complete_heights_m()?, *control, setup.hardness_pa)?;
+            let problem =
+                ContactProblem::new(&setup.half_space, map.complete_heights_m()?, *control, setup.hardness_pa)?;
             for (warm, start_from) in [(0, None), (2, last.as_ref())] {
                 let start = Instant::now();
                 let solution = setup.solver.solve_from(&problem, start_from, &mut workspace, &Silent)?;

@@ -11,7 +11,7 @@ use crate::window::{Window, WindowContact, window_contacts};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, Workspace};
+use asperity_contact::{Boundary, ContactProblem, ContactWorkspace, Control, HalfSpace, Solution, Solver};
 use asperity_surface::RandomSurface;
 
 /// Least fraction of strips that must converge at a level.
@@ -222,9 +222,9 @@ impl Strips<'_> {
         heights_m: &Array2<f64>,
         control: Control,
         start: Option<&Array2<f64>>,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Result<Solution, String> {
-        let problem = Problem::new(&self.problem.half_space, heights_m, control, self.problem.hardness_pa)
+        let problem = ContactProblem::new(&self.problem.half_space, heights_m, control, self.problem.hardness_pa)
             .map_err(|error| error.to_string())?;
         let solution =
             self.problem.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
@@ -240,7 +240,7 @@ impl Strips<'_> {
         heights_m: &Array2<f64>,
         control: Control,
         keep: bool,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Result<StripResult, String> {
         let solution = self.solution(heights_m, control, None, workspace)?;
         let StripProblem { window, law, .. } = self.problem;

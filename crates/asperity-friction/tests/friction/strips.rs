@@ -11,7 +11,7 @@ use asperity_base::monitor::Silent;
 use asperity_base::random;
 use asperity_base::stats::Moments;
 use asperity_contact::area::PERIMETER_WEIGHT;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
+use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity_friction::FrictionError;
 use asperity_friction::law::{BowdenTabor, WindowLaw};
 use asperity_friction::statistics::FrictionStatistics;
@@ -35,7 +35,7 @@ fn half_space(grid: Grid, periodic: bool) -> HalfSpace {
 }
 
 fn solve(map: &HeightMap, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
-    let problem = Problem::new(half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
     let solver = Solver { tolerance: 1e-7, ..Solver::default() };
     let solution = solver.solve(&problem).unwrap();
     assert!(solution.converged(), "{:?}", solution.residual());

@@ -7,7 +7,7 @@ use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 use asperity_contact::area::PERIMETER_WEIGHT;
 use asperity_contact::exact::Hertz;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
+use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity_friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use asperity_friction::window::{Window, WindowContact, window_contacts};
 use asperity_surface::{RandomSurface, SpectralField};
@@ -24,7 +24,7 @@ fn solve(map: &HeightMap, periodic: bool, control: Control, hardness_pa: Option<
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
     let boundary = if periodic { Boundary::Periodic { mean_compliance_m_per_pa } } else { Boundary::Free };
     let half_space = HalfSpace::new(grid, MODULUS_PA, boundary).unwrap();
-    let problem = Problem::new(&half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(&half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
     let solution = Solver { tolerance: 1e-7, ..Solver::default() }.solve(&problem).unwrap();
     assert!(solution.converged(), "{:?}", solution.residual());
     solution

@@ -175,7 +175,8 @@ fn sample_fields(
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&xi);
     let prescribed = |error| StudyError::Contact { section: "pressure", error };
-    let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
+    let problem =
+        contact::ContactProblem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
     let solution = solver.solve(&problem).map_err(prescribed)?;
     let grid = map.grid();
     Ok(vec![
