@@ -23,7 +23,7 @@ use crate::study::plausibility::implausible_friction;
 use crate::study::pressure_stage::half_space;
 use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, UpscalingResult};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{Field, StudyError};
+use crate::study::{QuantityMap, StudyError};
 use crate::surface::model::XiOrder;
 
 /// Returns the variability over the nominal area by both upscalings.
@@ -143,7 +143,7 @@ pub(super) fn run(
     output.warnings.extend(words::drift(&levels[lead]));
     output.warnings.extend(words::correlation(&levels[lead]));
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
-        output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
+        output.fields.push(("pressure_strip", QuantityMap { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
     output.assumptions = words::sentences(section, &strips, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());

@@ -16,7 +16,7 @@ use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
-use crate::study::{Field, StudyError, sentence};
+use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::model::Generated;
 use entries::Prescribed;
@@ -171,7 +171,7 @@ fn sample_fields(
     hardness_pa: Option<f64>,
     solver: Solver,
     seed: u64,
-) -> Result<Vec<(&'static str, Field)>, StudyError> {
+) -> Result<Vec<(&'static str, QuantityMap)>, StudyError> {
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&xi);
     let prescribed = |error| StudyError::Contact { section: "pressure", error };
@@ -180,7 +180,7 @@ fn sample_fields(
     let solution = solver.solve(&problem).map_err(prescribed)?;
     let grid = map.grid();
     Ok(vec![
-        ("surface_sample", Field { grid, unit: "m", values: map.heights_m().clone() }),
-        ("pressure_sample", Field { grid, unit: "Pa", values: solution.pressure_pa().clone() }),
+        ("surface_sample", QuantityMap { grid, unit: "m", values: map.heights_m().clone() }),
+        ("pressure_sample", QuantityMap { grid, unit: "Pa", values: solution.pressure_pa().clone() }),
     ])
 }

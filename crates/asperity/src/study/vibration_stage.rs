@@ -22,7 +22,7 @@ use crate::study::output::StageOutput;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
 };
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::{
     DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
     clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
@@ -284,7 +284,7 @@ impl<'a> Ensembles<'a> {
     }
 
     /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn portraits(&self, monitor: &dyn Monitor) -> Result<Vec<(&'static str, CsvTable)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));

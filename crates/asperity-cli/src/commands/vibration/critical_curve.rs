@@ -1,6 +1,6 @@
 //! Damping ratio at which stick-slip ends, along a parameter.
 
-use asperity::study::Table;
+use asperity::study::CsvTable;
 use asperity::vibration::{
     Branch, BranchPoint, CurveParameter, CurveSettings, Oscillator, critical_curve, locked_curve,
 };
@@ -75,9 +75,9 @@ impl CriticalCurve {
     }
 }
 
-fn branch_columns(branch: &Branch, parameter: &str) -> Table {
+fn branch_columns(branch: &Branch, parameter: &str) -> CsvTable {
     let column = |of: fn(&BranchPoint) -> f64| branch.points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         (parameter, column(|p| p.parameter)),
         ("critical_damping_ratio", column(|p| p.critical_damping_ratio)),
         ("hopf_damping_ratio", column(|p| p.hopf_damping_ratio)),

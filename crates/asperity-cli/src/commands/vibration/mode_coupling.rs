@@ -5,7 +5,7 @@ mod answer;
 use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
-use asperity::study::{Table, implausible_damping, implausible_friction};
+use asperity::study::{CsvTable, implausible_damping, implausible_friction};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
@@ -244,12 +244,12 @@ impl Noise {
 }
 
 /// Returns the tables: the modes over friction, and the cycle.
-fn tables(found: &Found) -> Result<Vec<(&'static str, Table)>, VibrationError> {
+fn tables(found: &Found) -> Result<Vec<(&'static str, CsvTable)>, VibrationError> {
     let scan = &found.scan;
     let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();
     let mut tables = vec![(
         "modes_over_friction",
-        Table::new([
+        CsvTable::new([
             ("friction", scan.friction.clone()),
             ("growth_1", of(&|modes| modes[0].growth)),
             ("frequency_1", of(&|modes| modes[0].frequency)),
@@ -265,9 +265,9 @@ fn tables(found: &Found) -> Result<Vec<(&'static str, Table)>, VibrationError> {
     Ok(tables)
 }
 
-fn portrait(points: &[Point]) -> Table {
+fn portrait(points: &[Point]) -> CsvTable {
     let column = |of: fn(&Point) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         ("tau", column(|p| p.tau)),
         ("tangential", column(|p| p.state.tangential)),
         ("tangential_velocity", column(|p| p.state.tangential_velocity)),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asperity::study::Table;
+use asperity::study::CsvTable;
 use asperity::vibration::{self, Drive, Integrator, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use clap::Args;
 
@@ -102,8 +102,8 @@ fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f6
     Ok(regime.cycle().map(|cycle| cycle.period))
 }
 
-fn spectrum(sound: &vibration::Sound) -> Table {
-    Table::new([
+fn spectrum(sound: &vibration::Sound) -> CsvTable {
+    CsvTable::new([
         ("frequency", sound.frequency.clone()),
         ("density", sound.density.clone()),
         ("density_low", sound.density_low.clone()),

@@ -10,7 +10,7 @@ use crate::study::friction_stage::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::model::{Texture, XiOrder};
 use crate::surface::scanned::ScannedSurface;
 
@@ -116,10 +116,10 @@ pub(super) fn run(
     Ok((Some(result), output))
 }
 
-fn table(result: &CutoffResult) -> Table {
+fn table(result: &CutoffResult) -> CsvTable {
     let column = |value: &dyn Fn(&CutoffPoint) -> f64| result.points.iter().map(value).collect::<Vec<f64>>();
     let end = |point: &CutoffPoint, end: usize| point.mean_interval.map_or(f64::NAN, |interval| interval[end]);
-    Table::new([
+    CsvTable::new([
         ("cutoff_m", column(&|p| p.cutoff_m)),
         ("mean", column(&|p| p.mean)),
         ("mean_low", column(&|p| end(p, 0))),
