@@ -224,7 +224,7 @@ fn main() -> Result<()> {
     let model = ProcessModel::new("beta:2.1,5".parse()?, words.or("std", 0.001)?, words.or("length", 0.01)?);
     let job = Job {
         damping,
-        oscillator: Oscillator::stribeck(friction, decay, damping, velocity)?,
+        oscillator: Oscillator::with_stribeck(friction, decay, damping, velocity)?,
         process: FrictionProcess::new(model)?,
         cycles: words.or("cycles", 1000)?,
         machines: words.or("machines", 256)?,

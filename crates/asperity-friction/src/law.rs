@@ -12,7 +12,7 @@ pub use bowden_tabor::BowdenTabor;
 pub use coulomb::Coulomb;
 pub use pressure_dependent::PressureDependent;
 
-use crate::window::WindowContact;
+use crate::WindowContact;
 use asperity_base::sentence;
 
 /// A friction law of windows: the force that resists sliding, from the contact in one window.

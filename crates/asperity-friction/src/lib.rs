@@ -19,10 +19,10 @@ pub mod replicates;
 mod solved_level;
 pub mod statistics;
 pub mod strip;
-mod strip_sums;
 pub mod uncertain;
 pub mod upscaling;
 pub mod window;
+mod window_contact;
 mod window_friction;
 pub mod window_study;
 
@@ -31,6 +31,7 @@ pub use asperity_process::{diagnostics, measured};
 pub use level_control::{LevelControl, OperatingLevel};
 pub use solved_level::SolvedLevel;
 pub use upscaling::Upscaling;
+pub use window_contact::{WindowContact, window_contacts};
 pub use window_friction::{NominalContact, StatedFriction, WindowFriction};
 
 use asperity_base::monitor::{Cancelled, Monitor};

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::FrictionError;
 use crate::law::WindowLaw;
-use crate::window::{Window, WindowContact, window_contacts};
+use crate::window::Window;
+use crate::{WindowContact, window_contacts};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;

@@ -528,7 +528,7 @@ mod tests {
 
     #[test]
     fn ending_records_and_negative_friction_fail_as_in_a_single_simulation() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {

@@ -84,7 +84,7 @@ mod tests {
             (0.2, 0.1, 0.222_953_501_902_507_68),
             (0.3, 0.1, 0.334_272_847_322_423_26),
         ] {
-            let found = critical_damping(&Oscillator::stribeck(friction, 4.2, 0.0, velocity).unwrap()).unwrap();
+            let found = critical_damping(&Oscillator::with_stribeck(friction, 4.2, 0.0, velocity).unwrap()).unwrap();
             assert!((found.critical_damping_ratio - wanted).abs() < 1e-12, "{found:?} instead of {wanted}");
             let hopf = 0.5 * 4.2 * friction / (1.0 + 4.2 * velocity).powi(2);
             assert!((found.hopf_damping_ratio - hopf).abs() < 1e-15);

@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn the_paper_s_law_gives_the_published_cycle() {
-        let cycle = *limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap()).unwrap().cycle().unwrap();
+        let cycle = *limit_cycle(&Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap()).unwrap().cycle().unwrap();
         close(cycle.period, 6.372_163_483_739_709, 1e-13);
         close(cycle.slip_duration, 5.644_059_891_168_911, 1e-13);
         close(cycle.reattachment_displacement.unwrap(), 0.096_795_689_222_287_6, 1e-13);
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn leine_s_oscillator_gives_the_published_cycle() {
         // Leine, van Campen, de Kraker & van den Steen, Nonlinear Dyn. 16 (1998) 41, in units of the natural period.
-        let cycle = *limit_cycle(&Oscillator::stribeck(1.0, 3.0, 0.0, 0.2).unwrap()).unwrap().cycle().unwrap();
+        let cycle = *limit_cycle(&Oscillator::with_stribeck(1.0, 3.0, 0.0, 0.2).unwrap()).unwrap().cycle().unwrap();
         for (found, wanted, digit) in [
             (cycle.period, 12.001_031, 5e-7),
             (cycle.slip_duration, 4.296_00, 5e-6),
@@ -377,10 +377,12 @@ mod tests {
     #[test]
     fn above_the_critical_damping_there_is_no_cycle() {
         for damping in [0.2048302, 0.3, 0.99, 1.5, 20.0] {
-            let oscillator = Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap();
+            let oscillator = Oscillator::with_stribeck(0.1, 4.2, damping, 0.003).unwrap();
             assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
         }
-        assert!(limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some());
+        assert!(
+            limit_cycle(&Oscillator::with_stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some()
+        );
     }
 
     #[test]
@@ -440,7 +442,7 @@ mod tests {
             (0.002, MotionKind::Overtaking, 6.294_99),
             (0.004, MotionKind::StickSlip, 6.295_32),
         ] {
-            let regime = limit_cycle(&Oscillator::stribeck(0.432353, 4.2, damping, belt).unwrap()).unwrap();
+            let regime = limit_cycle(&Oscillator::with_stribeck(0.432353, 4.2, damping, belt).unwrap()).unwrap();
             let cycle = regime.cycle().unwrap();
             assert_eq!((regime.kind(), cycle.kind), (kind, kind));
             assert!((cycle.period - period).abs() < 6e-6, "{cycle:?}");
@@ -452,7 +454,7 @@ mod tests {
 
     #[test]
     fn weak_forcing_at_resonance_locks_the_cycle_to_its_period() {
-        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let cycle = *limit_cycle(&forced).unwrap().cycle().unwrap();
         assert_eq!(cycle.slips, 1);

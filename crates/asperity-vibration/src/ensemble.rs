@@ -339,7 +339,7 @@ mod tests {
     }
 
     fn oscillator(damping: f64) -> Oscillator {
-        Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap()
+        Oscillator::with_stribeck(0.1, 4.2, damping, 0.003).unwrap()
     }
 
     #[test]

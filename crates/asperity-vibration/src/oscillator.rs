@@ -100,7 +100,7 @@ impl Oscillator {
     }
 
     /// Creates an oscillator with the paper's law: μ_st/(1 + a|v|) in slip and μ_st in stick, without forcing.
-    pub fn stribeck(
+    pub fn with_stribeck(
         static_friction: f64,
         decay: f64,
         damping_ratio: f64,
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn invalid_parameters_are_refused() {
-        assert!(Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
+        assert!(Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
         for (static_friction, decay, damping, velocity) in [
             (0.0, 4.2, 0.17, 0.003),
             (0.1, -1.0, 0.17, 0.003),
@@ -264,11 +264,11 @@ mod tests {
             (0.1, 4.2, 0.17, 1e-300),
             (0.1, 4.2, 0.17, 1e9),
         ] {
-            assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_err());
+            assert!(Oscillator::with_stribeck(static_friction, decay, damping, velocity).is_err());
         }
         // The ends of the ranges are allowed.
         for (static_friction, decay, damping, velocity) in [(1e3, 1e6, 1e3, 1e6), (1e-12, 0.0, 0.0, 1e-12)] {
-            assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_ok());
+            assert!(Oscillator::with_stribeck(static_friction, decay, damping, velocity).is_ok());
         }
         let law = VelocityLaw::Coulomb { kinetic: 0.5 };
         let parameters =
@@ -277,7 +277,7 @@ mod tests {
             Oscillator::new(parameters),
             Err(VibrationError::Parameter { parameter: "kinetic_friction", .. })
         ));
-        let fine = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let fine = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         for (amplitude, frequency) in [(0.1, 0.0), (0.1, 1e6), (1e9, 1.0), (-0.1, 1.0), (0.1, f64::NAN)] {
             assert!(fine.with_forcing(Some(Forcing { amplitude, frequency })).is_err(), "{amplitude} {frequency}");
         }

@@ -226,7 +226,7 @@ mod tests {
 
     /// Returns a forced slip of the paper's law away from events.
     fn slip() -> (Weakening, Loading) {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
         let loading = Loading { base: 1.0, kappa: 1.2, swing: 0.3, frequency: 0.8, phase: 0.4 };
         (Weakening::new(&oscillator), loading)
     }
@@ -369,7 +369,7 @@ mod tests {
 
     #[test]
     fn errors_follow_the_tolerance_and_invalid_tolerances_are_refused() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let period = |method| {
             let settings = TrajectorySettings { duration: 66.0, start: None, drive: Drive::Distance, method };
             let events = Trajectory::simulate(&oscillator, Steady, &settings)?.events;

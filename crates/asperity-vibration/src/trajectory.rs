@@ -202,7 +202,7 @@ mod tests {
         // Numbers are stored as text with all their digits.
         let number = |key: &str| reference[key].to_string().trim_matches('"').parse::<f64>().unwrap();
         let values = doubles(&std::fs::read(folder.join("frozen_mu.npy")).unwrap());
-        let oscillator = Oscillator::stribeck(number("mus"), number("a"), number("z"), number("nu")).unwrap();
+        let oscillator = Oscillator::with_stribeck(number("mus"), number("a"), number("z"), number("nu")).unwrap();
         let process = RecordedProcess::new(number("h_s"), values).unwrap();
         let settings = TrajectorySettings {
             duration: number("tau_end"),
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_slip_is_a_cycle_if_the_mass_moves_backwards_in_it() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let process = noisy(0.006, 0);
         for drive in [Drive::Distance, Drive::Time] {
             let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Integrator::Taylor };
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn a_record_that_ends_and_friction_without_sign_are_errors() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let run = |values: Vec<f64>| {

@@ -1,7 +1,7 @@
 //! Friction by shear and ploughing: F = τ_max A_c + Σ p |∂z/∂x| dA over plastic cells.
 
+use crate::WindowContact;
 use crate::law::{WindowLaw, describe_shear};
-use crate::window::WindowContact;
 
 /// Sheared contacts whose asperities also plough through a plastic counterface.
 ///

@@ -1,7 +1,7 @@
 //! Friction by shear of the contacts: F = τ_max A_c.
 
+use crate::WindowContact;
 use crate::law::{WindowLaw, describe_shear};
-use crate::window::WindowContact;
 
 /// Shear-dominated friction of contacts that yield in shear at τ_max: F = τ_max A_c, μ = τ_max A_c/N.
 ///

@@ -1,7 +1,7 @@
 //! Friction proportional to the load: F = μN.
 
+use crate::WindowContact;
 use crate::law::WindowLaw;
-use crate::window::WindowContact;
 
 /// A constant friction coefficient, independent of the contact. It does not vary along the strip.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Friction of contacts whose shear strength grows with the pressure: F = τ₀ A_c + αN.
 
+use crate::WindowContact;
 use crate::law::{WindowLaw, describe_shear};
-use crate::window::WindowContact;
 
 /// Shear strength τ = τ₀ + αp in every point of contact, so that F = ∫τ dA = τ₀ A_c + αN and μ = τ₀ A_c/N + α.
 ///

@@ -9,7 +9,8 @@ use asperity_contact::area::PERIMETER_WEIGHT;
 use asperity_contact::exact::Hertz;
 use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity_friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
-use asperity_friction::window::{Window, WindowContact, window_contacts};
+use asperity_friction::window::Window;
+use asperity_friction::{WindowContact, window_contacts};
 use asperity_surface::{RandomSurface, SpectralField};
 use ndarray::Array2;
 

@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn without_coupling_events_match_one_degree_of_freedom() {
-        let stribeck = vibration::Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let stribeck = vibration::Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         // The weakening acts in the last hundredth of a slip.
         let law = VelocityLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
         let steep =

@@ -363,7 +363,7 @@ mod tests {
     use asperity_base::random;
 
     fn midway(friction: f64, velocity: f64, fraction: f64) -> Oscillator {
-        let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
+        let of = |damping| Oscillator::with_stribeck(friction, 4.2, damping, velocity).unwrap();
         let ends = critical_damping(&of(0.0)).unwrap();
         of(ends.hopf_damping_ratio + fraction * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
     }
@@ -459,7 +459,7 @@ mod tests {
             (1.01 * ends.critical_damping_ratio, MotionKind::None),
             (3.0, MotionKind::None),
         ] {
-            let oscillator = Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
+            let oscillator = Oscillator::with_stribeck(0.3, 4.2, damping, 0.1).unwrap();
             let area = BasinBox { cells: [20, 20], ..AREA };
             let found = basin(&oscillator, &area, &Silent).unwrap();
             assert!(found.attractors.iter().all(|a| *a == wanted), "{damping}");
@@ -471,7 +471,7 @@ mod tests {
     fn the_smallest_kick_matches_the_publication() {
         // Reference: SciPy, DOP853 with bisection.
         for (damping, wanted) in [(0.111, 0.0966), (0.109, 0.0821)] {
-            let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
+            let found = smallest_kick(&Oscillator::with_stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
             assert!((found - wanted).abs() < 2e-4, "{found} instead of {wanted}");
         }
         // A kick into a slip cycle, in the direction of the belt, to relative 2e-5: .3 + .1e^{−(v/.08)²} at V = .11 and
@@ -485,7 +485,7 @@ mod tests {
         assert!((found / 0.040_666 - 1.0).abs() < 1e-4, "{found}");
         // Below ζ_H = .104 no kick is needed; above ζ_c = .1115 no kick is sufficient.
         for damping in [0.1041, 0.1116, 0.9] {
-            assert_eq!(smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
+            assert_eq!(smallest_kick(&Oscillator::with_stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
         }
     }
 

@@ -418,7 +418,7 @@ mod tests {
 
     #[test]
     fn stick_slip_lasts_to_the_fold_and_sliding_to_the_hopf_point() {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.0, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.0, 0.1).unwrap();
         let ends = critical_damping(&oscillator).unwrap();
         let (hopf, fold) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
         let settings = BifurcationSettings::new([0.28, 0.36], 41);
@@ -436,7 +436,7 @@ mod tests {
 
     #[test]
     fn the_section_of_a_cycle_matches_the_publication_and_fast_belts_do_not_vibrate() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             BifurcationSettings { values: vec![0.003, 0.02, 0.05], ..BifurcationSettings::new([0.0, 1.0], 2) };
         let found = bifurcation_diagram(&oscillator, CurveParameter::BeltVelocity, &settings, &Silent).unwrap();
@@ -456,7 +456,7 @@ mod tests {
     fn a_mass_that_overtakes_its_belt_does_not_count_as_stick_slip() {
         // Cycles without stick at ζ = .001 and .002, with stick at .004, by an independent integrator.
         let belt = 31_416.0 / 10_000.0;
-        let oscillator = Oscillator::stribeck(0.432353, 4.2, 0.0, belt).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.432353, 4.2, 0.0, belt).unwrap();
         let settings =
             BifurcationSettings { values: vec![0.001, 0.002, 0.004], ..BifurcationSettings::new([0.0, 1.0], 2) };
         let found = bifurcation_diagram(&oscillator, CurveParameter::DampingRatio, &settings, &Silent).unwrap();
@@ -474,7 +474,7 @@ mod tests {
 
     #[test]
     fn a_forced_oscillator_is_locked_up_to_its_boundary_and_irregular_motion_has_many_points() {
-        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let boundary = locked_boundary(&forced).unwrap();
         let values = vec![0.2, 0.25, boundary - 1e-3, boundary + 1e-3, 0.3];
@@ -531,7 +531,7 @@ mod tests {
     #[test]
     fn close_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
         // Multipliers of −.99924 and .99896 per period of the motion.
-        let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.2, frequency: 1.0 })).unwrap();
         for frequency in [2.125, 2.115] {
             let machine = CurveParameter::ForcingFrequency.set(&forced, frequency).unwrap();
@@ -549,7 +549,7 @@ mod tests {
 
     #[test]
     fn values_that_do_not_rise_are_refused() {
-        let oscillator = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         for values in [vec![], vec![0.1], vec![0.2, 0.1], vec![0.1, f64::NAN]] {
             let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
             assert!(bifurcation_diagram(&oscillator, CurveParameter::DampingRatio, &settings, &Silent).is_err());

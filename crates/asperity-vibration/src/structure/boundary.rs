@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn the_curve_over_the_belt_velocity_passes_through_the_published_points_near_the_averaged_one() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.0, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.0, 0.1).unwrap();
         let curve =
             critical_curve(&oscillator, CurveParameter::BeltVelocity, &CurveSettings::new([0.003, 0.1]), &Silent)
                 .unwrap();

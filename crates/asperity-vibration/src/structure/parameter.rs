@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn setting_a_parameter_changes_nothing_else() {
-        let forced = Oscillator::stribeck(0.3, 4.2, 0.1, 0.05)
+        let forced = Oscillator::with_stribeck(0.3, 4.2, 0.1, 0.05)
             .unwrap()
             .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.9 }))
             .unwrap();

@@ -311,7 +311,7 @@ mod tests {
     #[test]
     fn one_unstable_cycle_lies_exactly_between_the_hopf_point_and_the_fold() {
         for (friction, velocity) in [(0.1, 0.003), (0.3, 0.1), (1.0, 0.2)] {
-            let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
+            let of = |damping| Oscillator::with_stribeck(friction, 4.2, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let (low, high) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
             for fraction in [1e-6, 0.01, 0.5, 0.99, 1.0 - 1e-6] {
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn the_unstable_cycle_ends_where_it_touches_the_belt_velocity() {
-        let of = |damping| Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
+        let of = |damping| Oscillator::with_stribeck(0.3, 4.2, damping, 0.1).unwrap();
         let fold = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
         // The cycle coincides there with the orbit from the detachment.
         let cycle = slip_cycles(&of(fold - 1e-9)).unwrap()[0];
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn the_amplitude_follows_the_normal_form_near_the_hopf_point() {
         for (friction, decay, velocity) in [(0.2, 4.2, 0.05), (0.3, 4.2, 0.1), (1.0, 3.0, 0.2)] {
-            let of = |damping| Oscillator::stribeck(friction, decay, damping, velocity).unwrap();
+            let of = |damping| Oscillator::with_stribeck(friction, decay, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let width = ends.critical_damping_ratio - ends.hopf_damping_ratio;
             // R′ = (ζ_H − ζ)R + ℓR³ with ℓ = −μ‴(V)/16 (Guckenheimer & Holmes, §3.4). The quadratic part is reversible
@@ -410,7 +410,7 @@ mod tests {
 
     #[test]
     fn the_multiplier_is_the_slope_of_the_return_map() {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.32, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.32, 0.1).unwrap();
         let planar = Planar::new(&oscillator).unwrap();
         let (r, cycle) = return_map(&oscillator).unwrap().unwrap().cycles[0];
         let back = |r: f64| match planar.turn(r).unwrap() {

@@ -18,7 +18,7 @@ use rand::RngExt;
 const DURATION: f64 = 637.2;
 
 fn paper(damping_ratio: f64) -> Oscillator {
-    Oscillator::stribeck(0.1, 4.2, damping_ratio, 0.003).unwrap()
+    Oscillator::with_stribeck(0.1, 4.2, damping_ratio, 0.003).unwrap()
 }
 
 fn model(std: f64) -> ProcessModel {

@@ -166,7 +166,7 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
         (0.002, MotionKind::Overtaking, 6.294_99),
         (0.004, MotionKind::StickSlip, 6.295_32),
     ] {
-        let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, PUBLISHED_VELOCITY).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.432_353, 4.2, damping, PUBLISHED_VELOCITY).unwrap();
         assert_eq!(agree(&oscillator, 2000.0), kind);
         let (_, slow) = slow(&oscillator, 5000.0);
         for found in [slow.unwrap(), limit_cycle(&oscillator).unwrap().cycle().unwrap().period] {
@@ -185,7 +185,7 @@ fn kinds_and_periods_match_an_independent_integrator() {
     for decay in [1.0, 4.2, 12.0] {
         for velocity in [0.05, 1.0, 4.0] {
             for damping in [0.001, 0.003, 0.05, 0.3] {
-                let oscillator = Oscillator::stribeck(0.4, decay, damping, velocity).unwrap();
+                let oscillator = Oscillator::with_stribeck(0.4, decay, damping, velocity).unwrap();
                 kinds[agree(&oscillator, 1500.0) as usize] += 1;
             }
         }

@@ -118,7 +118,7 @@ fn acf_table(scan: &ScannedSurface, covariance: Option<&SurfaceCovariance>) -> R
         columns.push(("fit_y", lags.iter().map(|lag| covariance.correlation(0.0, *lag)).collect()));
     }
     columns.push(("lag_m", lags));
-    Ok(CsvTable::new(columns).led_by("lag_m"))
+    Ok(CsvTable::new(columns).with_first("lag_m"))
 }
 
 /// Returns table `height_psd`: profile spectra at the wavenumbers of both axes; an axis without a complete profile is empty.
@@ -142,7 +142,7 @@ fn psd_table(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Option<
         columns.push(("psd_model_x_m3", wavenumbers.iter().map(|q| covariance.profile_psd_x_m3(*q)).collect()));
     }
     columns.push(("wavenumber_rad_per_m", wavenumbers));
-    Some(CsvTable::new(columns).led_by("wavenumber_rad_per_m"))
+    Some(CsvTable::new(columns).with_first("wavenumber_rad_per_m"))
 }
 
 /// Correlation along one axis.

@@ -59,7 +59,7 @@ impl CsvTable {
 
     /// Moves the named column, the abscissa, to the front.
     #[must_use]
-    pub fn led_by(mut self, name: &str) -> Self {
+    pub fn with_first(mut self, name: &str) -> Self {
         self.columns.sort_by_key(|(own, _)| own != name);
         self
     }

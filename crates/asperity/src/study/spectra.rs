@@ -67,7 +67,7 @@ pub(super) fn structure_table(map: &HeightMap) -> Result<CsvTable, StudyError> {
         ("fit_y_m2", fit_y),
         ("lag_m", lags_m.clone()),
     ];
-    Ok(CsvTable::new(columns).led_by("lag_m"))
+    Ok(CsvTable::new(columns).with_first("lag_m"))
 }
 
 /// The power law of exponent 2H through the mean of the logarithms within the range of the fit, NaN beyond it.

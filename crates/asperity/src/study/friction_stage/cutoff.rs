@@ -127,7 +127,7 @@ fn table(result: &CutoffResult) -> CsvTable {
         ("rms_slope", column(&|p| p.rms_slope)),
         ("plastic_fraction", column(&|p| p.plastic_fraction)),
     ])
-    .led_by("cutoff_m")
+    .with_first("cutoff_m")
 }
 
 /// Interpolates the mean at a cutoff linearly in the logarithm of the wavelength; returns the mean of the nearest end beyond it.

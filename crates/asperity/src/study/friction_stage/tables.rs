@@ -126,11 +126,11 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
         process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
     columns.extend(others.filter(smooth).map(|fit| (format!("{}_density", fit.family.key()), density(&fit.marginal))));
     columns.push(("mu".to_owned(), centres));
-    let mut tables = vec![("friction_histogram", CsvTable::new(columns).led_by("mu"))];
+    let mut tables = vec![("friction_histogram", CsvTable::new(columns).with_first("mu"))];
     if let Some(fit) = chosen {
         let transform = integral_transform(&fit.marginal, &pooled, process.effective_windows);
-        tables.push(("friction_pit", table(transform).led_by("probability")));
-        tables.push(("friction_qq", table(quantile_pairs(&fit.marginal, &pooled)).led_by("probability")));
+        tables.push(("friction_pit", table(transform).with_first("probability")));
+        tables.push(("friction_qq", table(quantile_pairs(&fit.marginal, &pooled)).with_first("probability")));
     }
     tables
 }
@@ -166,7 +166,7 @@ fn correlation_table(lead: &SolvedLevel) -> Option<CsvTable> {
         }),
     );
     columns.push(("lag_m".to_owned(), lags));
-    Some(CsvTable::new(columns).led_by("lag_m"))
+    Some(CsvTable::new(columns).with_first("lag_m"))
 }
 
 /// Power spectral density with its band, and that of the window alone and of the process under it.
@@ -185,7 +185,7 @@ fn spectrum_table(lead: &SolvedLevel) -> Option<CsvTable> {
         columns.push(("windowed_fit_m".to_owned(), spectrum.model_density(&model, study.length_m, variance)));
     }
     columns.push(("frequency_per_m".to_owned(), spectrum.frequency_per_m.clone()));
-    Some(CsvTable::new(columns).led_by("frequency_per_m"))
+    Some(CsvTable::new(columns).with_first("frequency_per_m"))
 }
 
 /// Correlation of contact area and load of the windows over the lag between them.

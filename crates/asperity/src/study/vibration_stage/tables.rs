@@ -51,7 +51,7 @@ pub fn points_table(points: &SampleDistribution) -> Option<CsvTable> {
         columns.push(("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()));
     }
     columns.push(("displacement", centres));
-    Some(CsvTable::new(columns).led_by("displacement"))
+    Some(CsvTable::new(columns).with_first("displacement"))
 }
 
 /// Returns the fraction of the trajectories that have never left vibration over time, with 95 % intervals: `tau`,
