@@ -27,7 +27,7 @@ use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
+use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity::fourier::{RealFft2, good_length};
 use asperity::map::Grid;
 use ndarray::Array2;
@@ -101,7 +101,7 @@ fn main() -> Result<()> {
     let setup_s = start.elapsed().as_secs_f64();
     let problems = heights
         .iter()
-        .map(|heights_m| Problem::new(&half_space, heights_m, control, hardness_pa))
+        .map(|heights_m| ContactProblem::new(&half_space, heights_m, control, hardness_pa))
         .collect::<std::result::Result<Vec<_>, _>>()?;
     // Scratch memory is kept between solves, as the peers do; side by side every thread has its own.
     let workspaces: Vec<_> = (0..threads.min(maps)).map(|_| Mutex::new(half_space.workspace())).collect();

@@ -14,15 +14,16 @@
 //! is periodic. `/usr/bin/time -f %M` tells the memory.
 #![expect(clippy::print_stdout, reason = "the times are what this program is for")]
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, contact_modulus_pa};
+use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver, contact_modulus_pa};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::distribution::Marginal;
-use asperity::friction::StripSums;
 use asperity::friction::law::BowdenTabor;
 use asperity::friction::strip::{StripProblem, Strips};
 use asperity::friction::window::Window;
+use asperity::friction::window_contacts;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random;
@@ -75,7 +76,7 @@ fn main() -> Result<()> {
     let problem = StripProblem {
         half_space,
         window: Window::new(600e-6, grid)?,
-        law: Box::new(BowdenTabor { shear_strength_pa: 385e6 }),
+        law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),
         hardness_pa: Some(2e9),
         solver: Solver { tolerance: settings.tolerance, ..Solver::default() },
     };
@@ -120,7 +121,8 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
         maps_s += start.elapsed().as_secs_f64();
         let mut last: Option<Array2<f64>> = None;
         for (level, control) in by_level.iter_mut().zip(controls) {
-            let problem = Problem::new(&setup.half_space, map.complete_heights_m()?, *control, setup.hardness_pa)?;
+            let problem =
+                ContactProblem::new(&setup.half_space, map.complete_heights_m()?, *control, setup.hardness_pa)?;
             for (warm, start_from) in [(0, None), (2, last.as_ref())] {
                 let start = Instant::now();
                 let solution = setup.solver.solve_from(&problem, start_from, &mut workspace, &Silent)?;
@@ -131,8 +133,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
             let start = Instant::now();
             let narrower = setup.window.narrower();
             let windows: Vec<&Window> = std::iter::once(&setup.window).chain(&narrower).collect();
-            let sums = StripSums::new(&solution, None, &windows);
-            let seen: usize = windows.iter().map(|window| window.slide(&sums)[0].len()).sum();
+            let seen: usize = window_contacts(&solution, &windows, None).iter().map(|tracks| tracks[0].len()).sum();
             windows_s += start.elapsed().as_secs_f64();
             assert!(seen > 0, "a strip has windows");
             last = Some(solution.pressure_pa().clone());

@@ -31,7 +31,7 @@ use std::time::Instant;
 use asperity::friction::process::{FrictionProcess, ProcessModel, Steady};
 use asperity::monitor::Silent;
 use asperity::vibration::{
-    Drive, Ensemble, EnsembleSettings, Event, EventKind, Method, Oscillator, Trajectory, TrajectorySettings,
+    Drive, Ensemble, EnsembleSettings, Event, EventKind, Integrator, Oscillator, Trajectory, TrajectorySettings,
     damping_sweep, deterministic_slips, limit_cycle,
 };
 use serde_json::{Value, json};
@@ -97,7 +97,7 @@ impl Job {
     }
 
     fn settings(&self, duration: f64) -> TrajectorySettings {
-        TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::default() }
+        TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::default() }
     }
 
     /// Time in which a mass from the default start finishes at least `cycles` cycles.
@@ -224,7 +224,7 @@ fn main() -> Result<()> {
     let model = ProcessModel::new("beta:2.1,5".parse()?, words.or("std", 0.001)?, words.or("length", 0.01)?);
     let job = Job {
         damping,
-        oscillator: Oscillator::stribeck(friction, decay, damping, velocity)?,
+        oscillator: Oscillator::with_stribeck(friction, decay, damping, velocity)?,
         process: FrictionProcess::new(model)?,
         cycles: words.or("cycles", 1000)?,
         machines: words.or("machines", 256)?,

@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn periodic_borders_wrap_and_plastic_cells_have_no_perimeter() {
-        use crate::{Control, HalfSpace, Problem, Solver};
+        use crate::{ContactProblem, Control, HalfSpace, Solver};
         use asperity_base::map::Grid;
         // A ridge of one column at the left border: two lines of edges when periodic, one when free.
         let grid = Grid::new(6, 4, 1.0, 2.0).unwrap();
@@ -86,8 +86,9 @@ mod tests {
         let lines = |boundary, hardness| {
             let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
             let control = Control::MeanPressure { pascal: 1e-3 };
-            let solution =
-                Solver::default().solve(&Problem::new(&half_space, &heights, control, hardness).unwrap()).unwrap();
+            let solution = Solver::default()
+                .solve(&ContactProblem::new(&half_space, &heights, control, hardness).unwrap())
+                .unwrap();
             assert_eq!(solution.contact_fraction(), 4.0 / 24.0);
             (4.0 - 24.0 * solution.corrected_contact_fraction()) / (4.0 * PERIMETER_WEIGHT)
         };

@@ -72,12 +72,12 @@ pub enum Body {
 /// K. L. Johnson, *Contact Mechanics*, Cambridge University Press (1985), §4.2,
 /// <https://doi.org/10.1017/CBO9781139171731>.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pair {
+pub struct ElasticPair {
     lower: Elastic,
     upper: Elastic,
 }
 
-impl Pair {
+impl ElasticPair {
     /// Creates a pair of bodies.
     ///
     /// # Errors
@@ -169,14 +169,14 @@ mod tests {
     fn compliances_add_and_share_the_displacement() {
         let steel = Elastic::new(210e9, 0.3).unwrap();
         let rubber = Elastic::new(5e6, 0.5).unwrap();
-        let pair = Pair::new(steel, rubber).unwrap();
+        let pair = ElasticPair::new(steel, rubber).unwrap();
         let compliance = (1.0 - 0.09) / 210e9 + 0.75 / 5e6;
         assert!((pair.contact_modulus_pa() * compliance - 1.0).abs() < 1e-14);
         let (lower, upper) = (pair.displacement_fraction(Body::Lower), pair.displacement_fraction(Body::Upper));
         assert!((lower - 0.91 / 210e9 / compliance).abs() < 1e-15 && (lower + upper - 1.0).abs() < 1e-15);
-        let twins = Pair::new(steel, steel).unwrap();
+        let twins = ElasticPair::new(steel, steel).unwrap();
         assert_eq!((twins.displacement_fraction(Body::Lower), twins.displacement_fraction(Body::Upper)), (0.5, 0.5));
-        let rigid = Pair::new(steel, Elastic::RIGID).unwrap();
+        let rigid = ElasticPair::new(steel, Elastic::RIGID).unwrap();
         assert_eq!(rigid.contact_modulus_pa(), steel.contact_modulus_pa());
         assert_eq!((rigid.displacement_fraction(Body::Lower), rigid.displacement_fraction(Body::Upper)), (1.0, 0.0));
     }
@@ -188,7 +188,7 @@ mod tests {
         {
             assert!(matches!(Elastic::new(modulus, ratio), Err(ContactError::Parameter { .. })), "{modulus} {ratio}");
         }
-        let error = Pair::new(Elastic::RIGID, Elastic::RIGID).unwrap_err();
+        let error = ElasticPair::new(Elastic::RIGID, Elastic::RIGID).unwrap_err();
         assert!(matches!(error, ContactError::Parameter { parameter: "contact modulus of two bodies", .. }));
     }
 

@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use crate::descent::Descent;
 use crate::solver::Closure;
-use crate::{Control, Problem, Solver, Workspace};
+use crate::{ContactProblem, ContactWorkspace, Control, Solver};
 use asperity_base::monitor::Monitor;
 
 /// Solver of the coarse problems. The tolerance is loose because coarse cells lack the fine waves anyway.
@@ -16,9 +16,9 @@ const SOLVER: Solver = Solver { tolerance: 1e-2, max_iterations: 100 };
 /// Under a prescribed plane the load is unknown. From zero pressure it builds up slowly through the long waves. The
 /// coarse grid determines it at a quarter of the cost.
 pub(super) fn under_plane(
-    problem: &Problem<'_>,
+    problem: &ContactProblem<'_>,
     plane_m: f64,
-    workspace: &mut Workspace,
+    workspace: &mut ContactWorkspace,
     monitor: &dyn Monitor,
 ) -> Vec<f64> {
     let none = || vec![0.0; problem.heights_m().len()];
@@ -32,7 +32,7 @@ pub(super) fn under_plane(
     });
     let control = Control::Plane { height_m: plane_m };
     // Averages of a rough map may be flat; then there is no coarse problem.
-    let Ok(guess) = Problem::new(coarse, &heights_m, control, problem.hardness_pa()) else {
+    let Ok(guess) = ContactProblem::new(coarse, &heights_m, control, problem.hardness_pa()) else {
         return none();
     };
     let closure = Closure::Plane { height_m: plane_m - guess.mean_height_m() };

@@ -1,6 +1,6 @@
 //! Unloading, re-loading and load cycles of an elasto-plastic contact.
 //!
-//! A contact with hardness H leaves the plastic displacement u_pl where p = H (see [`Problem`]). It is permanent: the
+//! A contact with hardness H leaves the plastic displacement u_pl where p = H (see [`ContactProblem`]). It is permanent: the
 //! next load acts on the heights z − u_pl. At the same load the pressure p still solves the problem on these heights,
 //! now without overlap. Two consequences follow.
 //!
@@ -24,7 +24,7 @@
 
 use ndarray::{Array2, Zip};
 
-use crate::{ContactError, Control, HalfSpace, Problem, Solution, Solver, Workspace};
+use crate::{ContactError, ContactProblem, ContactWorkspace, Control, HalfSpace, Solution, Solver};
 use asperity_base::monitor::{Monitor, Silent};
 
 /// A surface on a load path, with the imprint of the loads so far.
@@ -35,7 +35,7 @@ pub struct LoadPath<'a> {
     hardness_pa: Option<f64>,
     residual_heights_m: Array2<f64>,
     plastic_work_j: f64,
-    workspace: Workspace,
+    workspace: ContactWorkspace,
 }
 
 /// One load on a path.
@@ -74,14 +74,14 @@ impl<'a> LoadPath<'a> {
     /// Creates a surface that has not been loaded yet; `hardness_pa = None` is elastic and keeps no imprint.
     ///
     /// # Errors
-    /// As [`Problem::new`].
+    /// As [`ContactProblem::new`].
     pub fn new(
         half_space: &'a HalfSpace,
         heights_m: &'a Array2<f64>,
         hardness_pa: Option<f64>,
     ) -> Result<Self, ContactError> {
         // Validates heights and hardness.
-        Problem::new(half_space, heights_m, Control::Penetration { metre: 0.0 }, hardness_pa)?;
+        ContactProblem::new(half_space, heights_m, Control::Penetration { metre: 0.0 }, hardness_pa)?;
         Ok(Self {
             half_space,
             original_heights_m: heights_m,
@@ -93,8 +93,8 @@ impl<'a> LoadPath<'a> {
     }
 
     /// Returns the contact problem on `heights_m`.
-    fn problem<'p>(&'p self, heights_m: &'p Array2<f64>, control: Control) -> Result<Problem<'p>, ContactError> {
-        Problem::new(self.half_space, heights_m, control, self.hardness_pa)
+    fn problem<'p>(&'p self, heights_m: &'p Array2<f64>, control: Control) -> Result<ContactProblem<'p>, ContactError> {
+        ContactProblem::new(self.half_space, heights_m, control, self.hardness_pa)
     }
 
     /// Applies `control` to the heights left by the loads before, and keeps the imprint. A load or mean
@@ -104,7 +104,7 @@ impl<'a> LoadPath<'a> {
     /// next load produces them again. A solution that did not converge leaves no imprint.
     ///
     /// # Errors
-    /// The errors of [`Problem::new`] on the remaining heights ([`ContactError::Flat`] if they are flat) and of
+    /// The errors of [`ContactProblem::new`] on the remaining heights ([`ContactError::Flat`] if they are flat) and of
     /// [`Solver::solve`].
     pub fn press(&mut self, control: Control, solver: &Solver) -> Result<LoadStep, ContactError> {
         self.press_with(control, solver, &Silent)

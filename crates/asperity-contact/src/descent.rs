@@ -7,7 +7,7 @@ use crate::projection::{Shift, project_to_sum, tangent_multiplier};
 use crate::slab::{Advance, Direction, Extent, Products, Slab, Step, Summary};
 use crate::solution::{Part, Residual, certify};
 use crate::solver::{Closure, Solver};
-use crate::{Boundary, Problem, Solution, StopReason, Workspace};
+use crate::{Boundary, ContactProblem, ContactWorkspace, Solution, SolverStop};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::monitor::Monitor;
 
@@ -41,9 +41,9 @@ const CANCELLATION: f64 = 1e-10;
 ///
 /// Pressures and v are stored only for the cells near contact, see [`Slab`].
 pub(super) struct Descent<'a> {
-    problem: &'a Problem<'a>,
+    problem: &'a ContactProblem<'a>,
     closure: Closure,
-    workspace: &'a mut Workspace,
+    workspace: &'a mut ContactWorkspace,
     mean: MeanMode,
     /// Mean compliance of the half-space beyond that of `mean`, in m/Pa.
     missing_compliance_m_per_pa: f64,
@@ -80,11 +80,11 @@ impl<'a> Descent<'a> {
     /// Starts from the pressure `p` within the bounds. On a periodic half-space the mean compliance in m/Pa can be
     /// given.
     pub(super) fn new(
-        problem: &'a Problem<'a>,
+        problem: &'a ContactProblem<'a>,
         closure: Closure,
         p: &[f64],
         mean_compliance: Option<f64>,
-        workspace: &'a mut Workspace,
+        workspace: &'a mut ContactWorkspace,
     ) -> Self {
         let missing_compliance_m_per_pa = match (problem.half_space().boundary(), mean_compliance) {
             (Boundary::Periodic { mean_compliance_m_per_pa }, Some(used)) => mean_compliance_m_per_pa - used,
@@ -140,7 +140,7 @@ impl<'a> Descent<'a> {
         let mean_height_m = self.problem.mean_height_m();
         let heights_m = self.heights_m.as_slice().unwrap_or(&[]);
         let chunk = ROWS_OF_SLAB * columns;
-        let Workspace { transforms, near, .. } = &mut *self.workspace;
+        let ContactWorkspace { transforms, near, .. } = &mut *self.workspace;
         let fields = heights_m.chunks(chunk).zip(self.v.chunks_mut(chunk));
         let mut slabs: Vec<_> = near.as_mut_slice().iter_mut().zip(fields).collect();
         type Fields<'s> = (&'s mut Slab, (&'s [f64], &'s mut [f64]));
@@ -239,13 +239,13 @@ impl<'a> Descent<'a> {
                 // If rounding undoes the progress since the last recomputation, no further progress is possible.
                 if claimed && residual.worst() > solver.tolerance {
                     if residual.worst() > 0.5 * last_refuted {
-                        break (StopReason::PrecisionLimit, residual);
+                        break (SolverStop::PrecisionLimit, residual);
                     }
                     last_refuted = residual.worst();
                 }
             }
             if residual.worst() <= solver.tolerance {
-                break (StopReason::Converged, residual);
+                break (SolverStop::Converged, residual);
             }
             let field_residual = residual.frank_wolfe.max(residual.overlap);
             if field_residual <= 0.5 * least {
@@ -256,9 +256,9 @@ impl<'a> Descent<'a> {
             if wanders || cancelled || iterations >= solver.max_iterations {
                 self.refresh(None);
                 let reason = match (wanders, cancelled) {
-                    (true, _) => StopReason::PrecisionLimit,
-                    (_, true) => StopReason::Cancelled,
-                    _ => StopReason::IterationLimit,
+                    (true, _) => SolverStop::PrecisionLimit,
+                    (_, true) => SolverStop::Cancelled,
+                    _ => SolverStop::IterationLimit,
                 };
                 break (reason, self.certified(f64::INFINITY));
             }
@@ -277,7 +277,7 @@ impl<'a> Descent<'a> {
                 self.refresh(None);
             }
             if was_fresh {
-                break (StopReason::PrecisionLimit, self.certified(f64::INFINITY));
+                break (SolverStop::PrecisionLimit, self.certified(f64::INFINITY));
             }
         };
         self.finish(iterations, stop_reason, residual)
@@ -345,7 +345,7 @@ impl<'a> Descent<'a> {
             slab.scatter_gradient(row, out)
         };
         let take = Slab::take_preconditioned;
-        let Workspace { transforms, near, .. } = &mut *self.workspace;
+        let ContactWorkspace { transforms, near, .. } = &mut *self.workspace;
         self.problem.half_space().stiffen(self.mean, near.as_mut_slice(), fill, take, transforms);
         self.products = near.iter().map(|slab| slab.products).fold(Products::default(), Products::with);
     }
@@ -480,7 +480,7 @@ impl<'a> Descent<'a> {
         let unit_pa = step.largest;
         let unit_m = half_space.compliance_unit_m_per_pa() * unit_pa;
         let fill = |slab: &mut Slab, row: usize, out: &mut [f32]| slab.scatter_step(row, unit_pa, out);
-        let Workspace { transforms, near, .. } = &mut *self.workspace;
+        let ContactWorkspace { transforms, near, .. } = &mut *self.workspace;
         let energy = half_space.compliance_forward(self.mean, near.as_mut_slice(), fill, transforms);
         let optimal = -step.slope * self.gradient_unit_m / (energy * unit_m * unit_pa);
         if !(optimal.is_finite() && optimal > 0.0) {
@@ -509,7 +509,7 @@ impl<'a> Descent<'a> {
         self.summary.moved
     }
 
-    fn finish(self, iterations: usize, stop_reason: StopReason, residual: Residual) -> Solution {
+    fn finish(self, iterations: usize, stop_reason: SolverStop, residual: Residual) -> Solution {
         let problem = self.problem;
         let shape = problem.heights_m().dim();
         let mut pressure_pa = Array2::zeros(shape);

@@ -25,7 +25,7 @@ pub enum Boundary {
 /// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
 /// pressure.
 ///
-/// Any number of threads can share it; each needs its own [`Workspace`].
+/// Any number of threads can share it; each needs its own [`ContactWorkspace`].
 #[derive(Debug, Clone)]
 pub struct HalfSpace {
     grid: Grid,
@@ -89,13 +89,13 @@ const LEAST_LEFT: f64 = 1e-8;
 /// A solver reuses it in the next solve on the same half-space; allocation would take much of the time of small
 /// problems. On another half-space it is allocated anew.
 #[derive(Debug, Clone, Default)]
-pub struct Workspace {
+pub struct ContactWorkspace {
     /// Key of the scratch memory: the grid, whether the patch is free, and whether the substrate is homogeneous.
     fits: Option<(Grid, bool, bool)>,
     pub(super) transforms: Transforms,
     pub(super) near: Slabs,
     /// Workspace of the half-space on cells twice as wide, once it is used.
-    pub(super) coarse: Option<Box<Workspace>>,
+    pub(super) coarse: Option<Box<ContactWorkspace>>,
 }
 
 /// Scratch memory for applying compliance and preconditioner, allocated on first use.
@@ -268,16 +268,16 @@ impl HalfSpace {
     }
 
     /// Creates scratch memory for one thread.
-    pub fn workspace(&self) -> Workspace {
-        Workspace::default()
+    pub fn workspace(&self) -> ContactWorkspace {
+        ContactWorkspace::default()
     }
 
     /// Clears the workspace if it was used with another half-space.
-    pub(super) fn prepare(&self, workspace: &mut Workspace) {
+    pub(super) fn prepare(&self, workspace: &mut ContactWorkspace) {
         let homogeneous = matches!(self.substrate, Substrate::HalfSpace { .. });
         let fits = Some((self.grid, self.boundary == Boundary::Free, homogeneous));
         if workspace.fits != fits {
-            *workspace = Workspace { fits, ..Workspace::default() };
+            *workspace = ContactWorkspace { fits, ..ContactWorkspace::default() };
         }
     }
 
@@ -285,12 +285,18 @@ impl HalfSpace {
     ///
     /// # Panics
     /// If a slice does not fit the grid.
-    pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+    pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut ContactWorkspace) {
         self.displace_as(self.mean, pressure_pa, displacement_m, workspace);
     }
 
     /// Computes the displacement like [`HalfSpace::displace`], with the response `mean` to the mean pressure.
-    fn displace_as(&self, mean: MeanMode, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+    fn displace_as(
+        &self,
+        mean: MeanMode,
+        pressure_pa: &[f64],
+        displacement_m: &mut [f64],
+        workspace: &mut ContactWorkspace,
+    ) {
         let columns = self.grid.nx();
         let points = self.grid.points();
         assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");

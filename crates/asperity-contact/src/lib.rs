@@ -35,13 +35,13 @@ mod solver;
 mod stiffness;
 mod substrate;
 
-pub use bodies::{Body, Elastic, Orientation, Pair, composite};
+pub use bodies::{Body, Elastic, ElasticPair, Orientation, composite};
 pub use clusters::{Clusters, Neighbours};
 pub use cycle::{LoadPath, LoadStep, work_of_flat_j};
 pub use gradient::{rms_gradient, spectral_rms_gradient};
-pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
-pub use problem::{Control, Problem};
-pub use solution::{Residual, Solution, StopReason};
+pub use half_space::{Boundary, ContactWorkspace, HalfSpace, love_coefficient};
+pub use problem::{ContactProblem, Control};
+pub use solution::{Residual, Solution, SolverStop};
 pub use solver::Solver;
 pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
 pub use substrate::{Base, Layer, Substrate};

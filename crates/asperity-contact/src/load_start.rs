@@ -1,7 +1,7 @@
 //! Initial pressure under a prescribed load.
 
 use crate::exact::persson_contact_fraction;
-use crate::{Problem, rms_gradient};
+use crate::{ContactProblem, rms_gradient};
 
 /// Number of initially pressed cells over the expected number of cells in contact.
 const MARGIN: f64 = 2.0;
@@ -20,7 +20,7 @@ const ABOVE: f64 = 64.0;
 ///
 /// # References
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
-pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
+pub(super) fn under_load(problem: &ContactProblem<'_>, pascal: f64) -> Vec<f64> {
     let heights_m = problem.heights_m();
     let bound_pa = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| LARGEST * hardness_pa);
     let uniform = || vec![pascal.min(bound_pa / LARGEST); heights_m.len()];
@@ -71,7 +71,7 @@ mod tests {
         let map = HeightMap::from_function(grid, heights).unwrap();
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
         let control = Control::MeanPressure { pascal };
-        under_load(&Problem::new(&half_space, map.heights_m(), control, Some(hardness_pa)).unwrap(), pascal)
+        under_load(&ContactProblem::new(&half_space, map.heights_m(), control, Some(hardness_pa)).unwrap(), pascal)
     }
 
     #[test]
@@ -109,7 +109,7 @@ mod tests {
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
         for (pascal, hardness_pa) in [(1e-4, None), (0.02, None), (0.02, Some(0.1)), (0.02, Some(0.021)), (3.0, None)] {
             let control = Control::MeanPressure { pascal };
-            let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).unwrap();
+            let problem = ContactProblem::new(&half_space, map.heights_m(), control, hardness_pa).unwrap();
             let p = under_load(&problem, pascal);
             assert!(p.iter().all(|p| *p >= 0.0 && *p <= hardness_pa.unwrap_or(f64::INFINITY)));
             let mean = p.iter().sum::<f64>() / p.len() as f64;

@@ -6,7 +6,7 @@
 
 use crate::descent::Descent;
 use crate::solver::{Closure, rigid_mean};
-use crate::{Boundary, HalfSpace, Problem, Solution, Solver, StopReason, Workspace};
+use crate::{Boundary, ContactProblem, ContactWorkspace, HalfSpace, Solution, Solver, SolverStop};
 use asperity_base::monitor::Monitor;
 
 /// Largest number of planes that are tried.
@@ -22,9 +22,9 @@ const TIGHTENING: f64 = 0.03;
 /// Solves `problem` for the mean gap `gap_m`.
 pub(super) fn solve(
     solver: &Solver,
-    problem: &Problem<'_>,
+    problem: &ContactProblem<'_>,
     gap_m: f64,
-    workspace: &mut Workspace,
+    workspace: &mut ContactWorkspace,
     monitor: &dyn Monitor,
 ) -> Solution {
     let points = problem.heights_m().len();
@@ -45,7 +45,7 @@ pub(super) fn solve(
         search.mean_compliance = usual;
     }
     let mut solution = search.run(COARSEST_TOLERANCE);
-    if solution.stop_reason == StopReason::PrecisionLimit {
+    if solution.stop_reason == SolverStop::PrecisionLimit {
         // A gap error trusted too early may have spoiled the bracket.
         solution = search.run(0.0);
     }
@@ -61,9 +61,9 @@ struct Trial {
 
 struct Search<'a> {
     solver: &'a Solver,
-    problem: &'a Problem<'a>,
+    problem: &'a ContactProblem<'a>,
     gap_m: f64,
-    workspace: &'a mut Workspace,
+    workspace: &'a mut ContactWorkspace,
     monitor: &'a dyn Monitor,
     /// Mean compliance of a periodic half-space. The solution does not depend on it; the usual value is well
     /// conditioned.
@@ -74,9 +74,9 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(
         solver: &'a Solver,
-        problem: &'a Problem<'a>,
+        problem: &'a ContactProblem<'a>,
         gap_m: f64,
-        workspace: &'a mut Workspace,
+        workspace: &'a mut ContactWorkspace,
         monitor: &'a dyn Monitor,
     ) -> Self {
         let half_space = problem.half_space();
@@ -181,13 +181,13 @@ impl<'a> Search<'a> {
     fn finish(&self, mut solution: Solution) -> Solution {
         solution.iterations = self.iterations;
         solution.stop_reason = if self.is_met(&solution) {
-            StopReason::Converged
+            SolverStop::Converged
         } else if self.monitor.cancelled() {
-            StopReason::Cancelled
+            SolverStop::Cancelled
         } else if self.iterations >= self.solver.max_iterations {
-            StopReason::IterationLimit
+            SolverStop::IterationLimit
         } else {
-            StopReason::PrecisionLimit
+            SolverStop::PrecisionLimit
         };
         solution
     }

@@ -52,7 +52,7 @@ impl Control {
 
 /// A contact problem: heights, a half-space, a prescribed quantity, and the hardness.
 #[derive(Debug, Clone, Copy)]
-pub struct Problem<'a> {
+pub struct ContactProblem<'a> {
     half_space: &'a HalfSpace,
     heights_m: &'a Array2<f64>,
     control: Control,
@@ -62,7 +62,7 @@ pub struct Problem<'a> {
     highest_m: f64,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> ContactProblem<'a> {
     /// Creates a problem; `hardness_pa = None` is elastic.
     ///
     /// # Errors

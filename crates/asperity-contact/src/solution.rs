@@ -3,12 +3,12 @@
 use ndarray::Array2;
 
 use crate::solver::Closure;
-use crate::{Boundary, Problem};
+use crate::{Boundary, ContactProblem};
 use asperity_base::map::Grid;
 
 /// Reason why a solver stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StopReason {
+pub enum SolverStop {
     /// All residuals, recomputed from the pressure, are below the tolerance.
     Converged,
     /// No further descent can be represented in double precision.
@@ -55,7 +55,7 @@ pub struct Solution {
     pub(super) highest_m: f64,
     pub(super) iterations: usize,
     pub(super) residual: Residual,
-    pub(super) stop_reason: StopReason,
+    pub(super) stop_reason: SolverStop,
 }
 
 impl Solution {
@@ -169,13 +169,13 @@ impl Solution {
     }
 
     /// Returns the reason why the solver stopped.
-    pub fn stop_reason(&self) -> StopReason {
+    pub fn stop_reason(&self) -> SolverStop {
         self.stop_reason
     }
 
     /// Returns whether all residuals are below the tolerance.
     pub fn converged(&self) -> bool {
-        self.stop_reason == StopReason::Converged
+        self.stop_reason == SolverStop::Converged
     }
 }
 
@@ -184,7 +184,7 @@ impl Solution {
 ///
 /// Cells without pressure that are out of contact may be left out; then `gap_sum_m` is the sum of all gaps.
 pub(super) fn certify(
-    problem: &Problem<'_>,
+    problem: &ContactProblem<'_>,
     closure: Closure,
     parts: &[Part<'_>],
     gap_sum_m: Option<f64>,
@@ -264,7 +264,7 @@ mod tests {
             highest_m: 12.5,
             iterations: 3,
             residual: Residual { frank_wolfe: 1e-9, overlap: 3e-9, load: 2e-9 },
-            stop_reason: StopReason::Converged,
+            stop_reason: SolverStop::Converged,
         }
     }
 
@@ -284,8 +284,8 @@ mod tests {
         assert_eq!(solution.grid().shape(), solution.displacement_m().dim());
         assert_eq!(solution.residual().worst(), 3e-9);
         assert!(solution.converged());
-        let unfinished = Solution { stop_reason: StopReason::PrecisionLimit, ..solution.clone() };
-        assert!(!unfinished.converged() && unfinished.stop_reason() == StopReason::PrecisionLimit);
+        let unfinished = Solution { stop_reason: SolverStop::PrecisionLimit, ..solution.clone() };
+        assert!(!unfinished.converged() && unfinished.stop_reason() == SolverStop::PrecisionLimit);
         // Without a hardness no cell is plastic.
         let elastic = Solution { hardness_pa: None, ..solution };
         assert_eq!((elastic.plastic_fraction(), elastic.plastic_displacement_m().sum()), (0.0, 0.0));
@@ -309,7 +309,7 @@ mod tests {
         let heights = array![[1.0, -1.0], [1.0, -1.0]];
         let control = Control::MeanPressure { pascal: 0.1 };
         certify(
-            &Problem::new(&half_space, &heights, control, hardness_pa).unwrap(),
+            &ContactProblem::new(&half_space, &heights, control, hardness_pa).unwrap(),
             closure,
             &[Part { p: &p, v: &v, hardness: hardness_pa.map(|h| [h; 4]).as_ref().map(<[f64; 4]>::as_slice) }],
             None,

@@ -22,7 +22,9 @@
 use ndarray::Array2;
 
 use crate::descent::Descent;
-use crate::{Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap};
+use crate::{
+    Boundary, ContactError, ContactProblem, ContactWorkspace, Control, Solution, coarse_start, load_start, mean_gap,
+};
 use asperity_base::monitor::{Monitor, Silent};
 
 /// Solves contact problems to a relative tolerance.
@@ -75,7 +77,7 @@ impl Solver {
     ///
     /// # Errors
     /// The tolerance is not positive.
-    pub fn solve(&self, problem: &Problem<'_>) -> Result<Solution, ContactError> {
+    pub fn solve(&self, problem: &ContactProblem<'_>) -> Result<Solution, ContactError> {
         self.solve_with(problem, &mut problem.half_space().workspace())
     }
 
@@ -83,12 +85,16 @@ impl Solver {
     ///
     /// # Errors
     /// The tolerance is not positive.
-    pub fn solve_with(&self, problem: &Problem<'_>, workspace: &mut Workspace) -> Result<Solution, ContactError> {
+    pub fn solve_with(
+        &self,
+        problem: &ContactProblem<'_>,
+        workspace: &mut ContactWorkspace,
+    ) -> Result<Solution, ContactError> {
         self.solve_from(problem, None, workspace, &Silent)
     }
 
     /// Solves `problem` like [`Solver::solve_with`], from the pressure `start` in pascal of shape `[ny, nx]`, if given.
-    /// Stops with [`StopReason::Cancelled`](crate::StopReason::Cancelled) when the monitor cancels.
+    /// Stops with [`SolverStop::Cancelled`](crate::StopReason::Cancelled) when the monitor cancels.
     ///
     /// The pressure of a similar problem saves some iterations if the loads differ by a few percent. It is clipped to
     /// the bounds and scaled to the prescribed load. It does not change the solution beyond the tolerance. A prescribed
@@ -98,9 +104,9 @@ impl Solver {
     /// The tolerance is not positive, or the start does not fit the map.
     pub fn solve_from(
         &self,
-        problem: &Problem<'_>,
+        problem: &ContactProblem<'_>,
         start: Option<&Array2<f64>>,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
         monitor: &dyn Monitor,
     ) -> Result<Solution, ContactError> {
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
@@ -133,7 +139,7 @@ impl Solver {
 }
 
 /// Returns the pressure `start` within the bounds and scaled to the prescribed load, or `None` if it cannot be used.
-fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f64>>, ContactError> {
+fn warm_start(problem: &ContactProblem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f64>>, ContactError> {
     let ((rows, columns), (ny, nx)) = (start.dim(), problem.heights_m().dim());
     if (rows, columns) != (ny, nx) {
         return Err(ContactError::Shape { rows, columns, ny, nx });
@@ -154,6 +160,6 @@ fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f
 }
 
 /// Returns a mean compliance of zero on the periodic boundary; the free boundary has no separate mean mode.
-pub(super) fn rigid_mean(problem: &Problem<'_>) -> Option<f64> {
+pub(super) fn rigid_mean(problem: &ContactProblem<'_>) -> Option<f64> {
     matches!(problem.half_space().boundary(), Boundary::Periodic { .. }).then_some(0.0)
 }

@@ -1,6 +1,6 @@
 //! Stiffness of a contact against further approach.
 
-use crate::{Boundary, ContactError, HalfSpace, Solution, Workspace};
+use crate::{Boundary, ContactError, ContactWorkspace, HalfSpace, Solution};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::monitor::{Monitor, Silent};
 
@@ -86,7 +86,7 @@ impl StiffnessSolver {
         &self,
         half_space: &HalfSpace,
         solution: &Solution,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
         monitor: &dyn Monitor,
     ) -> Result<ContactStiffness, ContactError> {
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
@@ -173,7 +173,7 @@ struct CgResult {
 /// The compliance between the cells that move with the plane, and its preconditioner.
 struct System<'a> {
     half_space: &'a HalfSpace,
-    workspace: &'a mut Workspace,
+    workspace: &'a mut ContactWorkspace,
     cells: Vec<usize>,
     /// Values on the cells; zero elsewhere.
     field: Vec<f64>,
@@ -181,7 +181,7 @@ struct System<'a> {
 }
 
 impl<'a> System<'a> {
-    fn new(half_space: &'a HalfSpace, workspace: &'a mut Workspace, cells: Vec<usize>) -> Self {
+    fn new(half_space: &'a HalfSpace, workspace: &'a mut ContactWorkspace, cells: Vec<usize>) -> Self {
         let points = half_space.grid().points();
         Self { half_space, workspace, cells, field: vec![0.0; points], image: vec![0.0; points] }
     }

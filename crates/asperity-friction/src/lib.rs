@@ -1,7 +1,7 @@
 //! The friction coefficient as a stochastic process (paper §4).
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact. A [`window::Window`] slides along each solution, and a
-//! [`law::FrictionLaw`] computes μ(s) from the contact in the window. [`load_curve::LoadCurve`] relates load and depth.
+//! [`law::WindowLaw`] computes μ(s) from the contact in the window. [`load_curve::LoadCurve`] relates load and depth.
 //! [`statistics::FrictionStatistics`] estimates the statistics of the process μ(s), and [`window_study::WindowStudy`] separates
 //! its correlation from the effect of the window. [`replicates`] provides the jackknife over strips. [`upscaling`]
 //! converts the variance of one window to the variance of the nominal area. [`WindowFriction`] is the friction of one window,
@@ -19,10 +19,10 @@ pub mod replicates;
 mod solved_level;
 pub mod statistics;
 pub mod strip;
-mod strip_sums;
 pub mod uncertain;
 pub mod upscaling;
 pub mod window;
+mod window_contact;
 mod window_friction;
 pub mod window_study;
 
@@ -30,7 +30,8 @@ pub use asperity_process as process;
 pub use asperity_process::{diagnostics, measured};
 pub use level_control::{LevelControl, OperatingLevel};
 pub use solved_level::SolvedLevel;
-pub use strip_sums::StripSums;
+pub use upscaling::Upscaling;
+pub use window_contact::{WindowContact, window_contacts};
 pub use window_friction::{NominalContact, StatedFriction, WindowFriction};
 
 use asperity_base::monitor::Cancelled;

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use thiserror::Error;
 
-use crate::strip::Level;
+use crate::strip::SolvedStrips;
 use asperity_base::numeric::bisect;
 use asperity_base::stats::{Interval, student_quantile};
 
@@ -67,8 +67,8 @@ pub struct LoadPoint {
 
 impl LoadPoint {
     /// Computes the point of a level. For a single strip the interval is unknown, from 0 to infinity.
-    pub fn from_level(level: &Level) -> Self {
-        let (pressures, mean) = (&level.strip_pressures_pa, level.mean_pressure_pa);
+    pub fn from_strips(strips: &SolvedStrips) -> Self {
+        let (pressures, mean) = (&strips.strip_pressures_pa, strips.mean_pressure_pa);
         let count = pressures.len() as f64;
         let variance = pressures.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / (count - 1.0);
         let relative = (variance / count).sqrt() / mean;
@@ -79,10 +79,10 @@ impl LoadPoint {
             _ => f64::INFINITY,
         };
         Self {
-            penetration_m: level.penetration_m,
+            penetration_m: strips.penetration_m,
             mean_pressure_pa: mean,
             interval: Interval { low: mean * (-spread).exp(), high: mean * spread.exp() },
-            contact_fraction: level.contact_fraction,
+            contact_fraction: strips.contact_fraction,
         }
     }
 }
@@ -108,8 +108,8 @@ impl LoadCurve {
     ///
     /// # Errors
     /// Fewer than two levels carry load, or a deeper plane does not carry more.
-    pub fn from_levels<'a>(levels: impl IntoIterator<Item = &'a Level>) -> Result<Self, LoadCurveError> {
-        Self::from_points(levels.into_iter().map(LoadPoint::from_level).collect())
+    pub fn from_levels<'a>(levels: impl IntoIterator<Item = &'a SolvedStrips>) -> Result<Self, LoadCurveError> {
+        Self::from_points(levels.into_iter().map(LoadPoint::from_strips).collect())
     }
 
     /// Creates the curve through points in any order. Points without load are left out.

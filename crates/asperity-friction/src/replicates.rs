@@ -1,7 +1,7 @@
 //! Moments of μ with each strip left out, for the jackknife estimate of the noise of few strips.
 
 use crate::statistics::correlate;
-use crate::strip::{Level, Record};
+use crate::strip::{Record, SolvedStrips};
 use asperity_base::blocks;
 use asperity_base::stats::Moments;
 
@@ -34,7 +34,7 @@ impl LevelMoments {
     }
 
     /// Computes the moments of records with positions `step_m` apart and `tracks` records per strip.
-    fn of(records: &[&[f64]], tracks: usize, step_m: f64) -> Self {
+    fn from_records(records: &[&[f64]], tracks: usize, step_m: f64) -> Self {
         let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
         if moments.n < 2 {
             return Self::NONE;
@@ -62,33 +62,33 @@ pub struct MomentReplicates {
 
 impl MomentReplicates {
     /// Computes the moments of the quotient F/N of each window.
-    pub fn of_quotient(level: &Level, step_m: f64) -> Self {
-        Self::by(level, |records| {
+    pub fn from_quotients(strips: &SolvedStrips, step_m: f64) -> Self {
+        Self::by(strips, |records| {
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
-            LevelMoments::of(&series, level.tracks, step_m)
+            LevelMoments::from_records(&series, strips.tracks, step_m)
         })
     }
 
     /// Computes the moments of windows at the mean load ([`Record::at_mean_load`]) of the remaining strips.
-    pub fn at_mean_load(level: &Level, step_m: f64) -> Self {
-        Self::by(level, |records| {
+    pub fn from_mean_load(strips: &SolvedStrips, step_m: f64) -> Self {
+        Self::by(strips, |records| {
             let (mean, records) = Record::at_mean_load(records);
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
-            LevelMoments { mean, ..LevelMoments::of(&series, level.tracks, step_m) }
+            LevelMoments { mean, ..LevelMoments::from_records(&series, strips.tracks, step_m) }
         })
     }
 
-    fn by(level: &Level, moments: impl Fn(&[Record]) -> LevelMoments + Sync + Send) -> Self {
-        let (all, tracks) = (moments(&level.records), level.tracks.max(1));
-        let strips = level.records.len() / tracks + level.failures.len();
+    fn by(strips: &SolvedStrips, moments: impl Fn(&[Record]) -> LevelMoments + Sync + Send) -> Self {
+        let (all, tracks) = (moments(&strips.records), strips.tracks.max(1));
+        let count = strips.records.len() / tracks + strips.failures.len();
         let without = |strip: usize| {
-            if level.failures.iter().any(|failure| failure.index == strip) {
+            if strips.failures.iter().any(|failure| failure.index == strip) {
                 return all;
             }
-            let failed_before = level.failures.iter().filter(|failure| failure.index < strip).count();
+            let failed_before = strips.failures.iter().filter(|failure| failure.index < strip).count();
             let first = (strip - failed_before) * tracks;
-            moments(&[&level.records[..first], &level.records[first + tracks..]].concat())
+            moments(&[&strips.records[..first], &strips.records[first + tracks..]].concat())
         };
-        Self { all, without: blocks::map(0..strips, without) }
+        Self { all, without: blocks::map(0..count, without) }
     }
 }

@@ -9,7 +9,7 @@ use crate::FrictionError;
 use crate::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::level_control::LevelControl;
 use crate::statistics::{FrictionStatistics, HeavyTail};
-use crate::strip::{Level, Record, StripProblem};
+use crate::strip::{Record, SolvedStrips, StripProblem};
 use crate::upscaling::variance_reduction;
 use crate::window::Window;
 use crate::window_study::WindowStudy;
@@ -19,8 +19,10 @@ use crate::window_study::WindowStudy;
 pub struct SolvedLevel {
     /// Prescribed quantity.
     pub control: LevelControl,
+    /// Window of the records.
+    pub window: Window,
     /// Solved strips.
-    pub level: Level,
+    pub strips: SolvedStrips,
     /// Statistics of the quotient F/N of each window.
     pub statistics: FrictionStatistics,
     /// Tail of the quotient, if the quotient has no variance.
@@ -44,29 +46,36 @@ impl SolvedLevel {
     ///
     /// # Errors
     /// Too few windows carry load, or a statistic is undefined.
-    pub fn new(control: LevelControl, level: Level, problem: &StripProblem, seed: u64) -> Result<Self, FrictionError> {
+    pub fn new(
+        control: LevelControl,
+        strips: SolvedStrips,
+        problem: &StripProblem,
+        seed: u64,
+    ) -> Result<Self, FrictionError> {
         let (window, periodic, strip_m) = (&problem.window, problem.is_periodic(), problem.grid().width_m());
-        let layout = Layout { periodic, tracks: level.tracks };
-        let statistics = FrictionStatistics::new(&level.records, window.step_m(), layout, seed)?;
-        let (mean, at_mean_load) = Record::at_mean_load(&level.records);
+        let layout = Layout { periodic, tracks: strips.tracks };
+        let statistics = FrictionStatistics::new(&strips.records, window.step_m(), layout, seed)?;
+        let (mean, at_mean_load) = Record::at_mean_load(&strips.records);
         let process = FrictionStatistics::new(&at_mean_load, window.step_m(), layout, seed)?;
         // The window study requires rectangles.
         let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
-        let narrower = level.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
+        let narrower =
+            strips.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
         let windows: Vec<(Window, Vec<Record>)> = own.into_iter().chain(narrower).collect();
         let varies = process.moments.std > 0.0;
         let whole = |(window, records): &(Window, Vec<Record>)| record_ends(records, window, periodic, strip_m);
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with_models(&windows, level.tracks, &MODELS, settings).ok();
+        let study = || WindowStudy::with_models(&windows, strips.tracks, &MODELS, settings).ok();
         let window_study = if varies { study() } else { None };
         let analysis = ProcessAnalysis::new(&at_mean_load, window, layout, strip_m);
         let heavy_tail = statistics.heavy_tail();
-        let contact_fraction = contact_fraction(&level, layout);
+        let contact_fraction = contact_fraction(&strips, layout);
         Ok(Self {
             control,
-            level,
+            window: window.clone(),
+            strips,
             statistics,
             heavy_tail,
             contact_fraction,
@@ -85,7 +94,8 @@ impl SolvedLevel {
 
     /// Returns the variance of μ over the nominal area divided by the variance of one window, from the correlation without the
     /// effect of the window.
-    pub fn variance_reduction(&self, window: &Window, nominal_area_m2: f64) -> f64 {
+    pub fn variance_reduction(&self, nominal_area_m2: f64) -> f64 {
+        let window = &self.window;
         let correlation = |lag_m: f64| match &self.window_study {
             Some(study) if study.length_m > 0.0 => study.model.correlation(lag_m, study.length_m),
             _ => 0.0,
@@ -99,8 +109,8 @@ impl SolvedLevel {
     ///
     /// # Errors
     /// The reason why there is no process, for instance friction that varies without a correlation.
-    pub fn fitted_process(&self, window: &Window, stribeck_s_per_m: Option<f64>) -> Result<FittedProcess, String> {
-        let process = &self.process;
+    pub fn fitted_process(&self, stribeck_s_per_m: Option<f64>) -> Result<FittedProcess, String> {
+        let (process, window) = (&self.process, &self.window);
         let pair = |interval: Interval| [interval.low, interval.high];
         let correlation = process.correlation.as_ref().map(|found| FittedCorrelation {
             shape: CorrelationShape::Exponential,
@@ -128,7 +138,7 @@ impl SolvedLevel {
             generator: None,
             stribeck_s_per_m,
             averaged_over_m: Some([window.length_m(), window.area_m2() / window.length_m()]),
-            mean_pressure_pa: Some(self.level.mean_pressure_pa),
+            mean_pressure_pa: Some(self.strips.mean_pressure_pa),
             origin: Origin {
                 kind: OriginKind::Study,
                 description: format!(
@@ -144,11 +154,11 @@ impl SolvedLevel {
 }
 
 /// Returns the contact area over the nominal area with the relative error of the mean contact area of the windows.
-fn contact_fraction(level: &Level, layout: Layout) -> (f64, Option<Interval>) {
-    let areas_m2: Vec<&[f64]> = level.records.iter().map(|record| record.area_m2.as_slice()).collect();
+fn contact_fraction(strips: &SolvedStrips, layout: Layout) -> (f64, Option<Interval>) {
+    let areas_m2: Vec<&[f64]> = strips.records.iter().map(|record| record.area_m2.as_slice()).collect();
     let moments = ProcessMoments::new(&areas_m2, layout);
-    let share = level.contact_fraction / moments.moments.mean;
+    let share = strips.contact_fraction / moments.moments.mean;
     let interval =
         moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
-    (level.contact_fraction, interval)
+    (strips.contact_fraction, interval)
 }

@@ -1,16 +1,17 @@
 //! Strips of a random surface, solved at several levels of contact and evaluated by a sliding window.
 
 use ndarray::Array2;
+use std::sync::Arc;
 
 use crate::FrictionError;
-use crate::StripSums;
-use crate::law::FrictionLaw;
-use crate::window::{Window, WindowContact};
+use crate::law::WindowLaw;
+use crate::window::Window;
+use crate::{WindowContact, window_contacts};
 use asperity_base::blocks::{self, Task};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, Workspace};
+use asperity_contact::{Boundary, ContactProblem, ContactWorkspace, Control, HalfSpace, Solution, Solver};
 use asperity_surface::RandomSurface;
 
 /// Least fraction of strips that must converge at a level.
@@ -24,7 +25,7 @@ pub struct StripProblem {
     /// Sliding window. The windows of [`Window::narrower`] also slide along the strips, for the window study.
     pub window: Window,
     /// Friction law of the contacts.
-    pub law: Box<dyn FrictionLaw>,
+    pub law: Arc<dyn WindowLaw>,
     /// Hardness in pascal, the upper bound of the pressure; `None` is elastic.
     pub hardness_pa: Option<f64>,
     /// Contact solver.
@@ -80,13 +81,13 @@ pub struct Record {
 
 impl Record {
     /// Computes the record of the windows of one track.
-    fn of(windows: &[WindowContact], law: &dyn FrictionLaw) -> Self {
+    fn from_contacts(windows: &[WindowContact], law: &dyn WindowLaw) -> Self {
         Self {
             position_m: windows.iter().map(|w| w.position_m).collect(),
             friction: windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect(),
             contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
             area_m2: windows.iter().map(WindowContact::bearing_area_m2).collect(),
-            friction_force_n: windows.iter().map(|w| law.force_n(w).unwrap_or(0.0)).collect(),
+            friction_force_n: windows.iter().map(|w| law.force_n(w)).collect(),
             load_n: windows.iter().map(|w| w.load_n).collect(),
         }
     }
@@ -124,9 +125,9 @@ pub struct FailedStrip {
     pub reason: String,
 }
 
-/// All strips at one level of contact.
+/// Solved strips at one level of contact.
 #[derive(Debug, Clone)]
-pub struct Level {
+pub struct SolvedStrips {
     /// Records in the order of realisations and then of tracks, failed strips left out.
     pub records: Vec<Record>,
     /// Number of records per strip: tracks of the window.
@@ -177,7 +178,7 @@ impl Strips<'_> {
         &self,
         levels: &[Control],
         monitor: &dyn Monitor,
-    ) -> Result<Vec<Result<Level, FrictionError>>, Cancelled> {
+    ) -> Result<Vec<Result<SolvedStrips, FrictionError>>, Cancelled> {
         self.solve_steps(levels, &Task::new(monitor, "friction", self.realisations * levels.len()))
     }
 
@@ -186,7 +187,7 @@ impl Strips<'_> {
         &self,
         levels: &[Control],
         task: &Task<'_>,
-    ) -> Result<Vec<Result<Level, FrictionError>>, Cancelled> {
+    ) -> Result<Vec<Result<SolvedStrips, FrictionError>>, Cancelled> {
         let workspace = || self.problem.half_space.workspace();
         let strips: Result<Vec<StripBlock>, Cancelled> =
             blocks::map_with(0..self.realisations, workspace, |workspace, index| {
@@ -202,7 +203,7 @@ impl Strips<'_> {
         index: usize,
         levels: &[Control],
         task: &Task<'_>,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Result<StripBlock, Cancelled> {
         let map = self.map(index);
         let mut solve = |control: &Control| {
@@ -224,9 +225,9 @@ impl Strips<'_> {
         heights_m: &Array2<f64>,
         control: Control,
         start: Option<&Array2<f64>>,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Result<Solution, String> {
-        let problem = Problem::new(&self.problem.half_space, heights_m, control, self.problem.hardness_pa)
+        let problem = ContactProblem::new(&self.problem.half_space, heights_m, control, self.problem.hardness_pa)
             .map_err(|error| error.to_string())?;
         let solution =
             self.problem.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
@@ -242,20 +243,20 @@ impl Strips<'_> {
         heights_m: &Array2<f64>,
         control: Control,
         keep: bool,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Result<StripResult, String> {
         let solution = self.solution(heights_m, control, None, workspace)?;
         let StripProblem { window, law, .. } = self.problem;
         let narrower = window.narrower();
         let windows: Vec<&Window> = std::iter::once(window).chain(&narrower).collect();
-        let sums = StripSums::new(&solution, law.ploughs().then_some(heights_m), &windows);
-        let seen = |window: &Window| -> Vec<Record> {
-            window.slide(&sums).iter().map(|track| Record::of(track, law.as_ref())).collect()
-        };
+        let contacts = window_contacts(&solution, &windows, law.ploughs().then_some(heights_m));
+        let mut records = contacts.iter().map(|tracks| -> Vec<Record> {
+            tracks.iter().map(|track| Record::from_contacts(track, law.as_ref())).collect()
+        });
         let points = heights_m.len() as f64;
         Ok(StripResult {
-            records: seen(window),
-            narrower: narrower.iter().map(seen).collect(),
+            records: records.next().unwrap_or_default(),
+            narrower: records.collect(),
             penetration_m: solution.penetration_m(),
             mean_pressure_pa: solution.mean_pressure_pa(),
             contact_fraction: solution.corrected_contact_fraction(),
@@ -266,8 +267,11 @@ impl Strips<'_> {
     }
 
     /// Reduces the results of all strips at one level, in the order of the strips.
-    fn gather(&self, results: impl Iterator<Item = Result<StripResult, String>>) -> Result<Level, FrictionError> {
-        let mut level = Level {
+    fn gather(
+        &self,
+        results: impl Iterator<Item = Result<StripResult, String>>,
+    ) -> Result<SolvedStrips, FrictionError> {
+        let mut level = SolvedStrips {
             records: Vec::new(),
             tracks: self.problem.window.tracks(self.problem.is_periodic()).len(),
             narrower: self.problem.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),

@@ -49,7 +49,7 @@ impl UncertainPlan<'_> {
         let step_m = self.problem.window.step_m();
         let levels = strips.solve_steps(&controls, task)?.into_iter().map(|level| {
             let level = level.map_err(|error| error.to_string())?;
-            Ok([MomentReplicates::of_quotient(&level, step_m), MomentReplicates::at_mean_load(&level, step_m)])
+            Ok([MomentReplicates::from_quotients(&level, step_m), MomentReplicates::from_mean_load(&level, step_m)])
         });
         Ok(levels.collect())
     }

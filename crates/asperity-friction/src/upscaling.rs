@@ -4,6 +4,20 @@
 //! carries the whole normal force; at a brake pad's nominal pressure its pressure would be tens of gigapascal. Both
 //! interpretations are available, and results state which one they use.
 
+use asperity_base::choice;
+
+choice! {
+    /// Relation between the standard deviation of friction over the nominal area and over one window.
+    #[derive(Default)]
+    pub enum Upscaling: "upscaling" {
+        /// Windows average over the nominal area.
+        #[default]
+        Area = "area",
+        /// One window carries the whole normal force (the paper's reading).
+        Paper = "paper",
+    }
+}
+
 /// Nodes in (0, 1) and weights of Gauss–Legendre quadrature of ten points on (−1, 1), by pairs ±x.
 const GAUSS_10: [(f64, f64); 5] = [
     (0.148_874_338_981_631_22, 0.295_524_224_714_752_87),

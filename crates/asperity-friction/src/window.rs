@@ -3,7 +3,6 @@
 use ndarray::Array2;
 use thiserror::Error;
 
-use crate::strip_sums::StripSums;
 use asperity_base::map::Grid;
 use asperity_base::sentence;
 
@@ -203,39 +202,29 @@ impl Window {
         (0..count).map(|track| track * self.strip_rows / count).collect()
     }
 
+    /// Returns its cells as runs of rows.
+    pub(super) fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
+    /// Returns whether the window belongs to strips of a grid.
+    pub(super) fn fits(&self, grid: Grid) -> bool {
+        grid.ny() == self.strip_rows && grid.dx_m() == self.cell_m
+    }
+
     /// Returns whether sums over whole columns suffice.
     pub(super) fn spans_columns(&self) -> bool {
         self.rows == self.strip_rows && self.is_rectangle()
     }
 
     /// Returns the first columns of the positions on a strip of `grid`.
-    fn starts(&self, grid: Grid, periodic: bool) -> Vec<usize> {
+    pub(super) fn starts(&self, grid: Grid, periodic: bool) -> Vec<usize> {
         if periodic {
             return (0..grid.nx()).step_by(self.step_cells).collect();
         }
         // Rounding of the pitches must not remove a cell.
         let margin = (grid.height_m() / grid.dx_m() * (1.0 - 1e-9)).ceil() as usize;
         (margin..(grid.nx() + 1).saturating_sub(self.cells + margin)).step_by(self.step_cells).collect()
-    }
-
-    /// Computes contact and load of every position on a solved strip, track by track in the order of sliding.
-    ///
-    /// On a periodic strip the window wraps around. A free strip is a punch with loaded ends; positions nearer to
-    /// an end than the strip is wide are left out.
-    ///
-    /// # Panics
-    /// If the sums were computed for other windows or another strip.
-    pub fn slide(&self, sums: &StripSums) -> Vec<Vec<WindowContact>> {
-        let grid = sums.grid();
-        assert!(grid.ny() == self.strip_rows && grid.dx_m() == self.cell_m, "the window belongs to another strip");
-        assert!(!sums.of_columns() || self.spans_columns(), "sums over whole columns are invalid for this window");
-        let runs = if sums.of_columns() { &self.runs[..1] } else { &self.runs[..] };
-        let starts = self.starts(grid, sums.periodic());
-        let centre_m = |start: usize| (start as f64 + 0.5 * self.cells as f64) * self.cell_m;
-        self.tracks(sums.periodic())
-            .into_iter()
-            .map(|track| starts.iter().map(|&start| sums.window(runs, track, start, centre_m(start))).collect())
-            .collect()
     }
 }
 
@@ -281,38 +270,6 @@ fn runs_of(mask: &Array2<bool>) -> Vec<Run> {
         }
     }
     runs
-}
-
-/// Contact in a window.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WindowContact {
-    /// Position of the centre of the window in metre.
-    pub position_m: f64,
-    /// Number of cells with p > 0.
-    pub contact_cells: f64,
-    /// Contact area in square metre, corrected for the perimeter. Edges of contact on the border of the window belong
-    /// half to it, so that the areas of adjoining windows add up.
-    pub area_m2: f64,
-    /// Least area that carries the load at the hardness, ∫p/H dA, in square metre; 0 without a hardness.
-    pub least_area_m2: f64,
-    /// Load in newton.
-    pub load_n: f64,
-    /// ∫p|∂z/∂x| dA over the cells with p = H, in newton; 0 if the friction law does not use it.
-    pub ploughing_n: f64,
-}
-
-impl WindowContact {
-    /// Returns whether the window carries load.
-    pub fn loaded(&self) -> bool {
-        self.load_n > 0.0
-    }
-
-    /// Returns the corrected contact area in square metre, but at least the area that carries the load at the hardness.
-    /// The two are equal if all contact is plastic. For a few small contacts the perimeter correction may exceed the
-    /// contact area.
-    pub fn bearing_area_m2(&self) -> f64 {
-        self.area_m2.max(self.least_area_m2)
-    }
 }
 
 #[cfg(test)]

@@ -2,11 +2,10 @@
 
 use asperity_base::distribution::Marginal;
 use asperity_base::sentence;
-use asperity_process::{CorrelationShape, FittedProcess, Generator, TranslationKind};
+use asperity_process::{CorrelationShape, FittedProcess, Generator, ProcessModel, TranslationKind};
 
 use crate::solved_level::SolvedLevel;
-use crate::upscaling::{exponential, variance_reduction};
-use crate::window::Window;
+use crate::upscaling::{Upscaling, exponential, variance_reduction};
 
 /// Number of windows above which their mean is normal for any distribution of one window.
 const MANY_WINDOWS: f64 = 30.0;
@@ -71,9 +70,9 @@ pub struct WindowFriction {
 }
 
 impl WindowFriction {
-    /// Returns the friction of `window` at a level and the mean load; `stribeck` is per unit of dimensionless velocity.
-    pub fn from_level(level: &SolvedLevel, window: &Window, nominal: NominalContact, stribeck: Option<f64>) -> Self {
-        let process = &level.process;
+    /// Returns the friction of the window of a level at the mean load; `stribeck` is per unit of dimensionless velocity.
+    pub fn from_level(level: &SolvedLevel, nominal: NominalContact, stribeck: Option<f64>) -> Self {
+        let (process, window) = (&level.process, &level.window);
         let mut warnings = Vec::new();
         let varies = process.moments.std > 0.0;
         // Constant friction has neither correlation nor distribution; the values are not used.
@@ -93,7 +92,7 @@ impl WindowFriction {
             }
             Marginal::STANDARD_NORMAL
         });
-        let pressure_pa = level.level.mean_pressure_pa;
+        let pressure_pa = level.strips.mean_pressure_pa;
         let pressure = sentence::si(pressure_pa, "Pa");
         let origin = match level.control.percentile() {
             None => format!("of the level at the nominal pressure, {pressure}, at the mean load"),
@@ -114,7 +113,7 @@ impl WindowFriction {
             stribeck,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
-            variance_reduction: level.variance_reduction(window, nominal.area_m2),
+            variance_reduction: level.variance_reduction(nominal.area_m2),
             computed: true,
             origin,
             warnings,
@@ -217,9 +216,32 @@ impl WindowFriction {
         self.variance_reduction * MANY_WINDOWS < 1.0
     }
 
-    /// Returns the distribution of the mean over the nominal area.
-    pub fn area_marginal(&self) -> Marginal {
-        if self.holds_many() { Marginal::STANDARD_NORMAL } else { self.marginal.clone() }
+    /// Returns the standard deviation of the friction of the nominal area.
+    pub fn upscaled_std(&self, upscaling: Upscaling) -> f64 {
+        match upscaling {
+            Upscaling::Area => self.std * self.variance_reduction.sqrt(),
+            Upscaling::Paper => self.std,
+        }
+    }
+
+    /// Returns the process of the friction fluctuation of the nominal area, with lengths in units of `unit_m`.
+    ///
+    /// `generator` replaces the generator of a fitted process; without either it follows from the correlation. A diffusion
+    /// reproduces only its own distribution, so it does not generate the normal mean of many windows.
+    pub fn process_model(&self, upscaling: Upscaling, generator: Option<Generator>, unit_m: f64) -> ProcessModel {
+        let marginal = match upscaling {
+            Upscaling::Area if self.holds_many() => Marginal::STANDARD_NORMAL,
+            Upscaling::Area | Upscaling::Paper => self.marginal.clone(),
+        };
+        let usable = generator.or(self.generator).filter(|generator| {
+            *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.holds_many()
+        });
+        ProcessModel {
+            shape: self.shape.in_unit(unit_m),
+            generator: usable.unwrap_or_else(|| Generator::for_shape(self.shape)),
+            correlation: self.correlation,
+            ..ProcessModel::new(marginal, self.upscaled_std(upscaling), self.length_m / unit_m)
+        }
     }
 }
 

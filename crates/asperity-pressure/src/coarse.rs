@@ -4,7 +4,7 @@ use ndarray::{Array2, s};
 
 use crate::{Observation, Problem, stiffness};
 use asperity_base::map::{Grid, HeightMap};
-use asperity_contact::{self as contact, Control, HalfSpace, Solver, Workspace};
+use asperity_contact::{self as contact, ContactWorkspace, Control, HalfSpace, Solver};
 
 /// Strides along either side, coarsest first. Stride 1 is the full grid with a looser tolerance.
 const STRIDES: [usize; 3] = [4, 2, 1];
@@ -53,7 +53,7 @@ impl CoarseModel {
         self.half_space.grid().shape()
     }
 
-    pub(super) fn workspace(&self) -> Workspace {
+    pub(super) fn workspace(&self) -> ContactWorkspace {
         self.half_space.workspace()
     }
 
@@ -65,20 +65,21 @@ impl CoarseModel {
         &self,
         problem: &Problem<'_>,
         map: &HeightMap,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Option<Observation> {
         let heights_m = map.complete_heights_m().ok()?;
         let control = match problem.control() {
             control @ (Control::Penetration { .. } | Control::Percentile { .. }) => {
                 let fine =
-                    contact::Problem::new(problem.half_space(), heights_m, control, problem.hardness_pa()).ok()?;
+                    contact::ContactProblem::new(problem.half_space(), heights_m, control, problem.hardness_pa())
+                        .ok()?;
                 Control::Plane { height_m: fine.plane_m()? }
             }
             control => control,
         };
         let (row, column) = self.first;
         let heights_m: Array2<f64> = heights_m.slice(s![row..;self.stride, column..;self.stride]).to_owned();
-        let coarse = contact::Problem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
+        let coarse = contact::ContactProblem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
         let solver = Solver { tolerance: TOLERANCE, ..problem.solver() };
         let solution = solver.solve_with(&coarse, workspace).ok()?;
         let mut observation = Observation::from_solution(&solution, self.cell);

@@ -7,7 +7,7 @@ use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples,
 use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
-use asperity_contact::Workspace;
+use asperity_contact::ContactWorkspace;
 
 /// Smallest fraction of the fine samples that a coarse model must solve.
 const LEAST_HAD: f64 = 0.95;
@@ -129,7 +129,7 @@ impl Round<'_> {
         }
     }
 
-    fn solve(&self, index: usize, models: &[CoarseModel], workspaces: &mut [Workspace]) -> CoarseBlock {
+    fn solve(&self, index: usize, models: &[CoarseModel], workspaces: &mut [ContactWorkspace]) -> CoarseBlock {
         let (xi, rotation) = match &self.samples {
             RoundSamples::Fine(fine) => (fine.xi(index), None),
             RoundSamples::Further(design, rotation) => (design.xi(index), Some(rotation)),

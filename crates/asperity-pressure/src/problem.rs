@@ -6,7 +6,9 @@ use thiserror::Error;
 
 use crate::{PressureError, stiffness};
 use asperity_base::map::MapError;
-use asperity_contact::{self as contact, Boundary, ContactError, Control, HalfSpace, Solution, Solver, Workspace};
+use asperity_contact::{
+    self as contact, Boundary, ContactError, ContactWorkspace, Control, HalfSpace, Solution, Solver,
+};
 use asperity_surface::RandomSurface;
 
 /// The pressure at one cell of a random surface under a rigid plane.
@@ -232,10 +234,10 @@ impl<'a> Problem<'a> {
     ///
     /// # Errors
     /// The map is incomplete or flat, or the solver did not converge.
-    pub fn solve(&self, xi: &[f64], workspace: &mut Workspace) -> Result<Solution, FailureReason> {
+    pub fn solve(&self, xi: &[f64], workspace: &mut ContactWorkspace) -> Result<Solution, FailureReason> {
         let map = self.surface.generate(xi);
         let heights_m = map.complete_heights_m()?;
-        let problem = contact::Problem::new(self.half_space, heights_m, self.control, self.hardness_pa)?;
+        let problem = contact::ContactProblem::new(self.half_space, heights_m, self.control, self.hardness_pa)?;
         let solution = self.solver.solve_with(&problem, workspace)?;
         if !solution.converged() {
             return Err(FailureReason::NotConverged {
@@ -251,7 +253,7 @@ impl<'a> Problem<'a> {
     ///
     /// # Errors
     /// See [`Problem::solve`].
-    pub fn observe(&self, xi: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
+    pub fn observe(&self, xi: &[f64], workspace: &mut ContactWorkspace) -> Result<Observation, FailureReason> {
         let solution = self.solve(xi, workspace)?;
         self.observation(&solution, workspace)
     }
@@ -260,7 +262,7 @@ impl<'a> Problem<'a> {
     pub(super) fn observation(
         &self,
         solution: &Solution,
-        workspace: &mut Workspace,
+        workspace: &mut ContactWorkspace,
     ) -> Result<Observation, FailureReason> {
         let observation = Observation::from_solution(solution, self.cell);
         if !self.stiffness {

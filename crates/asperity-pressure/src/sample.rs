@@ -5,7 +5,7 @@ use crate::{FailureReason, Observation, PressureError, Problem};
 use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::Monitor;
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
-use asperity_contact::Workspace;
+use asperity_contact::ContactWorkspace;
 
 /// Sample without a solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +83,7 @@ impl<'a> SamplePlan<'a> {
         Ok(Self { problem, sampling, designs, kept_fields })
     }
 
-    fn solve(&self, index: usize, workspace: &mut Workspace) -> Result<SampleBlock, FailureReason> {
+    fn solve(&self, index: usize, workspace: &mut ContactWorkspace) -> Result<SampleBlock, FailureReason> {
         let Sampling { site_stride, field_bytes, .. } = self.sampling;
         let solution = self.problem.solve(&xi(&self.designs, index), workspace)?;
         let observation = self.problem.observation(&solution, workspace)?;
@@ -135,7 +135,7 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
     let samples = solved.posed();
     let task = Task::new(monitor, sampling.stage, samples);
     let block_bytes = sampling.field_bytes.map_or(0, |_| Field::POINT_BYTES * half_space.grid().points());
-    let block = |workspace: &mut Workspace, index| task.step(|| plan.solve(index, workspace));
+    let block = |workspace: &mut ContactWorkspace, index| task.step(|| plan.solve(index, workspace));
     blocks::reduce(samples, block_bytes, || half_space.workspace(), block, |index, block| solved.add(index, block))?;
     match solved.failures.first() {
         Some(first)

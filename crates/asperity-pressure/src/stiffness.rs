@@ -2,7 +2,7 @@
 
 use crate::FailureReason;
 use asperity_base::monitor::Silent;
-use asperity_contact::{Boundary, HalfSpace, Solution, StiffnessSolver, Workspace};
+use asperity_contact::{Boundary, ContactWorkspace, HalfSpace, Solution, StiffnessSolver};
 
 /// Tolerance of the stiffness of fine contacts, which has an error of second order, and of coarse contacts.
 pub(super) const TOLERANCE: f64 = 1e-4;
@@ -16,7 +16,7 @@ pub(super) fn approach_stiffness_pa_per_m(
     half_space: &HalfSpace,
     solution: &Solution,
     tolerance: f64,
-    workspace: &mut Workspace,
+    workspace: &mut ContactWorkspace,
 ) -> Result<Approach, FailureReason> {
     let solver = StiffnessSolver { tolerance, ..StiffnessSolver::default() };
     let found = solver.solve_in(half_space, solution, workspace, &Silent)?;

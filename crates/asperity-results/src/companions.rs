@@ -52,14 +52,14 @@ pub struct PooledResult {
 /// A number or an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Cell {
+pub enum CompanionCell {
     /// A number.
     Number(f64),
     /// [low, high].
     Interval(Pair),
 }
 
-impl Cell {
+impl CompanionCell {
     fn number(self) -> Option<f64> {
         if let Self::Number(value) = self { Some(value) } else { None }
     }
@@ -70,51 +70,51 @@ impl Cell {
 }
 
 /// A statistic as cells, one for each ending of its name.
-pub trait Cells: Sized {
+pub trait CompanionCells: Sized {
     /// Endings of the keys. A name ends with the first that fits.
     const ENDINGS: &'static [&'static str];
 
     /// Returns one cell for each ending.
-    fn cells(&self) -> Vec<Option<Cell>>;
+    fn cells(&self) -> Vec<Option<CompanionCell>>;
 
     /// Returns the statistic of cells, or `None` if it is undefined.
-    fn of(cells: &[Option<Cell>]) -> Option<Self>;
+    fn from_cells(cells: &[Option<CompanionCell>]) -> Option<Self>;
 }
 
-impl Cells for SpreadResult {
+impl CompanionCells for SpreadResult {
     const ENDINGS: &'static [&'static str] = &["_interval", "_se"];
 
-    fn cells(&self) -> Vec<Option<Cell>> {
-        vec![Some(Cell::Interval(self.interval)), Some(Cell::Number(self.standard_error))]
+    fn cells(&self) -> Vec<Option<CompanionCell>> {
+        vec![Some(CompanionCell::Interval(self.interval)), Some(CompanionCell::Number(self.standard_error))]
     }
 
-    fn of(cells: &[Option<Cell>]) -> Option<Self> {
+    fn from_cells(cells: &[Option<CompanionCell>]) -> Option<Self> {
         Some(Self { interval: cells[0]?.interval()?, standard_error: cells[1]?.number()? })
     }
 }
 
-impl Cells for PooledResult {
+impl CompanionCells for PooledResult {
     const ENDINGS: &'static [&'static str] = &["_interval", "_se", "_within_std", "_between_std", ""];
 
-    fn cells(&self) -> Vec<Option<Cell>> {
+    fn cells(&self) -> Vec<Option<CompanionCell>> {
         let numbers = [Some(self.standard_error), self.within_std, self.between_std, Some(self.value)];
-        std::iter::once(Some(Cell::Interval(self.interval)))
-            .chain(numbers.map(|number| number.map(Cell::Number)))
+        std::iter::once(Some(CompanionCell::Interval(self.interval)))
+            .chain(numbers.map(|number| number.map(CompanionCell::Number)))
             .collect()
     }
 
-    fn of(cells: &[Option<Cell>]) -> Option<Self> {
+    fn from_cells(cells: &[Option<CompanionCell>]) -> Option<Self> {
         Some(Self {
             interval: cells[0]?.interval()?,
             standard_error: cells[1]?.number()?,
-            within_std: cells[2].and_then(Cell::number),
-            between_std: cells[3].and_then(Cell::number),
+            within_std: cells[2].and_then(CompanionCell::number),
+            between_std: cells[3].and_then(CompanionCell::number),
             value: cells[4]?.number()?,
         })
     }
 }
 
-impl<T: Cells> Serialize for Companions<T> {
+impl<T: CompanionCells> Serialize for Companions<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let entries = self.0.iter().flat_map(|(name, statistic)| {
             let cells = statistic.as_ref().map_or_else(|| vec![None; T::ENDINGS.len()], T::cells);
@@ -128,7 +128,7 @@ impl<T: Cells> Serialize for Companions<T> {
     }
 }
 
-impl<'de, T: Cells> Deserialize<'de> for Companions<T> {
+impl<'de, T: CompanionCells> Deserialize<'de> for Companions<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(Keys(PhantomData))
     }
@@ -136,7 +136,7 @@ impl<'de, T: Cells> Deserialize<'de> for Companions<T> {
 
 struct Keys<T>(PhantomData<T>);
 
-impl<'de, T: Cells> Visitor<'de> for Keys<T> {
+impl<'de, T: CompanionCells> Visitor<'de> for Keys<T> {
     type Value = Companions<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -144,7 +144,7 @@ impl<'de, T: Cells> Visitor<'de> for Keys<T> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Companions<T>, A::Error> {
-        let mut found: Vec<(String, Vec<Option<Cell>>)> = Vec::new();
+        let mut found: Vec<(String, Vec<Option<CompanionCell>>)> = Vec::new();
         while let Some(key) = map.next_key::<String>()? {
             let split = T::ENDINGS.iter().enumerate().find_map(|(place, end)| Some((place, key.strip_suffix(end)?)));
             let (place, name) = split.ok_or_else(|| A::Error::custom(format_args!("unknown field `{key}`")))?;
@@ -158,7 +158,7 @@ impl<'de, T: Cells> Visitor<'de> for Keys<T> {
                 }
             }
         }
-        let statistics = found.into_iter().map(|(name, cells)| match T::of(&cells) {
+        let statistics = found.into_iter().map(|(name, cells)| match T::from_cells(&cells) {
             None if cells.iter().any(Option::is_some) => Err(A::Error::custom(format_args!("`{name}` is incomplete"))),
             statistic => Ok((name, statistic)),
         });

@@ -32,8 +32,8 @@ pub use pressure::{
 };
 pub use provenance::{Machine, Provenance};
 pub use surface::{
-    CovarianceCandidate, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface, PartStatistics,
-    ScanOfPart, SurfaceResult, SurfaceStatistics,
+    CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface,
+    PartStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,
 };
 pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,

@@ -289,7 +289,7 @@ pub struct CovarianceResult {
     /// Cutoff of that S-filter: the end of the scan's reliable band, or four pixels.
     pub slope_cutoff_m: Option<f64>,
     /// The covariances that were tried, the most likely model first.
-    pub candidates: Vec<CovarianceCandidate>,
+    pub candidates: Vec<CovarianceCandidateResult>,
     /// Changes that made the scan's own autocorrelation a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub empirical: Option<EmpiricalCovariance>,
@@ -298,7 +298,7 @@ pub struct CovarianceResult {
 /// A covariance that was tried.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CovarianceCandidate {
+pub struct CovarianceCandidateResult {
     /// Name of the model; `empirical` is the scan's own.
     pub model: String,
     /// Root mean square of ln(measured/model spectral density) over the reliable band, of a model.

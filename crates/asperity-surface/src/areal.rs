@@ -29,7 +29,7 @@ pub enum ArealError {
 
 /// Texture parameters; lengths in metre, areas per area as fractions. `None` is undefined; each field states the reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters {
+pub struct ArealParameters {
     /// Number of present heights.
     pub present: usize,
     /// Number of missing heights.
@@ -87,7 +87,7 @@ pub struct Parameters {
     pub vvv_m: f64,
 }
 
-impl Parameters {
+impl ArealParameters {
     /// Returns names and values in SI as in tables and JSON; `None` is undefined.
     pub fn named(&self) -> [(&'static str, Option<f64>); 31] {
         let (core, secant) = (&self.core, &self.core_secant);
@@ -131,7 +131,7 @@ impl Parameters {
 #[derive(Debug, Clone)]
 pub struct Analysis {
     /// The parameters.
-    pub parameters: Parameters,
+    pub parameters: ArealParameters,
     /// Autocorrelation up to the lag at which it falls to 0.2, or to half the field.
     pub correlation: Autocorrelation,
     /// Radially averaged power spectral density.
@@ -145,7 +145,7 @@ pub struct Analysis {
 ///
 /// # Errors
 /// [`ArealError::Flat`] if all heights are equal.
-pub fn parameters(map: &HeightMap) -> Result<Parameters, ArealError> {
+pub fn parameters(map: &HeightMap) -> Result<ArealParameters, ArealError> {
     Ok(Textures::of(map)?.parameters(map))
 }
 
@@ -193,14 +193,14 @@ impl Textures {
         Ok(Self { moments, mean_absolute_m, extent, decay, correlation, spectrum })
     }
 
-    fn parameters(&self, map: &HeightMap) -> Parameters {
+    fn parameters(&self, map: &HeightMap) -> ArealParameters {
         let (values, moments) = (map.values_m(), &self.moments);
         let (sp_m, sv_m) = (self.extent.largest - moments.mean, moments.mean - self.extent.least);
         let hybrid = hybrid::hybrid(map);
         let ratio = MaterialRatio::about(values, moments.mean);
         let [core, core_secant] = ratio.cores([EquivalentLine::LeastSquares, EquivalentLine::Secant]);
         let volumes = ratio.volumes(0.1, 0.8);
-        Parameters {
+        ArealParameters {
             present: moments.n,
             missing: values.len() - moments.n,
             sa_m: self.mean_absolute_m,

@@ -10,7 +10,7 @@ use asperity_base::correlation::{Autocorrelation, Axis, ReliableBand, axis_corre
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::stats::Interval;
 
-use crate::areal::{self, Analysis, ArealError, Parameters};
+use crate::areal::{self, Analysis, ArealError, ArealParameters};
 use crate::fractal::{self, Scaling};
 use crate::level::Level;
 use crate::model::{Roughness, SurfaceModelError};
@@ -27,7 +27,7 @@ pub struct MapStatistics {
     /// Radius of a removed cylinder or sphere in metre.
     pub form_radius_m: Option<f64>,
     /// Texture parameters.
-    pub parameters: Parameters,
+    pub parameters: ArealParameters,
     /// Wavenumbers at which the power spectral density is reliable.
     pub reliable: ReliableBand,
     /// 1/e correlation lengths along x and y in metre.

@@ -27,7 +27,7 @@ use self::lengths::Lengths;
 use self::material::Draws;
 use self::removal::Removal;
 use self::window::Window;
-use super::areal::Parameters;
+use super::areal::ArealParameters;
 use super::level::Level;
 use asperity_base::correlation::{Autocorrelation, Axis};
 use asperity_base::map::HeightMap;
@@ -90,7 +90,7 @@ pub struct Values {
 
 impl Values {
     /// Collects the values of a map from its parameters and autocorrelation.
-    pub fn new(parameters: &Parameters, correlation: &Autocorrelation) -> Self {
+    pub fn new(parameters: &ArealParameters, correlation: &Autocorrelation) -> Self {
         Self {
             sa_m: parameters.sa_m,
             sq_m: parameters.sq_m,

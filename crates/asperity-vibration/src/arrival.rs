@@ -233,7 +233,7 @@ mod tests {
         for i in 0..30_000 {
             let g = asperity_base::random::standard_normal(rng, 8);
             let (friction, decay, damping) = ((0.5 * g[0]).exp() * 0.2, 4.0 * g[1].exp(), 0.2 * g[2].exp());
-            let oscillator = Oscillator::stribeck(friction, decay, damping, 0.05 * g[3].exp()).unwrap();
+            let oscillator = Oscillator::with_stribeck(friction, decay, damping, 0.05 * g[3].exp()).unwrap();
             let weakening = Weakening::new(&oscillator);
             let (base, kappa) = (1.0 + 0.5 * g[4], 1.0 + 0.7 * g[5]);
             let loading = Loading { base, kappa, swing: 0.0, frequency: 0.0, phase: 0.0 };

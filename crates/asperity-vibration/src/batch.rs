@@ -13,7 +13,7 @@ use std::ops::Range;
 use self::kernel::{Consts, Cuts, Expansion, LANES, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
-use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::{Drive, Event, EventKind, Integrator, Oscillator, Slips, TrajectorySettings, VelocityLaw, VibrationError};
 use asperity_base::monitor::Silent;
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::{Cell, Fluctuation};
@@ -67,7 +67,7 @@ pub(super) fn simulate_many<F: Fluctuation, W: Observer>(
     };
     let mut waiting = indices;
     if settings.drive == Drive::Time
-        || settings.method != Method::Taylor
+        || settings.method != Integrator::Taylor
         || !(settings.duration.is_finite() && settings.duration > 0.0)
     {
         waiting.for_each(|index| done(index, alone(index)));
@@ -158,10 +158,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
     /// Creates a trajectory at its start; returns none if batches do not support it.
     fn new(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
         let Task { oscillator, mut fluctuation, observer, swing_level } = task;
-        if matches!(oscillator.law(), FrictionLaw::Tabulated(_))
-            || oscillator.forcing().is_some()
-            || swing_level.is_finite()
-        {
+        if oscillator.law().is_tabulated() || oscillator.forcing().is_some() || swing_level.is_finite() {
             return Ok(None);
         }
         let velocity = oscillator.belt_velocity();
@@ -191,7 +188,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
 
     /// Returns whether the law has an exponential part; an exponential law without weakening has none.
     fn is_exponential(&self) -> bool {
-        matches!(self.oscillator.law(), FrictionLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
+        matches!(self.oscillator.law(), VelocityLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
     }
 
     /// Returns m at the scaled distance `passed` since the start of the cell.
@@ -446,7 +443,7 @@ mod tests {
         duration: f64,
         indices: Range<usize>,
     ) -> Vec<Result<(Slips, All), VibrationError>> {
-        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let mut found: Vec<Option<Result<(Slips, All), VibrationError>>> = indices.clone().map(|_| None).collect();
         let first = indices.start;
         simulate_many(
@@ -465,8 +462,8 @@ mod tests {
         found.into_iter().map(|ended| ended.expect("every trajectory ends")).collect()
     }
 
-    fn exponential(kinetic: f64, high_speed: f64, stribeck_velocity: f64) -> FrictionLaw {
-        FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity }
+    fn exponential(kinetic: f64, high_speed: f64, stribeck_velocity: f64) -> VelocityLaw {
+        VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity }
     }
 
     fn machines() -> Vec<(Oscillator, f64)> {
@@ -475,19 +472,19 @@ mod tests {
             (Oscillator::new(parameters).unwrap(), std)
         };
         vec![
-            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.001),
-            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.25, 0.003, 0.001),
-            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.006),
-            of(0.3, FrictionLaw::Stribeck { kinetic: 0.25, decay: 3.0 }, 0.05, 0.05, 0.01),
-            of(0.3, FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.05, 0.05, 0.005),
-            of(0.4, FrictionLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
+            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.001),
+            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.25, 0.003, 0.001),
+            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.006),
+            of(0.3, VelocityLaw::Stribeck { kinetic: 0.25, decay: 3.0 }, 0.05, 0.05, 0.01),
+            of(0.3, VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.05, 0.05, 0.005),
+            of(0.4, VelocityLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
             of(0.4, exponential(0.4, 0.3, 0.4), 0.05, 0.05, 0.005),
             of(0.3, exponential(0.25, 0.1, 0.03), 0.05, 0.1, 0.005),
             // Laws that fall within a small fraction of the velocity of the belt, and one that hardly falls.
             of(0.3, exponential(0.3, 0.2, 0.001), 0.05, 0.05, 0.004),
             of(0.3, exponential(0.3, 0.2, 300.0), 0.01, 0.05, 0.004),
             // Strong motion: the mass overtakes the belt.
-            of(0.17, FrictionLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
+            of(0.17, VelocityLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
         ]
     }
 
@@ -496,7 +493,7 @@ mod tests {
         for (oscillator, std) in machines() {
             let process = process(std);
             let settings =
-                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
             for (index, ended) in followed(&oscillator, &process, 25.0, 0..40).into_iter().enumerate() {
                 let (slips, All(events)) = ended.unwrap();
                 let alone = Trajectory::simulate(&oscillator, process.path(3, index as u64), &settings).unwrap();
@@ -531,9 +528,9 @@ mod tests {
 
     #[test]
     fn ending_records_and_negative_friction_fail_as_in_a_single_simulation() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
-            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {
             let record = RecordedProcess::new(0.005, values).unwrap();
             let alone = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap_err();
@@ -549,11 +546,11 @@ mod tests {
     #[test]
     fn without_noise_every_lane_follows_the_cycle() {
         let settings =
-            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let of = |index: usize| {
             let damping_ratio = 0.1 + 0.005 * (index % 20) as f64;
             let (static_friction, law, belt_velocity) = match index / 20 {
-                0 => (0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.003),
+                0 => (0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.003),
                 1 => (0.3, exponential(0.3, 0.1, 0.2), 0.02),
                 _ => (0.4, exponential(0.35, 0.2, 0.004), 0.08),
             };

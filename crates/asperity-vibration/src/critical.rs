@@ -62,7 +62,7 @@ pub fn limit_damping(oscillator: &Oscillator) -> Result<f64, VibrationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, FrictionTable, MotionKind, Parameters, limit_cycle, smallest_kick};
+    use crate::{FrictionTable, MotionKind, Parameters, VelocityLaw, limit_cycle, smallest_kick};
     use asperity_base::distribution::standard_normal_cdf;
     use asperity_base::numeric::try_root_between;
     use asperity_base::random;
@@ -84,7 +84,7 @@ mod tests {
             (0.2, 0.1, 0.222_953_501_902_507_68),
             (0.3, 0.1, 0.334_272_847_322_423_26),
         ] {
-            let found = critical_damping(&Oscillator::stribeck(friction, 4.2, 0.0, velocity).unwrap()).unwrap();
+            let found = critical_damping(&Oscillator::with_stribeck(friction, 4.2, 0.0, velocity).unwrap()).unwrap();
             assert!((found.critical_damping_ratio - wanted).abs() < 1e-12, "{found:?} instead of {wanted}");
             let hopf = 0.5 * 4.2 * friction / (1.0 + 4.2 * velocity).powi(2);
             assert!((found.hopf_damping_ratio - hopf).abs() < 1e-15);
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn linear_weakening_ends_at_half_its_slope() {
         for slope in [0.05, 0.3, 1.1] {
-            let law = FrictionLaw::Linear { kinetic: 0.4, slope };
+            let law = VelocityLaw::Linear { kinetic: 0.4, slope };
             let parameters =
                 Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
             let found = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap();
@@ -116,14 +116,14 @@ mod tests {
             let static_friction = 0.2 * g[0].exp();
             let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
             let decay = 3.0 * (1.5 * g[2]).exp();
-            let stribeck = FrictionLaw::Stribeck { kinetic, decay };
+            let stribeck = VelocityLaw::Stribeck { kinetic, decay };
             let (high_speed, stribeck_velocity) = (0.5 * kinetic, 0.5 / decay);
             let points: Vec<_> =
                 (0..8).map(|i| 0.3 * f64::from(i) / decay).map(|v| [v, stribeck.coefficient(v)]).collect();
             let law = match i % 3 {
                 0 => stribeck,
-                1 => FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity },
-                _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+                1 => VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity },
+                _ => VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap()),
             };
             // On a belt faster than the last point of the table, friction is constant.
             let belt_velocity = (0.05 * (1.5 * g[3]).exp()).min(if i % 3 == 2 { 1.0 / decay } else { f64::INFINITY });
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn without_weakening_any_damping_ends_the_cycle_but_a_jump_keeps_it() {
         let of = |static_friction| {
-            let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+            let law = VelocityLaw::Coulomb { kinetic: 0.3 };
             let parameters =
                 Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
             critical_damping(&Oscillator::new(parameters).unwrap()).unwrap().critical_damping_ratio
@@ -158,7 +158,7 @@ mod tests {
         let with_jump = of(0.4);
         // Independent check by the event-driven motion: the cycle exists just below the limit and not above it.
         for (factor, exists) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
-            let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+            let law = VelocityLaw::Coulomb { kinetic: 0.3 };
             let damping_ratio = with_jump * factor;
             let parameters =
                 Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None };
@@ -171,7 +171,7 @@ mod tests {
     fn gaussian(belt_velocity: f64) -> Oscillator {
         let coefficient = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
         let points: Vec<_> = (0..=1200).map(|i| 2.5e-4 * f64::from(i)).map(|v| [v, coefficient(v)]).collect();
-        let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+        let law = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
         let parameters = Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity, forcing: None };
         Oscillator::new(parameters).unwrap()
     }
@@ -199,10 +199,10 @@ mod tests {
     #[test]
     fn the_last_vibration_of_a_falling_law_grazes_the_belt() {
         let laws = [
-            FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
-            FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.04, stribeck_velocity: 0.1 },
-            FrictionLaw::Linear { kinetic: 0.1, slope: 0.2 },
-            FrictionLaw::Coulomb { kinetic: 0.09 },
+            VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+            VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.04, stribeck_velocity: 0.1 },
+            VelocityLaw::Linear { kinetic: 0.1, slope: 0.2 },
+            VelocityLaw::Coulomb { kinetic: 0.09 },
         ];
         for law in laws {
             let parameters =
@@ -214,8 +214,8 @@ mod tests {
         // Closed forms for a jump of .05 at V = .05: without weakening, and with a weakening b = .1, which shifts the
         // limit by b/2.
         for (law, wanted) in [
-            (FrictionLaw::Coulomb { kinetic: 0.25 }, 0.057_829_116_137_66),
-            (FrictionLaw::Linear { kinetic: 0.25, slope: 0.1 }, 0.107_829_116_137_66),
+            (VelocityLaw::Coulomb { kinetic: 0.25 }, 0.057_829_116_137_66),
+            (VelocityLaw::Linear { kinetic: 0.25, slope: 0.1 }, 0.107_829_116_137_66),
         ] {
             let parameters =
                 Parameters { static_friction: 0.3, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
@@ -235,9 +235,9 @@ mod tests {
             let bell = |v: f64| kinetic * (0.3 + 0.7 * (-(v / reach).powi(2)).exp());
             let points: Vec<_> = (0..40).map(|i| 0.1 * f64::from(i) * reach).map(|v| [v, bell(v)]).collect();
             let law = match i % 3 {
-                0 => FrictionLaw::Stribeck { kinetic, decay: 1.0 / reach },
-                1 => FrictionLaw::Exponential { kinetic, high_speed: 0.3 * kinetic, stribeck_velocity: reach },
-                _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+                0 => VelocityLaw::Stribeck { kinetic, decay: 1.0 / reach },
+                1 => VelocityLaw::Exponential { kinetic, high_speed: 0.3 * kinetic, stribeck_velocity: reach },
+                _ => VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap()),
             };
             let belt_velocity = reach * (0.7 * g[3]).exp();
             let of = |damping_ratio| {

@@ -281,7 +281,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::{Forcing, FrictionLaw, FrictionTable, MotionKind, Parameters, PhasePoint, cycle_portrait};
+    use crate::{Forcing, FrictionTable, MotionKind, Parameters, PhasePoint, VelocityLaw, cycle_portrait};
 
     fn cycle_of(parameters: Parameters) -> LimitCycle {
         *limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap().cycle().unwrap()
@@ -293,7 +293,7 @@ mod tests {
 
     #[test]
     fn coulomb_friction_has_its_closed_form_cycle() {
-        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
         let cycle =
             cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None });
         let ratio: f64 = 0.1 / 0.05;
@@ -310,7 +310,7 @@ mod tests {
 
     #[test]
     fn linear_weakening_has_its_closed_form_cycle() {
-        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
         let cycle =
             cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None });
         close(cycle.period, 6.439_474_890_105_244, 1e-13);
@@ -321,7 +321,7 @@ mod tests {
     fn a_straight_line_of_points_is_the_linear_law() {
         for speeds in [&[0.0, 1.0][..], &[0.0, 0.03, 0.08, 0.1, 0.15, 0.2, 1.0]] {
             let points: Vec<_> = speeds.iter().map(|&v| [v, 0.4 - 0.3 * v]).collect();
-            let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+            let law = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
             let parameters =
                 Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None };
             let cycle = cycle_of(parameters);
@@ -333,9 +333,9 @@ mod tests {
     #[test]
     fn exponential_and_tabulated_laws_give_the_cycles_of_an_independent_integrator() {
         // scipy 1.17.1, solve_ivp with DOP853 at rtol 3e-14, restarted at the points of the table: 11 digits.
-        let exponential = |kinetic| FrictionLaw::Exponential { kinetic, high_speed: 0.2, stribeck_velocity: 0.1 };
+        let exponential = |kinetic| VelocityLaw::Exponential { kinetic, high_speed: 0.2, stribeck_velocity: 0.1 };
         let points = [[0.0, 0.3], [0.05, 0.27], [0.2, 0.2], [0.3, 0.22], [0.5, 0.22], [0.9, 0.25]];
-        let table = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+        let table = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
         for (law, static_friction, damping_ratio, belt_velocity, [period, slip, reattachment]) in [
             (exponential(0.3), 0.3, 0.05, 0.1, [6.929_871_534_970_7, 5.013_270_760_081_6, 0.098_339_922_511_09]),
             (exponential(0.28), 0.3, 0.05, 0.1, [6.735_882_684_754_9, 4.962_176_102_686_8, 0.112_629_341_793_19]),
@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn the_paper_s_law_gives_the_published_cycle() {
-        let cycle = *limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap()).unwrap().cycle().unwrap();
+        let cycle = *limit_cycle(&Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap()).unwrap().cycle().unwrap();
         close(cycle.period, 6.372_163_483_739_709, 1e-13);
         close(cycle.slip_duration, 5.644_059_891_168_911, 1e-13);
         close(cycle.reattachment_displacement.unwrap(), 0.096_795_689_222_287_6, 1e-13);
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn leine_s_oscillator_gives_the_published_cycle() {
         // Leine, van Campen, de Kraker & van den Steen, Nonlinear Dyn. 16 (1998) 41, in units of the natural period.
-        let cycle = *limit_cycle(&Oscillator::stribeck(1.0, 3.0, 0.0, 0.2).unwrap()).unwrap().cycle().unwrap();
+        let cycle = *limit_cycle(&Oscillator::with_stribeck(1.0, 3.0, 0.0, 0.2).unwrap()).unwrap().cycle().unwrap();
         for (found, wanted, digit) in [
             (cycle.period, 12.001_031, 5e-7),
             (cycle.slip_duration, 4.296_00, 5e-6),
@@ -377,10 +377,12 @@ mod tests {
     #[test]
     fn above_the_critical_damping_there_is_no_cycle() {
         for damping in [0.2048302, 0.3, 0.99, 1.5, 20.0] {
-            let oscillator = Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap();
+            let oscillator = Oscillator::with_stribeck(0.1, 4.2, damping, 0.003).unwrap();
             assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
         }
-        assert!(limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some());
+        assert!(
+            limit_cycle(&Oscillator::with_stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some()
+        );
     }
 
     #[test]
@@ -390,7 +392,7 @@ mod tests {
             for decay in [0.0, 1.0, 1e4] {
                 for damping_ratio in [0.0, 0.01, 1.0, 50.0] {
                     for kinetic in [0.3, 0.1] {
-                        let law = FrictionLaw::Stribeck { kinetic, decay };
+                        let law = VelocityLaw::Stribeck { kinetic, decay };
                         let static_friction = 0.3;
                         let parameters =
                             Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
@@ -405,7 +407,7 @@ mod tests {
     #[test]
     fn a_fast_belt_may_end_in_slip_and_over_slip_without_stick() {
         let oscillator = |forcing| {
-            let law = FrictionLaw::Stribeck { kinetic: 0.1415, decay: 4.98 };
+            let law = VelocityLaw::Stribeck { kinetic: 0.1415, decay: 4.98 };
             let static_friction = 0.1688;
             Oscillator::new(Parameters { static_friction, law, damping_ratio: 0.003, belt_velocity: 1.732, forcing })
                 .unwrap()
@@ -440,7 +442,7 @@ mod tests {
             (0.002, MotionKind::Overtaking, 6.294_99),
             (0.004, MotionKind::StickSlip, 6.295_32),
         ] {
-            let regime = limit_cycle(&Oscillator::stribeck(0.432353, 4.2, damping, belt).unwrap()).unwrap();
+            let regime = limit_cycle(&Oscillator::with_stribeck(0.432353, 4.2, damping, belt).unwrap()).unwrap();
             let cycle = regime.cycle().unwrap();
             assert_eq!((regime.kind(), cycle.kind), (kind, kind));
             assert!((cycle.period - period).abs() < 6e-6, "{cycle:?}");
@@ -452,7 +454,7 @@ mod tests {
 
     #[test]
     fn weak_forcing_at_resonance_locks_the_cycle_to_its_period() {
-        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let cycle = *limit_cycle(&forced).unwrap().cycle().unwrap();
         assert_eq!(cycle.slips, 1);

@@ -35,15 +35,15 @@ pub fn deterministic_slips(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Method, Trajectory};
+    use crate::{Drive, Forcing, Integrator, Trajectory};
 
     #[test]
     fn oscillators_in_lockstep_match_single_simulations() {
         let settings =
-            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let machines: Vec<Oscillator> = (0..70)
             .map(|i| {
-                let free = Oscillator::stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();
+                let free = Oscillator::with_stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();
                 let forcing = (i % 5 == 0).then_some(Forcing { amplitude: 0.002, frequency: 0.98 });
                 free.with_forcing(forcing).unwrap()
             })

@@ -15,7 +15,7 @@ pub use self::rate::{Fraction, Passages, Rate};
 use super::batch::{Task, simulate_many};
 use super::sample_distribution::{RunningMoments, SampleCollector, SampleDistribution};
 use super::trajectory::{NoObserver, follow};
-use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
+use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
 use asperity_process::{Cancellable, FrictionProcess, Steady};
@@ -44,7 +44,7 @@ pub struct EnsembleSettings {
     /// Integration method of slip. Only Taylor series integrate many trajectories in lockstep; the others are for
     /// comparison.
     #[serde(default)]
-    pub method: Method,
+    pub method: Integrator,
     /// Number of values of each distribution that are kept for histograms and tests. Each kept value takes 24 bytes
     /// during the computation and 8 in the result; each trajectory in progress keeps at most as many.
     pub sample_capacity: usize,
@@ -62,7 +62,7 @@ impl EnsembleSettings {
             seed,
             start: None,
             drive: Drive::default(),
-            method: Method::default(),
+            method: Integrator::default(),
             sample_capacity: 65_536,
             least_valid_share: 0.95,
         }
@@ -109,7 +109,7 @@ impl Count {
 
 /// Trajectory that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Failure {
+pub struct FailedTrajectory {
     /// Index of the trajectory.
     pub trajectory: usize,
     /// Reason of the failure.
@@ -144,7 +144,7 @@ pub struct Ensemble {
     /// Vibration over time: exits, entries and fractions of the time.
     pub passages: Passages,
     /// Trajectories that failed.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<FailedTrajectory>,
 }
 
 /// Result of one trajectory.
@@ -227,7 +227,7 @@ struct Reduction {
     releases: SampleCollector,
     periods: SampleCollector,
     passages: Passages,
-    failures: Vec<Failure>,
+    failures: Vec<FailedTrajectory>,
 }
 
 impl Reduction {
@@ -256,7 +256,7 @@ impl Reduction {
                 self.releases.merge(passage.releases);
                 self.periods.merge(passage.periods);
             }
-            Err(error) => self.failures.push(Failure { trajectory, reason: error.to_string() }),
+            Err(error) => self.failures.push(FailedTrajectory { trajectory, reason: error.to_string() }),
         }
     }
 
@@ -329,7 +329,7 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Forcing, FrictionLaw, FrictionTable, Parameters};
+    use crate::{Forcing, FrictionTable, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
     use asperity_testing::AlwaysCancelled;
@@ -339,7 +339,7 @@ mod tests {
     }
 
     fn oscillator(damping: f64) -> Oscillator {
-        Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap()
+        Oscillator::with_stribeck(0.1, 4.2, damping, 0.003).unwrap()
     }
 
     #[test]
@@ -401,11 +401,11 @@ mod tests {
         let process = FrictionProcess::new(model).unwrap();
         for drive in [Drive::Distance, Drive::Time] {
             for law in [
-                FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
-                FrictionLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
-                FrictionLaw::Coulomb { kinetic: 0.1 },
-                FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
-                FrictionLaw::Tabulated(
+                VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+                VelocityLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
+                VelocityLaw::Coulomb { kinetic: 0.1 },
+                VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
+                VelocityLaw::Tabulated(
                     FrictionTable::new(&[[0.0, 0.1], [0.01, 0.09], [0.03, 0.08], [0.05, 0.085]]).unwrap(),
                 ),
             ] {

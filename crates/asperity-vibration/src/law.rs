@@ -1,15 +1,16 @@
-//! Friction laws: the friction coefficient as a function of the relative velocity.
+//! Velocity laws: the friction coefficient as a function of the relative velocity.
 
 use serde::{Deserialize, Serialize};
 
 use super::{FrictionTable, VibrationError, positive};
+use asperity_base::sentence::digits;
 
 /// Kinetic friction coefficient μ(|v|) of a sliding contact, at the dimensionless relative velocity v = v_rel·mω₀/N.
 ///
 /// The stick limit is a separate parameter, [`super::Oscillator::static_friction`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum FrictionLaw {
+pub enum VelocityLaw {
     /// Velocity weakening μ = μ_k/(1 + a|v|), the law of Gaus et al. 2016 (there μ_k is the static coefficient).
     Stribeck {
         /// μ_k, the coefficient at vanishing sliding velocity.
@@ -42,7 +43,7 @@ pub enum FrictionLaw {
     Tabulated(FrictionTable),
 }
 
-impl FrictionLaw {
+impl VelocityLaw {
     /// Returns the coefficient at the speed |v| ≥ 0.
     pub fn coefficient(&self, speed: f64) -> f64 {
         match self {
@@ -94,6 +95,84 @@ impl FrictionLaw {
             | Self::Exponential { kinetic, .. } => *kinetic,
             Self::Tabulated(table) => table.kinetic(),
         }
+    }
+
+    /// Returns the weakening rate as a parameter: a of the Stribeck law, b of the linear law; `None` for other laws.
+    pub fn weakening_rate(&self) -> Option<f64> {
+        match self {
+            Self::Stribeck { decay: rate, .. } | Self::Linear { slope: rate, .. } => Some(*rate),
+            Self::Coulomb { .. } | Self::Exponential { .. } | Self::Tabulated(_) => None,
+        }
+    }
+
+    /// Returns the law with another weakening rate; `None` for laws without one.
+    pub fn with_weakening_rate(&self, rate: f64) -> Option<Self> {
+        match *self {
+            Self::Stribeck { kinetic, .. } => Some(Self::Stribeck { kinetic, decay: rate }),
+            Self::Linear { kinetic, .. } => Some(Self::Linear { kinetic, slope: rate }),
+            Self::Coulomb { .. } | Self::Exponential { .. } | Self::Tabulated(_) => None,
+        }
+    }
+
+    /// Returns the law with `map` applied to its friction coefficients. Weakening rates and velocities stay equal.
+    ///
+    /// # Errors
+    /// A table with these coefficients is invalid.
+    pub fn with_coefficients(&self, map: impl Fn(f64) -> f64) -> Result<Self, VibrationError> {
+        Ok(match self {
+            Self::Stribeck { kinetic, decay } => Self::Stribeck { kinetic: map(*kinetic), decay: *decay },
+            Self::Coulomb { kinetic } => Self::Coulomb { kinetic: map(*kinetic) },
+            Self::Linear { kinetic, slope } => Self::Linear { kinetic: map(*kinetic), slope: *slope },
+            Self::Exponential { kinetic, high_speed, stribeck_velocity } => Self::Exponential {
+                kinetic: map(*kinetic),
+                high_speed: map(*high_speed),
+                stribeck_velocity: *stribeck_velocity,
+            },
+            Self::Tabulated(table) => {
+                let points: Vec<[f64; 2]> = table.points().map(|[v, mu]| [v, map(mu)]).collect();
+                Self::Tabulated(FrictionTable::new(&points)?)
+            }
+        })
+    }
+
+    /// Describes the law with its parameters.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Coulomb { kinetic } => digits(*kinetic),
+            Self::Stribeck { kinetic, decay } => {
+                format!("{}/(1 + a|v|), a = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*decay))
+            }
+            Self::Linear { kinetic, slope } => {
+                format!("{} − b|v|, b = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*slope))
+            }
+            Self::Exponential { kinetic, high_speed, stribeck_velocity } => format!(
+                "{} + {}·exp(−|v|/{})",
+                digits(*high_speed),
+                digits(kinetic - high_speed),
+                digits(*stribeck_velocity)
+            ),
+            Self::Tabulated(_) => "a tabulated law".into(),
+        }
+    }
+
+    /// Returns [c, b] such that friction with a fluctuation m ≤ 0 is positive at the speed |v| if c + m > |v|(b − am), with a of
+    /// the Stribeck law and a = 0 for other laws. For a table the condition holds at |v| = 0 only.
+    pub(super) fn floor_and_slope(&self) -> [f64; 2] {
+        match self {
+            Self::Exponential { high_speed, .. } => [*high_speed, 0.0],
+            Self::Linear { kinetic, slope } => [*kinetic, *slope],
+            Self::Stribeck { .. } | Self::Coulomb { .. } | Self::Tabulated(_) => [self.kinetic(), 0.0],
+        }
+    }
+
+    /// Returns whether the coefficient depends linearly on the velocity.
+    pub(super) fn is_linear(&self) -> bool {
+        matches!(self, Self::Coulomb { .. } | Self::Linear { .. })
+    }
+
+    /// Returns whether a table defines the law.
+    pub(super) fn is_tabulated(&self) -> bool {
+        matches!(self, Self::Tabulated(_))
     }
 
     /// Returns the least coefficient at speeds up to this one.
@@ -159,11 +238,11 @@ mod tests {
     #[test]
     fn the_weakening_is_the_negative_derivative_of_the_coefficient() {
         for law in [
-            FrictionLaw::Stribeck { kinetic: 0.3, decay: 4.2 },
-            FrictionLaw::Coulomb { kinetic: 0.3 },
-            FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 },
-            FrictionLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 },
-            FrictionLaw::Tabulated(FrictionTable::new(&[[0.0, 0.4], [0.1, 0.3], [0.5, 0.2]]).unwrap()),
+            VelocityLaw::Stribeck { kinetic: 0.3, decay: 4.2 },
+            VelocityLaw::Coulomb { kinetic: 0.3 },
+            VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 },
+            VelocityLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 },
+            VelocityLaw::Tabulated(FrictionTable::new(&[[0.0, 0.4], [0.1, 0.3], [0.5, 0.2]]).unwrap()),
         ] {
             let (speed, h) = (0.2, 1e-5);
             let difference = (law.coefficient(speed - h) - law.coefficient(speed + h)) / (2.0 * h);
@@ -179,17 +258,17 @@ mod tests {
     #[test]
     fn laws_are_named_in_snake_case_and_tables_are_checked_when_read() {
         let text = r#"{"tabulated":{"points":[[0.0,0.4],[0.1,0.3]]}}"#;
-        let law: FrictionLaw = serde_json::from_str(text).unwrap();
+        let law: VelocityLaw = serde_json::from_str(text).unwrap();
         assert_eq!(serde_json::to_string(&law).unwrap(), text);
-        assert!(serde_json::from_str::<FrictionLaw>(r#"{"tabulated":{"points":[[0.1,0.4],[0.2,0.3]]}}"#).is_err());
+        assert!(serde_json::from_str::<VelocityLaw>(r#"{"tabulated":{"points":[[0.1,0.4],[0.2,0.3]]}}"#).is_err());
         let text = r#"{"exponential":{"kinetic":0.4,"high_speed":0.3,"stribeck_velocity":0.2}}"#;
-        assert_eq!(serde_json::to_string(&serde_json::from_str::<FrictionLaw>(text).unwrap()).unwrap(), text);
+        assert_eq!(serde_json::to_string(&serde_json::from_str::<VelocityLaw>(text).unwrap()).unwrap(), text);
     }
 
     #[test]
     fn an_exponential_that_rises_is_refused() {
         for (kinetic, high_speed, stribeck_velocity) in [(0.3, 0.4, 0.1), (0.3, 0.0, 0.1), (0.3, 0.2, 0.0)] {
-            assert!(FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity }.validate().is_err());
+            assert!(VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity }.validate().is_err());
         }
     }
 }

@@ -12,7 +12,7 @@
 //! (statistics of many), [`damping_sweep`] (gradual end of vibration over damping), [`stability_map`].
 //!
 //! # Method
-//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]). The variables are chosen so that no
+//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Integrator`]). The variables are chosen so that no
 //! difference of nearly equal numbers occurs, and every step is a polynomial. The first zero of the relative velocity
 //! follows from a bound on the rotation in the phase plane, or is isolated by bounds of the coefficients, so no
 //! re-attachment is missed, however short.
@@ -66,22 +66,23 @@ pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use deterministic::deterministic_slips;
-pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Fraction, Passages, Rate};
+pub use ensemble::{Count, Ensemble, EnsembleSettings, FailedTrajectory, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
-pub use law::FrictionLaw;
+pub use law::VelocityLaw;
 pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
-pub use runge_kutta::Method;
+pub use runge_kutta::Integrator;
 pub use sample_distribution::SampleDistribution;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{
-    Machine, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
+    FluctuatingOscillator, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap,
+    stability_map,
 };
 pub use structure::{
     Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd, BranchPoint,
-    CurveSettings, ForcedCycle, Mark, MarkKind, Parameter, Separatrix, SeparatrixKind, SlipCycle, Turnover, basin,
+    CurveParameter, CurveSettings, ForcedCycle, Mark, MarkKind, Separatrix, SeparatrixKind, SlipCycle, Turnover, basin,
     bifurcation_diagram, critical_curve, forced_cycles, locked_curve, separatrix, slip_cycles, smallest_kick,
 };
 pub use sweep::{Crossing, DampingSweep, crossings_without_fluctuation, damping_sweep};

@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn the_locked_cycle_ends_at_the_published_damping() {
         for (frequency, wanted) in [(0.98, 0.270_299_774_5), (1.0, 0.273_186_622_3)] {
-            let oscillator = Oscillator::stribeck(0.2, 4.2, 0.0, 0.1).unwrap();
+            let oscillator = Oscillator::with_stribeck(0.2, 4.2, 0.0, 0.1).unwrap();
             let forced = oscillator.with_forcing(Some(Forcing { amplitude: 0.01, frequency })).unwrap();
             let found = locked_boundary(&forced).unwrap();
             // One unit of the last published digit, which may be truncated or rounded.
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn just_below_the_boundary_the_motion_is_locked_with_hardly_any_stick() {
-        let oscillator = Oscillator::stribeck(0.2, 4.2, 0.0, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.2, 4.2, 0.0, 0.1).unwrap();
         let forced = oscillator.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 1.0 })).unwrap();
         let boundary = locked_boundary(&forced).unwrap();
         let cycle = *limit_cycle(&forced.with_damping(boundary - 1e-6).unwrap()).unwrap().cycle().unwrap();

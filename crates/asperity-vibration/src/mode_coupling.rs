@@ -9,8 +9,8 @@
 //! in N₀/c, stiffnesses in c, τ = ω₀t, V = v_b·mω₀/N₀, forces in N₀, sliding distance in N₀/c.
 //!
 //! [`Model`] → [`eigenvalue_scan`] (modes against μ), [`Model::coalescence`] and [`critical_friction`] (loss of
-//! stability of steady sliding), [`Trajectory`] (stick, slip and flight under one realisation of the friction process),
-//! [`limit_cycle`], [`growth_rates`] (growth of small motion under fluctuating friction), [`Ensemble`] (probability of
+//! stability of steady sliding), [`CoupledTrajectory`] (stick, slip and flight under one realisation of the friction process),
+//! [`limit_cycle`], [`growth_rates`] (growth of small motion under fluctuating friction), [`CoupledEnsemble`] (probability of
 //! vibration).
 //!
 //! # References
@@ -26,10 +26,10 @@ mod roots;
 mod spectrum;
 mod trajectory;
 
-pub use cycle::{LimitCycle, Regime, limit_cycle};
-pub use ensemble::{Ensemble, EnsembleSettings, Outcome};
+pub use cycle::{CoupledCycle, CoupledRegime, limit_cycle};
+pub use ensemble::{CoupledEnsemble, CoupledEnsembleSettings, CoupledOutcome};
 pub use growth::{GrowthRates, GrowthSettings, growth_rates};
-pub use model::{Damping, Model, Parameters, SteadySliding};
-pub use motion::{Contact, Event, EventKind, State};
+pub use model::{CoupledParameters, Damping, Model, SteadySliding};
+pub use motion::{Contact, CoupledEvent, CoupledEventKind, State};
 pub use spectrum::{Critical, EigenvalueScan, Instability, Mode, critical_friction, eigenvalue_scan, modes};
-pub use trajectory::{Point, Trajectory, TrajectorySettings};
+pub use trajectory::{CoupledTrajectory, CoupledTrajectorySettings, Point};

@@ -8,7 +8,7 @@ use super::runge_kutta::Stepper;
 use super::scaled_forcing::ScaledForcing;
 use super::series::Series;
 use super::weakening::Weakening;
-use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Phase, VibrationError};
+use super::{Drive, Event, EventKind, Integrator, Oscillator, Phase, VelocityLaw, VibrationError};
 use asperity_process::{Cell, Fluctuation};
 
 /// Largest number of consecutive steps without progress in time; an arrival and a release at the same time are two.
@@ -25,7 +25,7 @@ pub(super) struct Motion<F> {
     damping: f64,
     velocity: f64,
     scaled: ScaledForcing,
-    law: FrictionLaw,
+    law: VelocityLaw,
     drive: Drive,
     fluctuation: F,
     cell: CurrentCell,
@@ -147,7 +147,7 @@ impl<F: Fluctuation> Motion<F> {
     }
 
     /// Returns the same motion, integrated by another method.
-    pub(super) fn with_method(self, method: Method) -> Result<Self, VibrationError> {
+    pub(super) fn with_method(self, method: Integrator) -> Result<Self, VibrationError> {
         Ok(Self { stepper: method.stepper()?, ..self })
     }
 

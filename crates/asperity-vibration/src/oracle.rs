@@ -130,7 +130,7 @@ impl Oracle<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Forcing, FrictionLaw, FrictionTable, Method, Parameters};
+    use crate::{Forcing, FrictionTable, Integrator, Parameters, VelocityLaw};
     use asperity_process::{Fluctuation, FrictionProcess, Generator, ProcessModel};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
@@ -147,7 +147,7 @@ mod tests {
         let mut path = process.path(11, 0);
         let cells: Vec<Cell> = (0..4000).map(|_| path.next_cell().unwrap()).collect();
         let oscillator = Oscillator::new(parameters).unwrap();
-        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Method::Taylor };
+        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Integrator::Taylor };
         let fast = Trajectory::simulate(&oscillator, process.path(11, 0), &settings).unwrap();
         let slow = Oracle {
             oscillator: &oscillator,
@@ -178,7 +178,7 @@ mod tests {
     fn fast_and_slow_integration_agree_on_every_event() {
         let base = Parameters {
             static_friction: 0.3,
-            law: FrictionLaw::Stribeck { kinetic: 0.25, decay: 3.0 },
+            law: VelocityLaw::Stribeck { kinetic: 0.25, decay: 3.0 },
             damping_ratio: 0.05,
             belt_velocity: 0.05,
             forcing: None,
@@ -186,25 +186,25 @@ mod tests {
         for drive in [Drive::Distance, Drive::Time] {
             let [detach, restick, _] = compare(base.clone(), 0.01, 0.05, drive);
             assert!(detach >= 4 && restick >= 4);
-            compare(Parameters { law: FrictionLaw::Coulomb { kinetic: 0.2 }, ..base.clone() }, 0.005, 0.1, drive);
+            compare(Parameters { law: VelocityLaw::Coulomb { kinetic: 0.2 }, ..base.clone() }, 0.005, 0.1, drive);
             compare(
-                Parameters { law: FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base.clone() },
+                Parameters { law: VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base.clone() },
                 0.005,
                 0.1,
                 drive,
             );
-            let law = FrictionLaw::Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 };
+            let law = VelocityLaw::Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 };
             compare(Parameters { law, ..base.clone() }, 0.005, 0.1, drive);
             // Monotone cubics through points on a line are the line. The oracle ignores the points; the fast
             // integration stops at them.
             let line = |v: f64| [v, 0.3 - 0.2 * v];
             let table = FrictionTable::new(&[0.0, 0.03, 0.06, 0.08, 0.1, 1.0].map(line)).unwrap();
-            compare(Parameters { law: FrictionLaw::Tabulated(table), ..base.clone() }, 0.005, 0.1, drive);
+            compare(Parameters { law: VelocityLaw::Tabulated(table), ..base.clone() }, 0.005, 0.1, drive);
             // Weakening continuous at zero: every detachment starts with zero acceleration, and noise causes
             // micro-slips.
             let paper = Parameters {
                 static_friction: 0.1,
-                law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+                law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
                 damping_ratio: 0.17,
                 belt_velocity: 0.02,
                 forcing: None,
@@ -217,7 +217,7 @@ mod tests {
     fn fast_and_slow_integration_agree_under_forcing_through_over_slip() {
         let base = Parameters {
             static_friction: 0.1,
-            law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
+            law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
             damping_ratio: 0.1,
             belt_velocity: 0.05,
             forcing: Some(Forcing { amplitude: 0.4, frequency: 0.6 }),
@@ -235,7 +235,7 @@ mod tests {
     fn fast_and_slow_integration_agree_where_friction_jumps() {
         let base = Parameters {
             static_friction: 0.3,
-            law: FrictionLaw::Coulomb { kinetic: 0.25 },
+            law: VelocityLaw::Coulomb { kinetic: 0.25 },
             damping_ratio: 0.0,
             belt_velocity: 0.05,
             forcing: None,
@@ -244,11 +244,11 @@ mod tests {
             let jumping = |parameters, std, length| compare_made(Generator::Renewal, parameters, std, length, drive);
             let [detach, restick, _] = jumping(base.clone(), 0.02, 0.1);
             assert!(detach >= 4 && restick >= 4);
-            let law = FrictionLaw::Stribeck { kinetic: 0.3, decay: 3.0 };
+            let law = VelocityLaw::Stribeck { kinetic: 0.3, decay: 3.0 };
             jumping(Parameters { law, damping_ratio: 0.05, ..base.clone() }, 0.03, 0.05);
             let forced = Parameters {
                 static_friction: 0.1,
-                law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
+                law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
                 damping_ratio: 0.1,
                 forcing: Some(Forcing { amplitude: 0.4, frequency: 0.6 }),
                 ..base.clone()

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FrictionLaw, VibrationError, positive};
+use super::{VelocityLaw, VibrationError, positive};
 
 /// Default force at the start, in stick, as a fraction of the static friction force.
 const DEFAULT_START_FRACTION: f64 = 0.97;
@@ -50,7 +50,7 @@ pub struct Parameters {
     /// μ_st, the stick limit.
     pub static_friction: f64,
     /// Kinetic friction law μ(|v|).
-    pub law: FrictionLaw,
+    pub law: VelocityLaw,
     /// ζ = d/(2mω₀).
     pub damping_ratio: f64,
     /// V = v_b·mω₀/N.
@@ -81,11 +81,8 @@ impl Oscillator {
         FRICTION.check("static_friction", static_friction)?;
         FRICTION.check("kinetic_friction", law.kinetic())?;
         law.validate()?;
-        if let FrictionLaw::Stribeck { decay, .. } = *law {
-            WEAKENING.check("velocity weakening of the friction law", decay)?;
-        } else {
-            WEAKENING.check("velocity weakening of the friction law", law.steepest())?;
-        }
+        let rate = law.weakening_rate().unwrap_or_else(|| law.steepest());
+        WEAKENING.check("velocity weakening of the friction law", rate)?;
         if law.kinetic() > static_friction {
             return Err(VibrationError::Parameter {
                 parameter: "kinetic_friction",
@@ -103,13 +100,13 @@ impl Oscillator {
     }
 
     /// Creates an oscillator with the paper's law: μ_st/(1 + a|v|) in slip and μ_st in stick, without forcing.
-    pub fn stribeck(
+    pub fn with_stribeck(
         static_friction: f64,
         decay: f64,
         damping_ratio: f64,
         belt_velocity: f64,
     ) -> Result<Self, VibrationError> {
-        let law = FrictionLaw::Stribeck { kinetic: static_friction, decay };
+        let law = VelocityLaw::Stribeck { kinetic: static_friction, decay };
         Self::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
     }
 
@@ -147,7 +144,7 @@ impl Oscillator {
     }
 
     /// Returns the kinetic friction law.
-    pub fn law(&self) -> &FrictionLaw {
+    pub fn law(&self) -> &VelocityLaw {
         &self.parameters.law
     }
 
@@ -230,7 +227,7 @@ mod tests {
     #[test]
     fn under_another_load_a_machine_is_the_same_in_si() {
         let (light, heavy) = (Scales::new(2.0, 300.0, 500.0).unwrap(), Scales::new(2.0, 300.0, 1500.0).unwrap());
-        let law = FrictionLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 };
+        let law = VelocityLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 };
         let forcing = Some(Forcing { amplitude: 0.03, frequency: 0.9 });
         let parameters = Parameters { static_friction: 0.5, law, damping_ratio: 0.1, belt_velocity: 0.06, forcing };
         let before = Oscillator::new(parameters).unwrap();
@@ -253,7 +250,7 @@ mod tests {
 
     #[test]
     fn invalid_parameters_are_refused() {
-        assert!(Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
+        assert!(Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
         for (static_friction, decay, damping, velocity) in [
             (0.0, 4.2, 0.17, 0.003),
             (0.1, -1.0, 0.17, 0.003),
@@ -267,20 +264,20 @@ mod tests {
             (0.1, 4.2, 0.17, 1e-300),
             (0.1, 4.2, 0.17, 1e9),
         ] {
-            assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_err());
+            assert!(Oscillator::with_stribeck(static_friction, decay, damping, velocity).is_err());
         }
         // The ends of the ranges are allowed.
         for (static_friction, decay, damping, velocity) in [(1e3, 1e6, 1e3, 1e6), (1e-12, 0.0, 0.0, 1e-12)] {
-            assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_ok());
+            assert!(Oscillator::with_stribeck(static_friction, decay, damping, velocity).is_ok());
         }
-        let law = FrictionLaw::Coulomb { kinetic: 0.5 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.5 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
         assert!(matches!(
             Oscillator::new(parameters),
             Err(VibrationError::Parameter { parameter: "kinetic_friction", .. })
         ));
-        let fine = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let fine = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         for (amplitude, frequency) in [(0.1, 0.0), (0.1, 1e6), (1e9, 1.0), (-0.1, 1.0), (0.1, f64::NAN)] {
             assert!(fine.with_forcing(Some(Forcing { amplitude, frequency })).is_err(), "{amplitude} {frequency}");
         }

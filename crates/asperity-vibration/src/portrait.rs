@@ -66,13 +66,13 @@ pub(super) fn sampled<F: Fluctuation>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Method, Trajectory, limit_cycle};
+    use crate::{Drive, Forcing, Integrator, Trajectory, limit_cycle};
     use asperity_process::RecordedProcess;
 
     #[test]
     fn the_portrait_of_a_cycle_closes_and_touches_its_extremes() {
-        let free = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        let forced = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1)
+        let free = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let forced = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1)
             .unwrap()
             .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 }))
             .unwrap();
@@ -108,11 +108,11 @@ mod tests {
 
     #[test]
     fn a_portrait_passes_through_the_events_of_its_trajectory_for_any_drive() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let values = (0..4000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
         let process = RecordedProcess::new(0.0005, values).unwrap();
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 60.0, start: None, drive, method: Method::Taylor };
+            let settings = TrajectorySettings { duration: 60.0, start: None, drive, method: Integrator::Taylor };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let points = 6001;
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, points).unwrap();

@@ -13,8 +13,8 @@ mod tests {
     use rayon::prelude::*;
 
     use super::super::{
-        Count, Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters, Trajectory,
-        TrajectorySettings,
+        Count, Drive, Ensemble, EnsembleSettings, Integrator, Oscillator, Parameters, Trajectory, TrajectorySettings,
+        VelocityLaw,
     };
     use super::check::{Checked, check};
     use super::draw::case;
@@ -122,7 +122,7 @@ mod tests {
                     return [0; 3];
                 };
                 let alone =
-                    TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+                    TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
                 let mut sums = [0; 3];
                 for i in 0..6 {
                     match Trajectory::simulate(&oscillator, case.process.path(SEED, i), &alone) {
@@ -148,7 +148,7 @@ mod tests {
     fn a_late_steep_weakening_is_not_stepped_over() {
         // Belts of many Stribeck velocities: the whole weakening acts in the last few hundredths of a slip.
         for (belt_velocity, stribeck_velocity) in [(0.24, 0.012), (0.24, 0.003), (0.05, 0.002), (0.8, 0.005)] {
-            let law = FrictionLaw::Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity };
+            let law = VelocityLaw::Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity };
             let parameters =
                 Parameters { static_friction: 0.8, law, damping_ratio: 0.01, belt_velocity, forcing: None };
             let oscillator = Oscillator::new(parameters).unwrap();
@@ -156,7 +156,7 @@ mod tests {
                 let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method };
                 Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events
             };
-            let (series, stages) = (events(Method::Taylor), events(Method::DormandPrince { tolerance: 1e-12 }));
+            let (series, stages) = (events(Integrator::Taylor), events(Integrator::DormandPrince { tolerance: 1e-12 }));
             assert!(
                 series.len() == stages.len() && series.len() > 5,
                 "{belt_velocity}: {} and {}",

@@ -16,7 +16,7 @@ use super::weakening::Weakening;
 /// Integration method of slip. All methods find events on the polynomials of the steps, to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Method {
+pub enum Integrator {
     /// Taylor series of up to 24 terms, whose dropped terms are below about 10⁻¹⁴ of the state: the fastest method.
     #[default]
     Taylor,
@@ -32,7 +32,7 @@ pub enum Method {
     },
 }
 
-impl Choice for Method {
+impl Choice for Integrator {
     const NOUN: &'static str = "integrator";
     const ALL: &'static [Self] =
         &[Self::Taylor, Self::RungeKuttaFehlberg { tolerance: 1e-10 }, Self::DormandPrince { tolerance: 1e-12 }];
@@ -66,7 +66,7 @@ const SAFETY: f64 = 0.9;
 /// Continuation of a law below W = 0 that a stage may use, as in [`Weakening::curvature_of`].
 const CONTINUATION: f64 = -0.5;
 
-impl Method {
+impl Integrator {
     /// Returns the integrator; fails if a tolerance is out of range.
     pub(super) fn stepper(self) -> Result<Option<Stepper>, VibrationError> {
         let (tableau, tolerance) = match self {
@@ -201,12 +201,12 @@ fn shift(c: &mut [f64], a: f64) {
 mod tests {
     use super::*;
     use crate::{
-        Drive, EventKind, Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, Trajectory, TrajectorySettings,
+        Drive, EventKind, Forcing, FrictionTable, Oscillator, Parameters, Trajectory, TrajectorySettings, VelocityLaw,
     };
     use asperity_process::{Fluctuation, FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
-    const FEHLBERG_AT: fn(f64) -> Method = |tolerance| Method::RungeKuttaFehlberg { tolerance };
-    const DORMAND_PRINCE_AT: fn(f64) -> Method = |tolerance| Method::DormandPrince { tolerance };
+    const FEHLBERG_AT: fn(f64) -> Integrator = |tolerance| Integrator::RungeKuttaFehlberg { tolerance };
+    const DORMAND_PRINCE_AT: fn(f64) -> Integrator = |tolerance| Integrator::DormandPrince { tolerance };
 
     #[test]
     fn hermite_s_polynomial_of_a_polynomial_is_itself() {
@@ -226,7 +226,7 @@ mod tests {
 
     /// Returns a forced slip of the paper's law away from events.
     fn slip() -> (Weakening, Loading) {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
         let loading = Loading { base: 1.0, kappa: 1.2, swing: 0.3, frequency: 0.8, phase: 0.4 };
         (Weakening::new(&oscillator), loading)
     }
@@ -286,7 +286,11 @@ mod tests {
         }
     }
 
-    fn differences(parameters: Parameters, process: &impl Fn() -> Box<dyn Fluctuation>, method: Method) -> [f64; 4] {
+    fn differences(
+        parameters: Parameters,
+        process: &impl Fn() -> Box<dyn Fluctuation>,
+        method: Integrator,
+    ) -> [f64; 4] {
         let oscillator = Oscillator::new(parameters).unwrap();
         let mut settings = TrajectorySettings { duration: 40.0, start: None, drive: Drive::Distance, method };
         let mut worst = [0.0_f64; 4];
@@ -296,7 +300,7 @@ mod tests {
                 let settings = TrajectorySettings { method, ..settings };
                 Trajectory::simulate(&oscillator, &mut *process(), &settings).unwrap().events
             };
-            let (found, wanted) = (events(method), events(Method::Taylor));
+            let (found, wanted) = (events(method), events(Integrator::Taylor));
             assert!(
                 wanted.len() > 6 && found.len() == wanted.len(),
                 "{method:?} {oscillator:?}: {} and {}",
@@ -319,7 +323,7 @@ mod tests {
     fn all_methods_find_the_same_events() {
         let base = Parameters {
             static_friction: 0.1,
-            law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+            law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
             damping_ratio: 0.02,
             belt_velocity: 0.05,
             forcing: None,
@@ -327,10 +331,10 @@ mod tests {
         let table = FrictionTable::new(&[[0.0, 0.1], [0.03, 0.08], [0.06, 0.075], [0.1, 0.08]]).unwrap();
         let laws = [
             base.law.clone(),
-            FrictionLaw::Coulomb { kinetic: 0.05 },
-            FrictionLaw::Linear { kinetic: 0.09, slope: 0.1 },
-            FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 },
-            FrictionLaw::Tabulated(table),
+            VelocityLaw::Coulomb { kinetic: 0.05 },
+            VelocityLaw::Linear { kinetic: 0.09, slope: 0.1 },
+            VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 },
+            VelocityLaw::Tabulated(table),
         ];
         let model =
             ProcessModel { steps_per_length: 4, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.002, 0.05) };
@@ -365,7 +369,7 @@ mod tests {
 
     #[test]
     fn errors_follow_the_tolerance_and_invalid_tolerances_are_refused() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let period = |method| {
             let settings = TrajectorySettings { duration: 66.0, start: None, drive: Drive::Distance, method };
             let events = Trajectory::simulate(&oscillator, Steady, &settings)?.events;
@@ -381,8 +385,8 @@ mod tests {
                 assert!(matches!(period(make(tolerance)), Err(VibrationError::Parameter { .. })));
             }
         }
-        let text = serde_json::to_string(&Method::DormandPrince { tolerance: 1e-9 }).unwrap();
+        let text = serde_json::to_string(&Integrator::DormandPrince { tolerance: 1e-9 }).unwrap();
         assert_eq!(text, r#"{"dormand_prince":{"tolerance":1e-9}}"#);
-        assert_eq!(serde_json::from_str::<Method>(r#""taylor""#).unwrap(), Method::Taylor);
+        assert_eq!(serde_json::from_str::<Integrator>(r#""taylor""#).unwrap(), Integrator::Taylor);
     }
 }

@@ -131,7 +131,7 @@ fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, FrictionLaw, Method, Parameters};
+    use crate::{Drive, Integrator, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
 
@@ -140,14 +140,14 @@ mod tests {
     }
 
     fn settings(duration: f64) -> SoundSettings {
-        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         SoundSettings { trajectories: 8, points_per_period: 64, from: 60.0, seed: 3, followed }
     }
 
     #[test]
     fn the_coulomb_cycle_has_the_mean_square_of_its_arcs() {
         // Slip is X = μ_k + A cos with the duration 2π − 2 atan(Δ/V); stick lasts 2Δ/V at the velocity V.
-        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
         let found = cycle_rms(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn little_noise_leaves_the_level_of_the_cycle_and_its_frequency() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let found = Sound::record(&oscillator, &process(1e-6), &settings(700.0), &Silent).unwrap();
         assert!(found.level_db.unwrap().abs() < 0.05, "{:?}", found.level_db);
         let loudest = (0..found.density.len()).max_by(|a, b| found.density[*a].total_cmp(&found.density[*b])).unwrap();
@@ -184,7 +184,7 @@ mod tests {
         // Periods at these dampings, without stick: 6.29467 and 6.29499. An independent integrator in
         // `tests/vibration/kinds.rs` agrees.
         for (damping, period) in [(0.001, 6.294_67), (0.002, 6.294_99)] {
-            let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
+            let oscillator = Oscillator::with_stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
             let settings = SoundSettings { trajectories: 2, from: 3000.0, ..settings(3500.0) };
             let slow = ProcessModel::new("beta:2.1,5".parse().unwrap(), 1e-9, 30.0);
             let found = Sound::record(&oscillator, &FrictionProcess::new(slow).unwrap(), &settings, &Silent).unwrap();
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn noise_beyond_the_end_of_the_cycle_is_quieter_than_the_last_cycle() {
-        let of = |damping| Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap();
+        let of = |damping| Oscillator::with_stribeck(0.1, 4.2, damping, 0.003).unwrap();
         let loud = Sound::record(&of(0.17), &process(0.001), &settings(400.0), &Silent).unwrap();
         let quiet = Sound::record(&of(0.25), &process(0.001), &settings(400.0), &Silent).unwrap();
         assert!(quiet.velocity_rms_interval[1] < loud.velocity_rms_interval[0]);

@@ -119,7 +119,7 @@ impl MapSettings {
 }
 
 /// Machine: an oscillator and its friction fluctuation, if any.
-pub type Machine = (Oscillator, Option<FrictionProcess>);
+pub type FluctuatingOscillator = (Oscillator, Option<FrictionProcess>);
 
 /// Point of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -224,7 +224,7 @@ impl Square {
 ///
 /// Fails like [`Ensemble::simulate`] at the first point that fails, if an axis is empty, or when cancelled.
 pub fn stability_map(
-    machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
+    machine: &(dyn Fn(f64, f64) -> Result<FluctuatingOscillator, VibrationError> + Sync),
     settings: &MapSettings,
     monitor: &dyn Monitor,
 ) -> Result<StabilityMap, VibrationError> {
@@ -304,7 +304,7 @@ fn is_crossed(square: &Square, points: &BTreeMap<Place, MapPoint>) -> bool {
 }
 
 fn point(
-    machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
+    machine: &(dyn Fn(f64, f64) -> Result<FluctuatingOscillator, VibrationError> + Sync),
     x: f64,
     y: f64,
     settings: &EnsembleSettings,
@@ -350,12 +350,12 @@ mod tests {
 
     #[test]
     fn without_fluctuation_the_contour_is_the_end_of_the_cycle_and_the_transition_has_no_width() {
-        let machine = |x: f64, y: f64| Ok((Oscillator::stribeck(0.1, 4.2, x, y)?, None));
+        let machine = |x: f64, y: f64| Ok((Oscillator::with_stribeck(0.1, 4.2, x, y)?, None));
         let map = stability_map(&machine, &settings(5, 0, 1.0), &Silent).unwrap();
         let spacing = 0.2 / 4.0 / 32.0;
         assert_eq!(map.limit.len(), 1);
         for [damping, velocity] in &map.limit[0] {
-            let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
+            let wanted = critical_damping(&Oscillator::with_stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
             // Error of linear interpolation over a cell of ζ_c, whose second derivative in V is below 3·μ_st·a³/2 = 11
             // (Hopf's formula).
             let cell: f64 = 0.198 / 3.0 / 32.0;
@@ -372,7 +372,7 @@ mod tests {
             let Some(line) = contour.lines.first() else { continue };
             assert!((line[0][1] - 0.002).abs() < 1e-12 || (line[line.len() - 1][1] - 0.002).abs() < 1e-12);
             for [damping, velocity] in line {
-                let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
+                let wanted = critical_damping(&Oscillator::with_stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
                 // Within the cell that the contour crosses, along ζ and along V (slope of ζ_c below 1.8).
                 let cell = spacing + 1.8 * 0.198 / 96.0;
                 assert!((damping - wanted.critical_damping_ratio).abs() < cell, "{damping} at {velocity}");
@@ -389,7 +389,7 @@ mod tests {
     fn noise_separates_the_contours_and_a_point_equals_its_ensemble() {
         let machine = |x: f64, y: f64| {
             let model = ProcessModel::new("beta:2.1,5".parse()?, 0.001, 0.01);
-            Ok((Oscillator::stribeck(0.1, 4.2, x, 0.003 + 0.001 * y)?, Some(FrictionProcess::new(model)?)))
+            Ok((Oscillator::with_stribeck(0.1, 4.2, x, 0.003 + 0.001 * y)?, Some(FrictionProcess::new(model)?)))
         };
         let settings = MapSettings {
             x: MapAxis { from: 0.12, to: 0.3, cells: 6 },
@@ -421,7 +421,7 @@ mod tests {
 
     #[test]
     fn an_empty_axis_is_refused() {
-        let machine = |x: f64, y: f64| Ok((Oscillator::stribeck(0.1, 4.2, x, y)?, None));
+        let machine = |x: f64, y: f64| Ok((Oscillator::with_stribeck(0.1, 4.2, x, y)?, None));
         let mut wrong = settings(0, 0, 1.0);
         wrong.x.to = wrong.x.from;
         assert!(stability_map(&machine, &wrong, &Silent).is_err());

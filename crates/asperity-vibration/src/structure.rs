@@ -25,5 +25,5 @@ pub use bifurcation::{
 pub use boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, critical_curve};
 pub use forced::{ForcedCycle, forced_cycles};
 pub use locked_curve::locked_curve;
-pub use parameter::Parameter;
+pub use parameter::CurveParameter;
 pub use slip_cycle::{SlipCycle, slip_cycles};

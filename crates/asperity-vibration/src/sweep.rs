@@ -268,7 +268,7 @@ pub fn damping_sweep(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Forcing, FrictionLaw, Parameters};
+    use crate::{Forcing, Parameters, VelocityLaw};
     use asperity_base::distribution::standard_normal_quantile;
     use asperity_base::monitor::Silent;
     use asperity_base::random;
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn more_noise_widens_the_end_of_vibration() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let settings = EnsembleSettings::new(20, 200.0, 9);
         let width = |std| {
             let model = ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01);
@@ -357,15 +357,15 @@ mod tests {
             assert!(found.windows(2).all(|pair| pair[0].damping_ratio == pair[1].damping_ratio));
             found[1].clone()
         };
-        let free = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let free = Oscillator::with_stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let found = crossings(&free);
         assert!((found.damping_ratio.unwrap() - 0.204_830_150_584_523_17).abs() < 1e-12);
         // Boundary of the 1:1 locked orbit.
-        let forced = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let forced = Oscillator::with_stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         let forced = forced.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let found = crossings(&forced);
         assert!((found.damping_ratio.unwrap() - 0.270_299_774_5).abs() < 1.4e-4, "{found:?}");
-        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
         let quiet = Parameters { static_friction: 0.3, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None };
         let found = crossings(&Oscillator::new(quiet).unwrap());
         assert!(found.damping_ratio.is_none() && found.reason.unwrap().contains("no vibration"));
@@ -373,7 +373,7 @@ mod tests {
 
     #[test]
     fn a_sweep_that_does_not_rise_is_refused() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 1e-4, 0.01)).unwrap();
         let settings = EnsembleSettings::new(2, 10.0, 9);
         assert!(damping_sweep(&oscillator, &[0.2, 0.1], &process, &settings, &Silent).is_err());

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
-use super::{Drive, Event, EventKind, Method, Oscillator, VibrationError, positive};
+use super::{Drive, Event, EventKind, Integrator, Oscillator, VibrationError, positive};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_process::Fluctuation;
 
@@ -19,7 +19,7 @@ pub struct TrajectorySettings {
     pub drive: Drive,
     /// Integration method of slip.
     #[serde(default)]
-    pub method: Method,
+    pub method: Integrator,
 }
 
 /// Counts of finished slips. A slip ends when the mass sticks, or when it returns from over-slip without stick.
@@ -187,7 +187,7 @@ impl Slips {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, Parameters, limit_cycle, trajectory_portrait};
+    use crate::{Parameters, VelocityLaw, limit_cycle, trajectory_portrait};
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
     #[test]
@@ -202,13 +202,13 @@ mod tests {
         // Numbers are stored as text with all their digits.
         let number = |key: &str| reference[key].to_string().trim_matches('"').parse::<f64>().unwrap();
         let values = doubles(&std::fs::read(folder.join("frozen_mu.npy")).unwrap());
-        let oscillator = Oscillator::stribeck(number("mus"), number("a"), number("z"), number("nu")).unwrap();
+        let oscillator = Oscillator::with_stribeck(number("mus"), number("a"), number("z"), number("nu")).unwrap();
         let process = RecordedProcess::new(number("h_s"), values).unwrap();
         let settings = TrajectorySettings {
             duration: number("tau_end"),
             start: Some(number("X_start")),
             drive: Drive::Distance,
-            method: Method::Taylor,
+            method: Integrator::Taylor,
         };
         let found = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
         let wanted = reference["events_mp"].as_array().unwrap();
@@ -236,10 +236,10 @@ mod tests {
 
     #[test]
     fn a_slip_is_a_cycle_if_the_mass_moves_backwards_in_it() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let process = noisy(0.006, 0);
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Method::Taylor };
+            let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Integrator::Taylor };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, 300_001).unwrap();
             let mut counted = Slips::default();
@@ -255,9 +255,9 @@ mod tests {
 
     #[test]
     fn a_record_that_ends_and_friction_without_sign_are_errors() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
-            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         let run = |values: Vec<f64>| {
             Trajectory::simulate(&oscillator, RecordedProcess::new(0.01, values).unwrap().path(), &settings)
         };
@@ -268,7 +268,7 @@ mod tests {
         let nowhere = TrajectorySettings { start: Some(f64::NAN), ..settings };
         assert!(Trajectory::simulate(&oscillator, Steady, &nowhere).is_err());
         // A linear law has no positive value at the speed of the mass.
-        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
         let fast = limit_cycle(&Oscillator::new(parameters).unwrap());

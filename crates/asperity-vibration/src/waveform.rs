@@ -104,17 +104,17 @@ fn largest(points: &[PhasePoint]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Method};
+    use crate::{Drive, Forcing, Integrator};
     use asperity_process::Steady;
 
     fn settings(natural_frequency_hz: f64, seconds: f64) -> WaveformSettings {
         let followed =
-            TrajectorySettings { duration: 1.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            TrajectorySettings { duration: 1.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
         WaveformSettings { natural_frequency_hz, sampling_rate_hz: 44_100.0, seconds, from: 60.0, followed }
     }
 
     fn machine(damping: f64) -> Oscillator {
-        Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap()
+        Oscillator::with_stribeck(0.1, 4.2, damping, 0.003).unwrap()
     }
 
     #[test]

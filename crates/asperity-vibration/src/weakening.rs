@@ -2,7 +2,7 @@
 
 use super::polynomial::cross;
 use super::series::{Loading, RECIPROCAL};
-use super::{FrictionLaw, FrictionTable, Oscillator};
+use super::{FrictionTable, Oscillator, VelocityLaw};
 
 /// Constants of W′; r(0) = 0.
 #[derive(Debug, Clone)]
@@ -71,22 +71,22 @@ impl Weakening {
         let jump = (oscillator.static_friction() - oscillator.law().kinetic()) / v;
         let damping = -2.0 * oscillator.damping_ratio();
         let (linear, curve) = match oscillator.law() {
-            FrictionLaw::Stribeck { kinetic, decay } if *decay > 0.0 => {
+            VelocityLaw::Stribeck { kinetic, decay } if *decay > 0.0 => {
                 (damping, Curve::Quotient(Quotient { gain: decay * kinetic, curvature: decay * v }))
             }
-            FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity } if high_speed < kinetic => {
+            VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity } if high_speed < kinetic => {
                 let gain = (kinetic - high_speed) / stribeck_velocity;
                 (damping, Curve::Exponential(Exponential { gain, curvature: v / stribeck_velocity }))
             }
-            FrictionLaw::Linear { slope, .. } => (damping + slope, Curve::Straight),
-            FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::new(table, v, 0))),
-            FrictionLaw::Stribeck { .. } | FrictionLaw::Exponential { .. } | FrictionLaw::Coulomb { .. } => {
+            VelocityLaw::Linear { slope, .. } => (damping + slope, Curve::Straight),
+            VelocityLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::new(table, v, 0))),
+            VelocityLaw::Stribeck { .. } | VelocityLaw::Exponential { .. } | VelocityLaw::Coulomb { .. } => {
                 (damping, Curve::Straight)
             }
         };
         let steepest = curve.gain_and_curvature().map(|[gain, _]| linear.abs().max((linear + gain).abs()));
         let table = match oscillator.law() {
-            FrictionLaw::Tabulated(table) => Some((table.clone(), v)),
+            VelocityLaw::Tabulated(table) => Some((table.clone(), v)),
             _ => None,
         };
         Self { jump, linear, curve, steepest, table }

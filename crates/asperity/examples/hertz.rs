@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, contact_modulus_pa, exact};
+use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver, contact_modulus_pa, exact};
 use asperity::map::{Grid, HeightMap};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let sphere = HeightMap::from_function(grid, height_m)?;
         let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free)?;
         let control = Control::Penetration { metre: hertz.approach_m };
-        let problem = Problem::new(&half_space, sphere.complete_heights_m()?, control, None)?;
+        let problem = ContactProblem::new(&half_space, sphere.complete_heights_m()?, control, None)?;
         let solution = Solver::default().solve(&problem)?;
         let area_m2 = solution.contact_fraction() * grid.width_m() * grid.height_m();
         println!(

@@ -8,7 +8,6 @@ mod contact_check;
 mod error;
 mod estimate;
 pub mod file;
-mod friction_law;
 mod friction_process;
 mod friction_stage;
 mod friction_uncertainty;
@@ -48,7 +47,7 @@ pub use result::{
     BandMethod, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
 };
 pub use run::Stage;
-pub use series::{Field, Table, TableError};
+pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use surface_result::{part_statistics, surface_statistics};

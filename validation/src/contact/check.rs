@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use asperity::contact::{Boundary, Control, Problem, Residual, Solver, StopReason, love_coefficient};
+use asperity::contact::{Boundary, ContactProblem, Control, Residual, Solver, SolverStop, love_coefficient};
 
 use super::contact_check::{Operator, evaluate};
 use super::problems::{RandomProblem, random_problem};
@@ -24,7 +24,7 @@ pub struct CheckedSolution {
     /// Iterations of the solver.
     pub iterations: usize,
     /// Reason why the solver stopped.
-    pub stop_reason: StopReason,
+    pub stop_reason: SolverStop,
     /// Contact fraction.
     pub contact: f64,
     /// Fraction of the contact cells that yield.
@@ -102,7 +102,7 @@ impl CheckedSolution {
     /// Describes a wrong answer; `None` if the answer is correct.
     pub fn failure(&self, solver: Solver) -> Option<String> {
         let found = self.found.frank_wolfe.max(self.found.overlap).max(self.found.load);
-        let is_correct = self.stop_reason == StopReason::Converged
+        let is_correct = self.stop_reason == SolverStop::Converged
             && self.within_bounds
             && self.claimed.worst() <= solver.tolerance
             && found <= solver.tolerance + ROUNDING
@@ -123,7 +123,7 @@ impl CheckedSolution {
 
 /// Returns the displacements as the sum over all pairs of cells, from the kernel at every lag: Love's coefficient, or the
 /// sum of all waves.
-fn dense(problem: &Problem<'_>, p: &[f64]) -> Vec<f64> {
+fn dense(problem: &ContactProblem<'_>, p: &[f64]) -> Vec<f64> {
     let half_space = problem.half_space();
     let (grid, modulus_pa) = (half_space.grid(), half_space.modulus_pa());
     let (nx, ny) = (grid.nx(), grid.ny());

@@ -2,7 +2,9 @@
 
 use std::error::Error;
 
-use asperity::contact::{Boundary, ContactError, Control, HalfSpace, Problem, rms_gradient, spectral_rms_gradient};
+use asperity::contact::{
+    Boundary, ContactError, ContactProblem, Control, HalfSpace, rms_gradient, spectral_rms_gradient,
+};
 use asperity::map::Grid;
 use asperity::random;
 use asperity_testing::{Choices, filtered_noise};
@@ -102,8 +104,8 @@ impl RandomProblem {
     ///
     /// # Errors
     /// The problem is invalid.
-    pub fn problem(&self) -> Result<Problem<'_>, ContactError> {
-        Problem::new(&self.half_space, &self.heights_m, self.control, self.hardness_pa)
+    pub fn problem(&self) -> Result<ContactProblem<'_>, ContactError> {
+        ContactProblem::new(&self.half_space, &self.heights_m, self.control, self.hardness_pa)
     }
 }
 

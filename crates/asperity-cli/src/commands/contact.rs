@@ -9,7 +9,8 @@ use asperity::map::BoundaryKind;
 use std::path::{Path, PathBuf};
 
 use asperity::contact::{
-    Boundary, ContactError, Control, Elastic, HalfSpace, Problem, Solution, Solver, StopReason, Substrate, memory_bytes,
+    Boundary, ContactError, ContactProblem, Control, Elastic, HalfSpace, Solution, Solver, SolverStop, Substrate,
+    memory_bytes,
 };
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
@@ -151,7 +152,7 @@ impl Contact {
         }
         let failed = |e: ContactError| self.contact_failure(&e);
         let half_space = HalfSpace::with_substrate(substrate, map.grid(), boundary).map_err(failed)?;
-        let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(failed)?;
+        let problem = ContactProblem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(failed)?;
         let mut solver = Solver::default();
         if let Some(tolerance) = self.tolerance {
             solver.tolerance = tolerance;
@@ -183,10 +184,10 @@ impl Contact {
         }
         answer.print(self.json)?;
         let why = match solution.stop_reason() {
-            StopReason::Converged => return analysis.check_stiffness(),
-            StopReason::PrecisionLimit => "limit of double precision",
-            StopReason::IterationLimit => "iteration limit",
-            StopReason::Cancelled => "cancelled",
+            SolverStop::Converged => return analysis.check_stiffness(),
+            SolverStop::PrecisionLimit => "limit of double precision",
+            SolverStop::IterationLimit => "iteration limit",
+            SolverStop::Cancelled => "cancelled",
         };
         Err(Failure::new(
             Kind::NotConverged,

@@ -19,7 +19,7 @@ mod wav;
 use std::path::{Path, PathBuf};
 
 use asperity::study::{implausible_damping, implausible_friction};
-use asperity::vibration::{Forcing, FrictionLaw, FrictionTable, MotionKind, Oscillator, Parameters, VibrationError};
+use asperity::vibration::{Forcing, FrictionTable, MotionKind, Oscillator, Parameters, VelocityLaw, VibrationError};
 use clap::{Args, Subcommand};
 
 use crate::args;
@@ -139,21 +139,21 @@ impl Friction {
         self.law.friction_table.as_deref().into_iter().collect()
     }
 
-    fn law(&self) -> Result<FrictionLaw, Failure> {
+    fn law(&self) -> Result<VelocityLaw, Failure> {
         let kinetic = self.kinetic_friction.unwrap_or(self.static_friction);
         let Law { stribeck, linear_weakening, stribeck_velocity, friction_table } = &self.law;
         if let Some(path) = friction_table {
             let points = table(path)?;
             let table = FrictionTable::new(&points).map_err(|e| Failure::data(path.display(), &e))?;
-            return Ok(FrictionLaw::Tabulated(table));
+            return Ok(VelocityLaw::Tabulated(table));
         }
         if let Some(slope) = *linear_weakening {
-            return Ok(FrictionLaw::Linear { kinetic, slope });
+            return Ok(VelocityLaw::Linear { kinetic, slope });
         }
         if let Some((stribeck_velocity, high_speed)) = stribeck_velocity.zip(self.high_speed_friction) {
-            return Ok(FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity });
+            return Ok(VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity });
         }
-        Ok(FrictionLaw::Stribeck { kinetic, decay: stribeck.unwrap_or(0.0) })
+        Ok(VelocityLaw::Stribeck { kinetic, decay: stribeck.unwrap_or(0.0) })
     }
 }
 

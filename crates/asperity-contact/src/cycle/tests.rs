@@ -82,7 +82,7 @@ fn reloading_up_to_the_largest_load_is_elastic() {
                 continue;
             };
             // Without a hardness the contact is the same.
-            let elastic = Problem::new(&half_space, &left, load(ratio * newton), None).unwrap();
+            let elastic = ContactProblem::new(&half_space, &left, load(ratio * newton), None).unwrap();
             let elastic = SOLVER.solve(&elastic).unwrap();
             let error = largest_difference(found.pressure_pa(), elastic.pressure_pa()) / hardness;
             assert!(elastic.converged() && error < 1e-5, "{ratio}: {error:e}");
@@ -92,7 +92,7 @@ fn reloading_up_to_the_largest_load_is_elastic() {
                 assert!((found.plane_m() - top.plane_m()).abs() < 1e-7 * heights.std(0.0));
             } else {
                 // During unloading the flat lies lower than under the same load before the imprint.
-                let virgin = Problem::new(&half_space, &heights, load(ratio * newton), Some(hardness)).unwrap();
+                let virgin = ContactProblem::new(&half_space, &heights, load(ratio * newton), Some(hardness)).unwrap();
                 assert!(found.plane_m() < SOLVER.solve(&virgin).unwrap().plane_m());
             }
         }

@@ -7,8 +7,8 @@ use asperity_base::random;
 use asperity_base::stats::{quantile_sorted, sorted_present};
 use asperity_contact::exact::{Hertz, PerssonPressure, Westergaard};
 use asperity_contact::{
-    Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Motion, Neighbours, Orientation, Pair,
-    Problem, Solution, Solver, StiffnessSolver, composite, spectral_rms_gradient,
+    Body, Boundary, ContactError, ContactProblem, ContactStiffness, Control, Elastic, ElasticPair, HalfSpace, Motion,
+    Neighbours, Orientation, Solution, Solver, StiffnessSolver, composite, spectral_rms_gradient,
 };
 use asperity_testing::{AlwaysCancelled, self_affine};
 use ndarray::Array2;
@@ -20,7 +20,7 @@ const DELTA_M: f64 = 0.01;
 const RADIUS_M: f64 = 0.1;
 
 fn solved(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
-    let problem = Problem::new(half_space, heights_m, control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(half_space, heights_m, control, hardness_pa).unwrap();
     let solution = Solver { tolerance: 1e-10, ..Solver::default() }.solve(&problem).unwrap();
     assert!(solution.converged(), "{:?} after {}", solution.residual(), solution.iterations());
     solution
@@ -319,7 +319,7 @@ fn the_stiffness_is_the_slope_of_load_over_approach() {
         let solver = Solver { tolerance: 1e-13, ..Solver::default() };
         let press = |pascal: f64| {
             let control = Control::MeanPressure { pascal };
-            solver.solve(&Problem::new(&half_space, &heights, control, hardness_pa).unwrap()).unwrap()
+            solver.solve(&ContactProblem::new(&half_space, &heights, control, hardness_pa).unwrap()).unwrap()
         };
         let (less, more) = (press(0.2 * (1.0 - 1e-5)), press(0.2 * (1.0 + 1e-5)));
         let slope = (more.load_n() - less.load_n()) / (less.plane_m() - more.plane_m());
@@ -406,7 +406,7 @@ fn two_spheres_touch_like_one_of_their_combined_curvature() {
     let lower = sphere(lower_radius, 0.5 * side + shift);
     let upper = sphere(upper_radius, 0.5 * side - shift);
     let (steel, rubber) = (Elastic::new(2.0, 0.3).unwrap(), Elastic::new(0.5, 0.5).unwrap());
-    let pair = Pair::new(steel, rubber).unwrap();
+    let pair = ElasticPair::new(steel, rubber).unwrap();
     let modulus = 1.0 / ((1.0 - 0.09) / 2.0 + (1.0 - 0.25) / 0.5);
     assert!((pair.contact_modulus_pa() / modulus - 1.0).abs() < 1e-14);
     let half_space = HalfSpace::new(grid, pair.contact_modulus_pa(), Boundary::Free).unwrap();
@@ -443,7 +443,7 @@ fn a_map_and_its_cast_conform_completely() {
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let pose = |laid| {
         let face = composite(&map, &cast, laid).unwrap();
-        Problem::new(&half_space, face.heights_m(), Control::MeanPressure { pascal: 0.1 }, None)
+        ContactProblem::new(&half_space, face.heights_m(), Control::MeanPressure { pascal: 0.1 }, None)
             .map(|p| p.rms_height_m())
     };
     assert_eq!(pose(Orientation::Mirrored), Err(ContactError::Flat));

@@ -2,7 +2,7 @@
 
 use asperity_base::fourier::{Complex64, RealFft2, signed_index};
 use asperity_base::map::Grid;
-use asperity_contact::{Boundary, Control, Problem, Solution, love_coefficient};
+use asperity_contact::{Boundary, ContactProblem, Control, Solution, love_coefficient};
 
 /// Compliance of a half-space, applied by a transform on twice the patch (free) or on the patch (periodic).
 pub(crate) struct Operator {
@@ -72,7 +72,7 @@ pub(crate) struct Evaluation {
 }
 
 /// Evaluates a solution from its pressure and its plane.
-pub(crate) fn evaluate(operator: &Operator, problem: &Problem<'_>, solution: &Solution) -> Evaluation {
+pub(crate) fn evaluate(operator: &Operator, problem: &ContactProblem<'_>, solution: &Solution) -> Evaluation {
     let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
     let z: Vec<f64> = problem.heights_m().iter().copied().collect();
     let u = operator.displace(&p);

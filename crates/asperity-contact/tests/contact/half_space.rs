@@ -8,14 +8,14 @@ use asperity_base::monitor::Silent;
 use asperity_base::random;
 use asperity_contact::exact::{Hertz, Westergaard, persson_contact_fraction};
 use asperity_contact::{
-    Base, Boundary, ContactError, Control, Elastic, HalfSpace, Layer, Problem, Solution, Solver, StopReason, Substrate,
-    Workspace, love_coefficient,
+    Base, Boundary, ContactError, ContactProblem, ContactWorkspace, Control, Elastic, HalfSpace, Layer, Solution,
+    Solver, SolverStop, Substrate, love_coefficient,
 };
 use asperity_testing::{CancelAfter, self_affine};
 use ndarray::Array2;
 
 fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
-    let problem = Problem::new(half_space, heights_m, control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(half_space, heights_m, control, hardness_pa).unwrap();
     let solution = Solver::default().solve(&problem).unwrap();
     assert!(solution.converged(), "{:?} after {}", solution.residual(), solution.iterations());
     solution
@@ -205,7 +205,7 @@ fn every_solution_satisfies_the_optimality_conditions_by_dense_algebra() {
         let half_space = HalfSpace::new(grid, 2.0, boundary).unwrap();
         let compliance = dense_compliance(grid, 2.0, boundary);
         let heights = rough(n, sample);
-        let problem = Problem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None).unwrap();
+        let problem = ContactProblem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None).unwrap();
         let h_rms = problem.rms_height_m();
         let pressure = 0.2 * h_rms;
         for hardness in [None, Some(2.0 * pressure)] {
@@ -218,11 +218,11 @@ fn every_solution_satisfies_the_optimality_conditions_by_dense_algebra() {
             ] {
                 let overlap_control = matches!(control, Control::Penetration { .. } | Control::Percentile { .. });
                 if overlap_control && boundary == (Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }) {
-                    let refused = Problem::new(&half_space, &heights, control, hardness).unwrap_err();
+                    let refused = ContactProblem::new(&half_space, &heights, control, hardness).unwrap_err();
                     assert_eq!(refused, ContactError::Unbounded);
                     continue;
                 }
-                let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
                 let solution = Solver { tolerance, max_iterations: 2000 }.solve(&problem).unwrap();
                 assert!(solution.converged(), "{control:?} {hardness:?} {:?}", solution.residual());
                 check_by_definition(&compliance, &problem, &solution, tolerance);
@@ -231,7 +231,7 @@ fn every_solution_satisfies_the_optimality_conditions_by_dense_algebra() {
     }
 }
 
-fn check_by_definition(compliance: &[Vec<f64>], problem: &Problem<'_>, solution: &Solution, tolerance: f64) {
+fn check_by_definition(compliance: &[Vec<f64>], problem: &ContactProblem<'_>, solution: &Solution, tolerance: f64) {
     let (control, h_rms) = (problem.control(), problem.rms_height_m());
     let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
     let z: Vec<f64> = problem.heights_m().iter().copied().collect();
@@ -279,11 +279,11 @@ fn a_start_changes_the_iterations_and_not_the_solution() {
         ] {
             for hardness in [None, Some(slope)] {
                 let solver = Solver { tolerance: 1e-9, ..Solver::default() };
-                let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
                 let cold = solver.solve_with(&problem, &mut workspace).unwrap();
                 let again = solver.solve_from(&problem, Some(cold.pressure_pa()), &mut workspace, &Silent).unwrap();
                 assert!(again.converged() && again.iterations() <= 2, "{control:?}: {}", again.iterations());
-                let next = Problem::new(&half_space, &heights, next, hardness).unwrap();
+                let next = ContactProblem::new(&half_space, &heights, next, hardness).unwrap();
                 let warm = solver.solve_from(&next, Some(cold.pressure_pa()), &mut workspace, &Silent).unwrap();
                 let cold = solver.solve_with(&next, &mut workspace).unwrap();
                 let difference =
@@ -322,19 +322,19 @@ fn a_cancelled_solve_reports_it_and_returns_its_state() {
     // On a periodic patch with plastic cells a search finds the plane of a mean gap, starting from the elastic contact.
     let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
     let other = HalfSpace::new(half_space.grid(), 1.0, periodic).unwrap();
-    let problem = Problem::new(&other, &heights, Control::MeanGap { metre }, Some(10.0 * pascal)).unwrap();
+    let problem = ContactProblem::new(&other, &heights, Control::MeanGap { metre }, Some(10.0 * pascal)).unwrap();
     for patience in [3, 8, 14] {
         let watch = CancelAfter::new(patience);
         let solution = Solver::default().solve_from(&problem, None, &mut other.workspace(), &watch).unwrap();
-        assert_eq!(solution.stop_reason(), StopReason::Cancelled);
+        assert_eq!(solution.stop_reason(), SolverStop::Cancelled);
         assert!(solution.load_n() > 0.0, "after {patience} questions");
     }
     for control in [Control::MeanPressure { pascal }, Control::Percentile { percent: 10.0 }, Control::MeanGap { metre }]
     {
-        let problem = Problem::new(&half_space, &heights, control, None).unwrap();
+        let problem = ContactProblem::new(&half_space, &heights, control, None).unwrap();
         let solution =
             Solver::default().solve_from(&problem, None, &mut half_space.workspace(), &CancelAfter::new(3)).unwrap();
-        assert_eq!(solution.stop_reason(), StopReason::Cancelled, "{control:?}");
+        assert_eq!(solution.stop_reason(), SolverStop::Cancelled, "{control:?}");
         assert!(!solution.converged() && solution.pressure_pa().iter().all(|p| *p >= 0.0 && p.is_finite()));
         if control == (Control::MeanPressure { pascal }) {
             assert_eq!(solution.iterations(), 3);
@@ -364,7 +364,7 @@ fn a_workspace_of_another_half_space_changes_nothing() {
     for half_space in half_spaces.iter().chain(half_spaces.iter().rev()) {
         for control in [Control::MeanPressure { pascal }, Control::Percentile { percent: 10.0 }] {
             for hardness in [None, Some(8.0 * pascal)] {
-                let problem = Problem::new(half_space, &heights, control, hardness).unwrap();
+                let problem = ContactProblem::new(half_space, &heights, control, hardness).unwrap();
                 let fresh = Solver::default().solve(&problem).unwrap();
                 let reused = Solver::default().solve_with(&problem, &mut shared).unwrap();
                 assert!(reused.converged());
@@ -372,7 +372,7 @@ fn a_workspace_of_another_half_space_changes_nothing() {
             }
         }
         let p: Vec<f64> = heights.iter().copied().collect();
-        let displaced = |workspace: &mut Workspace| {
+        let displaced = |workspace: &mut ContactWorkspace| {
             let mut u = vec![0.0; p.len()];
             half_space.displace(&p, &mut u, workspace);
             u
@@ -387,7 +387,7 @@ fn heights_and_layers_without_significant_digits_are_refused() {
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let heights = random::standard_normal(&mut random::stream(7, "huge", 0), 64);
     let heights = Array2::from_shape_vec((8, 8), heights).unwrap() * 1e155;
-    let problem = Problem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None);
+    let problem = ContactProblem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None);
     assert!(matches!(problem, Err(ContactError::Parameter { parameter: "height", .. })));
     // The displacement of an incompressible layer falls with the third power of its thickness, below the error of Love's
     // coefficients.
@@ -528,8 +528,9 @@ fn invalid_problems_are_refused_with_their_values() {
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
     let heights = random::standard_normal(&mut random::stream(6, "bad", 0), 16);
     let heights = Array2::from_shape_vec((4, 4), heights).unwrap();
-    let refuse =
-        |heights: &Array2<f64>, control, hardness| Problem::new(&half_space, heights, control, hardness).unwrap_err();
+    let refuse = |heights: &Array2<f64>, control, hardness| {
+        ContactProblem::new(&half_space, heights, control, hardness).unwrap_err()
+    };
     let penetration = Control::Penetration { metre: -1.0 };
     assert!(matches!(refuse(&heights, penetration, None), ContactError::Parameter { value: -1.0, .. }));
     let percentile = Control::Percentile { percent: 101.0 };

@@ -2,7 +2,7 @@
 
 use asperity_base::map::Grid;
 use asperity_base::random;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, StopReason};
+use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver, SolverStop};
 use asperity_testing::{Choices, filtered_noise};
 use ndarray::Array2;
 
@@ -131,12 +131,12 @@ fn solve_random(
     stage: &str,
     sample: u64,
     solver: Solver,
-    check: impl FnOnce(&Problem<'_>, &Solution, &Operator, &str),
+    check: impl FnOnce(&ContactProblem<'_>, &Solution, &Operator, &str),
 ) {
     let mut choices = Choices::new(11, stage, sample);
     let kind = KINDS[sample as usize % KINDS.len()];
     let (half_space, heights, control, hardness) = random_problem(&mut choices, kind);
-    let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+    let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
     let solution = solver.solve(&problem).unwrap();
     let operator = Operator::new(half_space.grid(), half_space.modulus_pa(), half_space.boundary());
     let name = format!(
@@ -224,7 +224,7 @@ fn reported_convergence_is_correct_even_if_rounding_prevents_it() {
             (false, Control::MeanPressure { pascal }) => Some(pascal * (1.0 + choices.decades(-15.0, 15.0))),
             (false, _) => Some(choices.decades(-15.0, 15.0)),
         };
-        let Ok(problem) = Problem::new(&half_space, &heights, control, hardness) else {
+        let Ok(problem) = ContactProblem::new(&half_space, &heights, control, hardness) else {
             continue;
         };
         let tolerance = choices.one_of(&[1e-6, 1e-10, 1e-16]);
@@ -249,7 +249,7 @@ fn reported_convergence_is_correct_even_if_rounding_prevents_it() {
         }
     }
     println!("converged, precision limit, iteration limit: {stops:?}");
-    assert!(stops[StopReason::Converged as usize] > 60 && stops[StopReason::PrecisionLimit as usize] > 20, "{stops:?}");
+    assert!(stops[SolverStop::Converged as usize] > 60 && stops[SolverStop::PrecisionLimit as usize] > 20, "{stops:?}");
 }
 
 #[test]
@@ -258,7 +258,7 @@ fn scaling_by_powers_of_two_changes_only_exponents() {
         let mut choices = Choices::new(13, "units", sample);
         let (half_space, heights, control, hardness) =
             random_problem(&mut choices, KINDS[sample as usize % KINDS.len()]);
-        let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+        let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
         let solution = Solver::default().solve(&problem).unwrap();
         // Heights times s, lengths times l, moduli times t: pressures scale as ts/l.
         let (s, l, t) = (2.0_f64.powi(-31), 2.0_f64.powi(-13), 2.0_f64.powi(37));
@@ -280,7 +280,7 @@ fn scaling_by_powers_of_two_changes_only_exponents() {
         let scaled_space = HalfSpace::new(scaled_grid, t * half_space.modulus_pa(), boundary).unwrap();
         let scaled_heights = heights.mapv(|z| s * z);
         let scaled_hardness = hardness.map(|h| h * pressure);
-        let scaled = Problem::new(&scaled_space, &scaled_heights, scaled_control, scaled_hardness).unwrap();
+        let scaled = ContactProblem::new(&scaled_space, &scaled_heights, scaled_control, scaled_hardness).unwrap();
         let scaled = Solver::default().solve(&scaled).unwrap();
         assert_eq!(scaled.iterations(), solution.iterations(), "{sample}: {control:?}");
         assert!(
@@ -300,13 +300,13 @@ fn mirrored_transposed_and_shifted_surfaces_have_the_same_contact() {
         let (half_space, heights, control, hardness) =
             random_problem(&mut choices, KINDS[sample as usize % KINDS.len()]);
         let solve = |half_space: &HalfSpace, heights: &Array2<f64>| {
-            let problem = Problem::new(half_space, heights, control, hardness).unwrap();
+            let problem = ContactProblem::new(half_space, heights, control, hardness).unwrap();
             solver.solve(&problem).unwrap()
         };
         let solution = solve(&half_space, &heights);
         let plain = solution.pressure_pa();
         let largest = solution.max_pressure_pa();
-        let rms = Problem::new(&half_space, &heights, control, hardness).unwrap().rms_height_m();
+        let rms = ContactProblem::new(&half_space, &heights, control, hardness).unwrap().rms_height_m();
         let grid = half_space.grid();
         // A residual of τ·rms in the gap corresponds to τ·rms·E*|q|/2 in the pressure, with |q| ≤ √2π/min(dx, dy).
         let stiffest = half_space.modulus_pa() * 2.3 / grid.dx_m().min(grid.dy_m());
@@ -343,7 +343,7 @@ fn a_contact_without_elastic_cells_is_solved() {
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
         for carrying in [1, 32, 128, 255] {
             let control = Control::MeanPressure { pascal: hardness * carrying as f64 / 256.0 };
-            let problem = Problem::new(&half_space, &heights, control, Some(hardness)).unwrap();
+            let problem = ContactProblem::new(&half_space, &heights, control, Some(hardness)).unwrap();
             let solution = Solver::default().solve(&problem).unwrap();
             assert!(solution.converged(), "{carrying}: {:?}", solution.residual());
             assert_eq!(solution.plastic_fraction(), carrying as f64 / 256.0);
@@ -359,7 +359,8 @@ fn a_contact_without_elastic_cells_is_solved() {
             // A mean gap between the gaps of two such loads fixes the plane, and the load is constant.
             let plane = 0.5 * (sorted[carrying - 1] + sorted[carrying]);
             let gap = heights.iter().map(|z| (plane - z).max(0.0)).sum::<f64>() / 256.0;
-            let problem = Problem::new(&half_space, &heights, Control::MeanGap { metre: gap }, Some(hardness)).unwrap();
+            let problem =
+                ContactProblem::new(&half_space, &heights, Control::MeanGap { metre: gap }, Some(hardness)).unwrap();
             let by_gap = Solver::default().solve(&problem).unwrap();
             assert!(by_gap.converged(), "{carrying}: {:?}", by_gap.residual());
             assert_eq!(by_gap.pressure_pa(), solution.pressure_pa());
@@ -376,14 +377,14 @@ fn a_tolerance_or_a_gap_below_rounding_stops_at_the_precision_limit() {
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
         for hardness in [None, Some(2.0)] {
             let solve = |control, tolerance| {
-                let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
                 let solution = Solver { tolerance, max_iterations: 20_000 }.solve(&problem).unwrap();
                 assert!(solution.pressure_pa().iter().all(|p| p.is_finite()));
                 solution
             };
             let solution = solve(Control::MeanPressure { pascal: 0.05 }, 1e-18);
             println!("{boundary:?} {hardness:?}: {} iterations, {:?}", solution.iterations(), solution.residual());
-            assert_eq!(solution.stop_reason(), StopReason::PrecisionLimit);
+            assert_eq!(solution.stop_reason(), SolverStop::PrecisionLimit);
             assert!(solution.residual().worst() < 1e-13, "{:?}", solution.residual());
             let solution = solve(Control::MeanGap { metre: 1e-13 }, 1e-8);
             println!("    gap: {} iterations, {:?}", solution.iterations(), solution.residual());
@@ -400,7 +401,8 @@ fn a_mean_gap_above_the_highest_point_is_reached_without_contact() {
     for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 1.0 }] {
         let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
         for hardness in [None, Some(0.1)] {
-            let problem = Problem::new(&half_space, &heights, Control::MeanGap { metre: 10.0 }, hardness).unwrap();
+            let problem =
+                ContactProblem::new(&half_space, &heights, Control::MeanGap { metre: 10.0 }, hardness).unwrap();
             let solution = Solver::default().solve(&problem).unwrap();
             assert!(solution.converged());
             assert_eq!((solution.contact_fraction(), solution.load_n(), solution.iterations()), (0.0, 0.0, 0));

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use asperity_base::map::Grid;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
+use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -49,7 +49,7 @@ fn compare(folder: &Path, case: &Value) -> bool {
     let half_space = HalfSpace::new(grid, number("Estar"), boundary).unwrap();
     let hardness = case["hardness"].as_f64();
     let control = Control::MeanPressure { pascal: number("mean_pressure") };
-    let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+    let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
     let tolerance = 1e-10;
     let solution = Solver { tolerance, max_iterations: 2000 }.solve(&problem).unwrap();
     assert!(solution.converged(), "{name}: {:?}", solution.residual());

@@ -6,7 +6,7 @@ use asperity_base::map::Grid;
 use asperity_base::random;
 use asperity_contact::exact::Hertz;
 use asperity_contact::{
-    Base, Boundary, Control, Elastic, HalfSpace, Layer, Problem, Solution, Solver, StopReason, Substrate,
+    Base, Boundary, ContactProblem, Control, Elastic, HalfSpace, Layer, Solution, Solver, SolverStop, Substrate,
 };
 use asperity_testing::{paraboloid, self_affine};
 use ndarray::Array2;
@@ -28,7 +28,7 @@ fn displaced(half_space: &HalfSpace, p: &[f64]) -> Vec<f64> {
 }
 
 fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
-    let problem = Problem::new(half_space, heights_m, control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(half_space, heights_m, control, hardness_pa).unwrap();
     let solution = Solver::default().solve(&problem).unwrap();
     assert!(solution.converged(), "{:?} after {}", solution.residual(), solution.iterations());
     solution
@@ -176,17 +176,17 @@ fn rough_contacts_on_layers_have_small_residuals() {
                     if matches!((control, boundary), (Control::MeanGap { .. }, Boundary::Free)) {
                         continue;
                     }
-                    if let Err(error) = Problem::new(&half_space, &heights, control, hardness) {
+                    if let Err(error) = ContactProblem::new(&half_space, &heights, control, hardness) {
                         // A layer that is incompressible as a whole, and a base without a given mean compliance.
                         assert!(control.prescribes_plane() && half_space.boundary() == PERIODIC, "{error}");
                         continue;
                     }
-                    let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                    let problem = ContactProblem::new(&half_space, &heights, control, hardness).unwrap();
                     let solution = Solver::default().solve(&problem).unwrap();
                     most_iterations = most_iterations.max(solution.iterations());
                     assert_eq!(
                         solution.stop_reason(),
-                        StopReason::Converged,
+                        SolverStop::Converged,
                         "{nu} {base:?} {thickness_m} {control:?}"
                     );
                     // The gap by its definition, with recomputed displacements.

@@ -1,7 +1,7 @@
 //! Friction by shear and ploughing: F = τ_max A_c + Σ p |∂z/∂x| dA over plastic cells.
 
-use crate::law::FrictionLaw;
-use crate::window::WindowContact;
+use crate::WindowContact;
+use crate::law::{WindowLaw, describe_shear};
 
 /// Sheared contacts whose asperities also plough through a plastic counterface.
 ///
@@ -26,9 +26,21 @@ pub struct AdhesionPloughing {
     pub shear_strength_pa: f64,
 }
 
-impl FrictionLaw for AdhesionPloughing {
-    fn force_n(&self, window: &WindowContact) -> Option<f64> {
-        window.loaded().then(|| self.shear_strength_pa * window.bearing_area_m2() + window.ploughing_n)
+impl WindowLaw for AdhesionPloughing {
+    fn force_n(&self, window: &WindowContact) -> f64 {
+        self.shear_strength_pa * window.bearing_area_m2() + window.ploughing_n
+    }
+
+    fn describe(&self) -> String {
+        format!(
+            "Contacts are sheared and, where they yield, plough: μ = (τ_max A_c + ∫p|∂z/∂x| dA)/N, the integral over \
+             plastic contact, with {}",
+            describe_shear(self.shear_strength_pa)
+        )
+    }
+
+    fn plastic_floor(&self, hardness_pa: f64) -> Option<f64> {
+        Some(self.shear_strength_pa / hardness_pa)
     }
 
     fn ploughs(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Friction by shear of the contacts: F = τ_max A_c.
 
-use crate::law::FrictionLaw;
-use crate::window::WindowContact;
+use crate::WindowContact;
+use crate::law::{WindowLaw, describe_shear};
 
 /// Shear-dominated friction of contacts that yield in shear at τ_max: F = τ_max A_c, μ = τ_max A_c/N.
 ///
@@ -16,8 +16,16 @@ pub struct BowdenTabor {
     pub shear_strength_pa: f64,
 }
 
-impl FrictionLaw for BowdenTabor {
-    fn force_n(&self, window: &WindowContact) -> Option<f64> {
-        window.loaded().then(|| self.shear_strength_pa * window.bearing_area_m2())
+impl WindowLaw for BowdenTabor {
+    fn force_n(&self, window: &WindowContact) -> f64 {
+        self.shear_strength_pa * window.bearing_area_m2()
+    }
+
+    fn describe(&self) -> String {
+        format!("Friction is shear-dominated, μ = τ_max A_c/N with {}", describe_shear(self.shear_strength_pa))
+    }
+
+    fn plastic_floor(&self, hardness_pa: f64) -> Option<f64> {
+        Some(self.shear_strength_pa / hardness_pa)
     }
 }

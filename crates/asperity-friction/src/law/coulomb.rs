@@ -1,7 +1,7 @@
 //! Friction proportional to the load: F = μN.
 
-use crate::law::FrictionLaw;
-use crate::window::WindowContact;
+use crate::WindowContact;
+use crate::law::WindowLaw;
 
 /// A constant friction coefficient, independent of the contact. It does not vary along the strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,8 +10,16 @@ pub struct Coulomb {
     pub coefficient: f64,
 }
 
-impl FrictionLaw for Coulomb {
-    fn force_n(&self, window: &WindowContact) -> Option<f64> {
-        window.loaded().then_some(self.coefficient * window.load_n)
+impl WindowLaw for Coulomb {
+    fn force_n(&self, window: &WindowContact) -> f64 {
+        self.coefficient * window.load_n
+    }
+
+    fn describe(&self) -> String {
+        format!("Friction is Coulomb's, μ = {} whatever the contact", self.coefficient)
+    }
+
+    fn plastic_floor(&self, _hardness_pa: f64) -> Option<f64> {
+        None
     }
 }

@@ -1,7 +1,7 @@
 //! Friction of contacts whose shear strength grows with the pressure: F = τ₀ A_c + αN.
 
-use crate::law::FrictionLaw;
-use crate::window::WindowContact;
+use crate::WindowContact;
+use crate::law::{WindowLaw, describe_shear};
 
 /// Shear strength τ = τ₀ + αp in every point of contact, so that F = ∫τ dA = τ₀ A_c + αN and μ = τ₀ A_c/N + α.
 ///
@@ -18,9 +18,21 @@ pub struct PressureDependent {
     pub pressure_coefficient: f64,
 }
 
-impl FrictionLaw for PressureDependent {
-    fn force_n(&self, window: &WindowContact) -> Option<f64> {
-        let force_n = || self.shear_strength_pa * window.bearing_area_m2() + self.pressure_coefficient * window.load_n;
-        window.loaded().then(force_n)
+impl WindowLaw for PressureDependent {
+    fn force_n(&self, window: &WindowContact) -> f64 {
+        self.shear_strength_pa * window.bearing_area_m2() + self.pressure_coefficient * window.load_n
+    }
+
+    fn describe(&self) -> String {
+        format!(
+            "The shear strength of contacts grows with the pressure, τ = τ_max + αp, so that μ = τ_max A_c/N + α with α = \
+             {}, {}",
+            self.pressure_coefficient,
+            describe_shear(self.shear_strength_pa)
+        )
+    }
+
+    fn plastic_floor(&self, hardness_pa: f64) -> Option<f64> {
+        Some(self.shear_strength_pa / hardness_pa + self.pressure_coefficient)
     }
 }

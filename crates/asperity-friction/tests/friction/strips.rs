@@ -1,6 +1,7 @@
 //! Friction of solved strips against closed forms and naive counts.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use asperity_base::correlation::{CorrelationModel, Covariance, RecordCorrelation};
 use asperity_base::distribution::Marginal;
@@ -10,13 +11,13 @@ use asperity_base::monitor::Silent;
 use asperity_base::random;
 use asperity_base::stats::Moments;
 use asperity_contact::area::PERIMETER_WEIGHT;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
-use asperity_friction::law::{BowdenTabor, FrictionLaw};
+use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
+use asperity_friction::law::{BowdenTabor, WindowLaw};
 use asperity_friction::statistics::FrictionStatistics;
 use asperity_friction::strip::{Record, StripProblem};
-use asperity_friction::window::{Window, WindowContact, WindowError};
+use asperity_friction::window::{Window, WindowError};
 use asperity_friction::window_study::WindowStudy;
-use asperity_friction::{FrictionError, StripSums};
+use asperity_friction::{FrictionError, WindowContact, window_contacts};
 use asperity_surface::{RandomSurface, SpectralField};
 use asperity_testing::autoregressive;
 use ndarray::Array2;
@@ -34,7 +35,7 @@ fn half_space(grid: Grid, periodic: bool) -> HalfSpace {
 }
 
 fn solve(map: &HeightMap, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
-    let problem = Problem::new(half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
     let solver = Solver { tolerance: 1e-7, ..Solver::default() };
     let solution = solver.solve(&problem).unwrap();
     assert!(solution.converged(), "{:?}", solution.residual());
@@ -53,7 +54,7 @@ fn rough(grid: Grid, sample: u64) -> HeightMap {
 
 /// Computes the contacts of a window as wide as the strip.
 fn slide(window: &Window, solution: &Solution) -> Vec<WindowContact> {
-    let mut tracks = window.slide(&StripSums::new(solution, None, &[window]));
+    let mut tracks = window_contacts(solution, &[window], None).remove(0);
     assert_eq!(tracks.len(), 1);
     tracks.remove(0)
 }
@@ -158,7 +159,7 @@ fn problem(half_space: HalfSpace, law: &BowdenTabor, hardness_pa: f64, window: &
     StripProblem {
         half_space,
         window: window.clone(),
-        law: Box::new(*law),
+        law: Arc::new(*law),
         hardness_pa: Some(hardness_pa),
         solver: Solver { tolerance: 1e-6, ..Solver::default() },
     }

@@ -7,10 +7,10 @@ use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 use asperity_contact::area::PERIMETER_WEIGHT;
 use asperity_contact::exact::Hertz;
-use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
-use asperity_friction::StripSums;
-use asperity_friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, FrictionLaw, PressureDependent};
-use asperity_friction::window::{Window, WindowContact};
+use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
+use asperity_friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
+use asperity_friction::window::Window;
+use asperity_friction::{WindowContact, window_contacts};
 use asperity_surface::{RandomSurface, SpectralField};
 use ndarray::Array2;
 
@@ -25,7 +25,7 @@ fn solve(map: &HeightMap, periodic: bool, control: Control, hardness_pa: Option<
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
     let boundary = if periodic { Boundary::Periodic { mean_compliance_m_per_pa } } else { Boundary::Free };
     let half_space = HalfSpace::new(grid, MODULUS_PA, boundary).unwrap();
-    let problem = Problem::new(&half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
+    let problem = ContactProblem::new(&half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
     let solution = Solver { tolerance: 1e-7, ..Solver::default() }.solve(&problem).unwrap();
     assert!(solution.converged(), "{:?}", solution.residual());
     solution
@@ -100,7 +100,7 @@ fn sums_over_runs_equal_direct_counts_of_every_window() {
         assert!(hardness_pa.is_none() || solution.plastic_fraction() > 0.0);
         for window in shapes(map.grid()) {
             let heights_m = map.complete_heights_m().unwrap();
-            let seen = window.slide(&StripSums::new(&solution, Some(heights_m), &[&window]));
+            let seen = window_contacts(&solution, &[&window], Some(heights_m)).remove(0);
             let tracks = window.tracks(periodic);
             assert_eq!(seen.len(), tracks.len());
             assert_eq!(tracks.len(), if periodic { 16 / window.rows() } else { 1 });
@@ -129,7 +129,7 @@ fn adjoining_windows_on_all_tracks_add_up_to_the_strip() {
     let map = rough(grid(320, 16));
     let solution = solve(&map, true, Control::Percentile { percent: 10.0 }, Some(3e9));
     let window = Window::rectangle(32.0 * 2e-6, 4.0 * 1.5e-6, map.grid()).unwrap();
-    let seen = window.slide(&StripSums::new(&solution, None, &[&window]));
+    let seen = window_contacts(&solution, &[&window], None).remove(0);
     let adjoining: Vec<&WindowContact> = seen.iter().flat_map(|track| track.iter().step_by(16)).collect();
     assert_eq!((seen.len(), adjoining.len()), (4, 40));
     let area_m2: f64 = adjoining.iter().map(|w| w.area_m2).sum();
@@ -139,9 +139,9 @@ fn adjoining_windows_on_all_tracks_add_up_to_the_strip() {
 }
 
 /// Returns the friction coefficients of every loaded window under a friction law.
-fn coefficients(map: &HeightMap, solution: &Solution, window: &Window, law: &dyn FrictionLaw) -> Vec<f64> {
+fn coefficients(map: &HeightMap, solution: &Solution, window: &Window, law: &dyn WindowLaw) -> Vec<f64> {
     let heights_m = law.ploughs().then(|| map.complete_heights_m().unwrap());
-    let seen = window.slide(&StripSums::new(solution, heights_m, &[window]));
+    let seen = window_contacts(solution, &[window], heights_m).remove(0);
     let coefficients: Vec<f64> = seen.iter().flatten().filter_map(|w| law.coefficient(w)).collect();
     assert!(coefficients.len() > 20);
     coefficients
@@ -159,7 +159,7 @@ fn fully_plastic_friction_is_constant_in_every_window_for_every_law() {
         for window in shapes(map.grid()) {
             let sheared = BowdenTabor { shear_strength_pa };
             let dependent = PressureDependent { shear_strength_pa, pressure_coefficient: 0.05 };
-            let laws: [(&dyn FrictionLaw, f64); 3] =
+            let laws: [(&dyn WindowLaw, f64); 3] =
                 [(&sheared, 0.19245), (&dependent, 0.24245), (&Coulomb { coefficient: 0.3 }, 0.3)];
             for (law, wanted) in laws {
                 let found = coefficients(&map, &solution, &window, law);
@@ -202,7 +202,7 @@ fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure_in_a_wi
     assert_eq!(solution.contact_fraction(), 1.0);
     let window = Window::rectangle(wavelength_m, 4.0 * grid.dy_m(), grid).unwrap();
     for (law, more) in [
-        (&BowdenTabor { shear_strength_pa: 1e8 } as &dyn FrictionLaw, 0.0),
+        (&BowdenTabor { shear_strength_pa: 1e8 } as &dyn WindowLaw, 0.0),
         (&PressureDependent { shear_strength_pa: 1e8, pressure_coefficient: 0.2 }, 0.2),
         // Without a hardness no cell is plastic.
         (&AdhesionPloughing { shear_strength_pa: 1e8 }, 0.0),

@@ -1,6 +1,6 @@
 //! The random surface fitted to the measured one: its covariance, its distribution, its expansion.
 
-use asperity_results::{CovarianceCandidate, CovarianceResult, EmpiricalCovariance, SurfaceResult};
+use asperity_results::{CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, SurfaceResult};
 
 use super::DataTable;
 use super::cells::{percent, plain, yes_or_no};
@@ -72,7 +72,7 @@ fn covariance(found: &CovarianceResult) -> impl Iterator<Item = (String, String)
     let number = |value: Option<f64>| value.map(|value| plain(value, 4));
     // Most models have the length to 1/e as their own.
     let decay = |value| metre(value).filter(|_| length != TO_1_E);
-    let tried = |tried: &CovarianceCandidate| {
+    let tried = |tried: &CovarianceCandidateResult| {
         format!("{} ({}; {})", in_words(&tried.model), plain(tried.misfit, 3), plain(tried.slope_ratio, 3))
     };
     let candidates = found.candidates.iter().map(tried).collect::<Vec<_>>().join(", ");
@@ -174,7 +174,7 @@ mod tests {
     fn the_length_of_a_model_has_its_meaning() {
         let of = |covariance| SurfaceResult { covariance: Some(covariance), ..SurfaceResult::default() };
         let candidate =
-            |model: &str, misfit, slope_ratio| CovarianceCandidate { model: model.into(), misfit, slope_ratio };
+            |model: &str, misfit, slope_ratio| CovarianceCandidateResult { model: model.into(), misfit, slope_ratio };
         let matern = of(CovarianceResult {
             model: "matern".into(),
             length_x_m: 2e-5,

@@ -6,7 +6,7 @@ use std::f64::consts::E;
 
 use asperity_results::{
     AreaScatter, AtMeanLoad, BandMethod, CoarseEntry, Companions, Comparison, CorrelationCurveResult,
-    CorrelationModelResult, CovarianceCandidate, CovarianceResult, CrossResult, CrossingResult, CurveComparison,
+    CorrelationModelResult, CovarianceCandidateResult, CovarianceResult, CrossResult, CrossingResult, CurveComparison,
     CutoffPoint, CutoffResult, CycleResult, DampingResult, EmpiricalCovariance, EnsembleResult, FailedPoint,
     FrictionResult, GlobalExpansionEntry, GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry,
     KarhunenLoeveResult, KindResult, LawResult, LevelResult, MapResolutionResult, MapResult, MapsEntry,
@@ -154,7 +154,7 @@ fn surface(measured: MeasuredSurface) -> SurfaceResult {
             decay_length_x_m: 2e-5,
             decay_length_y_m: 1.4e-5,
             misfit: Some(0.12),
-            candidates: vec![CovarianceCandidate {
+            candidates: vec![CovarianceCandidateResult {
                 model: "squared_exponential".into(),
                 misfit: Some(0.12),
                 slope_ratio: Some(1.02),

@@ -103,8 +103,8 @@ fn statistics_skip_missing_points() {
     let (full, half) = (parameters(&full.unwrap()).unwrap(), parameters(&half.unwrap()).unwrap());
     assert_eq!(half.missing, 32 * 32);
     // Lags along y are longer on the taller map, and the spectrum of a map with missing points has another resolution.
-    let Parameters { sal_m, str_ratio, std_rad, ssw_m, .. } = full;
-    assert_eq!(Parameters { missing: 0, sal_m, str_ratio, std_rad, ssw_m, ..half }, full);
+    let ArealParameters { sal_m, str_ratio, std_rad, ssw_m, .. } = full;
+    assert_eq!(ArealParameters { missing: 0, sal_m, str_ratio, std_rad, ssw_m, ..half }, full);
     close("Sal", half.sal_m.unwrap(), full.sal_m.unwrap(), 1e-12);
 }
 

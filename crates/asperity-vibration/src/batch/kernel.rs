@@ -2,10 +2,10 @@
 
 use std::f64::consts::{LOG2_E, PI};
 
+use super::super::Oscillator;
 use super::super::polynomial;
 use super::super::series::{RECIPROCAL, exponential_step};
 use super::super::weakening::{Curve, Weakening};
-use super::super::{FrictionLaw, Oscillator};
 use asperity_process::Cell;
 
 /// Number of trajectories that advance together: four registers of four numbers, or two of eight.
@@ -107,14 +107,8 @@ impl Consts {
         // r″ is at most twice gain × curvature for a quotient, and once that for an exponential law.
         let bend = if let Curve::Exponential(_) = curve { 0.5 } else { 1.0 };
         self.softening[lane] = bend * gain * curvature;
-        let law = oscillator.law();
-        (self.floor[lane], self.loss[lane]) = match law {
-            FrictionLaw::Exponential { high_speed, .. } => (*high_speed, 0.0),
-            FrictionLaw::Linear { slope, .. } => (law.kinetic(), slope * oscillator.belt_velocity()),
-            FrictionLaw::Stribeck { .. } | FrictionLaw::Coulomb { .. } | FrictionLaw::Tabulated(_) => {
-                (law.kinetic(), 0.0)
-            }
-        };
+        let [floor, slope] = oscillator.law().floor_and_slope();
+        (self.floor[lane], self.loss[lane]) = (floor, slope * oscillator.belt_velocity());
         self.thinning[lane] = if let Curve::Quotient(_) = curve { curvature } else { 0.0 };
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::super::VibrationError;
 use super::motion::{Cut, Motion, Now};
 use super::trajectory::default_start;
-use super::{Contact, EventKind, Model, State};
+use super::{Contact, CoupledEventKind, Model, State};
 use asperity_process as process;
 
 /// Difference of two states, relative to the size of the vibration, below which the motion counts as repeated.
@@ -27,7 +27,7 @@ const MAX_WAIT: f64 = 1e3;
 
 /// One period of the limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LimitCycle {
+pub struct CoupledCycle {
     /// Period in τ.
     pub period: f64,
     /// Least and largest x.
@@ -55,9 +55,9 @@ pub struct LimitCycle {
 /// Long-term motion without fluctuation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Regime {
+pub enum CoupledRegime {
     /// The motion is periodic.
-    Cycle(LimitCycle),
+    Cycle(CoupledCycle),
     /// The mass comes to rest in space: steady sliding.
     Steady,
     /// The belt carries the mass away. The mass sticks, and the normal force grows faster than the force that would
@@ -67,9 +67,9 @@ pub enum Regime {
     Irregular,
 }
 
-impl Regime {
+impl CoupledRegime {
     /// Returns the cycle if the motion is periodic.
-    pub fn cycle(&self) -> Option<&LimitCycle> {
+    pub fn cycle(&self) -> Option<&CoupledCycle> {
         match self {
             Self::Cycle(cycle) => Some(cycle),
             Self::Steady | Self::Locked | Self::Irregular => None,
@@ -105,7 +105,7 @@ impl Maximum {
 ///
 /// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, or if
 /// the mass does not return.
-pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, VibrationError> {
+pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<CoupledRegime, VibrationError> {
     let start = start.map_or_else(|| default_start(model), Ok)?;
     let mut motion = Motion::new(model, process::Steady, start)?;
     let mut summits: VecDeque<Maximum> = VecDeque::with_capacity(MAX_MULTIPLICITY);
@@ -116,9 +116,9 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
         let Some(summit) = next_maximum(&mut motion, |_, _| {})? else {
             let Now { x, u, y, v, .. } = motion.now;
             return if u.abs() + v.abs() <= SETTLED * (x.abs() + y.abs()) {
-                Ok(Regime::Steady)
+                Ok(CoupledRegime::Steady)
             } else if model.divergence().is_some_and(|friction| model.parameters().static_friction >= friction) {
-                Ok(Regime::Locked)
+                Ok(CoupledRegime::Locked)
             } else {
                 Err(lost())
             };
@@ -126,19 +126,19 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
         let settled = summit.fall <= SETTLED * (summit.state.tangential.abs() + summit.state.normal.abs());
         small = if settled { small + 1 } else { 0 };
         if small == MAX_MULTIPLICITY {
-            return Ok(Regime::Steady);
+            return Ok(CoupledRegime::Steady);
         }
         let repeated = |earlier: &Maximum| !settled && summit.difference(earlier) < REPEATED;
         if let Some(back) = summits.iter().position(repeated) {
             if spiral == MAX_SPIRAL || !summits.iter().take(back).any(|earlier| summit.difference(earlier) < NEAR) {
-                return measure(&mut motion, summit, back + 1).map(Regime::Cycle);
+                return measure(&mut motion, summit, back + 1).map(CoupledRegime::Cycle);
             }
             spiral += 1;
         }
         summits.truncate(MAX_MULTIPLICITY - 1);
         summits.push_front(summit);
     }
-    Ok(Regime::Irregular)
+    Ok(CoupledRegime::Irregular)
 }
 
 fn lost() -> VibrationError {
@@ -164,7 +164,11 @@ fn next_maximum(
 }
 
 /// Follows one more period and measures it; extremes lie at ends of steps.
-fn measure(motion: &mut Motion<process::Steady>, first: Maximum, summits: usize) -> Result<LimitCycle, VibrationError> {
+fn measure(
+    motion: &mut Motion<process::Steady>,
+    first: Maximum,
+    summits: usize,
+) -> Result<CoupledCycle, VibrationError> {
     let contact = motion.contact_stiffness();
     let began = motion.now.tau;
     let mut tangential = [motion.now.x; 2];
@@ -182,14 +186,14 @@ fn measure(motion: &mut Motion<process::Steady>, first: Maximum, summits: usize)
                 _ => {}
             }
             if let Cut::Event(event) = cut {
-                detachments += usize::from(event.kind == EventKind::Detach);
-                lift_offs += usize::from(event.kind == EventKind::LiftOff);
+                detachments += usize::from(event.kind == CoupledEventKind::Detach);
+                lift_offs += usize::from(event.kind == CoupledEventKind::LiftOff);
             }
         })?
         .ok_or_else(lost)?;
     }
     let period = motion.now.tau - began;
-    Ok(LimitCycle {
+    Ok(CoupledCycle {
         period,
         tangential,
         normal,
@@ -206,18 +210,24 @@ fn measure(motion: &mut Motion<process::Steady>, first: Maximum, summits: usize)
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Damping, Parameters, Trajectory, TrajectorySettings, critical_friction};
+    use super::super::{CoupledParameters, CoupledTrajectory, CoupledTrajectorySettings, Damping, critical_friction};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
 
     fn model(friction: f64, ratio: f64, belt_velocity: f64) -> Model {
-        let law = FrictionLaw::Coulomb { kinetic: friction };
+        let law = VelocityLaw::Coulomb { kinetic: friction };
         let damping = Damping::Modal { ratios: [ratio; 2] };
-        let parameters = Parameters { law, static_friction: friction, damping, belt_velocity, ..Parameters::default() };
+        let parameters = CoupledParameters {
+            law,
+            static_friction: friction,
+            damping,
+            belt_velocity,
+            ..CoupledParameters::default()
+        };
         Model::new(parameters).unwrap()
     }
 
-    fn cycle(model: &Model) -> LimitCycle {
+    fn cycle(model: &Model) -> CoupledCycle {
         *limit_cycle(model, None).unwrap().cycle().unwrap()
     }
 
@@ -225,9 +235,9 @@ mod tests {
     fn a_cycle_repeats_and_attracts_other_starts() {
         for model in [model(0.8, 0.05, 0.05), model(0.9, 0.05, 0.5), model(0.9, 0.01, 0.05)] {
             let found = cycle(&model);
-            let settings = TrajectorySettings { duration: found.period, start: Some(found.start) };
-            let Trajectory { end, stick_share, flight_share, events } =
-                Trajectory::simulate(&model, process::Steady, &settings).unwrap();
+            let settings = CoupledTrajectorySettings { duration: found.period, start: Some(found.start) };
+            let CoupledTrajectory { end, stick_share, flight_share, events } =
+                CoupledTrajectory::simulate(&model, process::Steady, &settings).unwrap();
             let (a, b) = (end, found.start);
             for (a, b) in [
                 (a.tangential, b.tangential),
@@ -240,7 +250,10 @@ mod tests {
             assert!((stick_share - found.stick_share).abs() < 1e-10);
             assert!((flight_share - found.flight_share).abs() < 1e-10);
             let count = |kind| events.iter().filter(|event| event.kind == kind).count();
-            assert_eq!((count(EventKind::Detach), count(EventKind::LiftOff)), (found.detachments, found.lift_offs));
+            assert_eq!(
+                (count(CoupledEventKind::Detach), count(CoupledEventKind::LiftOff)),
+                (found.detachments, found.lift_offs)
+            );
             let start = State { tangential: 0.2, normal: 0.3, tangential_velocity: 0.01, normal_velocity: -0.1 };
             let other = limit_cycle(&model, Some(start)).unwrap();
             let other = other.cycle().unwrap();
@@ -256,9 +269,9 @@ mod tests {
         // periods and extremes of x come from 30-digit integration; with Coulomb friction from the closed form.
         let (drop, v) = (0.1_f64, 0.05_f64);
         let closed = std::f64::consts::TAU - 2.0 * (drop / v).atan() + 2.0 * drop / v;
-        let coulomb = FrictionLaw::Coulomb { kinetic: 0.3 };
-        let paper = FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
-        let linear = FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let coulomb = VelocityLaw::Coulomb { kinetic: 0.3 };
+        let paper = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+        let linear = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
         for (static_friction, law, ratio, belt_velocity, period, extremes) in [
             (0.4, coulomb, 0.0, v, closed, None),
             (0.4, linear, 0.1, 0.1, 6.439_474_890_105_244, None),
@@ -270,16 +283,16 @@ mod tests {
                 6.372_163_483_739_709,
                 Some([0.095_239_651_620_418_22, 0.101_931_013_749_859_67]),
             ),
-            (1.0, FrictionLaw::Stribeck { kinetic: 1.0, decay: 3.0 }, 0.0, 0.2, 12.001_031, None),
+            (1.0, VelocityLaw::Stribeck { kinetic: 1.0, decay: 3.0 }, 0.0, 0.2, 12.001_031, None),
         ] {
-            let model = Model::new(Parameters {
+            let model = Model::new(CoupledParameters {
                 angles_deg: [0.0, 90.0],
                 springs: [1.0, 2.0],
                 damping: Damping::Axes { tangential: 2.0 * ratio, normal: 0.1 },
                 static_friction,
                 law: law.clone(),
                 belt_velocity,
-                ..Parameters::default()
+                ..CoupledParameters::default()
             })
             .unwrap();
             let tangential = 0.97 * static_friction - 2.0 * ratio * belt_velocity;
@@ -302,7 +315,7 @@ mod tests {
     fn damped_motion_rests_below_the_onset_and_lifts_off_above() {
         let onset = |ratio: f64| critical_friction(&model(0.8, ratio, 0.5), 2.0).unwrap().unwrap().friction;
         assert!(onset(0.05) > 0.75 && onset(0.05) < 0.77);
-        assert_eq!(limit_cycle(&model(0.75, 0.05, 0.5), None).unwrap(), Regime::Steady);
+        assert_eq!(limit_cycle(&model(0.75, 0.05, 0.5), None).unwrap(), CoupledRegime::Steady);
         let found = cycle(&model(0.78, 0.05, 0.5));
         assert!(found.flight_share > 0.0 && found.stick_share == 0.0);
         assert_eq!(found.normal_force_max, 1.0 + 4.0 / 3.0 * found.normal[1]);
@@ -319,30 +332,35 @@ mod tests {
     #[test]
     fn springs_with_the_opposite_inclination_lock() {
         // det K(μ) = 3 − 4μ/3.
-        let springs = Parameters::default().springs;
+        let springs = CoupledParameters::default().springs;
         let leaning = |friction: f64| {
             let parameters = model(friction, 0.05, 0.3).parameters().clone();
-            Model::new(Parameters { springs: [springs[1], springs[0]], ..parameters.clone() }).unwrap()
+            Model::new(CoupledParameters { springs: [springs[1], springs[0]], ..parameters.clone() }).unwrap()
         };
         let start = State { tangential: 0.1, tangential_velocity: 0.3, normal: 0.0, normal_velocity: 0.0 };
-        assert_eq!(limit_cycle(&leaning(2.3), Some(start)).unwrap(), Regime::Locked);
-        assert_eq!(limit_cycle(&leaning(2.0), Some(start)).unwrap(), Regime::Steady);
+        assert_eq!(limit_cycle(&leaning(2.3), Some(start)).unwrap(), CoupledRegime::Locked);
+        assert_eq!(limit_cycle(&leaning(2.0), Some(start)).unwrap(), CoupledRegime::Steady);
         assert!(limit_cycle(&leaning(2.3), None).is_err());
     }
 
     #[test]
     fn undamped_motion_below_coalescence_does_not_repeat_itself() {
-        assert_eq!(limit_cycle(&model(0.6, 0.0, 0.5), None).unwrap(), Regime::Irregular);
+        assert_eq!(limit_cycle(&model(0.6, 0.0, 0.5), None).unwrap(), CoupledRegime::Irregular);
     }
 
     #[test]
     fn a_motion_that_spirals_into_its_cycle_has_the_period_of_one_turn() {
         // Periods of an independent simulation; the motion first comes close to itself after several turns.
         for (friction, period) in [(0.85, 4.989_417_7), (0.9, 5.027_113_47), (1.0, 5.092_547_6)] {
-            let law = crate::FrictionLaw::Coulomb { kinetic: friction };
+            let law = crate::VelocityLaw::Coulomb { kinetic: friction };
             let damping = Damping::Modal { ratios: [0.01, 0.02] };
-            let parameters =
-                Parameters { law, static_friction: friction, damping, belt_velocity: 0.5, ..Parameters::default() };
+            let parameters = CoupledParameters {
+                law,
+                static_friction: friction,
+                damping,
+                belt_velocity: 0.5,
+                ..CoupledParameters::default()
+            };
             let found = limit_cycle(&Model::new(parameters).unwrap(), None).unwrap();
             let cycle = found.cycle().unwrap();
             assert!((cycle.period / period - 1.0).abs() < 1e-7, "{cycle:?}");

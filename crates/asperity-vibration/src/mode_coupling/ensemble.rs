@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::sample_distribution::RunningMoments;
-use super::super::{Count, Failure, VibrationError, positive};
+use super::super::{Count, FailedTrajectory, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;
-use super::{Contact, Model, State, TrajectorySettings};
+use super::{Contact, CoupledTrajectorySettings, Model, State};
 use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::wilson_interval;
@@ -18,7 +18,7 @@ const LAST_FRACTION: f64 = 0.25;
 /// Settings of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct EnsembleSettings {
+pub struct CoupledEnsembleSettings {
     /// Number of trajectories, at least 2.
     pub trajectories: usize,
     /// Duration τ of each trajectory.
@@ -27,7 +27,7 @@ pub struct EnsembleSettings {
     pub threshold: f64,
     /// Seed; trajectory i reads realisation i of the process.
     pub seed: u64,
-    /// State at τ = 0; the default is given at [`TrajectorySettings::start`].
+    /// State at τ = 0; the default is given at [`CoupledTrajectorySettings::start`].
     pub start: Option<State>,
     /// Least fraction of valid trajectories.
     pub least_valid_share: f64,
@@ -35,7 +35,7 @@ pub struct EnsembleSettings {
 
 /// Statistics of many trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Ensemble {
+pub struct CoupledEnsemble {
     /// Number of requested trajectories.
     pub trajectories: usize,
     /// Fraction of the trajectories whose amplitude exceeds the threshold.
@@ -56,14 +56,14 @@ pub struct Ensemble {
     /// Fraction of the time off the belt.
     pub flight_share: Count,
     /// Result without fluctuation.
-    pub deterministic: Outcome,
+    pub deterministic: CoupledOutcome,
     /// Trajectories that failed.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<FailedTrajectory>,
 }
 
 /// Result of one trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct CoupledOutcome {
     /// Time at which the amplitude first exceeded the threshold.
     pub passage: Option<f64>,
     /// Largest amplitude in the last quarter of the time.
@@ -74,7 +74,7 @@ pub struct Outcome {
     pub flight_share: f64,
 }
 
-impl Ensemble {
+impl CoupledEnsemble {
     /// Simulates many trajectories in parallel. Amplitudes are evaluated at the extremes of x. The result does not
     /// depend on the number of threads.
     ///
@@ -83,7 +83,7 @@ impl Ensemble {
     pub fn simulate(
         model: &Model,
         process: &FrictionProcess,
-        settings: &EnsembleSettings,
+        settings: &CoupledEnsembleSettings,
         monitor: &dyn Monitor,
     ) -> Result<Self, VibrationError> {
         positive("threshold", settings.threshold)?;
@@ -93,8 +93,8 @@ impl Ensemble {
             follow(model, &mut path, settings)
         };
         let Runs { values, failures } = run_all(settings.trajectories, settings.least_valid_share, monitor, run)?;
-        let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(of));
-        let fraction = |of: &dyn Fn(&Outcome) -> bool| {
+        let count = |of: fn(&CoupledOutcome) -> f64| counted(values.iter().map(of));
+        let fraction = |of: &dyn Fn(&CoupledOutcome) -> bool| {
             let met = values.iter().filter(|outcome| of(outcome)).count();
             let interval = wilson_interval(met, values.len());
             (met as f64 / values.len() as f64, [interval.low, interval.high])
@@ -122,13 +122,13 @@ impl Ensemble {
 fn follow(
     model: &Model,
     fluctuation: impl Fluctuation,
-    settings: &EnsembleSettings,
-) -> Result<Outcome, VibrationError> {
-    let EnsembleSettings { duration, threshold, start, .. } = *settings;
+    settings: &CoupledEnsembleSettings,
+) -> Result<CoupledOutcome, VibrationError> {
+    let CoupledEnsembleSettings { duration, threshold, start, .. } = *settings;
     let reason = "friction pulls the mass away";
     let missing = VibrationError::NotFound { what: "state of steady sliding", reason };
     let rest = model.steady(model.sliding_friction()).ok_or(missing)?.tangential;
-    let mut motion = started(model, fluctuation, &TrajectorySettings { duration, start })?;
+    let mut motion = started(model, fluctuation, &CoupledTrajectorySettings { duration, start })?;
     let (mut stick, mut flight, mut amplitude, mut passage) = (0.0, 0.0, 0.0_f64, None);
     while motion.now.tau < duration {
         let cut = motion.step(duration)?;
@@ -149,7 +149,7 @@ fn follow(
             amplitude = amplitude.max(size);
         }
     }
-    Ok(Outcome { passage, amplitude, stick_share: stick / duration, flight_share: flight / duration })
+    Ok(CoupledOutcome { passage, amplitude, stick_share: stick / duration, flight_share: flight / duration })
 }
 
 /// Returns the mean, standard deviation and standard error.
@@ -162,7 +162,7 @@ fn counted(values: impl Iterator<Item = f64>) -> Count {
 /// Valid results in the order of their trajectories, and the failures.
 pub(super) struct Runs<T> {
     pub(super) values: Vec<T>,
-    pub(super) failures: Vec<Failure>,
+    pub(super) failures: Vec<FailedTrajectory>,
 }
 
 /// Runs trajectories in parallel; at least the given fraction must be valid.
@@ -188,7 +188,7 @@ pub(super) fn run_all<T: Send>(
             Ok(value) => runs.values.push(value),
             // A cancelled trajectory may end in any error, because it was not followed to its end.
             Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
-            Err(error) => runs.failures.push(Failure { trajectory, reason: error.to_string() }),
+            Err(error) => runs.failures.push(FailedTrajectory { trajectory, reason: error.to_string() }),
         }
     }
     let valid = runs.values.len();
@@ -201,32 +201,40 @@ pub(super) fn run_all<T: Send>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Damping, Parameters, limit_cycle};
+    use super::super::{CoupledParameters, Damping, limit_cycle};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
 
     fn model(friction: f64) -> Model {
-        let law = FrictionLaw::Coulomb { kinetic: friction };
+        let law = VelocityLaw::Coulomb { kinetic: friction };
         let damping = Damping::Modal { ratios: [0.05; 2] };
-        Model::new(Parameters { law, static_friction: friction, damping, ..Parameters::default() }).unwrap()
+        Model::new(CoupledParameters { law, static_friction: friction, damping, ..CoupledParameters::default() })
+            .unwrap()
     }
 
     fn process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), std, 0.5)).unwrap()
     }
 
-    fn settings(trajectories: usize, threshold: f64) -> EnsembleSettings {
-        EnsembleSettings { trajectories, duration: 400.0, threshold, seed: 11, start: None, least_valid_share: 1.0 }
+    fn settings(trajectories: usize, threshold: f64) -> CoupledEnsembleSettings {
+        CoupledEnsembleSettings {
+            trajectories,
+            duration: 400.0,
+            threshold,
+            seed: 11,
+            start: None,
+            least_valid_share: 1.0,
+        }
     }
 
     #[test]
     fn without_fluctuation_an_ensemble_is_its_limit_cycle() {
         let model = model(0.9);
         let cycle = *limit_cycle(&model, None).unwrap().cycle().unwrap();
-        let settings = EnsembleSettings { start: Some(cycle.start), ..settings(4, 0.05) };
-        let found = Ensemble::simulate(&model, &process(1e-14), &settings, &Silent).unwrap();
+        let settings = CoupledEnsembleSettings { start: Some(cycle.start), ..settings(4, 0.05) };
+        let found = CoupledEnsemble::simulate(&model, &process(1e-14), &settings, &Silent).unwrap();
         let rest = model.steady(0.9).unwrap().tangential;
         let amplitude = (cycle.tangential[1] - rest).max(rest - cycle.tangential[0]);
         assert!((found.amplitude.mean - amplitude).abs() < 1e-10, "{} {amplitude}", found.amplitude.mean);
@@ -243,7 +251,10 @@ mod tests {
         let model = model(0.85);
         let growth = super::super::modes(&model, 0.85)[0].growth.max(super::super::modes(&model, 0.85)[1].growth);
         let passage = |threshold: f64| {
-            Ensemble::simulate(&model, &process(1e-13), &settings(2, threshold), &Silent).unwrap().deterministic.passage
+            CoupledEnsemble::simulate(&model, &process(1e-13), &settings(2, threshold), &Silent)
+                .unwrap()
+                .deterministic
+                .passage
         };
         let (early, late) = (passage(0.02).unwrap(), passage(0.08).unwrap());
         // Amplitudes are evaluated at extremes of x, so times are known to half a period.
@@ -255,7 +266,7 @@ mod tests {
         let model = model(0.7);
         let run = |threads: usize, std: f64| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| Ensemble::simulate(&model, &process(std), &settings(40, 0.05), &Silent).unwrap())
+            pool.install(|| CoupledEnsemble::simulate(&model, &process(std), &settings(40, 0.05), &Silent).unwrap())
         };
         let one = run(1, 0.02);
         assert_eq!(one, run(2, 0.02));
@@ -270,11 +281,13 @@ mod tests {
     fn invalid_settings_and_too_many_failures_are_errors() {
         let (model, process) = (model(0.8), process(0.3));
         assert!(matches!(
-            Ensemble::simulate(&model, &process, &settings(8, 0.1), &Silent),
+            CoupledEnsemble::simulate(&model, &process, &settings(8, 0.1), &Silent),
             Err(VibrationError::TooFewValid { .. })
         ));
-        for settings in [settings(1, 0.1), settings(4, 0.0), EnsembleSettings { duration: -1.0, ..settings(4, 0.1) }] {
-            assert!(Ensemble::simulate(&model, &process, &settings, &Silent).is_err());
+        for settings in
+            [settings(1, 0.1), settings(4, 0.0), CoupledEnsembleSettings { duration: -1.0, ..settings(4, 0.1) }]
+        {
+            assert!(CoupledEnsemble::simulate(&model, &process, &settings, &Silent).is_err());
         }
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::sample_distribution::RunningMoments;
-use super::super::{Failure, VibrationError, positive};
+use super::super::{FailedTrajectory, VibrationError, positive};
 use super::ensemble::{Runs, run_all};
 use super::{Model, modes};
 use asperity_base::monitor::Monitor;
@@ -53,7 +53,7 @@ pub struct GrowthRates {
     /// 95 % interval of that fraction (Wilson).
     pub growing_interval: [f64; 2],
     /// Realisations that failed.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<FailedTrajectory>,
 }
 
 /// Returns growth rates of small motion about steady sliding at the friction coefficient μ under m(s), s = Vτ.
@@ -228,9 +228,9 @@ impl Linear {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::super::{Damping, Mode, Parameters, State, Trajectory, TrajectorySettings};
+    use super::super::{CoupledParameters, CoupledTrajectory, CoupledTrajectorySettings, Damping, Mode, State};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
     use asperity_base::monitor::Silent;
     use asperity_process::{ProcessModel, RecordedProcess, Steady};
 
@@ -242,8 +242,10 @@ mod tests {
     #[test]
     fn without_fluctuation_the_rate_is_the_real_part_of_the_eigenvalue() {
         let damping = Damping::Modal { ratios: [0.02, 0.08] };
-        let law = FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.2 };
-        let model = Model::new(Parameters { damping, law, static_friction: 0.9, ..Parameters::default() }).unwrap();
+        let law = VelocityLaw::Stribeck { kinetic: 0.9, decay: 0.2 };
+        let model =
+            Model::new(CoupledParameters { damping, law, static_friction: 0.9, ..CoupledParameters::default() })
+                .unwrap();
         for friction in [0.3, 0.8, 1.2] {
             let wanted = leading(&model, friction);
             // Over whole periods √E grows by exactly e^{growth·τ} once the other mode has decayed.
@@ -257,7 +259,7 @@ mod tests {
     #[test]
     fn a_constant_fluctuation_gives_the_rate_of_the_changed_coefficient() {
         let damping = Damping::Modal { ratios: [0.05, 0.01] };
-        let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
+        let model = Model::new(CoupledParameters { damping, ..CoupledParameters::default() }).unwrap();
         let wanted = leading(&model, 0.8);
         let duration = 10.0 * TAU / wanted.frequency;
         let system = Linear::new(&model, 0.7, duration, 900.0).unwrap();
@@ -273,7 +275,7 @@ mod tests {
         // 0.1, 0.05, −0.12, 0, … at s = 0, 0.4, 0.8, …; growth rates of √E for Mz and M¹⁰z, z = (1, 0.3, −0.5, 0.2),
         // and the largest Floquet exponent.
         let damping = Damping::Axes { tangential: 0.06, normal: 0.02 };
-        let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
+        let model = Model::new(CoupledParameters { damping, ..CoupledParameters::default() }).unwrap();
         let values = (0..8000).map(|i| [0.0, 0.1, 0.05, -0.12][i % 4]).collect();
         let process = RecordedProcess::new(0.4, values).unwrap();
         let rate = |periods: u32, settling: u32| {
@@ -295,19 +297,19 @@ mod tests {
     fn a_slope_of_the_fluctuation_stiffens_the_mass() {
         // Without coupling, under m = 0.3 s and the constant normal force 1, motion is linear: the difference of two
         // trajectories from one point obeys the linearised equations.
-        let model = Model::new(Parameters {
+        let model = Model::new(CoupledParameters {
             angles_deg: [0.0, 90.0],
             springs: [1.0, 1.0],
             damping: Damping::Axes { tangential: 0.1, normal: 0.1 },
             belt_velocity: 1.0,
-            ..Parameters::default()
+            ..CoupledParameters::default()
         })
         .unwrap();
         let ramp = RecordedProcess::new(0.1, (0..400).map(|i| 0.03 * f64::from(i)).collect()).unwrap();
         let end = |x: f64, u: f64| {
             let start = State { tangential: x, tangential_velocity: u, normal: 0.0, normal_velocity: 0.0 };
-            let settings = TrajectorySettings { duration: 7.0, start: Some(start) };
-            Trajectory::simulate(&model, ramp.path(), &settings).unwrap().end
+            let settings = CoupledTrajectorySettings { duration: 7.0, start: Some(start) };
+            CoupledTrajectory::simulate(&model, ramp.path(), &settings).unwrap().end
         };
         let (a, b) = (end(0.9, 0.0), end(0.9, -0.2));
         let system = Linear::new(&model, 0.8, 7.0, 0.0).unwrap();
@@ -322,7 +324,7 @@ mod tests {
     #[test]
     fn rates_of_an_ensemble_surround_the_exponent_and_do_not_depend_on_threads() {
         let damping = Damping::Modal { ratios: [0.02, 0.02] };
-        let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
+        let model = Model::new(CoupledParameters { damping, ..CoupledParameters::default() }).unwrap();
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 0.02, 1.0)).unwrap();
         let settings =
             GrowthSettings { trajectories: 64, duration: 200.0, settling: 50.0, seed: 3, least_valid_share: 1.0 };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::{FrictionLaw, VibrationError, non_negative, positive};
+use super::super::{VelocityLaw, VibrationError, non_negative, positive};
 
 /// Largest stiffness, velocity, friction coefficient and damping; results for larger values would be meaningless.
 const MOST: f64 = 1e6;
@@ -38,7 +38,7 @@ pub enum Damping {
 /// Parameters of a [`Model`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Parameters {
+pub struct CoupledParameters {
     /// α₁ and α₂: directions of the inclined springs in degrees, from the belt's velocity towards the belt.
     pub angles_deg: [f64; 2],
     /// k₁ and k₂ ≥ 0.
@@ -50,12 +50,12 @@ pub struct Parameters {
     /// μ_s, the stick limit.
     pub static_friction: f64,
     /// Kinetic friction law μ(|v|).
-    pub law: FrictionLaw,
+    pub law: VelocityLaw,
     /// V > 0.
     pub belt_velocity: f64,
 }
 
-impl Default for Parameters {
+impl Default for CoupledParameters {
     /// Returns the published example: springs at 150° and 30° with k₁, k₂ = ⅔(2 ∓ √3) and k₃ = 4/3, without damping. K
     /// = \[2, 1 − Δ; 1, 2\] with Δ = 4μ/3 and ω² = 2 ± √(1 − Δ), so the modes meet at μ = ¾. Coulomb friction μ = 0.8,
     /// V = 0.5.
@@ -67,7 +67,7 @@ impl Default for Parameters {
             contact_stiffness: 4.0 / 3.0,
             damping: Damping::Axes { tangential: 0.0, normal: 0.0 },
             static_friction: 0.8,
-            law: FrictionLaw::Coulomb { kinetic: 0.8 },
+            law: VelocityLaw::Coulomb { kinetic: 0.8 },
             belt_velocity: 0.5,
         }
     }
@@ -102,7 +102,7 @@ pub struct SteadySliding {
 /// <https://doi.org/10.1016/S0093-6413(02)00254-9>; stick, flight and fluctuation are added here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
-    parameters: Parameters,
+    parameters: CoupledParameters,
     /// k₁₁, k₁₂, k₂₂ in contact.
     pub(super) stiffness: [f64; 3],
     /// c₁₁, c₁₂, c₂₂.
@@ -113,8 +113,9 @@ impl Model {
     /// Checks the parameters. Angles, stiffnesses, damping and friction must be finite and at most 10⁶, 0 < V ≤ 10⁶,
     /// μ_k ≤ μ_s, and the springs must hold the mass (k₁₁k₂₂ > k₁₂²). Modal damping of two equal modes must have equal
     /// ratios.
-    pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
-        let Parameters { angles_deg, springs, contact_stiffness, static_friction, belt_velocity, .. } = parameters;
+    pub fn new(parameters: CoupledParameters) -> Result<Self, VibrationError> {
+        let CoupledParameters { angles_deg, springs, contact_stiffness, static_friction, belt_velocity, .. } =
+            parameters;
         let law = &parameters.law;
         let bounded = |parameter, value: f64| {
             if value.abs() <= MOST {
@@ -137,7 +138,7 @@ impl Model {
             bounded(name, value)?;
         }
         law.validate()?;
-        if let FrictionLaw::Tabulated(_) = law {
+        if law.is_tabulated() {
             let reason = "mode coupling does not support friction tables; use a law with a formula";
             return Err(VibrationError::NotFound { what: "series of the friction law", reason });
         }
@@ -166,7 +167,7 @@ impl Model {
     }
 
     /// Returns the parameters of the model.
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &CoupledParameters {
         &self.parameters
     }
 
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_default_has_the_stiffness_of_the_example() {
-        let model = Model::new(Parameters::default()).unwrap();
+        let model = Model::new(CoupledParameters::default()).unwrap();
         for (found, wanted) in model.stiffness().iter().zip([2.0, 1.0, 2.0]) {
             assert!((found - wanted).abs() < 1e-15);
         }
@@ -254,7 +255,7 @@ mod tests {
 
     #[test]
     fn forces_balance_in_steady_sliding() {
-        let model = Model::new(Parameters { springs: [0.3, 1.7], ..Parameters::default() }).unwrap();
+        let model = Model::new(CoupledParameters { springs: [0.3, 1.7], ..CoupledParameters::default() }).unwrap();
         let [k11, k12, k22] = model.stiffness();
         for friction in [0.1, 0.5, 1.5] {
             let SteadySliding { tangential: x, normal: y, normal_force: n } = model.steady(friction).unwrap();
@@ -269,7 +270,7 @@ mod tests {
     #[test]
     fn modal_damping_acts_on_its_modes() {
         let damping = Damping::Modal { ratios: [0.02, 0.07] };
-        let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
+        let model = Model::new(CoupledParameters { damping, ..CoupledParameters::default() }).unwrap();
         let [c11, c12, c22] = model.damping();
         // Modes (1, ∓1) with ω² = 1 and 3.
         for (found, wanted) in [(c11 - c12, 0.04), (c22 - c12, 0.04), (c11 + c12, 0.14 * 3.0_f64.sqrt())] {
@@ -279,23 +280,23 @@ mod tests {
 
     #[test]
     fn invalid_parameters_are_refused() {
-        let fine = Parameters::default();
-        let law = FrictionLaw::Coulomb { kinetic: 0.9 };
+        let fine = CoupledParameters::default();
+        let law = VelocityLaw::Coulomb { kinetic: 0.9 };
         for parameters in [
-            Parameters { angles_deg: [f64::NAN, 30.0], ..fine.clone() },
-            Parameters { springs: [-1.0, 1.0], ..fine.clone() },
-            Parameters { springs: [0.0, 0.0], ..fine.clone() },
-            Parameters { angles_deg: [30.0, 30.0], contact_stiffness: 1e-15, ..fine.clone() },
-            Parameters { contact_stiffness: 0.0, ..fine.clone() },
-            Parameters { belt_velocity: 1e9, ..fine.clone() },
-            Parameters { law, ..fine.clone() },
-            Parameters { damping: Damping::Modal { ratios: [0.1, -0.1] }, ..fine.clone() },
-            Parameters { damping: Damping::Axes { tangential: 0.0, normal: f64::INFINITY }, ..fine.clone() },
-            Parameters { damping: Damping::Proportional { mass: -1.0, stiffness: 0.0 }, ..fine.clone() },
+            CoupledParameters { angles_deg: [f64::NAN, 30.0], ..fine.clone() },
+            CoupledParameters { springs: [-1.0, 1.0], ..fine.clone() },
+            CoupledParameters { springs: [0.0, 0.0], ..fine.clone() },
+            CoupledParameters { angles_deg: [30.0, 30.0], contact_stiffness: 1e-15, ..fine.clone() },
+            CoupledParameters { contact_stiffness: 0.0, ..fine.clone() },
+            CoupledParameters { belt_velocity: 1e9, ..fine.clone() },
+            CoupledParameters { law, ..fine.clone() },
+            CoupledParameters { damping: Damping::Modal { ratios: [0.1, -0.1] }, ..fine.clone() },
+            CoupledParameters { damping: Damping::Axes { tangential: 0.0, normal: f64::INFINITY }, ..fine.clone() },
+            CoupledParameters { damping: Damping::Proportional { mass: -1.0, stiffness: 0.0 }, ..fine.clone() },
         ] {
             assert!(Model::new(parameters.clone()).is_err(), "{parameters:?}");
         }
-        assert!(serde_json::from_str::<Parameters>(r#"{"spring": [1.0, 1.0]}"#).is_err());
-        assert_eq!(serde_json::from_str::<Parameters>("{}").unwrap(), fine);
+        assert!(serde_json::from_str::<CoupledParameters>(r#"{"spring": [1.0, 1.0]}"#).is_err());
+        assert_eq!(serde_json::from_str::<CoupledParameters>("{}").unwrap(), fine);
     }
 }

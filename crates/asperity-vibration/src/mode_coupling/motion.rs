@@ -39,7 +39,7 @@ impl Contact {
 
 /// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum EventKind {
+pub enum CoupledEventKind {
     /// D: stick ends.
     #[serde(rename = "D")]
     Detach,
@@ -57,7 +57,7 @@ pub enum EventKind {
     Landing,
 }
 
-impl EventKind {
+impl CoupledEventKind {
     /// Returns the letter of the event: D, R, O, F or L.
     pub fn code(self) -> &'static str {
         match self {
@@ -86,9 +86,9 @@ pub struct State {
 
 /// Event of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Event {
+pub struct CoupledEvent {
     /// Kind of the event.
-    pub kind: EventKind,
+    pub kind: CoupledEventKind,
     /// Time τ.
     pub tau: f64,
     /// State of the mass.
@@ -107,7 +107,7 @@ pub(super) enum Cut {
     /// x′ passed zero while rising: minimum of x.
     Minimum,
     /// An event.
-    Event(Event),
+    Event(CoupledEvent),
 }
 
 /// State between two steps.
@@ -248,10 +248,10 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         let mut h = self.expand(until, estimate.min(until - self.now.tau));
         let mut kind = None;
         if let Some(t) = self.series.arrival(h) {
-            (h, kind) = (t, Some(EventKind::Restick));
+            (h, kind) = (t, Some(CoupledEventKind::Restick));
         }
         if let Some(t) = self.series.contact_change(1.0, h) {
-            (h, kind) = (t, Some(EventKind::LiftOff));
+            (h, kind) = (t, Some(CoupledEventKind::LiftOff));
         }
         let turn = self.turn(&mut h, &mut kind);
         let crossed = to_grid_point.is_finite() && self.series.distance(h) >= to_grid_point;
@@ -279,11 +279,15 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         self.now.m = self.cell.left + self.slope() * (distance - self.began);
         match kind {
             None => Ok(self.at_turn(turn)),
-            Some(EventKind::LiftOff) => Ok(self.lift_off()),
+            Some(CoupledEventKind::LiftOff) => Ok(self.lift_off()),
             Some(_) => {
                 self.now.u = self.model.belt_velocity();
                 self.determine_contact()?;
-                let kind = if self.now.contact == Contact::Stick { EventKind::Restick } else { EventKind::Reverse };
+                let kind = if self.now.contact == Contact::Stick {
+                    CoupledEventKind::Restick
+                } else {
+                    CoupledEventKind::Reverse
+                };
                 Ok(self.event(kind))
             }
         }
@@ -297,11 +301,11 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         // The force that would hold the mass back is at its limit: the mass becomes slower than the belt.
         for (contact, direction) in [(Contact::Slip, 1.0), (Contact::OverSlip, -1.0)] {
             if let Some(t) = self.series.release(friction, direction, h) {
-                (h, kind, released) = (t, Some(EventKind::Detach), contact);
+                (h, kind, released) = (t, Some(CoupledEventKind::Detach), contact);
             }
         }
         if let Some(t) = self.series.contact_change(1.0, h).filter(|t| kind.is_none() || *t < h) {
-            (h, kind) = (t, Some(EventKind::LiftOff));
+            (h, kind) = (t, Some(CoupledEventKind::LiftOff));
         }
         if let Some(t) = self.series.normal_turn(h).filter(|t| *t < h) {
             (h, kind) = (t, None);
@@ -313,7 +317,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         self.now.u = self.model.belt_velocity();
         match kind {
             None => Ok(Cut::None),
-            Some(EventKind::LiftOff) => Ok(self.lift_off()),
+            Some(CoupledEventKind::LiftOff) => Ok(self.lift_off()),
             Some(kind) => {
                 (self.now.contact, self.now.released) = (released, true);
                 Ok(self.event(kind))
@@ -325,7 +329,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         let mut h = self.expand(until, until - self.now.tau);
         let mut kind = None;
         if let Some(t) = self.series.contact_change(-1.0, h) {
-            (h, kind) = (t, Some(EventKind::Landing));
+            (h, kind) = (t, Some(CoupledEventKind::Landing));
         }
         let turn = self.turn(&mut h, &mut kind);
         self.advance(h, until);
@@ -334,11 +338,11 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         }
         self.now.touching = true;
         self.determine_contact()?;
-        Ok(self.event(EventKind::Landing))
+        Ok(self.event(CoupledEventKind::Landing))
     }
 
     /// Shortens a step to the first sign change of x′ or y′, if it precedes the other events.
-    fn turn(&self, h: &mut f64, kind: &mut Option<EventKind>) -> Turn {
+    fn turn(&self, h: &mut f64, kind: &mut Option<CoupledEventKind>) -> Turn {
         let mut turn = Turn::None;
         if let Some(t) = self.series.tangential_turn(*h).filter(|t| *t < *h) {
             (*h, *kind, turn) = (t, None, Turn::Tangential);
@@ -378,7 +382,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
     fn lift_off(&mut self) -> Cut {
         self.now.contact = Contact::Flight;
         self.now.touching = true;
-        self.event(EventKind::LiftOff)
+        self.event(CoupledEventKind::LiftOff)
     }
 
     /// Determines the contact of a mass on the belt from its velocity, and at the velocity of the belt from the force
@@ -418,9 +422,9 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         if self.cell.length.is_finite() { self.cell.slope() } else { 0.0 }
     }
 
-    fn event(&self, kind: EventKind) -> Cut {
+    fn event(&self, kind: CoupledEventKind) -> Cut {
         let Now { tau, sliding_distance, .. } = self.now;
-        Cut::Event(Event { kind, tau, state: self.now.state(), sliding_distance })
+        Cut::Event(CoupledEvent { kind, tau, state: self.now.state(), sliding_distance })
     }
 }
 

@@ -270,12 +270,12 @@ fn falling(model: &Model, most: f64) -> Result<Option<f64>, VibrationError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Damping, Parameters};
+    use super::super::{CoupledParameters, Damping};
     use super::*;
-    use crate::FrictionLaw;
+    use crate::VelocityLaw;
 
     fn damped(damping: Damping) -> Model {
-        Model::new(Parameters { damping, ..Parameters::default() }).unwrap()
+        Model::new(CoupledParameters { damping, ..CoupledParameters::default() }).unwrap()
     }
 
     /// Returns damping by d₂ (fast) and d₁ in modal coordinates (x + y, x − y)/√2, where K = [3 − Δ/2, Δ/2; −Δ/2, 1 +
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn undamped_modes_meet_at_the_closed_form() {
-        let model = Model::new(Parameters::default()).unwrap();
+        let model = Model::new(CoupledParameters::default()).unwrap();
         assert!((model.coalescence().unwrap() - 0.75).abs() < 1e-15);
         for i in 0..=60 {
             let delta = f64::from(i) / 30.0;
@@ -344,15 +344,15 @@ mod tests {
 
     #[test]
     fn the_onset_is_where_the_largest_growth_rate_vanishes() {
-        let stribeck = FrictionLaw::Stribeck { kinetic: 0.5, decay: 0.3 };
+        let stribeck = VelocityLaw::Stribeck { kinetic: 0.5, decay: 0.3 };
         for (damping, law) in [
-            (Damping::Axes { tangential: 0.1, normal: 0.02 }, FrictionLaw::Coulomb { kinetic: 0.5 }),
-            (Damping::Proportional { mass: 0.02, stiffness: 0.03 }, FrictionLaw::Coulomb { kinetic: 0.5 }),
-            (Damping::Modal { ratios: [0.03, 0.01] }, FrictionLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Axes { tangential: 0.1, normal: 0.02 }, VelocityLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Proportional { mass: 0.02, stiffness: 0.03 }, VelocityLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Modal { ratios: [0.03, 0.01] }, VelocityLaw::Coulomb { kinetic: 0.5 }),
             (Damping::Modal { ratios: [0.05, 0.05] }, stribeck),
-            (Damping::Axes { tangential: 0.05, normal: 0.05 }, FrictionLaw::Linear { kinetic: 0.5, slope: 0.05 }),
+            (Damping::Axes { tangential: 0.05, normal: 0.05 }, VelocityLaw::Linear { kinetic: 0.5, slope: 0.05 }),
         ] {
-            let model = Model::new(Parameters { damping, law, ..Parameters::default() }).unwrap();
+            let model = Model::new(CoupledParameters { damping, law, ..CoupledParameters::default() }).unwrap();
             let critical = critical_friction(&model, 2.0).unwrap().unwrap();
             let largest = |mu: f64| modes(&model, mu).iter().map(|m| m.growth).fold(f64::MIN, f64::max);
             assert!(largest(critical.friction).abs() < 1e-12, "{damping:?}: {critical:?}");
@@ -382,8 +382,9 @@ mod tests {
 
     #[test]
     fn springs_with_the_opposite_inclination_diverge() {
-        let springs = Parameters::default().springs;
-        let model = Model::new(Parameters { springs: [springs[1], springs[0]], ..Parameters::default() }).unwrap();
+        let springs = CoupledParameters::default().springs;
+        let model = Model::new(CoupledParameters { springs: [springs[1], springs[0]], ..CoupledParameters::default() })
+            .unwrap();
         assert_eq!(model.coalescence(), None);
         // det K = 3 − Δ.
         let critical = critical_friction(&model, 10.0).unwrap().unwrap();

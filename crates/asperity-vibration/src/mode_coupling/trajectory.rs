@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::{VibrationError, positive};
 use super::motion::{Cut, Motion};
-use super::{Contact, Event, Model, State};
+use super::{Contact, CoupledEvent, Model, State};
 use asperity_process::Fluctuation;
 
 /// Default distance from steady sliding at the start, as a fraction of the steady displacement.
@@ -13,7 +13,7 @@ const DEFAULT_OFFSET: f64 = 0.01;
 /// Settings of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TrajectorySettings {
+pub struct CoupledTrajectorySettings {
     /// Duration τ.
     pub duration: f64,
     /// State at τ = 0. The default is at rest in space, displaced 1 % further along the belt than steady sliding.
@@ -22,9 +22,9 @@ pub struct TrajectorySettings {
 
 /// Events of one trajectory and fractions of its time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Trajectory {
+pub struct CoupledTrajectory {
     /// Events in order.
-    pub events: Vec<Event>,
+    pub events: Vec<CoupledEvent>,
     /// Fraction of the time in stick.
     pub stick_share: f64,
     /// Fraction of the time off the belt.
@@ -44,7 +44,7 @@ pub struct Point {
     pub contact: Contact,
 }
 
-impl Trajectory {
+impl CoupledTrajectory {
     /// Simulates a mass under one realisation of m(s).
     ///
     /// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, if
@@ -52,7 +52,7 @@ impl Trajectory {
     pub fn simulate(
         model: &Model,
         fluctuation: impl Fluctuation,
-        settings: &TrajectorySettings,
+        settings: &CoupledTrajectorySettings,
     ) -> Result<Self, VibrationError> {
         let mut motion = started(model, fluctuation, settings)?;
         let mut events = Vec::new();
@@ -73,11 +73,11 @@ impl Trajectory {
 
     /// Returns the same trajectory at `points` ≥ 2 equal times from τ = `from` to the end.
     ///
-    /// Fails like [`Trajectory::simulate`], and if `from` is not between 0 and the duration.
+    /// Fails like [`CoupledTrajectory::simulate`], and if `from` is not between 0 and the duration.
     pub fn portrait(
         model: &Model,
         fluctuation: impl Fluctuation,
-        settings: &TrajectorySettings,
+        settings: &CoupledTrajectorySettings,
         from: f64,
         points: usize,
     ) -> Result<Vec<Point>, VibrationError> {
@@ -121,7 +121,7 @@ pub(super) fn default_start(model: &Model) -> Result<State, VibrationError> {
 pub(super) fn started<'a, F: Fluctuation>(
     model: &'a Model,
     fluctuation: F,
-    settings: &TrajectorySettings,
+    settings: &CoupledTrajectorySettings,
 ) -> Result<Motion<'a, F>, VibrationError> {
     positive("duration", settings.duration)?;
     let start = settings.start.map_or_else(|| default_start(model), Ok)?;
@@ -132,9 +132,9 @@ pub(super) fn started<'a, F: Fluctuation>(
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::super::{Damping, EventKind, Parameters, modes};
+    use super::super::{CoupledEventKind, CoupledParameters, Damping, modes};
     use super::*;
-    use crate::{self as vibration, FrictionLaw};
+    use crate::{self as vibration, VelocityLaw};
     use asperity_base::random;
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
@@ -144,18 +144,18 @@ mod tests {
 
     /// Returns a model with k₃ = 4/3, K(0) = [2, 1; 1, 2], C = diag(0.02, 0.02), V = 0.2, μ_s = 1.3, μ = 1.2/(1 + 0.3|v|).
     fn example() -> Model {
-        Model::new(Parameters {
+        Model::new(CoupledParameters {
             damping: Damping::Axes { tangential: 0.02, normal: 0.02 },
             static_friction: 1.3,
-            law: FrictionLaw::Stribeck { kinetic: 1.2, decay: 0.3 },
+            law: VelocityLaw::Stribeck { kinetic: 1.2, decay: 0.3 },
             belt_velocity: 0.2,
-            ..Parameters::default()
+            ..CoupledParameters::default()
         })
         .unwrap()
     }
 
     /// Returns the largest difference from given events (letter, τ, x, y, s) and from a final state (x, x′, y, y′).
-    fn difference(found: &Trajectory, wanted: &[(&str, f64, f64, f64, f64)], end: [f64; 4]) -> f64 {
+    fn difference(found: &CoupledTrajectory, wanted: &[(&str, f64, f64, f64, f64)], end: [f64; 4]) -> f64 {
         assert_eq!(found.events.len(), wanted.len(), "{:?}", found.events);
         let mut worst = 0.0_f64;
         for (event, wanted) in found.events.iter().zip(wanted) {
@@ -177,8 +177,8 @@ mod tests {
     // events by Brent's method on its dense output, sampled 41 times per 0.05.
     #[test]
     fn stick_slip_and_flight_match_an_independent_integration() {
-        let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
-        let found = Trajectory::simulate(&example(), Steady, &settings).unwrap();
+        let settings = CoupledTrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
+        let found = CoupledTrajectory::simulate(&example(), Steady, &settings).unwrap();
         let worst = difference(
             &found,
             &[
@@ -200,8 +200,8 @@ mod tests {
         // m = 0.01·((7i² + 3i) mod 11 − 5) at s = 0.03i.
         let values = (0..200_i32).map(|i| 0.01 * f64::from((7 * i * i + 3 * i) % 11 - 5)).collect();
         let process = RecordedProcess::new(0.03, values).unwrap();
-        let settings = TrajectorySettings { duration: 9.0, start: Some(state(1.4, 0.9, 0.4, 0.1)) };
-        let found = Trajectory::simulate(&example(), process.path(), &settings).unwrap();
+        let settings = CoupledTrajectorySettings { duration: 9.0, start: Some(state(1.4, 0.9, 0.4, 0.1)) };
+        let found = CoupledTrajectory::simulate(&example(), process.path(), &settings).unwrap();
         let worst = difference(
             &found,
             &[
@@ -224,14 +224,18 @@ mod tests {
         // With Coulomb friction growth is exactly linear; under a weakening law the nonlinear part is of the order of
         // the amplitude.
         for (law, a, tolerance) in [
-            (FrictionLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
-            (FrictionLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
-            (FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
-            (FrictionLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
+            (VelocityLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
+            (VelocityLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
+            (VelocityLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
+            (VelocityLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
         ] {
-            let model =
-                Model::new(Parameters { damping, law: law.clone(), static_friction: 0.9, ..Parameters::default() })
-                    .unwrap();
+            let model = Model::new(CoupledParameters {
+                damping,
+                law: law.clone(),
+                static_friction: 0.9,
+                ..CoupledParameters::default()
+            })
+            .unwrap();
             let friction = model.sliding_friction();
             let [k11, k12, _] = model.stiffness();
             let (c11, c12) = (model.effective_damping(friction), model.damping()[1]);
@@ -246,8 +250,9 @@ mod tests {
                 let start = state(steady.tangential + a, a * g, steady.normal + a * r.0, a * (g * r.0 - w * r.1));
                 // After two periods the deviation is the same, multiplied by e^{growth·τ}.
                 let duration = 2.0 * TAU / w;
-                let settings = TrajectorySettings { duration, start: Some(start) };
-                let Trajectory { events, end, .. } = Trajectory::simulate(&model, Steady, &settings).unwrap();
+                let settings = CoupledTrajectorySettings { duration, start: Some(start) };
+                let CoupledTrajectory { events, end, .. } =
+                    CoupledTrajectory::simulate(&model, Steady, &settings).unwrap();
                 assert!(events.is_empty());
                 for (after, before) in [
                     (end.tangential - steady.tangential, a),
@@ -266,7 +271,7 @@ mod tests {
     fn energy_changes_by_the_work_of_friction_and_dampers() {
         let model = example();
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 0.02, 0.3)).unwrap();
-        let settings = TrajectorySettings { duration: 60.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
+        let settings = CoupledTrajectorySettings { duration: 60.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
         let ([k11, k12, k22], [c11, _, c22]) = (model.stiffness(), model.damping());
         let contact = model.parameters().contact_stiffness;
         // Energy of the springs, the static load and the contact spring, the last one only in contact.
@@ -325,12 +330,13 @@ mod tests {
 
     #[test]
     fn a_portrait_contains_the_events() {
-        let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
-        let points = Trajectory::portrait(&example(), Steady, &settings, 0.0, 14_001).unwrap();
-        let trajectory = Trajectory::simulate(&example(), Steady, &settings).unwrap();
+        let settings = CoupledTrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
+        let points = CoupledTrajectory::portrait(&example(), Steady, &settings, 0.0, 14_001).unwrap();
+        let trajectory = CoupledTrajectory::simulate(&example(), Steady, &settings).unwrap();
         assert_eq!((points.len(), points[14_000].state), (14_001, trajectory.end));
-        for (mut points, kind) in [(Contact::Stick, EventKind::Detach), (Contact::Flight, EventKind::Landing)]
-            .map(|(contact, kind)| (points.iter().filter(move |p| p.contact == contact), kind))
+        for (mut points, kind) in
+            [(Contact::Stick, CoupledEventKind::Detach), (Contact::Flight, CoupledEventKind::Landing)]
+                .map(|(contact, kind)| (points.iter().filter(move |p| p.contact == contact), kind))
         {
             let last = trajectory.events.iter().rev().find(|event| event.kind == kind).unwrap();
             let before = points.rfind(|p| p.tau <= last.tau).unwrap();
@@ -342,32 +348,36 @@ mod tests {
 
     #[test]
     fn without_coupling_events_match_one_degree_of_freedom() {
-        let stribeck = vibration::Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let stribeck = vibration::Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         // The weakening acts in the last hundredth of a slip.
-        let law = FrictionLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
+        let law = VelocityLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
         let steep =
             vibration::Parameters { law, belt_velocity: 0.04, damping_ratio: 0.005, ..stribeck.parameters().clone() };
         for (oscillator, length) in [(stribeck, 0.01), (vibration::Oscillator::new(steep).unwrap(), 20.0)] {
             let belt_velocity = oscillator.belt_velocity();
-            let model = Model::new(Parameters {
+            let model = Model::new(CoupledParameters {
                 angles_deg: [0.0, 90.0],
                 springs: [1.0, 2.0],
                 damping: Damping::Axes { tangential: 2.0 * oscillator.damping_ratio(), normal: 0.1 },
                 static_friction: 0.1,
                 law: oscillator.law().clone(),
                 belt_velocity,
-                ..Parameters::default()
+                ..CoupledParameters::default()
             })
             .unwrap();
             let model_of_friction = ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, length);
             let process = FrictionProcess::new(model_of_friction).unwrap();
             let drive = vibration::Drive::Distance;
-            let settings =
-                vibration::TrajectorySettings { duration: 60.0, start: None, drive, method: vibration::Method::Taylor };
+            let settings = vibration::TrajectorySettings {
+                duration: 60.0,
+                start: None,
+                drive,
+                method: vibration::Integrator::Taylor,
+            };
             let wanted = vibration::Trajectory::simulate(&oscillator, process.path(1, 0), &settings).unwrap().events;
             let start = state(oscillator.default_start(), belt_velocity, 0.0, 0.0);
-            let settings = TrajectorySettings { duration: 60.0, start: Some(start) };
-            let found = Trajectory::simulate(&model, process.path(1, 0), &settings).unwrap().events;
+            let settings = CoupledTrajectorySettings { duration: 60.0, start: Some(start) };
+            let found = CoupledTrajectory::simulate(&model, process.path(1, 0), &settings).unwrap().events;
             assert!(found.len() == wanted.len() && found.len() > 10, "{} and {}", found.len(), wanted.len());
             for (a, b) in found.iter().zip(&wanted) {
                 assert_eq!(a.kind.code(), b.kind.code());
@@ -387,8 +397,8 @@ mod tests {
             let decay = z[1].exp();
             let kinetic = static_friction * (1.0 - 0.2 * z[2].abs()).max(0.2);
             let law =
-                if z[3] > 0.0 { FrictionLaw::Stribeck { kinetic, decay } } else { FrictionLaw::Coulomb { kinetic } };
-            let model = Model::new(Parameters {
+                if z[3] > 0.0 { VelocityLaw::Stribeck { kinetic, decay } } else { VelocityLaw::Coulomb { kinetic } };
+            let model = Model::new(CoupledParameters {
                 angles_deg: [180.0 * z[4], 180.0 * z[5]],
                 springs: [z[6].exp(), z[7].exp()],
                 contact_stiffness: (2.0 * z[8]).exp(),
@@ -398,10 +408,10 @@ mod tests {
                 belt_velocity: 0.1 * (1.5 * z[11]).exp(),
             })
             .unwrap();
-            let settings = TrajectorySettings { duration: 50.0, start: Some(state(z[0], z[1], z[2], z[3])) };
+            let settings = CoupledTrajectorySettings { duration: 50.0, start: Some(state(z[0], z[1], z[2], z[3])) };
             for found in [
-                Trajectory::simulate(&model, Steady, &settings),
-                Trajectory::simulate(&model, process.path(2, index), &settings),
+                CoupledTrajectory::simulate(&model, Steady, &settings),
+                CoupledTrajectory::simulate(&model, process.path(2, index), &settings),
             ] {
                 match found {
                     Ok(found) => assert!(found.end.tangential.is_finite() && found.end.normal.is_finite()),
@@ -414,13 +424,13 @@ mod tests {
 
     #[test]
     fn negative_friction_and_short_records_are_errors() {
-        let settings = TrajectorySettings { duration: 50.0, start: None };
+        let settings = CoupledTrajectorySettings { duration: 50.0, start: None };
         let run = |values: Vec<f64>| {
-            Trajectory::simulate(&example(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)
+            CoupledTrajectory::simulate(&example(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)
         };
         assert!(matches!(run(vec![0.0; 4]), Err(VibrationError::ProcessTooShort { .. })));
         assert!(matches!(run(vec![-1.25; 1000]), Err(VibrationError::FrictionNotPositive { .. })));
-        let nowhere = TrajectorySettings { duration: 1.0, start: Some(state(f64::NAN, 0.0, 0.0, 0.0)) };
-        assert!(Trajectory::simulate(&example(), Steady, &nowhere).is_err());
+        let nowhere = CoupledTrajectorySettings { duration: 1.0, start: Some(state(f64::NAN, 0.0, 0.0, 0.0)) };
+        assert!(CoupledTrajectory::simulate(&example(), Steady, &nowhere).is_err());
     }
 }

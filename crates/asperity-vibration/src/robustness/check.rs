@@ -2,7 +2,7 @@
 //! process.
 
 use super::super::motion::Motion;
-use super::super::{Drive, Event, EventKind, Forcing, FrictionLaw, Oscillator, Phase, Slips, VibrationError};
+use super::super::{Drive, Event, EventKind, Forcing, Oscillator, Phase, Slips, VelocityLaw, VibrationError};
 use super::draw::Case;
 use super::reader::ProcessReader;
 use asperity_base::numeric::golden_section;
@@ -143,7 +143,7 @@ impl Checker<'_> {
     /// Returns the largest friction coefficient so far.
     fn strongest(&self) -> f64 {
         let law = match self.oscillator.law() {
-            FrictionLaw::Tabulated(table) => table.points().map(|point| point[1]).fold(0.0, f64::max),
+            VelocityLaw::Tabulated(table) => table.points().map(|point| point[1]).fold(0.0, f64::max),
             falling => falling.kinetic(),
         };
         law.max(self.oscillator.static_friction()) + self.largest

@@ -2,7 +2,9 @@
 
 use rand::RngExt;
 
-use super::super::{Drive, Forcing, FrictionLaw, FrictionTable, Method, Oscillator, Parameters, TrajectorySettings};
+use super::super::{
+    Drive, Forcing, FrictionTable, Integrator, Oscillator, Parameters, TrajectorySettings, VelocityLaw,
+};
 use asperity_base::random;
 use asperity_process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, TranslationKind};
 
@@ -44,18 +46,18 @@ impl Draw {
         choices[(self.0.random::<f64>() * choices.len() as f64) as usize]
     }
 
-    fn law(&mut self, kinetic: f64, fastest: f64) -> FrictionLaw {
+    fn law(&mut self, kinetic: f64, fastest: f64) -> VelocityLaw {
         match self.one_of(&[0, 1, 2, 2, 3, 4]) {
-            0 => FrictionLaw::Coulomb { kinetic },
+            0 => VelocityLaw::Coulomb { kinetic },
             1 => {
                 let slope = if self.chance(0.1) { 0.0 } else { kinetic / fastest * self.decades(-2.0, 0.1) };
-                FrictionLaw::Linear { kinetic, slope }
+                VelocityLaw::Linear { kinetic, slope }
             }
             2 => {
                 let decay = if self.chance(0.1) { 0.0 } else { self.decades(-1.0, 3.0) };
-                FrictionLaw::Stribeck { kinetic, decay }
+                VelocityLaw::Stribeck { kinetic, decay }
             }
-            3 => FrictionLaw::Exponential {
+            3 => VelocityLaw::Exponential {
                 kinetic,
                 high_speed: kinetic * self.between(0.1, 1.0),
                 stribeck_velocity: fastest * self.decades(-2.0, 0.5),
@@ -69,7 +71,7 @@ impl Draw {
                         point
                     })
                     .collect();
-                FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap())
+                VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap())
             }
         }
     }
@@ -156,5 +158,5 @@ pub(super) fn case(seed: u64, index: u64) -> Case {
     let duration = draw.decades(1.0, 3.0).min((MOST_GRID_POINTS * spacing / speed).max(LEAST_DURATION));
     let start = draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0));
     let oscillator = Oscillator::new(parameters).unwrap();
-    Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Method::Taylor } }
+    Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Integrator::Taylor } }
 }

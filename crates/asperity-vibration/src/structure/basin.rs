@@ -348,18 +348,18 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, FrictionTable, Parameters, critical_damping, limit_cycle, limit_damping};
+    use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping, limit_cycle, limit_damping};
     use asperity_base::monitor::Silent;
     use asperity_base::random;
 
     fn midway(friction: f64, velocity: f64, fraction: f64) -> Oscillator {
-        let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
+        let of = |damping| Oscillator::with_stribeck(friction, 4.2, damping, velocity).unwrap();
         let ends = critical_damping(&of(0.0)).unwrap();
         of(ends.hopf_damping_ratio + fraction * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
     }
 
     fn coulomb(damping_ratio: f64) -> Oscillator {
-        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
         Oscillator::new(Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None })
             .unwrap()
     }
@@ -449,7 +449,7 @@ mod tests {
             (1.01 * ends.critical_damping_ratio, MotionKind::None),
             (3.0, MotionKind::None),
         ] {
-            let oscillator = Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
+            let oscillator = Oscillator::with_stribeck(0.3, 4.2, damping, 0.1).unwrap();
             let area = BasinBox { cells: [20, 20], ..AREA };
             let found = basin(&oscillator, &area, &Silent).unwrap();
             assert!(found.attractors.iter().all(|a| *a == wanted), "{damping}");
@@ -461,28 +461,28 @@ mod tests {
     fn the_smallest_kick_matches_the_publication() {
         // Reference: SciPy, DOP853 with bisection.
         for (damping, wanted) in [(0.111, 0.0966), (0.109, 0.0821)] {
-            let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
+            let found = smallest_kick(&Oscillator::with_stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
             assert!((found - wanted).abs() < 2e-4, "{found} instead of {wanted}");
         }
         // A kick into a slip cycle, in the direction of the belt, to relative 2e-5: .3 + .1e^{−(v/.08)²} at V = .11 and
         // ζ = .27.
         let bell = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
         let points: Vec<_> = (0..=400).map(|i| 1e-3 * f64::from(i)).map(|v| [v, bell(v)]).collect();
-        let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+        let law = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.27, belt_velocity: 0.11, forcing: None };
         let found = smallest_kick(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
         assert!((found / 0.040_666 - 1.0).abs() < 1e-4, "{found}");
         // Below ζ_H = .104 no kick is needed; above ζ_c = .1115 no kick is sufficient.
         for damping in [0.1041, 0.1116, 0.9] {
-            assert_eq!(smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
+            assert_eq!(smallest_kick(&Oscillator::with_stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
         }
     }
 
     #[test]
     fn the_kick_over_a_jump_of_friction_is_the_closed_form_of_a_damped_oscillation() {
         let (damping, belt, kinetic) = (0.05_f64, 0.05_f64, 0.25);
-        let law = FrictionLaw::Coulomb { kinetic };
+        let law = VelocityLaw::Coulomb { kinetic };
         let parameters =
             Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
         let machine = Oscillator::new(parameters).unwrap();
@@ -570,11 +570,11 @@ mod tests {
             let reach = 0.8 * belt_velocity * (0.3 * g[3]).exp();
             let bell = |v: f64| 0.7 * kinetic + 0.3 * kinetic * (-(v / reach).powi(2)).exp();
             let law = match i % 4 {
-                0 | 1 => FrictionLaw::Stribeck { kinetic, decay: 1.5 / reach },
-                2 => FrictionLaw::Exponential { kinetic, high_speed: 0.6 * kinetic, stribeck_velocity: reach },
+                0 | 1 => VelocityLaw::Stribeck { kinetic, decay: 1.5 / reach },
+                2 => VelocityLaw::Exponential { kinetic, high_speed: 0.6 * kinetic, stribeck_velocity: reach },
                 _ => {
                     let points: Vec<_> = (0..60).map(|i| 0.1 * reach * f64::from(i)).map(|v| [v, bell(v)]).collect();
-                    FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap())
+                    VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap())
                 }
             };
             let machine = |damping_ratio| {

@@ -12,7 +12,7 @@ use super::super::{
     EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary,
 };
 use super::basin::{StartClassifier, started_at};
-use super::parameter::Parameter;
+use super::parameter::CurveParameter;
 use super::slip_cycle::{SlipCycle, slip_cycles};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::numeric::try_root_between;
@@ -108,7 +108,7 @@ pub struct Mark {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BifurcationDiagram {
     /// The parameter.
-    pub parameter: Parameter,
+    pub parameter: CurveParameter,
     /// Points for a rising parameter.
     pub upward: Vec<BifurcationPoint>,
     /// Points for a falling parameter, also listed by rising parameter.
@@ -127,7 +127,7 @@ pub struct BifurcationDiagram {
 /// Fails for values that do not rise or are out of range, if friction does not stay positive, or when cancelled.
 pub fn bifurcation_diagram(
     oscillator: &Oscillator,
-    parameter: Parameter,
+    parameter: CurveParameter,
     settings: &BifurcationSettings,
     monitor: &dyn Monitor,
 ) -> Result<BifurcationDiagram, VibrationError> {
@@ -377,13 +377,13 @@ impl Record {
 
 fn marks(
     oscillator: &Oscillator,
-    parameter: Parameter,
+    parameter: CurveParameter,
     values: &[f64],
     oscillators: &[Oscillator],
 ) -> Result<Vec<Mark>, VibrationError> {
     let (low, high) = (values[0], values[values.len() - 1]);
     if oscillator.forcing().is_some() {
-        if parameter != Parameter::DampingRatio {
+        if parameter != CurveParameter::DampingRatio {
             return Ok(Vec::new());
         }
         // Without a locked cycle there is no mark.
@@ -418,11 +418,11 @@ mod tests {
 
     #[test]
     fn stick_slip_lasts_to_the_fold_and_sliding_to_the_hopf_point() {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.0, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.0, 0.1).unwrap();
         let ends = critical_damping(&oscillator).unwrap();
         let (hopf, fold) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
         let settings = BifurcationSettings::new([0.28, 0.36], 41);
-        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        let found = bifurcation_diagram(&oscillator, CurveParameter::DampingRatio, &settings, &Silent).unwrap();
         for (points, limit) in [(&found.upward, fold), (&found.downward, hopf)] {
             for point in points {
                 let wanted = if point.parameter < limit { MotionKind::StickSlip } else { MotionKind::None };
@@ -436,10 +436,10 @@ mod tests {
 
     #[test]
     fn the_section_of_a_cycle_matches_the_publication_and_fast_belts_do_not_vibrate() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             BifurcationSettings { values: vec![0.003, 0.02, 0.05], ..BifurcationSettings::new([0.0, 1.0], 2) };
-        let found = bifurcation_diagram(&oscillator, Parameter::BeltVelocity, &settings, &Silent).unwrap();
+        let found = bifurcation_diagram(&oscillator, CurveParameter::BeltVelocity, &settings, &Silent).unwrap();
         for points in [&found.upward, &found.downward] {
             let turnover = points[0].turnovers[0];
             assert!((turnover.duration / 6.372_163_483_739_709 - 1.0).abs() < 1e-12);
@@ -456,10 +456,10 @@ mod tests {
     fn a_mass_that_overtakes_its_belt_does_not_count_as_stick_slip() {
         // Cycles without stick at ζ = .001 and .002, with stick at .004, by an independent integrator.
         let belt = 31_416.0 / 10_000.0;
-        let oscillator = Oscillator::stribeck(0.432353, 4.2, 0.0, belt).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.432353, 4.2, 0.0, belt).unwrap();
         let settings =
             BifurcationSettings { values: vec![0.001, 0.002, 0.004], ..BifurcationSettings::new([0.0, 1.0], 2) };
-        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        let found = bifurcation_diagram(&oscillator, CurveParameter::DampingRatio, &settings, &Silent).unwrap();
         for points in [&found.upward, &found.downward] {
             let kinds: Vec<_> = points.iter().map(|point| point.attractor).collect();
             assert_eq!(kinds, [MotionKind::Overtaking, MotionKind::Overtaking, MotionKind::StickSlip]);
@@ -474,12 +474,12 @@ mod tests {
 
     #[test]
     fn a_forced_oscillator_is_locked_up_to_its_boundary_and_irregular_motion_has_many_points() {
-        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let boundary = locked_boundary(&forced).unwrap();
         let values = vec![0.2, 0.25, boundary - 1e-3, boundary + 1e-3, 0.3];
         let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
-        let found = bifurcation_diagram(&forced, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        let found = bifurcation_diagram(&forced, CurveParameter::DampingRatio, &settings, &Silent).unwrap();
         assert_eq!(found.marks, [Mark { kind: MarkKind::LockedFold, parameter: boundary }]);
         for point in &found.upward[..3] {
             assert_eq!((point.attractor, point.multiplicity), (MotionKind::StickSlip, Some(1)), "{point:?}");
@@ -498,7 +498,7 @@ mod tests {
         assert_eq!(found.upward[4].attractor, MotionKind::None, "{:?}", found.upward[4]);
         let beating = free.with_damping(0.1).unwrap().with_forcing(Some(Forcing { amplitude: 0.05, frequency: 0.7 }));
         let settings = BifurcationSettings::new([0.1, 0.11], 2);
-        let found = bifurcation_diagram(&beating.unwrap(), Parameter::DampingRatio, &settings, &Silent).unwrap();
+        let found = bifurcation_diagram(&beating.unwrap(), CurveParameter::DampingRatio, &settings, &Silent).unwrap();
         assert!(
             found.upward[0].multiplicity.is_none() && found.upward[0].turnovers.len() > 80,
             "{:?}",
@@ -509,13 +509,13 @@ mod tests {
     #[test]
     fn a_slowly_settling_motion_is_followed_until_it_repeats() {
         // Slip under a force, without stick, loses the effect of its start as e^{−ζτ}: to 1 % in 100 forcing periods.
-        let law = crate::FrictionLaw::Coulomb { kinetic: 0.2 };
+        let law = crate::VelocityLaw::Coulomb { kinetic: 0.2 };
         let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
         let (damping_ratio, belt_velocity) = (0.005, 0.5);
         let parameters = crate::Parameters { static_friction: 0.2, law, damping_ratio, belt_velocity, forcing };
         let oscillator = Oscillator::new(parameters).unwrap();
         let short = BifurcationSettings { transient: 0, ..BifurcationSettings::new([0.005, 0.006], 2) };
-        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &short, &Silent).unwrap();
+        let found = bifurcation_diagram(&oscillator, CurveParameter::DampingRatio, &short, &Silent).unwrap();
         let point = &found.upward[0];
         assert_eq!(
             (point.attractor, point.multiplicity, point.settled),
@@ -531,14 +531,14 @@ mod tests {
     #[test]
     fn close_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
         // Multipliers of −.99924 and .99896 per period of the motion.
-        let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.2, frequency: 1.0 })).unwrap();
         for frequency in [2.125, 2.115] {
-            let machine = Parameter::ForcingFrequency.set(&forced, frequency).unwrap();
+            let machine = CurveParameter::ForcingFrequency.set(&forced, frequency).unwrap();
             let stable: Vec<_> =
                 forced_cycles(&machine, 2, &Silent).unwrap().into_iter().filter(|cycle| cycle.is_stable()).collect();
             let settings = BifurcationSettings::new([frequency, frequency + 1e-6], 2);
-            let found = bifurcation_diagram(&forced, Parameter::ForcingFrequency, &settings, &Silent).unwrap();
+            let found = bifurcation_diagram(&forced, CurveParameter::ForcingFrequency, &settings, &Silent).unwrap();
             let point = &found.upward[0];
             assert_eq!((stable.len(), point.settled), (1, true), "{point:?}");
             assert_eq!(point.multiplicity, Some(stable[0].forcing_periods), "{point:?}");
@@ -549,10 +549,10 @@ mod tests {
 
     #[test]
     fn values_that_do_not_rise_are_refused() {
-        let oscillator = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         for values in [vec![], vec![0.1], vec![0.2, 0.1], vec![0.1, f64::NAN]] {
             let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
-            assert!(bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).is_err());
+            assert!(bifurcation_diagram(&oscillator, CurveParameter::DampingRatio, &settings, &Silent).is_err());
         }
     }
 }

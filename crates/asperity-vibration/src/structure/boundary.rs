@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::{Oscillator, VibrationError, critical_damping};
-use super::parameter::Parameter;
+use super::parameter::CurveParameter;
 use asperity_base::monitor::{Cancelled, Monitor};
 
 /// Length of a step, as a fraction of the range, below which a curve ends.
@@ -114,7 +114,7 @@ pub enum BranchEnd {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Branch {
     /// The parameter.
-    pub parameter: Parameter,
+    pub parameter: CurveParameter,
     /// Points by rising parameter.
     pub points: Vec<BranchPoint>,
     /// Reason why the branch ends before its first point.
@@ -132,7 +132,7 @@ pub struct Branch {
 /// ends there and reports the reason.
 pub fn critical_curve(
     oscillator: &Oscillator,
-    parameter: Parameter,
+    parameter: CurveParameter,
     settings: &CurveSettings,
     monitor: &dyn Monitor,
 ) -> Result<Branch, VibrationError> {
@@ -195,14 +195,15 @@ pub fn critical_curve(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, Parameters};
+    use crate::{Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
 
     #[test]
     fn the_curve_over_the_belt_velocity_passes_through_the_published_points_near_the_averaged_one() {
-        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.0, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.0, 0.1).unwrap();
         let curve =
-            critical_curve(&oscillator, Parameter::BeltVelocity, &CurveSettings::new([0.003, 0.1]), &Silent).unwrap();
+            critical_curve(&oscillator, CurveParameter::BeltVelocity, &CurveSettings::new([0.003, 0.1]), &Silent)
+                .unwrap();
         let (first, last) = (curve.points[0], curve.points[curve.points.len() - 1]);
         assert_eq!((curve.end, first.parameter, last.parameter), (BranchEnd::Range, 0.003, 0.1));
         assert!((first.critical_damping_ratio - 0.204_830_150_584_523_17).abs() < 1e-12);
@@ -224,22 +225,23 @@ mod tests {
 
     #[test]
     fn the_curve_of_the_linear_law_is_half_its_slope_and_missing_parameters_are_errors() {
-        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.1 };
+        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.1 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
         let oscillator = Oscillator::new(parameters).unwrap();
         let settings = CurveSettings::new([0.0, 1.0]);
-        let curve = critical_curve(&oscillator, Parameter::Weakening, &settings, &Silent).unwrap();
+        let curve = critical_curve(&oscillator, CurveParameter::Weakening, &settings, &Silent).unwrap();
         for point in &curve.points {
             assert!((point.critical_damping_ratio - 0.5 * point.parameter).abs() < 1e-12, "{point:?}");
         }
         let friction =
-            critical_curve(&oscillator, Parameter::StaticFriction, &CurveSettings::new([0.1, 1.0]), &Silent).unwrap();
+            critical_curve(&oscillator, CurveParameter::StaticFriction, &CurveSettings::new([0.1, 1.0]), &Silent)
+                .unwrap();
         assert!(friction.points.iter().all(|p| (p.critical_damping_ratio - 0.05).abs() < 1e-12));
-        assert!(critical_curve(&oscillator, Parameter::ForcingFrequency, &settings, &Silent).is_err());
+        assert!(critical_curve(&oscillator, CurveParameter::ForcingFrequency, &settings, &Silent).is_err());
         // Friction coefficients above 1000 are out of range.
         let beyond = CurveSettings::new([300.0, 3000.0]);
-        let lost = critical_curve(&oscillator, Parameter::StaticFriction, &beyond, &Silent).unwrap();
+        let lost = critical_curve(&oscillator, CurveParameter::StaticFriction, &beyond, &Silent).unwrap();
         let last = lost.points[lost.points.len() - 1].parameter;
         assert!(
             matches!(lost.end, BranchEnd::Lost { .. }) && (last / 1000.0 - 1.0).abs() < 1e-8,

@@ -209,7 +209,7 @@ mod tests {
     use asperity_base::monitor::Silent;
 
     fn forced(friction: f64, decay: f64, damping: f64, velocity: f64, amplitude: f64, frequency: f64) -> Oscillator {
-        let free = Oscillator::stribeck(friction, decay, damping, velocity).unwrap();
+        let free = Oscillator::with_stribeck(friction, decay, damping, velocity).unwrap();
         free.with_forcing(Some(Forcing { amplitude, frequency })).unwrap()
     }
 
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn without_forcing_there_is_no_forced_cycle() {
-        let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let free = Oscillator::with_stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         assert!(matches!(forced_cycles(&free, 1, &Silent), Err(VibrationError::NotFound { .. })));
     }
 }

@@ -8,7 +8,7 @@ use super::super::weakening::Weakening;
 use super::super::{Oscillator, VibrationError, critical_damping};
 use super::boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, Scale};
 use super::grazing::graze;
-use super::parameter::Parameter;
+use super::parameter::CurveParameter;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::numeric::bisect;
 
@@ -38,12 +38,12 @@ type Point = [f64; 3];
 /// when cancelled.
 pub fn locked_curve(
     oscillator: &Oscillator,
-    parameter: Parameter,
+    parameter: CurveParameter,
     settings: &CurveSettings,
     monitor: &dyn Monitor,
 ) -> Result<Branch, VibrationError> {
     settings.validate()?;
-    if parameter == Parameter::DampingRatio {
+    if parameter == CurveParameter::DampingRatio {
         return Err(VibrationError::NotFound { what: "curve", reason: "the damping ratio is the result of the curve" });
     }
     let scale = settings.scale();
@@ -66,7 +66,7 @@ pub fn locked_curve(
 
 struct Lock {
     oscillator: Oscillator,
-    parameter: Parameter,
+    parameter: CurveParameter,
     scale: Scale,
     unit: f64,
 }
@@ -248,13 +248,13 @@ fn cross(a: Point, b: Point) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Forcing, FrictionLaw, Parameters, locked_boundary};
+    use crate::{Forcing, Parameters, VelocityLaw, locked_boundary};
     use asperity_base::monitor::Silent;
 
     fn forced(kinetic: f64) -> Oscillator {
         Oscillator::new(Parameters {
             static_friction: 0.2,
-            law: FrictionLaw::Stribeck { kinetic, decay: 4.2 },
+            law: VelocityLaw::Stribeck { kinetic, decay: 4.2 },
             damping_ratio: 0.0,
             belt_velocity: 0.1,
             forcing: Some(Forcing { amplitude: 0.01, frequency: 0.98 }),
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn the_curve_over_the_frequency_passes_through_both_published_points() {
         let settings = CurveSettings::new([0.98, 1.0]);
-        let curve = locked_curve(&forced(0.2), Parameter::ForcingFrequency, &settings, &Silent).unwrap();
+        let curve = locked_curve(&forced(0.2), CurveParameter::ForcingFrequency, &settings, &Silent).unwrap();
         let (first, last) = (curve.points[0], curve.points[curve.points.len() - 1]);
         assert_eq!((first.parameter, last.parameter), (0.98, 1.0));
         assert_eq!((curve.start, curve.end), (BranchEnd::Range, BranchEnd::Range));
@@ -278,17 +278,18 @@ mod tests {
         // With a jump of the law the orbit ends in a stick.
         for kinetic in [0.2, 0.19] {
             let settings = CurveSettings::new([0.5, 1.5]);
-            let curve = locked_curve(&forced(kinetic), Parameter::ForcingFrequency, &settings, &Silent).unwrap();
+            let curve = locked_curve(&forced(kinetic), CurveParameter::ForcingFrequency, &settings, &Silent).unwrap();
             assert_eq!((&curve.start, &curve.end), (&BranchEnd::Turns, &BranchEnd::Turns));
             let n = curve.points.len();
             for point in curve.points[2..n - 2].iter().step_by(n / 6) {
-                let oscillator = Parameter::ForcingFrequency.set(&forced(kinetic), point.parameter).unwrap();
+                let oscillator = CurveParameter::ForcingFrequency.set(&forced(kinetic), point.parameter).unwrap();
                 let wanted = locked_boundary(&oscillator).unwrap();
                 assert!((point.critical_damping_ratio - wanted).abs() < 1e-12, "{point:?} instead of {wanted}");
             }
             // Beyond the turning points no orbit closes.
             for (end, outwards) in [(curve.points[0], -1e-6), (curve.points[n - 1], 1e-6)] {
-                let oscillator = Parameter::ForcingFrequency.set(&forced(kinetic), end.parameter + outwards).unwrap();
+                let oscillator =
+                    CurveParameter::ForcingFrequency.set(&forced(kinetic), end.parameter + outwards).unwrap();
                 assert!(locked_boundary(&oscillator).is_err(), "{end:?}");
             }
         }
@@ -298,9 +299,9 @@ mod tests {
     fn curves_without_a_start_are_refused() {
         let settings = CurveSettings::new([0.5, 1.5]);
         let oscillator = forced(0.2);
-        assert!(locked_curve(&oscillator, Parameter::DampingRatio, &settings, &Silent).is_err());
-        assert!(locked_curve(&oscillator, Parameter::BeltVelocity, &settings, &Silent).is_err());
+        assert!(locked_curve(&oscillator, CurveParameter::DampingRatio, &settings, &Silent).is_err());
+        assert!(locked_curve(&oscillator, CurveParameter::BeltVelocity, &settings, &Silent).is_err());
         let free = oscillator.with_forcing(None).unwrap();
-        assert!(locked_curve(&free, Parameter::BeltVelocity, &CurveSettings::new([0.01, 1.0]), &Silent).is_err());
+        assert!(locked_curve(&free, CurveParameter::BeltVelocity, &CurveSettings::new([0.01, 1.0]), &Silent).is_err());
     }
 }

@@ -1,10 +1,10 @@
 //! Parameters of an oscillator that can be varied.
 
-use super::super::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
+use super::super::{Forcing, Oscillator, Parameters, VibrationError};
 
 asperity_base::choice! {
     /// Parameter of a curve or a diagram.
-    pub enum Parameter: "parameter of the oscillator" {
+    pub enum CurveParameter: "parameter of the oscillator" {
         /// Damping ratio ζ.
         DampingRatio = "damping_ratio",
         /// Dimensionless belt velocity V.
@@ -20,17 +20,14 @@ asperity_base::choice! {
     }
 }
 
-impl Parameter {
+impl CurveParameter {
     /// Returns the value of the parameter; none if the oscillator does not have it.
     pub fn value(self, oscillator: &Oscillator) -> Option<f64> {
         match self {
             Self::DampingRatio => Some(oscillator.damping_ratio()),
             Self::BeltVelocity => Some(oscillator.belt_velocity()),
             Self::StaticFriction => Some(oscillator.static_friction()),
-            Self::Weakening => match oscillator.law() {
-                FrictionLaw::Stribeck { decay: rate, .. } | FrictionLaw::Linear { slope: rate, .. } => Some(*rate),
-                _ => None,
-            },
+            Self::Weakening => oscillator.law().weakening_rate(),
             Self::ForcingAmplitude => oscillator.parameters().forcing.map(|f| f.amplitude),
             Self::ForcingFrequency => oscillator.parameters().forcing.map(|f| f.frequency),
         }
@@ -49,32 +46,12 @@ impl Parameter {
             Self::StaticFriction => {
                 // A kinetic coefficient equal to the static one stays exactly equal.
                 let scaled = |kinetic: f64| value * (kinetic / old.static_friction);
-                let law = match &old.law {
-                    FrictionLaw::Stribeck { kinetic, decay } => {
-                        FrictionLaw::Stribeck { kinetic: scaled(*kinetic), decay: *decay }
-                    }
-                    FrictionLaw::Coulomb { kinetic } => FrictionLaw::Coulomb { kinetic: scaled(*kinetic) },
-                    FrictionLaw::Linear { kinetic, slope } => {
-                        FrictionLaw::Linear { kinetic: scaled(*kinetic), slope: *slope }
-                    }
-                    FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity } => FrictionLaw::Exponential {
-                        kinetic: scaled(*kinetic),
-                        high_speed: scaled(*high_speed),
-                        stribeck_velocity: *stribeck_velocity,
-                    },
-                    FrictionLaw::Tabulated(table) => {
-                        let points: Vec<[f64; 2]> = table.points().map(|[v, mu]| [v, scaled(mu)]).collect();
-                        FrictionLaw::Tabulated(FrictionTable::new(&points)?)
-                    }
-                };
+                let law = old.law.with_coefficients(scaled)?;
                 Parameters { static_friction: value, law, ..old }
             }
             Self::Weakening => {
-                let law = match &old.law {
-                    FrictionLaw::Stribeck { kinetic, .. } => FrictionLaw::Stribeck { kinetic: *kinetic, decay: value },
-                    FrictionLaw::Linear { kinetic, .. } => FrictionLaw::Linear { kinetic: *kinetic, slope: value },
-                    _ => return Err(missing("the friction law has no weakening rate")),
-                };
+                let law = old.law.with_weakening_rate(value);
+                let law = law.ok_or(missing("the friction law has no weakening rate"))?;
                 Parameters { law, ..old }
             }
             Self::ForcingAmplitude => Parameters { forcing: Some(Forcing { amplitude: value, ..forcing()? }), ..old },
@@ -86,20 +63,21 @@ impl Parameter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::VelocityLaw;
 
     #[test]
     fn setting_a_parameter_changes_nothing_else() {
-        let forced = Oscillator::stribeck(0.3, 4.2, 0.1, 0.05)
+        let forced = Oscillator::with_stribeck(0.3, 4.2, 0.1, 0.05)
             .unwrap()
             .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.9 }))
             .unwrap();
         let all = [
-            Parameter::DampingRatio,
-            Parameter::BeltVelocity,
-            Parameter::StaticFriction,
-            Parameter::Weakening,
-            Parameter::ForcingAmplitude,
-            Parameter::ForcingFrequency,
+            CurveParameter::DampingRatio,
+            CurveParameter::BeltVelocity,
+            CurveParameter::StaticFriction,
+            CurveParameter::Weakening,
+            CurveParameter::ForcingAmplitude,
+            CurveParameter::ForcingFrequency,
         ];
         for parameter in all {
             let other = parameter.set(&forced, 0.7).unwrap();
@@ -108,14 +86,15 @@ mod tests {
                 assert_eq!(rest.value(&other), rest.value(&forced));
             }
         }
-        let friction = Parameter::StaticFriction.set(&forced, 0.7).unwrap();
+        let friction = CurveParameter::StaticFriction.set(&forced, 0.7).unwrap();
         assert_eq!(friction.law().kinetic(), 0.7);
-        let law = FrictionLaw::Coulomb { kinetic: 0.2 };
+        let law = VelocityLaw::Coulomb { kinetic: 0.2 };
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
-        assert_eq!(Parameter::Weakening.value(&coulomb), None);
+        assert_eq!(CurveParameter::Weakening.value(&coulomb), None);
         assert!(
-            Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
+            CurveParameter::Weakening.set(&coulomb, 1.0).is_err()
+                && CurveParameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
         );
-        assert!(Parameter::BeltVelocity.set(&coulomb, -1.0).is_err());
+        assert!(CurveParameter::BeltVelocity.set(&coulomb, -1.0).is_err());
     }
 }

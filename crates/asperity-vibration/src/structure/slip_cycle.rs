@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::motion::SlipState;
-use super::super::{FrictionLaw, Oscillator, Phase, VibrationError};
+use super::super::{Oscillator, Phase, VibrationError};
 use super::planar::{Lap, Planar, Turn};
 use asperity_base::numeric::newton_between;
 
@@ -234,7 +234,7 @@ pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
 /// # References
 /// Duff, *Annals of Mathematics* **57** (1953) 15, <https://doi.org/10.2307/1969724>.
 pub(crate) fn fold_damping(oscillator: &Oscillator, above: f64) -> Result<Option<f64>, VibrationError> {
-    if matches!(oscillator.law(), FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. }) {
+    if oscillator.law().is_linear() {
         return Ok(None);
     }
     // Returns −max ln(P/r) and its derivative.
@@ -306,12 +306,12 @@ fn cycle(oscillator: &Oscillator, rest: f64, r: f64, lap: &Lap) -> SlipCycle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionLaw, FrictionTable, Parameters, critical_damping};
+    use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping};
 
     #[test]
     fn one_unstable_cycle_lies_exactly_between_the_hopf_point_and_the_fold() {
         for (friction, velocity) in [(0.1, 0.003), (0.3, 0.1), (1.0, 0.2)] {
-            let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
+            let of = |damping| Oscillator::with_stribeck(friction, 4.2, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let (low, high) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
             for fraction in [1e-6, 0.01, 0.5, 0.99, 1.0 - 1e-6] {
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn the_unstable_cycle_ends_where_it_touches_the_belt_velocity() {
-        let of = |damping| Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
+        let of = |damping| Oscillator::with_stribeck(0.3, 4.2, damping, 0.1).unwrap();
         let fold = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
         // The cycle coincides there with the orbit from the detachment.
         let cycle = slip_cycles(&of(fold - 1e-9)).unwrap()[0];
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn the_amplitude_follows_the_normal_form_near_the_hopf_point() {
         for (friction, decay, velocity) in [(0.2, 4.2, 0.05), (0.3, 4.2, 0.1), (1.0, 3.0, 0.2)] {
-            let of = |damping| Oscillator::stribeck(friction, decay, damping, velocity).unwrap();
+            let of = |damping| Oscillator::with_stribeck(friction, decay, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let width = ends.critical_damping_ratio - ends.hopf_damping_ratio;
             // R′ = (ζ_H − ζ)R + ℓR³ with ℓ = −μ‴(V)/16 (Guckenheimer & Holmes, §3.4). The quadratic part is reversible
@@ -355,11 +355,11 @@ mod tests {
     #[test]
     fn laws_without_isolated_cycles_have_none() {
         for (law, damping_ratio) in [
-            (FrictionLaw::Coulomb { kinetic: 0.3 }, 0.0),
-            (FrictionLaw::Coulomb { kinetic: 0.3 }, 0.01),
-            (FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1),
-            (FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.09),
-            (FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1001),
+            (VelocityLaw::Coulomb { kinetic: 0.3 }, 0.0),
+            (VelocityLaw::Coulomb { kinetic: 0.3 }, 0.01),
+            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1),
+            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.09),
+            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1001),
         ] {
             for static_friction in [0.3, 0.31] {
                 let law = law.clone();
@@ -372,7 +372,7 @@ mod tests {
     #[test]
     fn all_orbits_approach_a_relaxation_oscillation() {
         // Relaxation oscillation: 2ζ dX/dτ = μ − X on the two flat pieces, 0.1 and 0.05 … 0.04, and jumps between them.
-        let law = FrictionLaw::Tabulated(
+        let law = VelocityLaw::Tabulated(
             FrictionTable::new(&[[0.0, 0.1], [0.001, 0.1], [0.0011, 0.05], [1.0, 0.04]]).unwrap(),
         );
         let (damping_ratio, belt_velocity) = (23.0, 0.00105);
@@ -386,7 +386,7 @@ mod tests {
             duration: 5.0 * cycle.period,
             start: None,
             drive: crate::Drive::Distance,
-            method: crate::Method::DormandPrince { tolerance: 1e-11 },
+            method: crate::Integrator::DormandPrince { tolerance: 1e-11 },
         };
         let steady = asperity_process::Steady;
         let from = 3.0 * cycle.period;
@@ -401,7 +401,7 @@ mod tests {
 
     #[test]
     fn a_repelling_node_has_no_cycle_around_it() {
-        let law = FrictionLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
+        let law = VelocityLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
         let parameters =
             Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };
         let map = return_map(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
@@ -410,7 +410,7 @@ mod tests {
 
     #[test]
     fn the_multiplier_is_the_slope_of_the_return_map() {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.32, 0.1).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.32, 0.1).unwrap();
         let planar = Planar::new(&oscillator).unwrap();
         let (r, cycle) = return_map(&oscillator).unwrap().unwrap().cycles[0];
         let back = |r: f64| match planar.turn(r).unwrap() {

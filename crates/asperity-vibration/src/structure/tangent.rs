@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_rate_of_the_orbit_is_a_tangent_and_areas_stretch_by_the_integral_of_the_gain() {
-        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
         let weakening = Weakening::new(&oscillator);
         let rate = |w: f64, e: f64| [weakening.acceleration(w, e), 1.0 - w];
         let mut series = Series::new();

@@ -13,7 +13,7 @@ const PATHS: usize = 100;
 const DURATION: f64 = 60.0;
 
 fn crossings(paths: usize, seed: u64) -> Vec<Crossing> {
-    let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+    let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
     let process = FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, 0.04)).unwrap();
     let settings = EnsembleSettings { sample_capacity: 0, ..EnsembleSettings::new(paths, DURATION, seed) };
     let sweep = damping_sweep(&oscillator, &[0.15, 0.3], &process, &settings, &Silent).unwrap();

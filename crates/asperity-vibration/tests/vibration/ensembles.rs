@@ -9,8 +9,8 @@ use asperity_base::monitor::Silent;
 use asperity_base::random;
 use asperity_process::{FrictionProcess, Generator, ProcessModel, Steady, TranslationKind};
 use asperity_vibration::{
-    Drive, Ensemble, EnsembleSettings, EventKind, Forcing, FrictionLaw, FrictionTable, Method, Oscillator, Parameters,
-    Trajectory, TrajectorySettings, limit_cycle,
+    Drive, Ensemble, EnsembleSettings, EventKind, Forcing, FrictionTable, Integrator, Oscillator, Parameters,
+    Trajectory, TrajectorySettings, VelocityLaw, limit_cycle,
 };
 use rand::RngExt;
 
@@ -18,7 +18,7 @@ use rand::RngExt;
 const DURATION: f64 = 637.2;
 
 fn paper(damping_ratio: f64) -> Oscillator {
-    Oscillator::stribeck(0.1, 4.2, damping_ratio, 0.003).unwrap()
+    Oscillator::with_stribeck(0.1, 4.2, damping_ratio, 0.003).unwrap()
 }
 
 fn model(std: f64) -> ProcessModel {
@@ -119,12 +119,12 @@ fn single_simulations_have_the_same_bytes_on_any_number_of_threads() {
         Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio: 0.1, belt_velocity: 0.003, forcing })
             .unwrap()
     };
-    let exponential = FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.03 };
+    let exponential = VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.03 };
     let table = FrictionTable::new(&[[0.0, 0.1], [0.004, 0.098], [0.02, 0.09], [0.1, 0.08]]).unwrap();
-    let stribeck = FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+    let stribeck = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
     let forcing = Some(Forcing { amplitude: 0.002, frequency: 0.9 });
     let settings = EnsembleSettings::new(300, 60.0, 5);
-    for oscillator in [of(exponential, None), of(FrictionLaw::Tabulated(table), None), of(stribeck.clone(), forcing)] {
+    for oscillator in [of(exponential, None), of(VelocityLaw::Tabulated(table), None), of(stribeck.clone(), forcing)] {
         same_on_any_threads(&oscillator, &model(0.001), &settings);
     }
     let in_time = EnsembleSettings { drive: Drive::Time, ..settings };
@@ -144,7 +144,7 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
         let kinetic = 10.0_f64.powf(rng.random_range(-1.0..0.5));
         let parameters = Parameters {
             static_friction: kinetic + jump,
-            law: FrictionLaw::Coulomb { kinetic },
+            law: VelocityLaw::Coulomb { kinetic },
             damping_ratio: 0.0,
             belt_velocity: velocity,
             forcing: None,
@@ -172,7 +172,7 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
             duration: 3.5 * period,
             start: Some(oscillator.static_friction()),
             drive: Drive::Distance,
-            method: Method::Taylor,
+            method: Integrator::Taylor,
         };
         let events = Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events;
         let first = events[0].tau;

@@ -4,7 +4,7 @@
 use asperity_base::monitor::Silent;
 use asperity_process::{FrictionProcess, ProcessModel};
 use asperity_vibration::{
-    Ensemble, EnsembleSettings, FrictionLaw, FrictionTable, MotionKind, Oscillator, Parameters, limit_cycle,
+    Ensemble, EnsembleSettings, FrictionTable, MotionKind, Oscillator, Parameters, VelocityLaw, limit_cycle,
 };
 
 /// Belt velocity of the published cycles.
@@ -166,7 +166,7 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
         (0.002, MotionKind::Overtaking, 6.294_99),
         (0.004, MotionKind::StickSlip, 6.295_32),
     ] {
-        let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, PUBLISHED_VELOCITY).unwrap();
+        let oscillator = Oscillator::with_stribeck(0.432_353, 4.2, damping, PUBLISHED_VELOCITY).unwrap();
         assert_eq!(agree(&oscillator, 2000.0), kind);
         let (_, slow) = slow(&oscillator, 5000.0);
         for found in [slow.unwrap(), limit_cycle(&oscillator).unwrap().cycle().unwrap().period] {
@@ -185,7 +185,7 @@ fn kinds_and_periods_match_an_independent_integrator() {
     for decay in [1.0, 4.2, 12.0] {
         for velocity in [0.05, 1.0, 4.0] {
             for damping in [0.001, 0.003, 0.05, 0.3] {
-                let oscillator = Oscillator::stribeck(0.4, decay, damping, velocity).unwrap();
+                let oscillator = Oscillator::with_stribeck(0.4, decay, damping, velocity).unwrap();
                 kinds[agree(&oscillator, 1500.0) as usize] += 1;
             }
         }
@@ -199,7 +199,7 @@ fn slip_cycles_count_as_vibration_and_noise_about_steady_sliding_does_not() {
     let points: Vec<[f64; 2]> = (0..=80).map(|i| 0.005 * f64::from(i)).map(|v| [v, law(v)]).collect();
     let table = FrictionTable::new(&points).unwrap();
     let machine = |damping_ratio| {
-        let (static_friction, law) = (0.4, FrictionLaw::Tabulated(table.clone()));
+        let (static_friction, law) = (0.4, VelocityLaw::Tabulated(table.clone()));
         Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity: 0.056, forcing: None })
             .unwrap()
     };

@@ -12,12 +12,12 @@ use thiserror::Error;
 
 use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
-pub(super) use friction::{FrictionStudy, UncertaintyStudy, WindowLaw};
+pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub(super) use pressure::PressureStudy;
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
 /// Study with checked values, made from a [`StudyFile`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Study {
     file: StudyFile,
     pub(super) surface: Option<SurfaceRequest>,
@@ -108,7 +108,7 @@ impl StudyFile {
         let friction = self.check_friction(material.as_ref())?;
         let vibration = self.check_vibration()?;
         if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
-            section.stribeck = study.stribeck();
+            section.stribeck = study.stribeck;
         }
         Ok(Study { file: self, surface, pressure, friction, vibration })
     }

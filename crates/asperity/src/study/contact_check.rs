@@ -1,6 +1,6 @@
 //! Contact of random surfaces beside that of the scan that they are like.
 
-use crate::contact::{Boundary, Control, HalfSpace, Problem, Solver, rms_gradient};
+use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver, rms_gradient};
 use crate::map::{Grid, HeightMap};
 use crate::study::sentence;
 use crate::surface::level::{Level, remove_form};
@@ -38,7 +38,7 @@ pub(super) fn contact_warning(scan: &HeightMap, maps: &[HeightMap]) -> Option<St
     // Everything is proportional to the contact modulus.
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).ok()?;
     let fraction = |map: &HeightMap, pascal: f64| {
-        let problem = Problem::new(&half_space, map.heights_m(), Control::MeanPressure { pascal }, None).ok()?;
+        let problem = ContactProblem::new(&half_space, map.heights_m(), Control::MeanPressure { pascal }, None).ok()?;
         Some(Solver::default().solve(&problem).ok()?.contact_fraction()).filter(|fraction| *fraction > 0.0)
     };
     let mut pressure = FIRST_PRESSURE * rms_gradient(part.heights_m(), grid, Boundary::Free);

@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 
 pub(super) use fixed_list::fixed_list;
 pub(super) use friction::usual_window_m;
-pub use friction::{FrictionLawKind, FrictionSection, UncertaintySection, WindowShape};
+pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
-pub use vibration::{MapSection, Stribeck, Upscaling, VelocityLaw, VibrationSection};
+pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
 
 /// Study file: scan or surface model, stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,32 +5,32 @@ mod entries;
 mod tables;
 mod words;
 
+use std::sync::Arc;
+
 pub(super) use self::words::no_variance;
 
 use crate::contact::{Control, Solver};
 use crate::friction::strip::StripProblem;
-use crate::friction::window::Window;
 use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
-use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
 use crate::study::pressure_stage::half_space;
 use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, UpscalingResult};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{Field, StudyError};
+use crate::study::{QuantityMap, StudyError};
 use crate::surface::model::XiOrder;
 
 /// Returns the variability over the nominal area by both upscalings.
-fn upscaling(solved: &SolvedLevel, window: &Window, nominal_area_m2: f64) -> UpscalingResult {
-    let (std, variance_reduction) = (solved.process.moments.std, solved.variance_reduction(window, nominal_area_m2));
+fn upscaling(solved: &SolvedLevel, nominal_area_m2: f64) -> UpscalingResult {
+    let (std, variance_reduction) = (solved.process.moments.std, solved.variance_reduction(nominal_area_m2));
     UpscalingResult {
         paper: PaperScatter { std },
         area: AreaScatter {
             nominal_area_m2,
-            windows: nominal_area_m2 / window.area_m2(),
+            windows: nominal_area_m2 / solved.window.area_m2(),
             variance_reduction,
             std: std * variance_reduction.sqrt(),
         },
@@ -46,39 +46,24 @@ pub(super) fn prescribed(level: LevelControl) -> Prescribed {
     }
 }
 
-/// Solved levels with their window.
-pub(super) struct SolvedStrips {
-    pub(super) window: Window,
-    levels: Vec<SolvedLevel>,
-    /// Index of the operating level.
-    operating: usize,
-}
-
-impl SolvedStrips {
-    /// Returns the operating level.
-    pub(super) fn operating(&self) -> &SolvedLevel {
-        &self.levels[self.operating]
-    }
-}
-
 /// Output of the friction stage.
 pub(super) struct FrictionStage {
-    pub(super) solved: SolvedStrips,
+    /// Operating level.
+    pub(super) level: SolvedLevel,
     pub(super) result: FrictionResult,
     pub(super) output: StageOutput,
 }
 
-/// Returns the contact problem of the strips with its mean compliance, in m/Pa, and a description of the friction law.
-fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>, String), StudyError> {
+/// Returns the contact problem of the strips with its mean compliance, in m/Pa.
+fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>), StudyError> {
     let ((grid, window), material) = (study.strip()?, &study.material);
     let compliance = study.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) =
-        half_space("friction", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
-    let (law, law_in_words) = friction_law(study.law);
-    let hardness_pa = material.hardness.map(|h| h.0);
+        half_space("friction", grid, material.contact_modulus_pa, study.boundary, compliance)?;
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
-    let problem = StripProblem { half_space, window, law, hardness_pa, solver };
-    Ok((problem, mean_compliance_m_per_pa, law_in_words))
+    let law = Arc::clone(&study.law);
+    let problem = StripProblem { half_space, window, law, hardness_pa: material.hardness_pa, solver };
+    Ok((problem, mean_compliance_m_per_pa))
 }
 
 /// Solves the strips at the levels of the study and at the operating level.
@@ -90,7 +75,7 @@ pub(super) fn run(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
-    let (problem, mean_compliance_m_per_pa, law_in_words) = strip_problem(study)?;
+    let (problem, mean_compliance_m_per_pa) = strip_problem(study)?;
     let grid = problem.grid();
     let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
     let strips = problem.strips(generated.surface.as_ref(), study.realisations, seed);
@@ -102,14 +87,14 @@ pub(super) fn run(
     let controls: Vec<Control> = stated.iter().map(|level| level.contact(&surface.model.marginal)).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
-    for (control, level) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
-        let level = level
-            .and_then(|level| SolvedLevel::new(control, level, &problem, seed))
+    for (control, solved) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
+        let level = solved
+            .and_then(|solved| SolvedLevel::new(control, solved, &problem, seed))
             .map_err(|error| StudyError::Friction { level: control.name(), error })?;
         output.warnings.extend(words::level_warnings(&level));
         levels.push(level);
     }
-    let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
+    let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.strips.mean_pressure_pa)).collect();
     let lead = operating.index_in(&pressures);
     let uncertain = friction_uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
@@ -120,34 +105,33 @@ pub(super) fn run(
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
         realisations: study.realisations,
-        operating_point: entries::operating_point(&levels[lead], window, nominal_area_m2),
+        operating_point: entries::operating_point(&levels[lead], nominal_area_m2),
         levels: levels
             .iter()
             .enumerate()
             .map(|(index, level)| LevelResult {
                 leading: index == lead,
-                ..entries::level_result(level, upscaling(level, window, nominal_area_m2))
+                ..entries::level_result(level, upscaling(level, nominal_area_m2))
             })
             .collect(),
         cutoff,
         uncertainty: None,
     };
     output.tables = tables::of_levels(&levels);
-    output.tables.extend(tables::of_lead(&levels[lead], window));
+    output.tables.extend(tables::of_lead(&levels[lead]));
     let place = levels[lead].control.name();
     output.warnings.extend(implausible_friction(levels[lead].mean).map(|warning| format!("at {place}, {warning}")));
     output.warnings.extend(words::drift(&levels[lead]));
     output.warnings.extend(words::correlation(&levels[lead]));
-    if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {
-        output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
+    if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
+        output.fields.push(("pressure_strip", QuantityMap { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
-    output.assumptions = words::sentences(study, &strips, &law_in_words, mean_compliance_m_per_pa, &levels[lead]);
+    output.assumptions = words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());
     output.extend(of_cutoff);
     if let Some((found, own)) = uncertain {
         output.extend(own);
         result.uncertainty = Some(found);
     }
-    let solved = SolvedStrips { window: problem.window, levels, operating: lead };
-    Ok(FrictionStage { solved, result, output })
+    Ok(FrictionStage { level: levels.swap_remove(lead), result, output })
 }

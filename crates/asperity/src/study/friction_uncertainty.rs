@@ -16,7 +16,7 @@ use crate::study::result::{
 };
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::uncertain_surface::UncertainSurface;
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::model::XiOrder;
 
 /// Fraction of unexplained variance, and of noise, above which there is a warning.
@@ -275,13 +275,13 @@ fn numbers(levels: &[UncertainLevel], value: impl Fn(&UncertainLevel) -> Option<
 fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
     vec![
         ("percentile".into(), solved.iter().map(|l| l.control.percentile().unwrap_or(f64::NAN)).collect()),
-        ("penetration_m".into(), solved.iter().map(|l| l.level.penetration_m).collect()),
-        ("mean_pressure_pa".into(), solved.iter().map(|l| l.level.mean_pressure_pa).collect()),
+        ("penetration_m".into(), solved.iter().map(|l| l.strips.penetration_m).collect()),
+        ("mean_pressure_pa".into(), solved.iter().map(|l| l.strips.mean_pressure_pa).collect()),
     ]
 }
 
 /// Returns the table of the moments of the quotient with their bands over the parameters.
-fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
+fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> CsvTable {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
         let of = |value: fn(&UncertainResponse) -> Option<f64>| numbers(levels, |level| value(&level.responses[place]));
@@ -291,11 +291,11 @@ fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
         columns.push((format!("{name}_high"), of(|r| r.interval.map(|i| i[1]))));
         columns.push((format!("{name}_noise_share"), of(|r| r.noise_share)));
     }
-    Table::new(columns)
+    CsvTable::new(columns)
 }
 
 /// Returns the table of Sobol' indices of the moments at the mean load.
-fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> Table {
+fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> CsvTable {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
         for (parameter, own) in propagation.parameters().iter().enumerate() {
@@ -309,5 +309,5 @@ fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagat
             columns.push((format!("{name}_total_{own}_high"), of(|index| index.total_interval[1])));
         }
     }
-    Table::new(columns)
+    CsvTable::new(columns)
 }

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::friction::process::FittedProcess;
 use crate::study::result::{Outcome, Results};
-use crate::study::{Field, Table};
+use crate::study::{CsvTable, QuantityMap};
 
 /// Tables, fields and sentences of one stage.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StageOutput {
-    pub(super) tables: Vec<(&'static str, Table)>,
-    pub(super) fields: Vec<(&'static str, Field)>,
+    pub(super) tables: Vec<(&'static str, CsvTable)>,
+    pub(super) fields: Vec<(&'static str, QuantityMap)>,
     /// Assumptions, in sentences.
     pub(super) assumptions: Vec<String>,
     /// Warnings, in sentences.
@@ -31,8 +31,8 @@ impl StageOutput {
 #[derive(Default)]
 pub(super) struct Gathered {
     pub(super) results: Results,
-    tables: BTreeMap<String, Table>,
-    fields: BTreeMap<String, Field>,
+    tables: BTreeMap<String, CsvTable>,
+    fields: BTreeMap<String, QuantityMap>,
     pub(super) friction_process: Option<FittedProcess>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::study::Study;
 use crate::study::check::FrictionSource;
-use crate::study::file::FrictionLawKind;
+use crate::study::file::WindowLawKind;
 use crate::study::sentence::{digits, si};
 
 /// Ratio of Young's modulus to hardness below which a material is implausible: metals have 50 to 300, ceramics and
@@ -80,11 +80,11 @@ impl Study {
         let mut warnings = file.keys_without_effect();
         if let Some(material) = &file.material {
             let [hardness, shear] = [material.hardness, material.shear_strength].map(|stated| stated.map(|q| q.0));
-            let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law != FrictionLawKind::Coulomb));
+            let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law != WindowLawKind::Coulomb));
             let found = implausible_material(material.youngs_modulus.0, material.poisson_ratio, hardness, shear);
             warnings.extend(found.into_iter().map(|warning| format!("[material] {warning}")));
         }
-        let coulomb = file.friction.as_ref().filter(|f| f.law == FrictionLawKind::Coulomb).and_then(|f| f.coefficient);
+        let coulomb = file.friction.as_ref().filter(|f| f.law == WindowLawKind::Coulomb).and_then(|f| f.coefficient);
         warnings.extend(coulomb.and_then(implausible_friction).map(|warning| format!("[friction] {warning}")));
         if let Some(v) = &self.vibration {
             let stated = match &v.friction {

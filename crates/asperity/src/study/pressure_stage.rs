@@ -16,7 +16,7 @@ use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
-use crate::study::{Field, StudyError, sentence};
+use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::model::Generated;
 use entries::Prescribed;
@@ -62,13 +62,13 @@ pub(super) fn run(
     let (grid, material) = (surface.grid(), &study.material);
     let compliance = study.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) =
-        half_space("pressure", grid, material.contact_modulus_pa(), study.boundary, compliance)?;
+        half_space("pressure", grid, material.contact_modulus_pa, study.boundary, compliance)?;
     let control = match study.control.contact(marginal) {
         // Truncation lowers the heights, so the plane is scaled down too.
         Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
         control => control,
     };
-    let hardness_pa = material.hardness.map(|h| h.0);
+    let hardness_pa = material.hardness_pa;
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
     let (row, column) = study.cell;
     let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);
@@ -171,15 +171,16 @@ fn sample_fields(
     hardness_pa: Option<f64>,
     solver: Solver,
     seed: u64,
-) -> Result<Vec<(&'static str, Field)>, StudyError> {
+) -> Result<Vec<(&'static str, QuantityMap)>, StudyError> {
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&xi);
     let prescribed = |error| StudyError::Contact { section: "pressure", error };
-    let problem = contact::Problem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
+    let problem =
+        contact::ContactProblem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
     let solution = solver.solve(&problem).map_err(prescribed)?;
     let grid = map.grid();
     Ok(vec![
-        ("surface_sample", Field { grid, unit: "m", values: map.heights_m().clone() }),
-        ("pressure_sample", Field { grid, unit: "Pa", values: solution.pressure_pa().clone() }),
+        ("surface_sample", QuantityMap { grid, unit: "m", values: map.heights_m().clone() }),
+        ("pressure_sample", QuantityMap { grid, unit: "Pa", values: solution.pressure_pa().clone() }),
     ])
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use asperity_report::{Field, Input, Report, ReportError, Run, render};
 use asperity_results::Provenance;
 
-use crate::study::{Outcome, StoredRun, Table};
+use crate::study::{CsvTable, Outcome, StoredRun};
 
 /// Files of a report, by their path in the run folder.
 pub type ReportFiles = Vec<(String, Vec<u8>)>;
@@ -52,8 +52,8 @@ fn render_files(run: Run) -> Result<ReportFiles, ReportError> {
     Ok(figures.chain([("report.html".to_owned(), html.into_bytes())]).collect())
 }
 
-fn report_tables(tables: &BTreeMap<String, Table>) -> BTreeMap<String, asperity_report::Table> {
-    let columns = |table: &Table| asperity_report::Table { columns: table.columns().to_vec() };
+fn report_tables(tables: &BTreeMap<String, CsvTable>) -> BTreeMap<String, asperity_report::Table> {
+    let columns = |table: &CsvTable| asperity_report::Table { columns: table.columns().to_vec() };
     tables.iter().map(|(name, table)| (name.clone(), columns(table))).collect()
 }
 

@@ -7,7 +7,7 @@ pub use asperity_results::*;
 use crate::distribution::Marginal;
 use crate::friction::process::FittedProcess;
 use crate::stats::Interval;
-use crate::study::{Field, Table};
+use crate::study::{CsvTable, QuantityMap};
 
 /// All results of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,9 +15,9 @@ pub struct Outcome {
     /// Scalar results.
     pub results: Results,
     /// Tables by name.
-    pub tables: BTreeMap<String, Table>,
+    pub tables: BTreeMap<String, CsvTable>,
     /// Fields by name.
-    pub fields: BTreeMap<String, Field>,
+    pub fields: BTreeMap<String, QuantityMap>,
     /// Friction process at the operating point.
     pub friction_process: Option<FittedProcess>,
 }

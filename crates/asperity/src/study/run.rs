@@ -166,18 +166,16 @@ impl Study {
             let stribeck_s_per_m = self
                 .vibration
                 .as_ref()
-                .and_then(|vibration| Some(vibration.stribeck()?.s_per_m(vibration.scales.velocity_m_per_s())));
-            match stage.solved.operating().fitted_process(&stage.solved.window, stribeck_s_per_m) {
+                .and_then(|vibration| Some(vibration.stribeck?.s_per_m(vibration.scales.velocity_m_per_s())));
+            match stage.level.fitted_process(stribeck_s_per_m) {
                 Ok(process) => gathered.friction_process = Some(process),
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
             }
-            friction = Some(stage.solved);
+            friction = Some(stage.level);
         }
         if let (Some(study), true) = (&self.vibration, wants(Stage::Vibration)) {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
-            let computed = friction
-                .as_ref()
-                .map(|solved| WindowFriction::from_level(solved.operating(), &solved.window, nominal, stribeck));
+            let computed = friction.map(|level| WindowFriction::from_level(&level, nominal, stribeck));
             if let Some(window) = known.or(computed) {
                 let stage = vibration_stage::run(study, &window, self.seed(), monitor)?;
                 gathered.add(stage.output);

@@ -11,7 +11,7 @@ const NAME: &str = "name";
 /// Columns of equal length; NaN is an undefined value and an empty cell in CSV. Rows may have names, in a first column
 /// `name`.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Table {
+pub struct CsvTable {
     /// Names of all rows; empty if they have none.
     names: Vec<String>,
     columns: Vec<(String, Vec<f64>)>,
@@ -35,7 +35,7 @@ pub enum TableError {
     },
 }
 
-impl Table {
+impl CsvTable {
     /// Creates a table from named columns.
     ///
     /// # Panics
@@ -59,7 +59,7 @@ impl Table {
 
     /// Moves the named column, the abscissa, to the front.
     #[must_use]
-    pub fn led_by(mut self, name: &str) -> Self {
+    pub fn with_first(mut self, name: &str) -> Self {
         self.columns.sort_by_key(|(own, _)| own != name);
         self
     }
@@ -96,7 +96,7 @@ impl Table {
         writer.into_inner().map_err(|error| TableError::Csv(error.into_error().into()))
     }
 
-    /// Reads the output of [`Table::to_csv`].
+    /// Reads the output of [`CsvTable::to_csv`].
     ///
     /// # Errors
     /// The text is not CSV or contains cells that are no numbers.
@@ -124,7 +124,7 @@ impl Table {
 
 /// Map of any quantity on a grid, shape `[ny, nx]`, NaN where undefined.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Field {
+pub struct QuantityMap {
     /// Grid of the map.
     pub grid: Grid,
     /// SI unit of the values.
@@ -140,16 +140,17 @@ mod tests {
     #[test]
     fn rows_keep_their_names_in_csv() {
         let names = vec!["monte_carlo".to_owned(), "a, \"quoted\"".to_owned()];
-        let table = Table::with_names(names, [("work", vec![1.0, 2.0])]);
+        let table = CsvTable::with_names(names, [("work", vec![1.0, 2.0])]);
         let text = table.to_csv().unwrap();
         assert!(text.starts_with(b"name,work\nmonte_carlo,1.0\n"), "{}", String::from_utf8_lossy(&text));
-        assert_eq!(Table::from_csv(&text).unwrap(), table);
+        assert_eq!(CsvTable::from_csv(&text).unwrap(), table);
     }
 
     #[test]
     fn a_table_survives_csv_bit_by_bit() {
-        let table = Table::new([("x_m", vec![1.0 / 3.0, 1e-300, -0.0]), ("y, quoted", vec![f64::NAN, 2.0, f64::MAX])]);
-        let back = Table::from_csv(&table.to_csv().unwrap()).unwrap();
+        let table =
+            CsvTable::new([("x_m", vec![1.0 / 3.0, 1e-300, -0.0]), ("y, quoted", vec![f64::NAN, 2.0, f64::MAX])]);
+        let back = CsvTable::from_csv(&table.to_csv().unwrap()).unwrap();
         for ((name, values), (back_name, back_values)) in table.columns().iter().zip(back.columns()) {
             assert_eq!(name, back_name);
             assert!(

@@ -17,7 +17,7 @@ use thiserror::Error;
 
 use crate::friction::process::ProcessError;
 use crate::study::result::{Provenance, Results, SCHEMA_VERSION};
-use crate::study::{Table, TableError};
+use crate::study::{CsvTable, TableError};
 use manifest::{MANIFEST, Manifest};
 pub use staging::Staging;
 
@@ -204,7 +204,7 @@ pub struct StoredRun {
     /// `provenance.json`.
     pub provenance: Provenance,
     /// Tables by name.
-    pub tables: BTreeMap<String, Table>,
+    pub tables: BTreeMap<String, CsvTable>,
     /// Fields by name.
     pub fields: BTreeMap<String, StoredField>,
 }
@@ -239,7 +239,7 @@ impl StoredRun {
                 let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
                 if let (Some(name), true) = (name, path.extension().is_some_and(|extension| extension == "csv")) {
                     let bytes = fs::read(&path).map_err(at(&path))?;
-                    let table = Table::from_csv(&bytes).map_err(|error| corrupt(&name, error.to_string()))?;
+                    let table = CsvTable::from_csv(&bytes).map_err(|error| corrupt(&name, error.to_string()))?;
                     tables.insert(name, table);
                 }
             }

@@ -2,7 +2,7 @@
 
 use crate::correlation::{CorrelationModel, MeasuredReport, StationaryCovariance};
 use crate::study::result::{
-    Companions, CovarianceCandidate, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, PartStatistics,
+    Companions, CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, PartStatistics,
     PooledResult, ScanOfPart, SpreadResult, SurfaceStatistics, finite, pair,
 };
 use crate::surface::model::{CapturedModes, SelectedCovariance, SurfaceCovariance};
@@ -117,7 +117,7 @@ pub(super) fn karhunen_loeve_result(found: CapturedModes) -> KarhunenLoeveResult
 }
 
 pub(super) fn covariance_result(selected: &SelectedCovariance) -> CovarianceResult {
-    let candidates = selected.candidates.iter().map(|candidate| CovarianceCandidate {
+    let candidates = selected.candidates.iter().map(|candidate| CovarianceCandidateResult {
         model: candidate.model.clone(),
         misfit: candidate.misfit,
         slope_ratio: candidate.slope_ratio,

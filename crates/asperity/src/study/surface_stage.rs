@@ -12,7 +12,7 @@ use crate::study::output::StageOutput;
 use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, law_result};
 use crate::study::scan_tables::scan_tables;
 use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
-use crate::study::{Field, StudyError, sentence};
+use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::CovarianceSource;
 use crate::surface::level::Level;
 use crate::surface::model::{
@@ -158,8 +158,10 @@ pub(super) fn measure(
     let preparation = section.preparation();
     let prepared = preparation.apply(&raw).map_err(SurfaceModelError::from)?;
     let map = &prepared.map;
-    output.fields.push(("height_raw", Field { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
-    output.fields.push(("height_levelled", Field { grid: map.grid(), unit: "m", values: map.heights_m().clone() }));
+    output.fields.push(("height_raw", QuantityMap { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
+    output
+        .fields
+        .push(("height_levelled", QuantityMap { grid: map.grid(), unit: "m", values: map.heights_m().clone() }));
     let grid = map.grid();
     output.assumptions.push(format!(
         "The scan {file} {}. Its statistics hold for pixels of {} on a field of {}. {} of {} points are missing and stay \

@@ -25,7 +25,7 @@ use crate::study::output::StageOutput;
 use crate::study::result::{BandMethod, Comparison, TwinModel, law_result};
 use crate::study::surface_result::covariance_result;
 use crate::study::surface_stage::{measure, model_of};
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
 use crate::surface::model::SurfaceModelError;
@@ -48,7 +48,7 @@ const LARGE_FORM_SHARE: f64 = 0.25;
 const SPIKE_KURTOSIS: f64 = 20.0;
 
 /// Functions with their bands, and the statistics of every twin, by the name of the table.
-pub type TwinTables = Vec<(&'static str, Table)>;
+pub type TwinTables = Vec<(&'static str, CsvTable)>;
 
 /// Error of comparing twins; `E` is the error of the caller that stores them.
 #[derive(Debug, Error)]

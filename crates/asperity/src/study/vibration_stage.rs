@@ -7,26 +7,22 @@ mod tables;
 
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
-use self::entries::{
-    crossing_result, cycle_result, damping_result, describe_law, kind_result, motion_result, points_result,
-};
+use self::entries::{crossing_result, cycle_result, damping_result, kind_result, motion_result, points_result};
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
 use asperity_base::choice::Choice;
 
-use crate::distribution::Marginal;
-use crate::friction::WindowFriction;
-use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
+use crate::friction::process::{Cancellable, FrictionProcess, ProcessModel};
+use crate::friction::{Upscaling, WindowFriction};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::{FrictionSource, VibrationStudy};
-use crate::study::file::Upscaling;
 use crate::study::output::StageOutput;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
 };
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::{
     DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
     clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
@@ -46,22 +42,6 @@ const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Standard deviation of μ below which friction counts as constant.
 const CONSTANT_STD: f64 = 1e-12;
 
-/// Fluctuation of friction under one upscaling.
-struct Fluctuation {
-    name: &'static str,
-    std: f64,
-    marginal: Marginal,
-}
-
-/// Returns the fluctuation under both upscalings, first that of one window.
-fn fluctuations(window: &WindowFriction) -> [Fluctuation; 2] {
-    let area_std = window.std * window.variance_reduction.sqrt();
-    [
-        Fluctuation { name: "paper", std: window.std, marginal: window.marginal.clone() },
-        Fluctuation { name: "area", std: area_std, marginal: window.area_marginal() },
-    ]
-}
-
 /// Output of the vibration stage.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
@@ -74,13 +54,11 @@ pub(super) fn run(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
-    let ensembles = ensembles(study, window, seed)?;
-    let (oscillator, correlation_length) = (ensembles.oscillator.clone(), ensembles.correlation_length);
+    let ensembles = Ensembles::new(study, window, seed)?;
+    let oscillator = ensembles.oscillator.clone();
     let mut warnings = window.warnings.clone();
-    let [paper_fluctuation, area_fluctuation] = fluctuations(window);
-    let area_std = area_fluctuation.std;
-    let (paper, paper_ensemble) = ensembles.run(&paper_fluctuation, monitor, &mut warnings)?;
-    let (area, area_ensemble) = ensembles.run(&area_fluctuation, monitor, &mut warnings)?;
+    let (paper, paper_ensemble) = ensembles.run(Upscaling::Paper, monitor, &mut warnings)?;
+    let (area, area_ensemble) = ensembles.run(Upscaling::Area, monitor, &mut warnings)?;
     // For a study without a measured process, the study file alone decides.
     let is_stated = || window.stribeck == study.dimensionless_stribeck();
     warnings.extend(study.load_warning().filter(|_| matches!(study.friction, FrictionSource::File(_)) && is_stated()));
@@ -89,12 +67,8 @@ pub(super) fn run(
     let regime = limit_cycle(&oscillator)?;
     let velocity_scale = study.scales.velocity_m_per_s();
     let kick = if free { found_or_none(smallest_kick(&oscillator))?.flatten() } else { None };
-    let main = match study.upscaling {
-        Upscaling::Area => &area_fluctuation,
-        Upscaling::Paper => &paper_fluctuation,
-    };
     let mut tables = vec![("cycles_over_damping", damping_table(&paper, &area))];
-    tables.extend(ensembles.portraits(main, monitor)?);
+    tables.extend(ensembles.portraits(monitor)?);
     for (name, ensemble) in [("reattachment_paper", &paper_ensemble), ("reattachment_area", &area_ensemble)] {
         if let Some(table) = ensemble.as_ref().and_then(|ensemble| points_table(&ensemble.reattachments)) {
             tables.push((name, table));
@@ -105,15 +79,15 @@ pub(super) fn run(
     }
     let mut map = None;
     if let Some(plan) = &study.map {
-        warnings.extend(ensembles.map_clipping(plan, main)?);
-        let found = ensembles.map(plan, main, monitor)?;
+        warnings.extend(ensembles.map_clipping(plan)?);
+        let found = ensembles.map(plan, monitor)?;
         let [x, y] = plan.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
         let MapResolution { x: width, y: height, unresolved_share } = found.resolution;
         let resolution = MapResolutionResult { x: width, y: height, unresolved_share };
         map = Some(MapResult { x: x.into(), y: y.into(), resolution });
     }
-    let assumptions = ensembles.sentences(area_std);
+    let assumptions = ensembles.sentences();
     let result = VibrationResult {
         damping_ratio: study.damping_ratio,
         belt_velocity: oscillator.belt_velocity(),
@@ -121,7 +95,7 @@ pub(super) fn run(
         level_percentile: window.level_percentile,
         level_mean_pressure_pa: window.level_mean_pressure_pa,
         friction_correlation_length_m: window.length_m,
-        correlation_length,
+        correlation_length: ensembles.correlation_length(),
         marginal: (window.std >= CONSTANT_STD).then(|| law_result(&window.marginal)),
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
@@ -131,7 +105,7 @@ pub(super) fn run(
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
         kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
-        upscaling: main.name.into(),
+        upscaling: study.upscaling.name().into(),
         map,
         paper,
         area,
@@ -148,66 +122,42 @@ fn found_or_none<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, Vibr
     }
 }
 
-/// Prepares the ensembles of a study with this friction.
-fn ensembles<'a>(
-    study: &'a VibrationStudy,
-    window: &'a WindowFriction,
-    seed: u64,
-) -> Result<Ensembles<'a>, StudyError> {
-    let scales = study.scales;
-    Ok(Ensembles {
-        study,
-        oscillator: study.oscillator(window.mean, window.stribeck)?,
-        window,
-        shape: window.shape.in_unit(scales.length_m()),
-        correlation_length: window.length_m / scales.length_m(),
-        seed,
-    })
-}
-
 /// Ensembles of one study.
 struct Ensembles<'a> {
     study: &'a VibrationStudy,
     oscillator: Oscillator,
     window: &'a WindowFriction,
-    shape: CorrelationShape,
-    correlation_length: f64,
     seed: u64,
 }
 
-impl Ensembles<'_> {
-    /// Returns the process of a fluctuation; `None` if friction is constant.
+impl<'a> Ensembles<'a> {
+    /// Prepares the ensembles of a study with this friction.
+    fn new(study: &'a VibrationStudy, window: &'a WindowFriction, seed: u64) -> Result<Self, StudyError> {
+        Ok(Self { study, oscillator: study.oscillator(window.mean, window.stribeck)?, window, seed })
+    }
+
+    /// Returns the model of the dimensionless fluctuation.
+    fn model(&self, upscaling: Upscaling) -> ProcessModel {
+        self.window.process_model(upscaling, self.study.generator, self.study.scales.length_m())
+    }
+
+    /// Returns the dimensionless correlation length.
+    fn correlation_length(&self) -> f64 {
+        self.window.length_m / self.study.scales.length_m()
+    }
+
+    /// Returns the process of the fluctuation; `None` if friction is constant.
     ///
     /// # Errors
     /// More of its values are clipped than the study allows.
-    fn process(&self, noise: &Fluctuation, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
-        if noise.std < CONSTANT_STD {
+    fn process(&self, upscaling: Upscaling, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
+        let model = self.model(upscaling);
+        if model.std < CONSTANT_STD {
             return Ok(None);
         }
-        let model = self.model(&self.oscillator, noise.marginal.clone(), noise.std, 1.0, margin);
-        self.clipped(&model, noise.name)?;
+        let model = clipped_to_positive(&self.oscillator, model, margin);
+        self.clipped(&model, upscaling)?;
         Ok(Some(FrictionProcess::new(model)?))
-    }
-
-    /// Returns the process model for a multiple of the load.
-    fn model(&self, oscillator: &Oscillator, marginal: Marginal, std: f64, load: f64, margin: f64) -> ProcessModel {
-        let model = ProcessModel {
-            shape: self.shape.in_unit(load),
-            generator: self.generator(&marginal),
-            correlation: self.window.correlation,
-            ..ProcessModel::new(marginal, std, self.correlation_length / load)
-        };
-        clipped_to_positive(oscillator, model, margin)
-    }
-
-    /// Returns the generator of the study, else of the fitted process, else the one that suits the correlation. A
-    /// diffusion produces only its own distribution, and the mean over many windows is normal.
-    fn generator(&self, marginal: &Marginal) -> Generator {
-        let stated = self.study.generator.or(self.window.generator);
-        let able = stated.filter(|generator| {
-            *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.window.holds_many()
-        });
-        able.unwrap_or_else(|| Generator::for_shape(self.shape))
     }
 
     fn settings(&self) -> EnsembleSettings {
@@ -231,14 +181,14 @@ impl Ensembles<'_> {
     /// so that friction would change its sign, retries with a stronger clipping, which the result reports.
     fn run(
         &self,
-        noise: &Fluctuation,
+        upscaling: Upscaling,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let mut result = self.run_with_margin(noise, MARGINS[0], monitor, warnings);
+        let mut result = self.run_with_margin(upscaling, MARGINS[0], monitor, warnings);
         for margin in &MARGINS[1..] {
             if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = result {
-                result = self.run_with_margin(noise, *margin, monitor, warnings);
+                result = self.run_with_margin(upscaling, *margin, monitor, warnings);
             }
         }
         result
@@ -246,21 +196,21 @@ impl Ensembles<'_> {
 
     fn run_with_margin(
         &self,
-        noise: &Fluctuation,
+        upscaling: Upscaling,
         margin: f64,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.study.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
-        let name = noise.name;
-        let Some(process) = self.process(noise, margin)? else {
-            return Ok((self.constant_friction(noise.std, ratios, monitor)?, None));
+        let friction_std = self.window.upscaled_std(upscaling);
+        let Some(process) = self.process(upscaling, margin)? else {
+            return Ok((self.constant_friction(friction_std, ratios, monitor)?, None));
         };
         let clipped_fraction = process.model().clipped_fraction();
         let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut damping = Vec::with_capacity(count);
-        let task = format!("vibration ({name})");
+        let task = format!("vibration ({upscaling})");
         for (done, damping_ratio) in ratios.enumerate() {
             monitor.progress(&task, done, count + 2);
             let oscillator = self.oscillator.with_damping(damping_ratio)?;
@@ -277,9 +227,9 @@ impl Ensembles<'_> {
         let crossings = sweep.crossings(&self.oscillator, &process, &LEVELS, &self.settings(), monitor)?;
         monitor.progress(&task, count + 2, count + 2);
         let clipping = clipping_warning(clipped_fraction);
-        warnings.extend(clipping.map(|warning| format!("with the {name} upscaling, {warning}")));
+        warnings.extend(clipping.map(|warning| format!("with the {upscaling} upscaling, {warning}")));
         let result = EnsembleResult {
-            friction_std: noise.std,
+            friction_std,
             clipped_fraction,
             damping,
             crossings: crossings.into_iter().map(crossing_result).collect(),
@@ -293,7 +243,7 @@ impl Ensembles<'_> {
     /// Returns the result of constant friction: every trajectory is the deterministic one.
     fn constant_friction(
         &self,
-        std: f64,
+        friction_std: f64,
         ratios: impl Iterator<Item = f64>,
         monitor: &dyn Monitor,
     ) -> Result<EnsembleResult, StudyError> {
@@ -323,7 +273,7 @@ impl Ensembles<'_> {
         let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
-            friction_std: std,
+            friction_std,
             clipped_fraction: 0.0,
             damping,
             crossings,
@@ -334,7 +284,7 @@ impl Ensembles<'_> {
     }
 
     /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, noise: &Fluctuation, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn portraits(&self, monitor: &dyn Monitor) -> Result<Vec<(&'static str, CsvTable)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));
@@ -342,7 +292,7 @@ impl Ensembles<'_> {
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for margin in MARGINS {
-            let process = match self.process(noise, margin) {
+            let process = match self.process(self.study.upscaling, margin) {
                 Ok(Some(process)) => process,
                 // The ensembles did not reach this velocity.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,
@@ -364,13 +314,13 @@ impl Ensembles<'_> {
         Ok(tables)
     }
 
-    fn sentences(&self, area_std: f64) -> Vec<String> {
+    fn sentences(&self) -> Vec<String> {
         let (study, window) = (self.study, self.window);
         let mut sentences = vec![format!(
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
              starting in stick. The damping ratios at which vibration falls below 95, 50 and 5 % of the time belong to the second \
              half of this time: the longer it is, the more trajectories leave vibration.",
-            describe_law(self.oscillator.law()),
+            self.oscillator.law().describe(),
             sentence::digits(self.oscillator.belt_velocity()),
             self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
                 ", under the force {} cos {}τ in units of N",
@@ -394,10 +344,10 @@ impl Ensembles<'_> {
             sentence::digits(window.mean),
             sentence::digits(window.std),
             sentence::si(window.length_m, "m"),
-            sentence::digits(self.correlation_length)
+            sentence::digits(self.correlation_length())
         ));
         if let Some(generator) = study.generator.or(window.generator) {
-            let other = self.generator(&window.area_marginal());
+            let other = self.model(Upscaling::Area).generator;
             let but = if other == generator {
                 String::new()
             } else {
@@ -416,7 +366,7 @@ impl Ensembles<'_> {
                 study.normal_force,
                 sentence::si(study.normal_force.0 / area_m2, "Pa"),
                 study.nominal_area,
-                sentence::digits(area_std),
+                sentence::digits(window.upscaled_std(Upscaling::Area)),
                 if window.holds_many() { " and the distribution becomes normal" } else { "" }
             )
         }));

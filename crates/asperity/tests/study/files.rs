@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::PathBuf;
 
+use asperity::friction::Upscaling;
 use asperity::map::BoundaryKind;
 use asperity::study::Study;
-use asperity::study::file::{Stribeck, Upscaling};
+use asperity::study::file::Stribeck;
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 
 fn studies() -> PathBuf {

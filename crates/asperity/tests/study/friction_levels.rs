@@ -1,10 +1,12 @@
 //! Levels of contact: load against depth, and the results and sentences of a study about them.
 
+use std::sync::Arc;
+
 use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::friction::law::BowdenTabor;
 use asperity::friction::load_curve::{LoadCurve, LoadPoint};
-use asperity::friction::strip::{Level, StripProblem, Strips};
+use asperity::friction::strip::{SolvedStrips, StripProblem, Strips};
 use asperity::friction::window::Window;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
@@ -26,14 +28,14 @@ fn with_strips<R>(realisations: usize, test: impl FnOnce(&Strips<'_>) -> R) -> R
     let problem = StripProblem {
         half_space,
         window: Window::new(40e-6, grid).unwrap(),
-        law: Box::new(BowdenTabor { shear_strength_pa: 385e6 }),
+        law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),
         hardness_pa: Some(2e9),
         solver: Solver { tolerance: 1e-6, ..Solver::default() },
     };
     test(&problem.strips(&surface, realisations, 5))
 }
 
-fn planes(strips: &Strips<'_>, heights_m: &[f64]) -> Vec<Level> {
+fn planes(strips: &Strips<'_>, heights_m: &[f64]) -> Vec<SolvedStrips> {
     let controls: Vec<Control> = heights_m.iter().map(|&height_m| Control::Plane { height_m }).collect();
     strips.solve(&controls, &Silent).unwrap().into_iter().map(Result::unwrap).collect()
 }
@@ -51,7 +53,7 @@ fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
             assert!((between / level.mean_pressure_pa - 1.0).abs() < 0.05);
             assert!((curve.penetration_m(between).unwrap() - level.penetration_m).abs() < 1e-15);
         }
-        let last = LoadPoint::from_level(&levels[8]);
+        let last = LoadPoint::from_strips(&levels[8]);
         assert!(curve.mean_pressure_pa(1.01 * last.penetration_m).is_err());
     });
 }
@@ -64,10 +66,10 @@ fn the_interval_of_a_load_is_a_student_interval_of_the_logarithm() {
         (level.mean_pressure_pa, level.strip_pressures_pa) = (2.0, vec![1.0, 2.0, 3.0]);
         // t = 4.302653 with two degrees of freedom, standard error 1/√3.
         let factor = (4.302_653 / (2.0 * 3.0_f64.sqrt())).exp();
-        let interval = LoadPoint::from_level(&level).interval;
+        let interval = LoadPoint::from_strips(&level).interval;
         assert!((interval.low * factor / 2.0 - 1.0).abs() < 1e-6 && (interval.high / factor / 2.0 - 1.0).abs() < 1e-6);
         level.strip_pressures_pa = vec![2.0; 3];
-        let exact = LoadPoint::from_level(&level).interval;
+        let exact = LoadPoint::from_strips(&level).interval;
         assert_eq!((exact.low, exact.high), (2.0, 2.0));
     });
 }

@@ -189,7 +189,7 @@ fn impossible_values_are_errors_that_name_their_line() {
     // Writing the study and parsing it again preserves it.
     let study = Study::parse(STUDY, "study.toml").unwrap();
     let written = toml::to_string(study.file()).unwrap();
-    assert_eq!(Study::parse(&written, "written").unwrap(), study);
+    assert_eq!(Study::parse(&written, "written").unwrap().file(), study.file());
 }
 
 /// Monitor that cancels once the uncertainty analysis has begun.

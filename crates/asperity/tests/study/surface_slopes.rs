@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver};
+use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance, Rotated, StationaryCovariance, radial_spectrum};
 use asperity::map::{Grid, HeightMap};
 use asperity::random;
@@ -142,7 +142,8 @@ fn mean_pressure_at_five_percent(map: &HeightMap) -> f64 {
     let half_space = HalfSpace::new(map.grid(), 1.0, Boundary::Free).unwrap();
     let fraction = |pressure: f64| {
         let problem =
-            Problem::new(&half_space, map.heights_m(), Control::MeanPressure { pascal: pressure }, None).unwrap();
+            ContactProblem::new(&half_space, map.heights_m(), Control::MeanPressure { pascal: pressure }, None)
+                .unwrap();
         Solver::default().solve(&problem).unwrap().contact_fraction()
     };
     let mut pressure = 0.02 * squared_slope(map).sqrt();

@@ -6,7 +6,7 @@ use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
 use asperity::monitor::Silent;
 use asperity::study::Study;
 use asperity::study::result::{KindResult, VibrationResult};
-use asperity::vibration::{Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters};
+use asperity::vibration::{Drive, Ensemble, EnsembleSettings, Integrator, Oscillator, Parameters, VelocityLaw};
 
 use crate::support::run_all;
 
@@ -114,7 +114,7 @@ fn overtaking_counts_as_vibration_in_every_result_of_a_study() {
 }
 
 fn machine(damping_ratio: f64, belt_velocity: f64) -> Oscillator {
-    let law = FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+    let law = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
     Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio, belt_velocity, forcing: None }).unwrap()
 }
 
@@ -134,12 +134,12 @@ fn generators_drives_and_integrators_agree_with_the_library() {
     };
     let recursion = Generator::Autoregressive;
     let cases = [
-        ("", recursion, Drive::Distance, Method::Taylor),
-        ("generator = \"renewal\"", Generator::Renewal, Drive::Distance, Method::Taylor),
-        ("generator = \"jacobi\"", Generator::Jacobi, Drive::Distance, Method::Taylor),
-        ("generator = \"spectral\"", Generator::Spectral { harmonics: 256 }, Drive::Distance, Method::Taylor),
-        ("drive = \"time\"", recursion, Drive::Time, Method::Taylor),
-        ("integrator = \"dormand_prince\"", recursion, Drive::Distance, Method::DormandPrince { tolerance: 1e-12 }),
+        ("", recursion, Drive::Distance, Integrator::Taylor),
+        ("generator = \"renewal\"", Generator::Renewal, Drive::Distance, Integrator::Taylor),
+        ("generator = \"jacobi\"", Generator::Jacobi, Drive::Distance, Integrator::Taylor),
+        ("generator = \"spectral\"", Generator::Spectral { harmonics: 256 }, Drive::Distance, Integrator::Taylor),
+        ("drive = \"time\"", recursion, Drive::Time, Integrator::Taylor),
+        ("integrator = \"dormand_prince\"", recursion, Drive::Distance, Integrator::DormandPrince { tolerance: 1e-12 }),
     ];
     let mut counts = Vec::new();
     for (keys, generator, drive, method) in cases {

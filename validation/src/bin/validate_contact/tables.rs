@@ -1,6 +1,6 @@
 //! How answers depend on tolerance and grid, and how residuals fall.
 
-use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, StopReason};
+use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver, SolverStop};
 use asperity::map::Grid;
 use asperity_validation::contact::rough;
 use ndarray::Array2;
@@ -39,7 +39,7 @@ impl State {
         let grid = Grid::with_size(heights.ncols(), heights.nrows(), 1.0, 1.0)?;
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 })?;
         let control = Control::MeanPressure { pascal: self.load };
-        Ok(solver.solve(&Problem::new(&half_space, heights, control, self.hardness)?)?)
+        Ok(solver.solve(&ContactProblem::new(&half_space, heights, control, self.hardness)?)?)
     }
 
     fn name(self, contact: f64) -> String {
@@ -193,7 +193,7 @@ pub(crate) fn histories() -> Result<Vec<History>> {
             let last = loop {
                 let solution = state.solve(&heights, Solver { tolerance: 1e-12, max_iterations: residuals.len() })?;
                 residuals.push(solution.residual().worst());
-                if solution.stop_reason() != StopReason::IterationLimit || residuals.len() > MOST_ITERATIONS {
+                if solution.stop_reason() != SolverStop::IterationLimit || residuals.len() > MOST_ITERATIONS {
                     break solution;
                 }
             };

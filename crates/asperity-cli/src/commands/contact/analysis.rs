@@ -2,7 +2,8 @@
 
 use asperity::contact::exact::{PerssonPressure, bush_gibson_thomas_contact_fraction};
 use asperity::contact::{
-    Clusters, ContactError, ContactStiffness, Neighbours, Problem, Solution, StiffnessSolver, Substrate, rms_gradient,
+    Clusters, ContactError, ContactProblem, ContactStiffness, Neighbours, Solution, StiffnessSolver, Substrate,
+    rms_gradient,
 };
 
 use crate::failure::{Failure, Kind};
@@ -21,7 +22,11 @@ pub(super) struct Analysis {
 }
 
 impl Analysis {
-    pub(super) fn new(problem: &Problem<'_>, solution: &Solution, stiffness: bool) -> Result<Self, ContactError> {
+    pub(super) fn new(
+        problem: &ContactProblem<'_>,
+        solution: &Solution,
+        stiffness: bool,
+    ) -> Result<Self, ContactError> {
         let half_space = problem.half_space();
         let (grid, boundary) = (half_space.grid(), half_space.boundary());
         let (mean_pressure_pa, modulus_pa) = (solution.mean_pressure_pa(), half_space.modulus_pa());

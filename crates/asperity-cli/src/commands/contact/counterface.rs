@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::contact::{ContactError, Elastic, Orientation, Pair, composite};
+use asperity::contact::{ContactError, Elastic, ElasticPair, Orientation, composite};
 use asperity::map::HeightMap;
 use asperity::quantity::Pressure;
 use clap::Args;
@@ -81,7 +81,7 @@ impl Counterface {
             None => Ok(Elastic::RIGID),
             Some(modulus) => Elastic::new(modulus.0, self.counterface_poisson_ratio.unwrap_or(POISSON_RATIO)),
         };
-        let pair = own.and_then(|own| Pair::new(surface, own));
+        let pair = own.and_then(|own| ElasticPair::new(surface, own));
         pair.map(|pair| pair.contact_modulus_pa()).map_err(Failure::usage)
     }
 }

@@ -13,7 +13,7 @@ use asperity::friction::measured::{
 };
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::Estimate;
-use asperity::study::{Table, json_bytes};
+use asperity::study::{CsvTable, json_bytes};
 use asperity_report::record_figures;
 use clap::Args;
 use serde_json::{Value, json};
@@ -233,7 +233,7 @@ impl FitRecord {
         write("fit.json", &json_bytes(&answer.as_object()).map_err(|e| store_failure(&e))?)?;
         let mut drawn = BTreeMap::new();
         for (name, columns) in fitted.tables(prepared) {
-            let table = Table::new(columns);
+            let table = CsvTable::new(columns);
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
             drawn.insert(name.to_owned(), asperity_report::Table { columns: table.columns().to_vec() });
         }

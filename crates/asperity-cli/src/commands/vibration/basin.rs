@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity::study::{Table, portrait_table};
+use asperity::study::{CsvTable, portrait_table};
 use asperity::vibration::{
     self, Basin as Found, BasinBox, MapAxis, MotionKind, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
     slip_cycles,
@@ -113,10 +113,10 @@ fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
         .with("separatrix_area", border.map(Separatrix::area))
 }
 
-fn table(found: &Found) -> Table {
+fn table(found: &Found) -> CsvTable {
     let [columns, rows] = found.area.cells;
     let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| found.area.centre(column, row)));
-    Table::new([
+    CsvTable::new([
         ("displacement", places().map(|place| place[0]).collect()),
         ("velocity", places().map(|place| place[1]).collect()),
         ("attractor", found.attractors.iter().map(|attractor| code(*attractor)).collect::<Vec<f64>>()),

@@ -1,7 +1,7 @@
 //! Attractors of the machine without fluctuation along a parameter.
 
-use asperity::study::Table;
-use asperity::vibration::Parameter;
+use asperity::study::CsvTable;
+use asperity::vibration::CurveParameter;
 use asperity::vibration::{BifurcationDiagram, BifurcationPoint, BifurcationSettings, MarkKind, bifurcation_diagram};
 use clap::Args;
 
@@ -26,7 +26,7 @@ pub(crate) struct Bifurcation {
     damping: Damping,
     /// Parameter to vary.
     #[arg(long, value_parser = parameter())]
-    over: Parameter,
+    over: CurveParameter,
     /// Least value.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,
@@ -84,7 +84,7 @@ impl Bifurcation {
 }
 
 /// Returns the tables: attractors in both directions, marks, and the turns of motions that have several in a period.
-fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, Table)> {
+fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, CsvTable)> {
     let marks = |kind: MarkKind| {
         let value = move |mark: &asperity::vibration::Mark| if mark.kind == kind { mark.parameter } else { f64::NAN };
         diagram.marks.iter().map(value).collect::<Vec<f64>>()
@@ -94,7 +94,7 @@ fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, T
         ("bifurcation_down", attractors(&diagram.downward, parameter)),
         (
             "bifurcation_marks",
-            Table::new([
+            CsvTable::new([
                 ("hopf", marks(MarkKind::Hopf)),
                 ("fold", marks(MarkKind::Fold)),
                 ("locked_fold", marks(MarkKind::LockedFold)),
@@ -108,9 +108,9 @@ fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, T
     tables
 }
 
-fn attractors(points: &[BifurcationPoint], parameter: &str) -> Table {
+fn attractors(points: &[BifurcationPoint], parameter: &str) -> CsvTable {
     let column = |of: fn(&BifurcationPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         (parameter, column(|p| p.parameter)),
         ("attractor", column(|p| code(p.attractor))),
         ("multiplicity", column(|p| p.multiplicity.map_or(f64::NAN, |m| m as f64))),
@@ -123,7 +123,7 @@ fn attractors(points: &[BifurcationPoint], parameter: &str) -> Table {
 }
 
 /// Tabulates every turn in both directions, up (0) and down (1).
-fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> Table {
+fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> CsvTable {
     let mut columns = [(); 5].map(|()| Vec::new());
     for (way, points) in ways {
         for point in *points {
@@ -134,5 +134,5 @@ fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> Table {
             }
         }
     }
-    Table::new(["way", parameter, "duration", "reattachment_displacement", "velocity_min"].into_iter().zip(columns))
+    CsvTable::new(["way", parameter, "duration", "reattachment_displacement", "velocity_min"].into_iter().zip(columns))
 }

@@ -1,7 +1,9 @@
 //! Damping ratio at which stick-slip ends, along a parameter.
 
-use asperity::study::Table;
-use asperity::vibration::{Branch, BranchPoint, CurveSettings, Oscillator, Parameter, critical_curve, locked_curve};
+use asperity::study::CsvTable;
+use asperity::vibration::{
+    Branch, BranchPoint, CurveParameter, CurveSettings, Oscillator, critical_curve, locked_curve,
+};
 use clap::Args;
 
 use super::Machine;
@@ -19,7 +21,7 @@ pub(crate) struct CriticalCurve {
     machine: Machine,
     /// Parameter to vary.
     #[arg(long, value_parser = parameter())]
-    over: Parameter,
+    over: CurveParameter,
     /// Start of the curve.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     from: f64,
@@ -34,15 +36,15 @@ pub(crate) struct CriticalCurve {
 }
 
 /// Returns the parser of the parameter of a curve or a diagram.
-pub(super) fn parameter() -> Named<Parameter> {
-    args::named().with_alias("forcing", Parameter::ForcingAmplitude)
+pub(super) fn parameter() -> Named<CurveParameter> {
+    args::named().with_alias("forcing", CurveParameter::ForcingAmplitude)
 }
 
 /// Fails if the oscillator lacks the parameter, or if the range does not rise or has an impossible end.
-pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
+pub(super) fn check_over(over: CurveParameter, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
     if over.value(oscillator).is_none() {
         let reason = match over {
-            Parameter::ForcingAmplitude | Parameter::ForcingFrequency => {
+            CurveParameter::ForcingAmplitude | CurveParameter::ForcingFrequency => {
                 "the machine has no forcing; give --forcing and --forcing-frequency"
             }
             _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
@@ -61,7 +63,7 @@ pub(super) fn check_over(over: Parameter, oscillator: &Oscillator, from: f64, to
 impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0, monitor)?;
-        if self.over == Parameter::DampingRatio {
+        if self.over == CurveParameter::DampingRatio {
             return Err(Failure::usage("--over damping_ratio: the curve itself gives the critical damping ratio"));
         }
         check_over(self.over, &oscillator, self.from, self.to)?;
@@ -78,9 +80,9 @@ impl CriticalCurve {
     }
 }
 
-fn branch_columns(branch: &Branch, parameter: &str) -> Table {
+fn branch_columns(branch: &Branch, parameter: &str) -> CsvTable {
     let column = |of: fn(&BranchPoint) -> f64| branch.points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         (parameter, column(|p| p.parameter)),
         ("critical_damping_ratio", column(|p| p.critical_damping_ratio)),
         ("hopf_damping_ratio", column(|p| p.hopf_damping_ratio)),

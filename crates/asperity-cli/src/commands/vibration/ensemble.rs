@@ -2,7 +2,7 @@
 
 use asperity::study::{cloud_table, points_table, survival_table};
 use asperity::vibration::Drive;
-use asperity::vibration::Method;
+use asperity::vibration::Integrator;
 use asperity::vibration::{self, EnsembleSettings};
 use clap::Args;
 use serde_json::{Value, json};
@@ -32,8 +32,8 @@ pub(crate) struct Ensemble {
     #[arg(long, value_parser = args::named::<Drive>(), default_value = "distance")]
     drive: Drive,
     /// Integration method of slip.
-    #[arg(long, value_parser = args::named::<Method>(), default_value = "taylor")]
-    integrator: Method,
+    #[arg(long, value_parser = args::named::<Integrator>(), default_value = "taylor")]
+    integrator: Integrator,
     /// Number of trajectories.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,

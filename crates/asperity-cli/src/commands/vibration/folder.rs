@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{Table, json_bytes};
+use asperity::study::{CsvTable, json_bytes};
 use asperity_report::{Figure, vibration_figures};
 use clap::Args;
 
@@ -42,7 +42,7 @@ impl Folder {
         &self,
         inputs: &[&Path],
         answer: &Answer,
-        tables: Vec<(&str, Table)>,
+        tables: Vec<(&str, CsvTable)>,
         monitor: &Terminal,
     ) -> Result<(), Failure> {
         let Some(folder) = &self.report else { return Ok(()) };
@@ -62,12 +62,12 @@ impl Folder {
     }
 }
 
-fn figures(answer: &Answer, tables: Vec<(&str, Table)>) -> Result<Vec<Figure>, Failure> {
+fn figures(answer: &Answer, tables: Vec<(&str, CsvTable)>) -> Result<Vec<Figure>, Failure> {
     let failed = |e: &dyn std::error::Error| {
         Failure::new(Kind::Runtime, format!("the figures could not be drawn: {}", chain(e)))
     };
     let answer = serde_json::to_value(answer).map_err(|e| failed(&e))?;
-    let table = |table: Table| asperity_report::Table { columns: table.columns().to_vec() };
+    let table = |table: CsvTable| asperity_report::Table { columns: table.columns().to_vec() };
     let tables: BTreeMap<String, asperity_report::Table> =
         tables.into_iter().map(|(name, columns)| (name.to_owned(), table(columns))).collect();
     vibration_figures(&answer, &tables).map_err(|e| failed(&e))

@@ -5,11 +5,12 @@ mod answer;
 use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
-use asperity::study::{Table, implausible_damping, implausible_friction};
+use asperity::study::{CsvTable, implausible_damping, implausible_friction};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
-    Contact, Damping, EigenvalueScan, Ensemble, EnsembleSettings, GrowthRates, GrowthSettings, Mode, Model, Parameters,
-    Point, Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle, modes,
+    Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Mode, Model, Point,
+    eigenvalue_scan, growth_rates, limit_cycle, modes,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -128,15 +129,15 @@ fn number_pair(text: &str) -> Result<[f64; 2], Refusal> {
 }
 
 impl Springs {
-    fn parameters(&self, friction: &Friction, belt_velocity: f64) -> Result<Parameters, Failure> {
-        let usual = Parameters::default();
+    fn parameters(&self, friction: &Friction, belt_velocity: f64) -> Result<CoupledParameters, Failure> {
+        let usual = CoupledParameters::default();
         let damping = match (self.modal_damping, self.proportional_damping, self.dampers) {
             (Some(ratios), _, _) => Damping::Modal { ratios },
             (_, Some([mass, stiffness]), _) => Damping::Proportional { mass, stiffness },
             (_, _, Some([tangential, normal])) => Damping::Axes { tangential, normal },
             (None, None, None) => usual.damping,
         };
-        Ok(Parameters {
+        Ok(CoupledParameters {
             angles_deg: self.angles.unwrap_or(usual.angles_deg),
             springs: self.springs.unwrap_or(usual.springs),
             contact_stiffness: self.contact_stiffness.unwrap_or(usual.contact_stiffness),
@@ -152,9 +153,9 @@ impl Springs {
 struct Found {
     model: Model,
     scan: EigenvalueScan,
-    regime: Regime,
+    regime: CoupledRegime,
     growth: Option<GrowthRates>,
-    ensemble: Option<(f64, Ensemble)>,
+    ensemble: Option<(f64, CoupledEnsemble)>,
 }
 
 impl ModeCoupling {
@@ -229,8 +230,9 @@ impl Noise {
         let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: MIN_VALID_FRACTION };
         let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)?;
         let least_valid_share = MIN_VALID_FRACTION;
-        let settings = EnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
-        let ensemble = Ensemble::simulate(model, &process, &settings, monitor)?;
+        let settings =
+            CoupledEnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
+        let ensemble = CoupledEnsemble::simulate(model, &process, &settings, monitor)?;
         if let Some(first) = ensemble.failures.first() {
             let failed = ensemble.failures.len();
             monitor.warn(&format!("{failed} of {trajectories} trajectories failed, the first: {}", first.reason));
@@ -242,12 +244,12 @@ impl Noise {
 }
 
 /// Returns the tables: the modes over friction, and the cycle.
-fn tables(found: &Found) -> Result<Vec<(&'static str, Table)>, VibrationError> {
+fn tables(found: &Found) -> Result<Vec<(&'static str, CsvTable)>, VibrationError> {
     let scan = &found.scan;
     let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();
     let mut tables = vec![(
         "modes_over_friction",
-        Table::new([
+        CsvTable::new([
             ("friction", scan.friction.clone()),
             ("growth_1", of(&|modes| modes[0].growth)),
             ("frequency_1", of(&|modes| modes[0].frequency)),
@@ -256,16 +258,16 @@ fn tables(found: &Found) -> Result<Vec<(&'static str, Table)>, VibrationError> {
         ]),
     )];
     if let Some(cycle) = found.regime.cycle() {
-        let settings = TrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
-        let points = Trajectory::portrait(&found.model, Steady, &settings, 0.0, CYCLE_POINTS)?;
+        let settings = CoupledTrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
+        let points = CoupledTrajectory::portrait(&found.model, Steady, &settings, 0.0, CYCLE_POINTS)?;
         tables.push(("mode_cycle", portrait(&points)));
     }
     Ok(tables)
 }
 
-fn portrait(points: &[Point]) -> Table {
+fn portrait(points: &[Point]) -> CsvTable {
     let column = |of: fn(&Point) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         ("tau", column(|p| p.tau)),
         ("tangential", column(|p| p.state.tangential)),
         ("tangential_velocity", column(|p| p.state.tangential_velocity)),

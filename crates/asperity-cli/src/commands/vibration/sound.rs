@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use asperity::study::Table;
-use asperity::vibration::{self, Drive, Method, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
+use asperity::study::CsvTable;
+use asperity::vibration::{self, Drive, Integrator, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use clap::Args;
 
 use super::folder::Folder;
@@ -62,7 +62,7 @@ impl Sound {
                 duration: self.duration,
                 start: None,
                 drive: Drive::Distance,
-                method: Method::Taylor,
+                method: Integrator::Taylor,
             },
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
@@ -102,8 +102,8 @@ fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f6
     Ok(regime.cycle().map(|cycle| cycle.period))
 }
 
-fn spectrum(sound: &vibration::Sound) -> Table {
-    Table::new([
+fn spectrum(sound: &vibration::Sound) -> CsvTable {
+    CsvTable::new([
         ("frequency", sound.frequency.clone()),
         ("density", sound.density.clone()),
         ("density_low", sound.density_low.clone()),

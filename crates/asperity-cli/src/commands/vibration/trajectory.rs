@@ -1,6 +1,6 @@
 //! Trajectory over a recorded friction fluctuation.
 
-use asperity::vibration::Method;
+use asperity::vibration::Integrator;
 use std::path::PathBuf;
 
 use asperity::friction::process::RecordedProcess;
@@ -36,8 +36,8 @@ pub(crate) struct Trajectory {
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     start: Option<f64>,
     /// Integration method of slip.
-    #[arg(long, value_parser = args::named::<Method>(), default_value = "taylor")]
-    integrator: Method,
+    #[arg(long, value_parser = args::named::<Integrator>(), default_value = "taylor")]
+    integrator: Integrator,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,

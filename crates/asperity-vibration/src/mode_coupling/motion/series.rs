@@ -1,6 +1,6 @@
 //! Taylor series of the motion between two events.
 
-use super::super::super::FrictionLaw;
+use super::super::super::VelocityLaw;
 use super::super::super::polynomial::{self, CAPACITY};
 use super::super::super::series::exponential_step;
 use super::super::Model;
@@ -70,7 +70,7 @@ impl Series {
         let (across, mut load) = if now.contact == Contact::Flight { (k22 - contact, 1.0) } else { (k22, 0.0) };
         let direction = now.contact.direction();
         self.decay = match parameters.law {
-            FrictionLaw::Exponential { stribeck_velocity, .. } if direction != 0.0 => stribeck_velocity.recip(),
+            VelocityLaw::Exponential { stribeck_velocity, .. } if direction != 0.0 => stribeck_velocity.recip(),
             _ => 0.0,
         };
         (self.x[0], self.u[0], self.y[0], self.v[0]) = (now.x, now.u, now.y, now.v);
@@ -183,12 +183,12 @@ pub(super) fn holding(model: &Model, [x, u, y, v]: [f64; 4]) -> f64 {
 }
 
 /// Returns the coefficient k of μ(w(t)), given the previous ones.
-fn law_term(law: &FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize) -> f64 {
+fn law_term(law: &VelocityLaw, before: &Coefficients, w: &Coefficients, k: usize) -> f64 {
     match law {
         _ if k == 0 => law.coefficient(w[0]),
-        FrictionLaw::Coulomb { .. } => 0.0,
-        FrictionLaw::Linear { slope, .. } => -slope * w[k],
-        FrictionLaw::Stribeck { decay, .. } => {
+        VelocityLaw::Coulomb { .. } => 0.0,
+        VelocityLaw::Linear { slope, .. } => -slope * w[k],
+        VelocityLaw::Stribeck { decay, .. } => {
             // μ·(1 + aw) = μ_k.
             let mut sum = 0.0;
             for j in 1..=k {
@@ -196,7 +196,7 @@ fn law_term(law: &FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize
             }
             -decay * sum / (1.0 + decay * w[0])
         }
-        FrictionLaw::Exponential { high_speed, stribeck_velocity, .. } => {
+        VelocityLaw::Exponential { high_speed, stribeck_velocity, .. } => {
             // v₀μ′ = −(μ − μ_∞)w′.
             let mut sum = k as f64 * w[k] * (before[0] - high_speed);
             for j in 1..k {
@@ -205,7 +205,7 @@ fn law_term(law: &FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize
             -sum / (k as f64 * stribeck_velocity)
         }
         // `Model::new` refuses tables.
-        FrictionLaw::Tabulated(_) => f64::NAN,
+        VelocityLaw::Tabulated(_) => f64::NAN,
     }
 }
 

@@ -1,15 +1,16 @@
 //! Checks of `[friction]`.
 
+use std::sync::Arc;
+
 use super::pressure::Material;
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
 use crate::friction::LevelControl;
+use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use crate::friction::window::{Window, WindowError};
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Area, Compliance};
-use crate::study::file::{
-    FrictionLawKind, FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowShape,
-};
+use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowLawKind, WindowShape};
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::surface::SurfaceGenerator;
 
@@ -17,10 +18,10 @@ const SECTION: &str = "friction";
 const UNCERTAINTY: &str = "friction.uncertainty";
 
 /// Settings of the friction stage: friction of windows on solved strips.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(in crate::study) struct FrictionStudy {
     pub(in crate::study) material: Material,
-    pub(in crate::study) law: WindowLaw,
+    pub(in crate::study) law: Arc<dyn WindowLaw>,
     /// Points (x, y) of a strip.
     pub(in crate::study) points: [usize; 2],
     /// Size (x, y) of a strip in metre; it slides along x.
@@ -72,39 +73,12 @@ pub(in crate::study) struct UncertaintyStudy {
     pub(in crate::study) realisations: usize,
 }
 
-/// Friction law of a window with its parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::study) enum WindowLaw {
-    /// F = τ_max A_c.
-    BowdenTabor {
-        /// τ_max in pascal.
-        shear_strength_pa: f64,
-    },
-    /// F = τ_max A_c + αN.
-    PressureDependent {
-        /// τ_max in pascal.
-        shear_strength_pa: f64,
-        /// α.
-        pressure_coefficient: f64,
-    },
-    /// F = τ_max A_c and the ploughing of yielded contacts.
-    AdhesionPloughing {
-        /// τ_max in pascal.
-        shear_strength_pa: f64,
-    },
-    /// F = μN.
-    Coulomb {
-        /// μ.
-        coefficient: f64,
-    },
-}
-
 impl StudyFile {
     pub(super) fn check_friction(&self, material: Option<&Material>) -> Result<Option<FrictionStudy>, InvalidValue> {
         let (Some(f), Some(&material), Some(surface)) = (&self.friction, material, &self.surface) else {
             return Ok(None);
         };
-        let law = self.check_friction_law(f)?;
+        let law = self.check_window_law(f)?;
         for side in f.strip {
             within(SECTION, "strip", side, positive, POSITIVE)?;
         }
@@ -149,34 +123,34 @@ impl StudyFile {
         Ok(Some(study))
     }
 
-    fn check_friction_law(&self, f: &FrictionSection) -> Result<WindowLaw, InvalidValue> {
+    fn check_window_law(&self, f: &FrictionSection) -> Result<Arc<dyn WindowLaw>, InvalidValue> {
         let material = self.material.as_ref();
         let shear = || {
             let message = "[friction] needs the shear strength of the contacts";
             material.and_then(|m| m.shear_strength).ok_or_else(|| invalid("material", "shear_strength", message))
         };
         match f.law {
-            FrictionLawKind::BowdenTabor => Ok(WindowLaw::BowdenTabor { shear_strength_pa: shear()?.0 }),
-            FrictionLawKind::AdhesionPloughing => {
+            WindowLawKind::BowdenTabor => Ok(Arc::new(BowdenTabor { shear_strength_pa: shear()?.0 })),
+            WindowLawKind::AdhesionPloughing => {
                 let shear_strength_pa = shear()?.0;
                 if material.is_none_or(|m| m.hardness.is_none()) {
                     let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
                     return Err(invalid("material", "hardness", message));
                 }
-                Ok(WindowLaw::AdhesionPloughing { shear_strength_pa })
+                Ok(Arc::new(AdhesionPloughing { shear_strength_pa }))
             }
-            FrictionLawKind::PressureDependent => {
+            WindowLawKind::PressureDependent => {
                 let shear_strength_pa = shear()?.0;
                 let message = "law = \"pressure_dependent\" needs its α, such as 0.05";
                 let alpha = f.pressure_coefficient.ok_or_else(|| invalid(SECTION, "pressure_coefficient", message))?;
                 within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")?;
-                Ok(WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient: alpha })
+                Ok(Arc::new(PressureDependent { shear_strength_pa, pressure_coefficient: alpha }))
             }
-            FrictionLawKind::Coulomb => {
+            WindowLawKind::Coulomb => {
                 let message = "law = \"coulomb\" needs its μ, such as 0.2";
                 let coefficient = f.coefficient.ok_or_else(|| invalid(SECTION, "coefficient", message))?;
                 within(SECTION, "coefficient", coefficient, positive, POSITIVE)?;
-                Ok(WindowLaw::Coulomb { coefficient })
+                Ok(Arc::new(Coulomb { coefficient }))
             }
         }
     }
@@ -188,11 +162,7 @@ fn check_levels(f: &FrictionSection, material: &Material) -> Result<Vec<LevelCon
         within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
     }
     for pressure in &f.mean_pressures {
-        within(SECTION, "mean_pressures", *pressure, positive, POSITIVE)?;
-        if let Some(hardness) = material.hardness.filter(|h| pressure.0 >= h.0) {
-            let message = format!("found {pressure}, which is not below the hardness {hardness}");
-            return Err(invalid(SECTION, "mean_pressures", message));
-        }
+        material.check_mean_pressure(SECTION, "mean_pressures", *pressure)?;
     }
     for penetration in &f.penetrations {
         within(SECTION, "penetrations", *penetration, positive, POSITIVE)?;

@@ -1,7 +1,7 @@
 //! Keys of a study that have no effect.
 
 use crate::map::BoundaryKind;
-use crate::study::file::{FrictionLawKind, FrictionSection, StudyFile, SurfaceSection};
+use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, WindowLawKind};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 impl StudyFile {
@@ -21,7 +21,7 @@ impl StudyFile {
             keys.push(periodic_only("friction"));
         }
         keys.extend(self.friction.iter().flat_map(FrictionSection::keys_without_effect));
-        if self.friction.as_ref().is_some_and(|f| f.law == FrictionLawKind::Coulomb)
+        if self.friction.as_ref().is_some_and(|f| f.law == WindowLawKind::Coulomb)
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {
             keys.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
@@ -33,8 +33,8 @@ impl StudyFile {
 impl FrictionSection {
     /// Returns a sentence for each stated key that has no effect.
     fn keys_without_effect(&self) -> Vec<String> {
-        let pressure = self.pressure_coefficient.is_some() && self.law != FrictionLawKind::PressureDependent;
-        let coulomb = self.coefficient.is_some() && self.law != FrictionLawKind::Coulomb;
+        let pressure = self.pressure_coefficient.is_some() && self.law != WindowLawKind::PressureDependent;
+        let coulomb = self.coefficient.is_some() && self.law != WindowLawKind::Coulomb;
         [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
             .into_iter()
             .filter(|(_, unused, _)| *unused)

@@ -13,16 +13,25 @@ const PRESSURE: &str = "pressure";
 /// Elastic and plastic properties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::study) struct Material {
-    pub(in crate::study) youngs_modulus: Pressure,
-    pub(in crate::study) poisson_ratio: f64,
-    /// Largest pressure; `None` for elastic contact.
-    pub(in crate::study) hardness: Option<Pressure>,
+    /// Contact modulus E/(1 − ν²) in pascal.
+    pub(in crate::study) contact_modulus_pa: f64,
+    /// Hardness in pascal, the upper bound of the pressure; `None` is elastic.
+    pub(in crate::study) hardness_pa: Option<f64>,
 }
 
 impl Material {
-    /// Returns the contact modulus E/(1 − ν²) in pascal.
-    pub(in crate::study) fn contact_modulus_pa(&self) -> f64 {
-        contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio)
+    /// Fails if a mean pressure is not positive or not below the hardness.
+    pub(super) fn check_mean_pressure(
+        &self,
+        section: &'static str,
+        key: &'static str,
+        pressure: Pressure,
+    ) -> Result<(), InvalidValue> {
+        within(section, key, pressure.0, positive, POSITIVE)?;
+        self.hardness_pa.filter(|pascal| pressure.0 >= *pascal).map_or(Ok(()), |pascal| {
+            let message = format!("found {pressure}, which is not below the hardness {}", Pressure(pascal));
+            Err(invalid(section, key, message))
+        })
     }
 }
 
@@ -68,8 +77,10 @@ impl StudyFile {
         if let Some(shear) = material.shear_strength {
             within(SECTION, "shear_strength", shear, positive, POSITIVE)?;
         }
-        let (youngs_modulus, poisson_ratio) = (material.youngs_modulus, material.poisson_ratio);
-        Ok(Some(Material { youngs_modulus, poisson_ratio, hardness: material.hardness }))
+        Ok(Some(Material {
+            contact_modulus_pa: contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio),
+            hardness_pa: material.hardness.map(|hardness| hardness.0),
+        }))
     }
 
     pub(super) fn check_pressure(&self, material: Option<&Material>) -> Result<Option<PressureStudy>, InvalidValue> {
@@ -101,11 +112,7 @@ impl StudyFile {
                 LevelControl::Penetration(penetration.0)
             }
             (None, None, Some(pressure)) => {
-                within(PRESSURE, "mean_pressure", pressure, positive, POSITIVE)?;
-                if let Some(hardness) = material.hardness.filter(|h| pressure.0 >= h.0) {
-                    let message = format!("found {pressure}, which is not below the hardness {hardness}");
-                    return Err(invalid(PRESSURE, "mean_pressure", message));
-                }
+                material.check_mean_pressure(PRESSURE, "mean_pressure", pressure)?;
                 LevelControl::MeanPressure(pressure.0)
             }
             _ => {

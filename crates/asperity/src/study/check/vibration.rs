@@ -7,12 +7,12 @@ use asperity_base::choice::ByName;
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
-use crate::friction::{NominalContact, StatedFriction};
+use crate::friction::{NominalContact, StatedFriction, Upscaling};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{MapSection, Stribeck, StudyFile, Upscaling, VelocityLaw, VibrationSection, usual_window_m};
+use crate::study::file::{MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m};
 use crate::study::sentence;
 use crate::vibration::{
-    Drive, Forcing, FrictionLaw, MapOver, Method, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
+    Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VelocityLaw,
     VibrationError,
 };
 
@@ -42,12 +42,15 @@ pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) forcing: Option<Forcing>,
     /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
     pub(in crate::study) kinetic_share: f64,
-    pub(in crate::study) weakening: Weakening,
+    /// Velocity law of a kinetic friction coefficient of 1.
+    pub(in crate::study) velocity_law: VelocityLaw,
+    /// Stribeck coefficient as stated, if the law has one.
+    pub(in crate::study) stribeck: Option<Stribeck>,
     pub(in crate::study) friction: FrictionSource,
     /// Generator of the fluctuation, if the study states it.
     pub(in crate::study) generator: Option<Generator>,
     pub(in crate::study) drive: Drive,
-    pub(in crate::study) method: Method,
+    pub(in crate::study) method: Integrator,
     /// Upscaling of the main result.
     pub(in crate::study) upscaling: Upscaling,
     /// Whether more than 5 % of the friction values may be clipped to stay positive.
@@ -59,22 +62,6 @@ pub(in crate::study) struct VibrationStudy {
     /// Dimensionless duration of a trajectory.
     pub(in crate::study) duration: f64,
     pub(in crate::study) map: Option<MapSection>,
-}
-
-/// Dependence of friction on the sliding velocity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::study) enum Weakening {
-    /// μ_k/(1 + a|v|).
-    Stribeck(Stribeck),
-    /// μ_k − b|v|, b per unit of dimensionless velocity.
-    Linear(f64),
-    /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}.
-    Exponential {
-        /// Dimensionless velocity v₀.
-        velocity: f64,
-        /// Ratio μ_∞/μ_k.
-        high_speed_share: f64,
-    },
 }
 
 /// Source of the friction process.
@@ -95,14 +82,9 @@ impl VibrationStudy {
         NominalContact { area_m2, pressure_pa: self.normal_force.0 / area_m2 }
     }
 
-    /// Returns the Stribeck coefficient, if the law has one.
-    pub(in crate::study) fn stribeck(&self) -> Option<Stribeck> {
-        if let Weakening::Stribeck(coefficient) = self.weakening { Some(coefficient) } else { None }
-    }
-
     /// Returns the Stribeck coefficient per unit of dimensionless velocity.
     pub(in crate::study) fn dimensionless_stribeck(&self) -> Option<f64> {
-        self.stribeck().map(|stribeck| stribeck.per_unit(self.scales.velocity_m_per_s()))
+        self.stribeck.map(|stribeck| stribeck.per_unit(self.scales.velocity_m_per_s()))
     }
 
     /// Returns the oscillator with this static friction coefficient; `stribeck` replaces the coefficient of the law if
@@ -113,18 +95,8 @@ impl VibrationStudy {
         stribeck: Option<f64>,
     ) -> Result<Oscillator, VibrationError> {
         let kinetic = self.kinetic_share * static_friction;
-        let law = match self.weakening {
-            Weakening::Stribeck(own) => {
-                let decay = stribeck.unwrap_or_else(|| own.per_unit(self.scales.velocity_m_per_s()));
-                FrictionLaw::Stribeck { kinetic, decay }
-            }
-            Weakening::Linear(slope) => FrictionLaw::Linear { kinetic, slope },
-            Weakening::Exponential { velocity, high_speed_share } => FrictionLaw::Exponential {
-                kinetic,
-                high_speed: high_speed_share * kinetic,
-                stribeck_velocity: velocity,
-            },
-        };
+        let own = self.velocity_law.with_coefficients(|share| share * kinetic)?;
+        let law = stribeck.and_then(|rate| own.with_weakening_rate(rate)).unwrap_or(own);
         Oscillator::new(Parameters {
             static_friction,
             law,
@@ -139,9 +111,9 @@ impl VibrationStudy {
         if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
             return None;
         }
-        let (key, value) = match self.weakening {
-            Weakening::Stribeck(Stribeck::Dimensionless(value)) => ("stribeck", value),
-            Weakening::Linear(value) => ("linear_weakening", value),
+        let (key, value) = match (self.stribeck, &self.velocity_law) {
+            (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
+            (None, VelocityLaw::Linear { slope, .. }) => ("linear_weakening", *slope),
             _ => return None,
         };
         let si = sentence::digits(value / self.scales.velocity_m_per_s());
@@ -188,7 +160,7 @@ impl StudyFile {
             }
         };
         within(SECTION, "kinetic_share", v.kinetic_share, ratio, RATIO)?;
-        let weakening = weakening(v, &scales)?;
+        let (velocity_law, stribeck) = velocity_law(v, &scales)?;
         let forcing = forcing(v)?;
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
         if let (Some(ByName(Generator::Jacobi)), Some(marginal)) = (v.generator, &stated)
@@ -213,7 +185,8 @@ impl StudyFile {
             belt_velocity,
             forcing,
             kinetic_share: v.kinetic_share,
-            weakening,
+            velocity_law,
+            stribeck,
             friction: self.check_source(v)?,
             generator: v.generator.map(|generator| generator.0),
             drive: v.drive,
@@ -304,9 +277,9 @@ impl StudyFile {
 fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedFriction) -> Result<(), InvalidValue> {
     let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
     let law = match v.velocity_law {
-        VelocityLaw::Stribeck => "stribeck",
-        VelocityLaw::Linear => "linear_weakening",
-        VelocityLaw::Exponential => "stribeck_velocity",
+        VelocityLawKind::Stribeck => "stribeck",
+        VelocityLawKind::Linear => "linear_weakening",
+        VelocityLawKind::Exponential => "stribeck_velocity",
     };
     let of_key = |error: VibrationError| match error {
         VibrationError::Parameter { parameter, .. } => {
@@ -339,40 +312,43 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         duration: study.duration.min(FIRST_TIME),
         start: None,
         drive: study.drive,
-        method: Method::Taylor,
+        method: Integrator::Taylor,
     };
     Trajectory::simulate(&oscillator, Steady, &settings).map_or_else(of_key, |_| Ok(()))
 }
 
-/// Checks the velocity law of friction. A key of another law is an error.
-fn weakening(v: &VibrationSection, scales: &Scales) -> Result<Weakening, InvalidValue> {
+/// Checks the velocity law and returns it for a kinetic friction coefficient of 1, with its Stribeck coefficient as stated. A key of
+/// another law is an error.
+fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, Option<Stribeck>), InvalidValue> {
     let keys = [
-        ("stribeck", v.stribeck.is_some(), VelocityLaw::Stribeck),
-        ("linear_weakening", v.linear_weakening.is_some(), VelocityLaw::Linear),
-        ("stribeck_velocity", v.stribeck_velocity.is_some(), VelocityLaw::Exponential),
-        ("high_speed_share", v.high_speed_share.is_some(), VelocityLaw::Exponential),
+        ("stribeck", v.stribeck.is_some(), VelocityLawKind::Stribeck),
+        ("linear_weakening", v.linear_weakening.is_some(), VelocityLawKind::Linear),
+        ("stribeck_velocity", v.stribeck_velocity.is_some(), VelocityLawKind::Exponential),
+        ("high_speed_share", v.high_speed_share.is_some(), VelocityLawKind::Exponential),
     ];
     if let Some((key, _, law)) = keys.into_iter().find(|(_, stated, law)| *stated && *law != v.velocity_law) {
         return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
     }
     let missing = |key| invalid(SECTION, key, format!("velocity_law = \"{}\" requires this key", v.velocity_law));
     match v.velocity_law {
-        VelocityLaw::Stribeck => {
+        VelocityLawKind::Stribeck => {
             let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
             within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;
-            Ok(Weakening::Stribeck(coefficient))
+            let decay = coefficient.per_unit(scales.velocity_m_per_s());
+            Ok((VelocityLaw::Stribeck { kinetic: 1.0, decay }, Some(coefficient)))
         }
-        VelocityLaw::Linear => {
+        VelocityLawKind::Linear => {
             let slope = v.linear_weakening.ok_or_else(|| missing("linear_weakening"))?;
             within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
-            Ok(Weakening::Linear(slope))
+            Ok((VelocityLaw::Linear { kinetic: 1.0, slope }, None))
         }
-        VelocityLaw::Exponential => {
+        VelocityLawKind::Exponential => {
             let velocity = v.stribeck_velocity.ok_or_else(|| missing("stribeck_velocity"))?;
             let high_speed_share = v.high_speed_share.ok_or_else(|| missing("high_speed_share"))?;
             within(SECTION, "stribeck_velocity", velocity, positive, POSITIVE)?;
             within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
-            Ok(Weakening::Exponential { velocity: velocity.0 / scales.velocity_m_per_s(), high_speed_share })
+            let stribeck_velocity = velocity.0 / scales.velocity_m_per_s();
+            Ok((VelocityLaw::Exponential { kinetic: 1.0, high_speed: high_speed_share, stribeck_velocity }, None))
         }
     }
 }

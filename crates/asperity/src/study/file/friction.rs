@@ -11,7 +11,7 @@ use crate::study::scatter::{LengthScatter, NumberScatter};
 choice! {
     /// Friction law of a window; see [`crate::friction::law`].
     #[derive(Default)]
-    pub enum FrictionLawKind: "friction law" {
+    pub enum WindowLawKind: "friction law" {
         /// F = τ_max A_c (the paper's law).
         #[default]
         BowdenTabor = "bowden_tabor",
@@ -58,7 +58,7 @@ pub struct FrictionSection {
     pub window_shape: WindowShape,
     /// Friction law. Its τ_max is `shear_strength` of `[material]`.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub law: FrictionLawKind,
+    pub law: WindowLawKind,
     /// Coefficient α of the pressure-dependent law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_coefficient: Option<f64>,

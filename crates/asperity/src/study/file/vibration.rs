@@ -8,10 +8,11 @@ use asperity_base::choice::ByName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::fixed_list;
+use crate::friction::Upscaling;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
-use crate::vibration::{Drive, MapOver, Method};
+use crate::vibration::{Drive, Integrator, MapOver};
 
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,7 +101,7 @@ impl<'de> Deserialize<'de> for Stribeck {
 choice! {
     /// Dependence of friction on the sliding velocity.
     #[derive(Default)]
-    pub enum VelocityLaw: "velocity law" {
+    pub enum VelocityLawKind: "velocity law" {
         /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law).
         #[default]
         Stribeck = "stribeck",
@@ -108,18 +109,6 @@ choice! {
         Linear = "linear",
         /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
         Exponential = "exponential",
-    }
-}
-
-choice! {
-    /// Relation between the standard deviation of friction over the nominal area and over one window.
-    #[derive(Default)]
-    pub enum Upscaling: "upscaling" {
-        /// Windows average over the nominal area.
-        #[default]
-        Area = "area",
-        /// One window carries the whole normal force (the paper's reading).
-        Paper = "paper",
     }
 }
 
@@ -174,7 +163,7 @@ pub struct VibrationSection {
     pub kinetic_share: f64,
     /// Dependence of friction on the velocity.
     #[serde(default)]
-    pub velocity_law: VelocityLaw,
+    pub velocity_law: VelocityLawKind,
     /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity or in s/m; 4.2 when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stribeck: Option<Stribeck>,
@@ -196,7 +185,7 @@ pub struct VibrationSection {
     pub drive: Drive,
     /// Integration method of slip.
     #[serde(default)]
-    pub integrator: ByName<Method>,
+    pub integrator: ByName<Integrator>,
     /// Upscaling that the report shows first; both are computed.
     #[serde(default)]
     pub upscaling: Upscaling,

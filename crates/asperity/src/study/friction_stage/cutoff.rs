@@ -3,13 +3,13 @@
 use crate::friction::SolvedLevel;
 use crate::friction::cutoff::{CutoffBlock, CutoffPlan, CutoffStudy, OperatingMean, STRIPS};
 use crate::monitor::Monitor;
-use crate::study::check::{FrictionStudy, WindowLaw};
+use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
 use crate::study::friction_stage::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::model::{Texture, XiOrder};
 use crate::surface::scanned::ScannedSurface;
 
@@ -18,7 +18,8 @@ const MOSTLY_PLASTIC: f64 = 0.5;
 
 /// Returns the plan for a study with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
 pub(in crate::study) fn plan(study: &FrictionStudy, levels: usize) -> Option<CutoffPlan> {
-    let depends_on_contact = !matches!(study.law, WindowLaw::Coulomb { .. });
+    // Laws that depend on the contact have a plastic floor at any hardness.
+    let depends_on_contact = study.law.plastic_floor(1.0).is_some();
     depends_on_contact.then(|| CutoffPlan::new(study.points, study.size_m, levels * study.realisations))
 }
 
@@ -53,7 +54,7 @@ pub(super) fn run(
     // The sum of cosines of arbitrary directions does not close at the edges of a strip.
     let closes = own.is_periodic() && !matches!(surface.model.texture, Texture::WeierstrassMandelbrot { .. });
     let strips = (generated.surface.as_ref(), closes);
-    let study = CutoffStudy::new(plan, [&own, &halved], strips, lead.level.mean_pressure_pa, seed)
+    let study = CutoffStudy::new(plan, [&own, &halved], strips, lead.strips.mean_pressure_pa, seed)
         .map_err(|error| StudyError::Grid { section: "friction", error })?;
     let pitch_m = study.pitch_m();
     let mut failed = |place: String, reason: String| {
@@ -94,13 +95,13 @@ pub(super) fn run(
         }
     }
     let mut result = CutoffResult {
-        mean_pressure_pa: lead.level.mean_pressure_pa,
+        mean_pressure_pa: lead.strips.mean_pressure_pa,
         strips: STRIPS,
         strip_length_m: plan.length_m,
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
         band_end_m: surface.measured.as_ref().and_then(ScannedSurface::band_end_m),
-        plastic_floor: plastic_floor(friction),
+        plastic_floor: friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal)),
         points,
         halved_pitch,
         known: String::new(),
@@ -113,24 +114,10 @@ pub(super) fn run(
     Ok((Some(result), output))
 }
 
-/// Returns the friction of contacts at the hardness: τ_max/H, plus α of a pressure-dependent shear strength.
-fn plastic_floor(study: &FrictionStudy) -> Option<f64> {
-    let (shear_strength_pa, alpha) = match study.law {
-        WindowLaw::BowdenTabor { shear_strength_pa } | WindowLaw::AdhesionPloughing { shear_strength_pa } => {
-            (shear_strength_pa, 0.0)
-        }
-        WindowLaw::PressureDependent { shear_strength_pa, pressure_coefficient } => {
-            (shear_strength_pa, pressure_coefficient)
-        }
-        WindowLaw::Coulomb { .. } => return None,
-    };
-    Some(shear_strength_pa / study.material.hardness?.0 + alpha)
-}
-
-fn table(result: &CutoffResult) -> Table {
+fn table(result: &CutoffResult) -> CsvTable {
     let column = |value: &dyn Fn(&CutoffPoint) -> f64| result.points.iter().map(value).collect::<Vec<f64>>();
     let end = |point: &CutoffPoint, end: usize| point.mean_interval.map_or(f64::NAN, |interval| interval[end]);
-    Table::new([
+    CsvTable::new([
         ("cutoff_m", column(&|p| p.cutoff_m)),
         ("mean", column(&|p| p.mean)),
         ("mean_low", column(&|p| end(p, 0))),
@@ -138,7 +125,7 @@ fn table(result: &CutoffResult) -> Table {
         ("rms_slope", column(&|p| p.rms_slope)),
         ("plastic_fraction", column(&|p| p.plastic_fraction)),
     ])
-    .led_by("cutoff_m")
+    .with_first("cutoff_m")
 }
 
 /// Interpolates the mean at a cutoff linearly in the logarithm of the wavelength; returns the mean of the nearest end beyond it.

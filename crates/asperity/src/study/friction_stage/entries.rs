@@ -7,7 +7,6 @@ use crate::distribution::fit::{Fit, Ranking};
 use crate::friction::SolvedLevel;
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
-use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
 use crate::stats::Estimate;
 use crate::study::friction_stage::{no_variance, prescribed, upscaling};
@@ -18,7 +17,7 @@ use crate::study::result::{
 };
 
 pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelResult {
-    let (level, statistics) = (&solved.level, &solved.statistics);
+    let (strips, statistics) = (&solved.strips, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();
     let process = &solved.process;
@@ -31,10 +30,10 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         leading: false,
         control: prescribed(solved.control),
         percentile: solved.control.percentile(),
-        penetration_m: level.penetration_m,
-        mean_pressure_pa: level.mean_pressure_pa,
-        contact_fraction: level.contact_fraction,
-        plastic_share: level.plastic_fraction,
+        penetration_m: strips.penetration_m,
+        mean_pressure_pa: strips.mean_pressure_pa,
+        contact_fraction: strips.contact_fraction,
+        plastic_share: strips.plastic_fraction,
         mean: solved.quotient_mean(),
         mean_interval: interval(statistics.estimates.mean),
         std: moment(statistics.moments.std),
@@ -93,26 +92,26 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         contact_cells_per_window: statistics.contact_cells,
         sparse_window_share: statistics.sparse_fraction,
         effective_windows: statistics.effective_windows,
-        failed_samples: level.failures.len(),
+        failed_samples: strips.failures.len(),
     }
 }
 
 /// The friction coefficient of the level that drives the vibration.
-pub(super) fn operating_point(solved: &SolvedLevel, window: &Window, nominal_area_m2: f64) -> OperatingPoint {
+pub(super) fn operating_point(solved: &SolvedLevel, nominal_area_m2: f64) -> OperatingPoint {
     let process = &solved.process;
     let (contact_fraction, contact_interval) = solved.contact_fraction;
     OperatingPoint {
         level: solved.control.name(),
         percentile: solved.control.percentile(),
-        penetration_m: solved.level.penetration_m,
-        mean_pressure_pa: solved.level.mean_pressure_pa,
+        penetration_m: solved.strips.penetration_m,
+        mean_pressure_pa: solved.strips.mean_pressure_pa,
         contact_fraction,
         contact_fraction_interval: contact_interval.map(pair),
         mean: solved.mean,
         mean_interval: interval(process.estimates.mean),
         std: process.moments.std,
         std_interval: interval(process.estimates.std),
-        std_nominal_area: upscaling(solved, window, nominal_area_m2).area.std,
+        std_nominal_area: upscaling(solved, nominal_area_m2).area.std,
     }
 }
 

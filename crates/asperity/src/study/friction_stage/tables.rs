@@ -5,13 +5,12 @@ use crate::distribution::Marginal;
 use crate::distribution::fit::{Family, Fit};
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
-use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::friction::{LevelControl, SolvedLevel};
 use crate::stats::{Estimate, Histogram, sorted_present};
-use crate::study::Table;
+use crate::study::CsvTable;
 
-type Tables = Vec<(&'static str, Table)>;
+type Tables = Vec<(&'static str, CsvTable)>;
 
 /// Moments and load of all levels, and the course of friction along one strip.
 pub(super) fn of_levels(levels: &[SolvedLevel]) -> Tables {
@@ -23,10 +22,10 @@ pub(super) fn of_levels(levels: &[SolvedLevel]) -> Tables {
 }
 
 /// Law, correlation, spectrum and window study of the leading level, at the mean load.
-pub(super) fn of_lead(lead: &SolvedLevel, window: &Window) -> Tables {
+pub(super) fn of_lead(lead: &SolvedLevel) -> Tables {
     let mut tables = law_tables(lead);
-    tables.extend(correlation_table(lead, window).map(|table| ("friction_acf", table)));
-    tables.extend(spectrum_table(lead, window).map(|table| ("friction_spectrum", table)));
+    tables.extend(correlation_table(lead).map(|table| ("friction_acf", table)));
+    tables.extend(spectrum_table(lead).map(|table| ("friction_spectrum", table)));
     tables.extend(cross_table(lead).map(|table| ("friction_area_load", table)));
     tables.extend(lead.window_study.as_ref().map(|study| ("friction_windows", windows_table(study))));
     tables
@@ -40,14 +39,14 @@ fn high(estimate: Option<Estimate>) -> f64 {
     estimate.map_or(f64::NAN, |estimate| estimate.interval.high)
 }
 
-fn levels_table(levels: &[SolvedLevel]) -> Table {
+fn levels_table(levels: &[SolvedLevel]) -> CsvTable {
     let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
     // What does not exist without a variance.
     let of = |l: &SolvedLevel, value: f64| if l.heavy_tail.is_none() { value } else { f64::NAN };
-    Table::new([
+    CsvTable::new([
         ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
-        ("penetration_m", column(&|l| l.level.penetration_m)),
-        ("mean_pressure_pa", column(&|l| l.level.mean_pressure_pa)),
+        ("penetration_m", column(&|l| l.strips.penetration_m)),
+        ("mean_pressure_pa", column(&|l| l.strips.mean_pressure_pa)),
         ("mean", column(&|l| l.quotient_mean().unwrap_or(f64::NAN))),
         ("mean_low", column(&|l| of(l, low(l.statistics.estimates.mean)))),
         ("mean_high", column(&|l| of(l, high(l.statistics.estimates.mean)))),
@@ -71,11 +70,11 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
 }
 
 /// Load against depth, from the shallowest level.
-fn load_curve_table(levels: &[SolvedLevel]) -> Table {
-    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_level(&level.level)).collect();
+fn load_curve_table(levels: &[SolvedLevel]) -> CsvTable {
+    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_strips(&level.strips)).collect();
     points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
     let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         ("penetration_m", column(&|p| p.penetration_m)),
         ("mean_pressure_pa", column(&|p| p.mean_pressure_pa)),
         ("low", column(&|p| p.interval.low)),
@@ -95,18 +94,18 @@ fn trace_column(level: LevelControl) -> String {
     }
 }
 
-fn trace_table(levels: &[SolvedLevel]) -> Table {
-    let first = levels.iter().filter_map(|level| level.level.records.first()).next();
+fn trace_table(levels: &[SolvedLevel]) -> CsvTable {
+    let first = levels.iter().filter_map(|level| level.strips.records.first()).next();
     let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];
     let rows = columns[0].1.len();
     for level in levels {
-        let trace = level.level.records.first().filter(|record| record.friction.len() == rows);
+        let trace = level.strips.records.first().filter(|record| record.friction.len() == rows);
         columns.push((
             trace_column(level.control),
             trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
         ));
     }
-    Table::new(columns)
+    CsvTable::new(columns)
 }
 
 /// Histogram with the fitted laws, and how well the one to go on with fits.
@@ -127,21 +126,22 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
         process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
     columns.extend(others.filter(smooth).map(|fit| (format!("{}_density", fit.family.key()), density(&fit.marginal))));
     columns.push(("mu".to_owned(), centres));
-    let mut tables = vec![("friction_histogram", Table::new(columns).led_by("mu"))];
+    let mut tables = vec![("friction_histogram", CsvTable::new(columns).with_first("mu"))];
     if let Some(fit) = chosen {
         let transform = integral_transform(&fit.marginal, &pooled, process.effective_windows);
-        tables.push(("friction_pit", table(transform).led_by("probability")));
-        tables.push(("friction_qq", table(quantile_pairs(&fit.marginal, &pooled)).led_by("probability")));
+        tables.push(("friction_pit", table(transform).with_first("probability")));
+        tables.push(("friction_qq", table(quantile_pairs(&fit.marginal, &pooled)).with_first("probability")));
     }
     tables
 }
 
-fn table(columns: Columns) -> Table {
-    Table::new(columns)
+fn table(columns: Columns) -> CsvTable {
+    CsvTable::new(columns)
 }
 
 /// Autocorrelation with the models fitted to it.
-fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
+fn correlation_table(lead: &SolvedLevel) -> Option<CsvTable> {
+    let window = &lead.window;
     let correlation = lead.process.correlation.as_ref().ok()?;
     let estimate = &correlation.estimate;
     let lags: Vec<f64> = (0..estimate.correlation.len()).map(|k| k as f64 * estimate.step_m).collect();
@@ -166,11 +166,12 @@ fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         }),
     );
     columns.push(("lag_m".to_owned(), lags));
-    Some(Table::new(columns).led_by("lag_m"))
+    Some(CsvTable::new(columns).with_first("lag_m"))
 }
 
 /// Power spectral density with its band, and that of the window alone and of the process under it.
-fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
+fn spectrum_table(lead: &SolvedLevel) -> Option<CsvTable> {
+    let window = &lead.window;
     let spectrum = lead.analysis.spectrum.as_ref().ok()?;
     let variance = lead.process.moments.std.powi(2);
     let mut columns = vec![
@@ -184,19 +185,19 @@ fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         columns.push(("windowed_fit_m".to_owned(), spectrum.model_density(&model, study.length_m, variance)));
     }
     columns.push(("frequency_per_m".to_owned(), spectrum.frequency_per_m.clone()));
-    Some(Table::new(columns).led_by("frequency_per_m"))
+    Some(CsvTable::new(columns).with_first("frequency_per_m"))
 }
 
 /// Correlation of contact area and load of the windows over the lag between them.
-fn cross_table(lead: &SolvedLevel) -> Option<Table> {
+fn cross_table(lead: &SolvedLevel) -> Option<CsvTable> {
     let cross = lead.analysis.area_and_load.as_ref().ok()?;
     let lags = cross.lags.iter().map(|lag| *lag as f64 * cross.step_m).collect();
-    Some(Table::new([("lag_m", lags), ("correlation", cross.correlation.clone())]))
+    Some(CsvTable::new([("lag_m", lags), ("correlation", cross.correlation.clone())]))
 }
 
-fn windows_table(study: &WindowStudy) -> Table {
+fn windows_table(study: &WindowStudy) -> CsvTable {
     let column = |value: &dyn Fn(&WindowCorrelation) -> f64| study.windows.iter().map(value).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         ("window_m", column(&|seen| seen.window_m)),
         ("std", column(&|seen| seen.std)),
         ("expected_std", column(&|seen| seen.expected_std)),

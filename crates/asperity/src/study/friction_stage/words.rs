@@ -13,7 +13,6 @@ const UNLIKELY: f64 = 0.01;
 pub(super) fn sentences(
     study: &FrictionStudy,
     strips: &Strips<'_>,
-    law: &str,
     mean_compliance_m_per_pa: Option<f64>,
     lead: &SolvedLevel,
 ) -> Vec<String> {
@@ -23,7 +22,7 @@ pub(super) fn sentences(
             format!("periodic, of mean compliance {} under a fixed plane", sentence::compliance(m_per_pa))
         }
     };
-    let window = &strips.problem.window;
+    let window = &lead.window;
     let name = lead.control.name();
     let correlation = match &lead.window_study {
         None => format!("At {name} friction does not vary, so it has no correlation."),
@@ -42,14 +41,15 @@ pub(super) fn sentences(
         WindowShape::Rectangle => "a window",
         WindowShape::Ellipse => "an elliptic window",
     };
-    let width = match lead.level.tracks {
+    let width = match lead.strips.tracks {
         1 if window.width_m() > strips.problem.grid().height_m() * (1.0 - 1e-9) => "the width of the strip".to_owned(),
         1 => sentence::si(window.width_m(), "m"),
         tracks => format!("{}, {tracks} side by side", sentence::si(window.width_m(), "m")),
     };
     let mut sentences = vec![
         format!(
-            "{law}, over {shape} of {} × {width}, moved by {}.",
+            "{}, over {shape} of {} × {width}, moved by {}.",
+            strips.problem.law.describe(),
             sentence::si(window.length_m(), "m"),
             sentence::si(window.step_m(), "m"),
         ),
@@ -98,8 +98,8 @@ pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
             100.0 * statistics.empty_windows as f64 / windows as f64
         ));
     }
-    if !solved.level.failures.is_empty() {
-        let strips = sentence::count(solved.level.failures.len(), "strip", "strips");
+    if !solved.strips.failures.is_empty() {
+        let strips = sentence::count(solved.strips.failures.len(), "strip", "strips");
         warnings.push(format!("at {name}, {strips} did not converge and were left out"));
     }
     warnings

@@ -1,12 +1,12 @@
 //! Pressure distributions of all cells, as fields and entries of `results.json`.
 
 use crate::pressure::{FieldDistributions, GlobalExpansion, Homogeneity, MethodError};
-use crate::study::Field;
+use crate::study::QuantityMap;
 use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, finite};
 
 /// Returns the maps, in pascal and fractions.
-pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, Field)> {
-    let field = |unit, values: &ndarray::Array2<f64>| Field { grid: laws.grid, unit, values: values.clone() };
+pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, QuantityMap)> {
+    let field = |unit, values: &ndarray::Array2<f64>| QuantityMap { grid: laws.grid, unit, values: values.clone() };
     let mut fields = vec![
         ("contact_probability", field("1", &laws.contact_probability)),
         ("pressure_mean", field("Pa", &laws.mean_pa)),

@@ -2,12 +2,12 @@
 
 use crate::chaos::DiscreteDistribution;
 use crate::pressure::{Band, ComparisonResults, Method};
-use crate::study::Table;
+use crate::study::CsvTable;
 use crate::study::pressure_stage::entries::scalar_name;
 use crate::study::pressure_stage::indices;
 use crate::study::result::{MethodEntry, Pair, PressureResult};
 
-pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, Table)> {
+pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, CsvTable)> {
     let mut tables = vec![
         ("pressure_cdf", cdf(results)),
         ("pressure_bands", bands(results)),
@@ -25,7 +25,7 @@ pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> V
 
 /// Returns the CDF of every method with an estimate, on one grid of pressures: 0, quantiles of the reference, and even
 /// steps between.
-fn cdf(results: &ComparisonResults) -> Table {
+fn cdf(results: &ComparisonResults) -> CsvTable {
     const ROWS: usize = 400;
     let reference = &results.reference.estimate.distribution;
     let atom = reference.cdf(0.0);
@@ -45,12 +45,12 @@ fn cdf(results: &ComparisonResults) -> Table {
     for method in Method::ALL {
         columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.distribution))));
     }
-    Table::new(columns)
+    CsvTable::new(columns)
 }
 
 /// Returns the CDF of the reference and of every method with a band, each at its own pressures, with standard errors
 /// and 95 % limits, pointwise and simultaneous.
-fn bands(results: &ComparisonResults) -> Table {
+fn bands(results: &ComparisonResults) -> CsvTable {
     let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
     let methods = Method::ALL.into_iter().map(|method| {
         let estimate = results.estimate(method).map(|(estimate, _)| estimate);
@@ -77,11 +77,11 @@ fn bands(results: &ComparisonResults) -> Table {
             add(&format!("{what}_high"), &|i| limits(i)[1]);
         }
     }
-    Table::new(columns)
+    CsvTable::new(columns)
 }
 
 /// Returns a row for each method with an estimate, the reference first.
-fn methods(summary: &PressureResult) -> Table {
+fn methods(summary: &PressureResult) -> CsvTable {
     let methods: Vec<&MethodEntry> = summary.methods.iter().filter(|method| method.failure.is_none()).collect();
     let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
     let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.clone()));
@@ -125,11 +125,11 @@ fn methods(summary: &PressureResult) -> Table {
     }
     add("ks_distance", None, of(&|m| m.ks_distance));
     add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
-    Table::with_names(names.collect(), columns)
+    CsvTable::with_names(names.collect(), columns)
 }
 
 /// Returns a row for each scalar, in the unit of its name.
-fn scalars(summary: &PressureResult) -> Table {
+fn scalars(summary: &PressureResult) -> CsvTable {
     let names = summary.scalars.iter().map(|scalar| scalar.name.clone()).collect();
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add = |name: String, value: &dyn Fn(&crate::study::result::ScalarEntry) -> f64| {
@@ -146,11 +146,11 @@ fn scalars(summary: &PressureResult) -> Table {
         add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
         add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
     }
-    Table::with_names(names, columns)
+    CsvTable::with_names(names, columns)
 }
 
 /// Returns the quantiles of the scalars at evenly spaced probabilities.
-fn scalar_laws(results: &ComparisonResults) -> Table {
+fn scalar_laws(results: &ComparisonResults) -> CsvTable {
     const ROWS: usize = 200;
     let probabilities: Vec<f64> = (0..ROWS).map(|k| (k as f64 + 0.5) / ROWS as f64).collect();
     let scalars = results.scalars.iter().map(|scalar| {
@@ -158,5 +158,5 @@ fn scalar_laws(results: &ComparisonResults) -> Table {
         (scalar_name(scalar.quantity).to_owned(), values)
     });
     let scalars: Vec<(String, Vec<f64>)> = scalars.collect();
-    Table::new(std::iter::once(("probability".to_owned(), probabilities)).chain(scalars))
+    CsvTable::new(std::iter::once(("probability".to_owned(), probabilities)).chain(scalars))
 }

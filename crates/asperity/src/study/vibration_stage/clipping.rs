@@ -1,8 +1,8 @@
 //! Limits and warnings about friction values that are clipped to stay positive.
 
-use super::{Ensembles, Fluctuation, MARGINS, ensembles, fluctuations};
-use crate::friction::WindowFriction;
+use super::{Ensembles, MARGINS};
 use crate::friction::process::ProcessModel;
+use crate::friction::{Upscaling, WindowFriction};
 use crate::study::check::VibrationStudy;
 use crate::study::file::MapSection;
 use crate::study::{StudyError, sentence};
@@ -23,8 +23,9 @@ pub fn clipping_warning(fraction: f64) -> Option<String> {
 
 /// Fails if friction that is known before the run is clipped more than the study allows.
 pub(in crate::study) fn refuse_clipping(study: &VibrationStudy, window: &WindowFriction) -> Result<(), StudyError> {
-    let ensembles = ensembles(study, window, 0)?;
-    fluctuations(window).iter().try_for_each(|noise| ensembles.process(noise, MARGINS[0]).map(|_| ()))
+    let ensembles = Ensembles::new(study, window, 0)?;
+    let process = |upscaling| ensembles.process(upscaling, MARGINS[0]).map(|_| ());
+    [Upscaling::Paper, Upscaling::Area].into_iter().try_for_each(process)
 }
 
 impl Ensembles<'_> {
@@ -33,11 +34,11 @@ impl Ensembles<'_> {
     /// # Errors
     /// It exceeds the limit of the study, under the main upscaling. The other upscaling serves for comparison and only
     /// warns.
-    pub(super) fn clipped(&self, model: &ProcessModel, upscaling: &'static str) -> Result<f64, StudyError> {
+    pub(super) fn clipped(&self, model: &ProcessModel, upscaling: Upscaling) -> Result<f64, StudyError> {
         let fraction = model.clipped_fraction();
-        let leads = upscaling == self.study.upscaling.name();
+        let leads = upscaling == self.study.upscaling;
         if leads && fraction > LARGEST_CLIPPED_FRACTION && !self.study.allow_clipping {
-            return Err(StudyError::Clipped { upscaling, fraction, computed: self.window.computed });
+            return Err(StudyError::Clipped { upscaling: upscaling.name(), fraction, computed: self.window.computed });
         }
         Ok(fraction)
     }
@@ -46,11 +47,11 @@ impl Ensembles<'_> {
     ///
     /// # Errors
     /// At a point of the first grid more friction is clipped than the study allows.
-    pub(super) fn map_clipping(&self, map: &MapSection, noise: &Fluctuation) -> Result<Option<String>, StudyError> {
+    pub(super) fn map_clipping(&self, map: &MapSection) -> Result<Option<String>, StudyError> {
         let mut largest = 0.0_f64;
         for point in self.map_settings(map).first_grid() {
-            if let (_, Some(model)) = self.machine_and_model(map.over, noise, point)? {
-                largest = largest.max(self.clipped(&model, noise.name)?);
+            if let (_, Some(model)) = self.machine_and_model(map.over, point)? {
+                largest = largest.max(self.clipped(&model, self.study.upscaling)?);
             }
         }
         Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))

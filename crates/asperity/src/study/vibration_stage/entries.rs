@@ -3,8 +3,7 @@
 use crate::study::result::{
     CrossingResult, CycleResult, DampingResult, KindResult, MotionResult, PointsResult, finite,
 };
-use crate::study::sentence;
-use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleDistribution};
+use crate::vibration::{Crossing, Ensemble, MotionKind, Regime, SampleDistribution};
 
 /// Returns a kind of motion under its name in `results.json`.
 pub(super) fn kind_result(kind: MotionKind) -> KindResult {
@@ -79,26 +78,5 @@ pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
         entry_rate_interval: passages.entry_rate.map(|rate| rate.interval),
         left_share: passages.left.value,
         left_share_interval: passages.left.interval,
-    }
-}
-
-/// Describes a friction law with its parameters, per unit of dimensionless velocity.
-pub(super) fn describe_law(law: &FrictionLaw) -> String {
-    let digits = sentence::digits;
-    match law {
-        FrictionLaw::Coulomb { kinetic } => digits(*kinetic),
-        FrictionLaw::Stribeck { kinetic, decay } => {
-            format!("{}/(1 + a|v|), a = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*decay))
-        }
-        FrictionLaw::Linear { kinetic, slope } => {
-            format!("{} − b|v|, b = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*slope))
-        }
-        FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity } => format!(
-            "{} + {}·exp(−|v|/{})",
-            digits(*high_speed),
-            digits(kinetic - high_speed),
-            digits(*stribeck_velocity)
-        ),
-        FrictionLaw::Tabulated(_) => "a tabulated law".into(),
     }
 }

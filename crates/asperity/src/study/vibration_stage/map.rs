@@ -1,13 +1,13 @@
 //! Stability map of a study.
 
-use super::{CONSTANT_STD, Ensembles, Fluctuation};
+use super::{CONSTANT_STD, Ensembles};
 use crate::friction::process::{FrictionProcess, ProcessModel};
 use crate::monitor::Monitor;
 use crate::study::file::MapSection;
-use crate::study::{StudyError, Table};
+use crate::study::{CsvTable, StudyError};
 use crate::vibration::{
     EnsembleSettings, MapAxis, MapCell, MapOver, MapPoint, MapSettings, Oscillator, StabilityMap, VibrationError,
-    stability_map,
+    clipped_to_positive, stability_map,
 };
 
 impl Ensembles<'_> {
@@ -18,15 +18,10 @@ impl Ensembles<'_> {
         MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble }
     }
 
-    /// Computes the map over the parameters of the study, with one upscaling.
-    pub(super) fn map(
-        &self,
-        section: &MapSection,
-        noise: &Fluctuation,
-        monitor: &dyn Monitor,
-    ) -> Result<StabilityMap, StudyError> {
+    /// Computes the map over the parameters of the study, with its main upscaling.
+    pub(super) fn map(&self, section: &MapSection, monitor: &dyn Monitor) -> Result<StabilityMap, StudyError> {
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = self.machine_and_model(section.over, noise, [x, y])?;
+            let (oscillator, model) = self.machine_and_model(section.over, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
@@ -37,22 +32,24 @@ impl Ensembles<'_> {
     pub(super) fn machine_and_model(
         &self,
         over: MapOver,
-        noise: &Fluctuation,
         point: [f64; 2],
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
-        let (oscillator, std, load) = over.at(&self.oscillator, noise.std, point)?;
+        let stated = self.model(self.study.upscaling);
+        let (oscillator, std, load) = over.at(&self.oscillator, stated.std, point)?;
+        let (shape, correlation_length) = (stated.shape.in_unit(load), stated.correlation_length / load);
+        let model = ProcessModel { std, shape, correlation_length, ..stated };
         let varies = std >= CONSTANT_STD;
-        let model = varies.then(|| self.model(&oscillator, noise.marginal.clone(), std, load, 1.0));
+        let model = varies.then(|| clipped_to_positive(&oscillator, model, 1.0));
         Ok((oscillator, model))
     }
 }
 
 /// Returns the tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the
 /// end of vibration without fluctuation, `map_limit`.
-pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
+pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, CsvTable)> {
     let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
     let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
-    let points = Table::new([
+    let points = CsvTable::new([
         (x, of_points(|p| p.x)),
         (y, of_points(|p| p.y)),
         ("sustained_share", of_points(|p| p.sustained.value)),
@@ -61,7 +58,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
         ("trajectories", of_points(|p| p.trajectories as f64)),
         ("limit_damping_ratio", of_points(|p| p.limit_damping_ratio.unwrap_or(f64::NAN))),
     ]);
-    let cells = Table::new([
+    let cells = CsvTable::new([
         (format!("{x}_low"), of_cells(|c| c.x[0])),
         (format!("{x}_high"), of_cells(|c| c.x[1])),
         (format!("{y}_low"), of_cells(|c| c.y[0])),
@@ -79,7 +76,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
 }
 
 /// Returns the points of numbered lines, with the level of each if lines have levels.
-fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
+fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> CsvTable {
     let mut columns = [(); 4].map(|()| Vec::new());
     for (number, (level, line)) in lines.enumerate() {
         for place in line {
@@ -88,5 +85,5 @@ fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 
         }
     }
     let names = ["level", "line", x, y];
-    Table::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
+    CsvTable::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
 }

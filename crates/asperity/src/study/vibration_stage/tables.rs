@@ -8,7 +8,7 @@ use crate::distribution::Marginal;
 use crate::friction::process::{Cancellable, FrictionProcess};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::Histogram;
-use crate::study::Table;
+use crate::study::CsvTable;
 use crate::study::result::{DampingResult, EnsembleResult};
 use crate::vibration::{
     EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, TrajectorySettings,
@@ -21,7 +21,7 @@ const CLOUD_SPAN: f64 = 1.1 * TAU;
 /// Number of times at which the surviving fraction is tabulated.
 const SURVIVAL_POINTS: usize = 201;
 
-pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
+pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> CsvTable {
     let column = |result: &EnsembleResult, value: &dyn Fn(&DampingResult) -> f64| -> Vec<f64> {
         result.damping.iter().map(value).collect()
     };
@@ -38,12 +38,12 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Ta
         columns.push((format!("{name}_sustained_share_low"), column(result, &|d| d.sustained_share_interval[0])));
         columns.push((format!("{name}_sustained_share_high"), column(result, &|d| d.sustained_share_interval[1])));
     }
-    Table::new(columns)
+    CsvTable::new(columns)
 }
 
 /// Returns a histogram of points and the normal density of equal mean and standard deviation; `None` for too few
 /// points.
-pub fn points_table(points: &SampleDistribution) -> Option<Table> {
+pub fn points_table(points: &SampleDistribution) -> Option<CsvTable> {
     let histogram = Histogram::new(&points.sample).ok()?;
     let centres = histogram.centres();
     let mut columns = vec![("density", histogram.density())];
@@ -51,16 +51,16 @@ pub fn points_table(points: &SampleDistribution) -> Option<Table> {
         columns.push(("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()));
     }
     columns.push(("displacement", centres));
-    Some(Table::new(columns).led_by("displacement"))
+    Some(CsvTable::new(columns).with_first("displacement"))
 }
 
 /// Returns the fraction of the trajectories that have never left vibration over time, with 95 % intervals: `tau`,
 /// `share`, `share_low`, `share_high`.
-pub fn survival_table(passages: &Passages, duration: f64) -> Table {
+pub fn survival_table(passages: &Passages, duration: f64) -> CsvTable {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
     let shares: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
     let column = |of: fn(&Fraction) -> f64| shares.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
         ("share", column(|share| share.value)),
         ("share_low", column(|share| share.interval[0])),
@@ -69,9 +69,9 @@ pub fn survival_table(passages: &Passages, duration: f64) -> Table {
 }
 
 /// Returns a phase portrait: `tau`, `displacement`, `velocity`.
-pub fn portrait_table(points: &[PhasePoint]) -> Table {
+pub fn portrait_table(points: &[PhasePoint]) -> CsvTable {
     let column = |of: fn(&PhasePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
+    CsvTable::new([
         ("tau", column(|p| p.tau)),
         ("displacement", column(|p| p.displacement)),
         ("velocity", column(|p| p.velocity)),
@@ -89,7 +89,7 @@ pub fn cloud_table(
     settings: &EnsembleSettings,
     most: usize,
     monitor: &dyn Monitor,
-) -> Result<Table, VibrationError> {
+) -> Result<CsvTable, VibrationError> {
     let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
     let followed = TrajectorySettings { duration, start, drive, method };
     let from = (duration - CLOUD_SPAN).max(0.0);
@@ -114,5 +114,5 @@ pub fn cloud_table(
             columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
         }
     }
-    Ok(Table::new(["trajectory", "tau", "displacement", "velocity"].into_iter().zip(columns)))
+    Ok(CsvTable::new(["trajectory", "tau", "displacement", "velocity"].into_iter().zip(columns)))
 }

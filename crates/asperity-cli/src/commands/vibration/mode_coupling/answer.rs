@@ -1,6 +1,6 @@
 //! Answer of the command for coupled modes.
 
-use asperity::vibration::mode_coupling::{EigenvalueScan, Model, Regime, modes};
+use asperity::vibration::mode_coupling::{CoupledRegime, EigenvalueScan, Model, modes};
 use serde_json::{Value, json};
 
 use super::Found;
@@ -28,10 +28,10 @@ pub(super) fn modes_answer(model: &Model, scan: &EigenvalueScan) -> Answer {
 pub(super) fn motion_answer(found: &Found) -> Answer {
     let cycle = found.regime.cycle();
     let regime = match found.regime {
-        Regime::Cycle(_) => "cycle",
-        Regime::Steady => "steady",
-        Regime::Locked => "locked",
-        Regime::Irregular => "irregular",
+        CoupledRegime::Cycle(_) => "cycle",
+        CoupledRegime::Steady => "steady",
+        CoupledRegime::Locked => "locked",
+        CoupledRegime::Irregular => "irregular",
     };
     let answer = Answer::default()
         .with("motion", regime)
@@ -77,11 +77,11 @@ pub(super) fn scan(scan: &EigenvalueScan) -> Value {
 }
 
 /// Returns a message about a motion without cycle.
-pub(super) fn note(regime: &Regime) -> Option<&'static str> {
+pub(super) fn note(regime: &CoupledRegime) -> Option<&'static str> {
     match regime {
-        Regime::Cycle(_) => None,
-        Regime::Steady => Some("no limit cycle: the mass comes to rest in space"),
-        Regime::Locked => Some("no limit cycle: the belt carries the mass away (self-locking)"),
-        Regime::Irregular => Some("no limit cycle: the motion is not periodic"),
+        CoupledRegime::Cycle(_) => None,
+        CoupledRegime::Steady => Some("no limit cycle: the mass comes to rest in space"),
+        CoupledRegime::Locked => Some("no limit cycle: the belt carries the mass away (self-locking)"),
+        CoupledRegime::Irregular => Some("no limit cycle: the motion is not periodic"),
     }
 }

@@ -1,12 +1,64 @@
-//! Sums over the cells of a solved strip, from which the sums of every window follow.
+//! Contact of windows that slide along a solved strip.
+//!
+//! [`window_contacts`] computes it from sums over the cells of the strip.
 
 use std::ops::{AddAssign, Sub};
 
 use ndarray::Array2;
 
-use crate::window::{Run, Window, WindowContact};
+use crate::window::{Run, Window};
 use asperity_base::map::Grid;
 use asperity_contact::{Boundary, Solution, area::PERIMETER_WEIGHT};
+
+/// Contact in a window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindowContact {
+    /// Position of the centre of the window in metre.
+    pub position_m: f64,
+    /// Number of cells with p > 0.
+    pub contact_cells: f64,
+    /// Contact area in square metre, corrected for the perimeter. Edges of contact on the border of the window belong
+    /// half to it, so that the areas of adjoining windows add up.
+    pub area_m2: f64,
+    /// Least area that carries the load at the hardness, ∫p/H dA, in square metre; 0 without a hardness.
+    pub least_area_m2: f64,
+    /// Load in newton.
+    pub load_n: f64,
+    /// ∫p|∂z/∂x| dA over the cells with p = H, in newton; 0 if the friction law does not use it.
+    pub ploughing_n: f64,
+}
+
+impl WindowContact {
+    /// Returns whether the window carries load.
+    pub fn loaded(&self) -> bool {
+        self.load_n > 0.0
+    }
+
+    /// Returns the corrected contact area in square metre, but at least the area that carries the load at the hardness.
+    /// The two are equal if all contact is plastic. For a few small contacts the perimeter correction may exceed the
+    /// contact area.
+    pub fn bearing_area_m2(&self) -> f64 {
+        self.area_m2.max(self.least_area_m2)
+    }
+}
+
+/// Computes the contact of windows that slide along a solved strip: of each window by track and position, in the order of
+/// sliding.
+///
+/// On a periodic strip a window wraps around. A free strip is a punch with loaded ends; positions nearer to an end than the
+/// strip is wide are left out. The undeformed heights of the strip, in metre, are required for
+/// [`WindowContact::ploughing_n`] only, which is 0 without them.
+///
+/// # Panics
+/// If a window belongs to strips of another grid, or the heights do not have the shape of the solution.
+pub fn window_contacts(
+    solution: &Solution,
+    windows: &[&Window],
+    ploughing_heights_m: Option<&Array2<f64>>,
+) -> Vec<Vec<Vec<WindowContact>>> {
+    let sums = StripSums::new(solution, ploughing_heights_m, windows);
+    windows.iter().map(|window| sums.slide(window)).collect()
+}
 
 /// Prefix sums along x of the window sums: of every row or, if all windows span the strip, of whole columns.
 ///
@@ -14,9 +66,10 @@ use asperity_contact::{Boundary, Solution, area::PERIMETER_WEIGHT};
 /// its edges that count for the perimeter. So an edge between two cells of a window counts whole, and an edge on the
 /// border of the window counts half.
 #[derive(Debug, Clone)]
-pub struct StripSums {
+struct StripSums {
     grid: Grid,
     periodic: bool,
+    /// Whether the sums are over whole columns.
     of_columns: bool,
     /// Prefixes, nx + 1 per row.
     prefixes: Vec<Tally>,
@@ -69,12 +122,8 @@ enum Cell {
 }
 
 impl StripSums {
-    /// Computes the sums that `windows` need on a solved strip. The undeformed heights of the strip, in metre, are
-    /// required only for ploughing.
-    ///
-    /// # Panics
-    /// If the heights do not have the shape of the solution.
-    pub fn new(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
+    /// Computes the sums that `windows` need on a solved strip; see [`window_contacts`].
+    fn new(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
         let p = solution.pressure_pa();
         let (ny, nx) = p.dim();
         assert!(
@@ -117,23 +166,21 @@ impl StripSums {
         Self { grid, periodic, of_columns, prefixes }
     }
 
-    /// Returns the grid of the strip.
-    pub(super) fn grid(&self) -> Grid {
-        self.grid
-    }
-
-    /// Returns whether the strip is periodic.
-    pub(super) fn periodic(&self) -> bool {
-        self.periodic
-    }
-
-    /// Returns whether the sums are over whole columns.
-    pub(super) fn of_columns(&self) -> bool {
-        self.of_columns
+    /// Computes the contact of every position of a window, track by track.
+    fn slide(&self, window: &Window) -> Vec<Vec<WindowContact>> {
+        assert!(window.fits(self.grid), "the window belongs to another strip");
+        let runs = if self.of_columns { &window.runs()[..1] } else { window.runs() };
+        let starts = window.starts(self.grid, self.periodic);
+        let centre_m = |start: usize| (start as f64 + 0.5 * window.cells() as f64) * window.cell_m();
+        window
+            .tracks(self.periodic)
+            .into_iter()
+            .map(|track| starts.iter().map(|&start| self.window(runs, track, start, centre_m(start))).collect())
+            .collect()
     }
 
     /// Computes the contact in a window of these runs with first row `track` and first column `start`.
-    pub(super) fn window(&self, runs: &[Run], track: usize, start: usize, position_m: f64) -> WindowContact {
+    fn window(&self, runs: &[Run], track: usize, start: usize, position_m: f64) -> WindowContact {
         let (nx, stride) = (self.grid.nx(), self.grid.nx() + 1);
         let rows = self.prefixes.len() / stride;
         let mut sum = Tally::default();
