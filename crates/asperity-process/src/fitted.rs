@@ -95,7 +95,7 @@ impl FittedProcess {
         }
         if let Some(law) = &self.marginal {
             law.check()?;
-            positive("standard deviation of the marginal law", law.std())?;
+            positive("standard deviation of the marginal distribution", law.std())?;
         }
         if let Some(correlation) = &self.correlation {
             correlation.check()?;

@@ -64,7 +64,7 @@ impl ProcessModel {
         self.marginal.check()?;
         positive("friction standard deviation", self.std)?;
         self.shape.check(self.correlation_length)?;
-        positive("standard deviation of the marginal law", self.marginal.std())?;
+        positive("standard deviation of the marginal distribution", self.marginal.std())?;
         positive("steps per correlation length", self.steps_per_length as f64)?;
         self.generator.check(self.shape, &self.marginal)?;
         if let Some(value) = self.least.filter(|least| least.is_nan() || *least >= 0.0) {

@@ -168,7 +168,7 @@ impl Field<'_> {
                 let corrected = Predistorted::new(self.covariance, self.marginal)?;
                 let correction = Some(format!(
                     "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
-                     heights of this law cannot have a correlation below {}.",
+                     heights of this distribution cannot have a correlation below {}.",
                     sentence::digits(corrected.least_correlation())
                 ));
                 Ok(Generated { correction, ..self.karhunen_loeve(&corrected, false, expansion, modes)? })
@@ -258,7 +258,7 @@ impl Field<'_> {
                 let left = report.corrected.largest_deviation;
                 met = Some(format!(
                     "Corrected translation meets the correlation of the heights on {} to {}, plain translation would to {}; \
-                     heights of this law cannot have a correlation below {}.",
+                     heights of this distribution cannot have a correlation below {}.",
                     self.size(),
                     sentence::digits(left),
                     sentence::digits(report.plain.largest_deviation),
@@ -266,7 +266,7 @@ impl Field<'_> {
                 ));
                 if left > CORRELATION_LEFT {
                     warnings.push(format!(
-                        "heights of the marginal law cannot have the correlation that was asked for: it is met to {}, by \
+                        "heights of the marginal distribution cannot have the correlation that was asked for: it is met to {}, by \
                          plain translation to {}",
                         sentence::digits(left),
                         sentence::digits(report.plain.largest_deviation)

@@ -290,7 +290,7 @@ fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> Selec
             own.beneath(|rho| translation.correlation(rho), corner, |own| judge.ratio(own).unwrap_or(f64::NAN));
         if distance(judge.ratio(&adjusted)) < distance(ratio) {
             chosen.reason = Some(format!(
-                "The scan's own covariance was taken because {failure}. Under the marginal law it would have {} the scan's Sdq; \
+                "The scan's own covariance was taken because {failure}. Under the marginal distribution it would have {} the scan's Sdq; \
                  the covariance of the normal variables was changed so that the heights keep the slopes.",
                 times(ratio.unwrap_or(f64::NAN)),
             ));
@@ -359,7 +359,7 @@ fn nearest(
             let unchanged = own.filter(|own| judge.ratio(own) != judge.ratio(&chosen.covariance));
             let unchanged = unchanged.map(|own| {
                 let reason =
-                    format!("The scan's own covariance was taken as it is: changed for the marginal law, {failure}.");
+                    format!("The scan's own covariance was taken as it is: changed for the marginal distribution, {failure}.");
                 SelectedCovariance { reason: Some(reason), ..SelectedCovariance::new(own) }
             });
             model.into_iter().chain(unchanged).collect()
@@ -393,7 +393,7 @@ fn slope_warning(chosen: &SelectedCovariance, judge: &Judge<'_>, marginal: &Marg
         && (distance(gaussian) < 0.5 * distance(expected) || marginal.excess_kurtosis() > HEAVY_TAILS)
     {
         format!(
-            "the marginal law of the heights (kurtosis {}) distorts the slopes of the normal variables beneath; reject outliers, or \
+            "the marginal distribution of the heights (kurtosis {}) distorts the slopes of the normal variables beneath; reject outliers, or \
              use marginal = \"normal\"",
             sentence::digits(3.0 + marginal.excess_kurtosis())
         )
