@@ -34,7 +34,7 @@ pub enum Control {
     },
     /// The mean gap over the whole patch. The smallest gap that double precision resolves is about 10⁻¹⁵ of the
     /// roughness over the tolerance, and larger on the free boundary. A smaller gap ends as
-    /// [`PrecisionLimit`](crate::StopReason::PrecisionLimit) or at the iteration limit.
+    /// [`PrecisionLimit`](crate::SolverStop::PrecisionLimit) or at the iteration limit.
     MeanGap {
         /// Mean gap in metre, > 0.
         metre: f64,

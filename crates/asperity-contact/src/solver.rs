@@ -94,7 +94,7 @@ impl Solver {
     }
 
     /// Solves `problem` like [`Solver::solve_with`], from the pressure `start` in pascal of shape `[ny, nx]`, if given.
-    /// Stops with [`SolverStop::Cancelled`](crate::StopReason::Cancelled) when the monitor cancels.
+    /// Stops with [`SolverStop::Cancelled`](crate::SolverStop::Cancelled) when the monitor cancels.
     ///
     /// The pressure of a similar problem saves some iterations if the loads differ by a few percent. It is clipped to
     /// the bounds and scaled to the prescribed load. It does not change the solution beyond the tolerance. A prescribed

@@ -358,8 +358,9 @@ fn nearest(
             });
             let unchanged = own.filter(|own| judge.ratio(own) != judge.ratio(&chosen.covariance));
             let unchanged = unchanged.map(|own| {
-                let reason =
-                    format!("The scan's own covariance was taken as it is: changed for the marginal distribution, {failure}.");
+                let reason = format!(
+                    "The scan's own covariance was taken as it is: changed for the marginal distribution, {failure}."
+                );
                 SelectedCovariance { reason: Some(reason), ..SelectedCovariance::new(own) }
             });
             model.into_iter().chain(unchanged).collect()
