@@ -88,7 +88,7 @@ impl WindowFriction {
         };
         let marginal = process.marginal().map(|fit| fit.marginal.clone()).unwrap_or_else(|| {
             if varies {
-                warnings.push("no law could be fitted to friction; the normal one is taken".into());
+                warnings.push("no distribution could be fitted to friction; the normal distribution is taken".into());
             }
             Marginal::STANDARD_NORMAL
         });

@@ -179,7 +179,10 @@ impl VelocityLaw {
     pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
         match self {
             Self::Tabulated(table) => table.least_coefficient(speed),
-            falling => falling.coefficient(speed),
+            falling @ (Self::Stribeck { .. }
+            | Self::Coulomb { .. }
+            | Self::Linear { .. }
+            | Self::Exponential { .. }) => falling.coefficient(speed),
         }
     }
 
@@ -195,7 +198,10 @@ impl VelocityLaw {
     pub(super) fn steepest(&self) -> f64 {
         match self {
             Self::Tabulated(table) => table.steepest(),
-            falling => falling.weakening(0.0),
+            falling @ (Self::Stribeck { .. }
+            | Self::Coulomb { .. }
+            | Self::Linear { .. }
+            | Self::Exponential { .. }) => falling.weakening(0.0),
         }
     }
 
@@ -203,7 +209,10 @@ impl VelocityLaw {
     pub(super) fn is_constant(&self) -> bool {
         match self {
             Self::Tabulated(table) => table.is_constant(),
-            falling => falling.weakening(0.0) == 0.0,
+            falling @ (Self::Stribeck { .. }
+            | Self::Coulomb { .. }
+            | Self::Linear { .. }
+            | Self::Exponential { .. }) => falling.weakening(0.0) == 0.0,
         }
     }
 

@@ -144,7 +144,10 @@ impl Checker<'_> {
     fn strongest(&self) -> f64 {
         let law = match self.oscillator.law() {
             VelocityLaw::Tabulated(table) => table.points().map(|point| point[1]).fold(0.0, f64::max),
-            falling => falling.kinetic(),
+            falling @ (VelocityLaw::Stribeck { .. }
+            | VelocityLaw::Coulomb { .. }
+            | VelocityLaw::Linear { .. }
+            | VelocityLaw::Exponential { .. }) => falling.kinetic(),
         };
         law.max(self.oscillator.static_friction()) + self.largest
     }

@@ -80,7 +80,7 @@ impl Study {
         let mut warnings = file.keys_without_effect();
         if let Some(material) = &file.material {
             let [hardness, shear] = [material.hardness, material.shear_strength].map(|stated| stated.map(|q| q.0));
-            let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law != WindowLawKind::Coulomb));
+            let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law.is_sheared()));
             let found = implausible_material(material.youngs_modulus.0, material.poisson_ratio, hardness, shear);
             warnings.extend(found.into_iter().map(|warning| format!("[material] {warning}")));
         }

@@ -21,10 +21,10 @@ impl StudyFile {
             keys.push(periodic_only("friction"));
         }
         keys.extend(self.friction.iter().flat_map(FrictionSection::keys_without_effect));
-        if self.friction.as_ref().is_some_and(|f| f.law == WindowLawKind::Coulomb)
+        if let Some(friction) = self.friction.as_ref().filter(|f| !f.law.is_sheared())
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {
-            keys.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
+            keys.push(format!("[material] shear_strength has no effect with law = \"{}\"", friction.law));
         }
         keys
     }
@@ -33,12 +33,13 @@ impl StudyFile {
 impl FrictionSection {
     /// Returns a sentence for each stated key that has no effect.
     fn keys_without_effect(&self) -> Vec<String> {
-        let pressure = self.pressure_coefficient.is_some() && self.law != WindowLawKind::PressureDependent;
-        let coulomb = self.coefficient.is_some() && self.law != WindowLawKind::Coulomb;
-        [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
-            .into_iter()
-            .filter(|(_, unused, _)| *unused)
-            .map(|(key, _, law)| format!("[friction] {key} has no effect without law = \"{law}\""))
+        let stated = [
+            ("pressure_coefficient", self.pressure_coefficient.is_some()),
+            ("coefficient", self.coefficient.is_some()),
+        ];
+        let laws = WindowLawKind::ALL.iter().filter(|law| law.key() != self.law.key());
+        laws.filter_map(|law| law.key().filter(|key| stated.contains(&(*key, true))).map(|key| (law, key)))
+            .map(|(law, key)| format!("[friction] {key} has no effect without law = \"{law}\""))
             .collect()
     }
 }

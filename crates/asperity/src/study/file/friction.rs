@@ -24,6 +24,25 @@ choice! {
     }
 }
 
+impl WindowLawKind {
+    /// Returns whether the law depends on the shear strength of the contacts.
+    pub(in crate::study) fn is_sheared(self) -> bool {
+        match self {
+            Self::BowdenTabor | Self::PressureDependent | Self::AdhesionPloughing => true,
+            Self::Coulomb => false,
+        }
+    }
+
+    /// Returns the key of `[friction]` that holds the parameter of the law, if it has one.
+    pub(in crate::study) fn key(self) -> Option<&'static str> {
+        match self {
+            Self::PressureDependent => Some("pressure_coefficient"),
+            Self::Coulomb => Some("coefficient"),
+            Self::BowdenTabor | Self::AdhesionPloughing => None,
+        }
+    }
+}
+
 choice! {
     /// Shape of the window.
     #[derive(Default)]
