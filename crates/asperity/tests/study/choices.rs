@@ -111,7 +111,7 @@ fn every_assumption_is_reported() {
     let outcome = run(&text, Some(Stage::Vibration));
     let (assumptions, warnings) = (outcome.results.assumptions.join("\n"), outcome.results.warnings.join("\n"));
     for wanted in [
-        "squared_exponential covariance (stated, lengths 20 µm along x and 12 µm along y) of rms height 500 nm",
+        "squared exponential covariance (stated, lengths 20 µm along x and 12 µm along y) of rms height 500 nm",
         "μ = τ_max A_c/N with τ_max = 385 MPa",
         "3 strips of 1 mm × 31 µm (periodic, of mean compliance",
         "a correlation length is only stated with its window",
