@@ -221,6 +221,7 @@ fn a_wrong_study_names_file_line_key_and_the_nearest_right_one() {
         ("points = [16, 16]", "points = [16, 16, 16]", vec!["found 3 values, expected 2"]),
         ("percentile = 50.0", "percentile = 500.0", vec!["percentile", "500"]),
         ("percentile = 50.0", "penetration = \"-1 um\"", vec!["penetration", "positive"]),
+        ("percentile = 50.0", "mean_pressure = \"-1 MPa\"", vec!["found -1 MPa, expected a positive value"]),
         ("percentile = 50.0", "percentile = nan", vec!["percentile", "NaN"]),
         ("\"squared_exponential\"", "\"gaussian\"", vec!["`gaussian`", "squared_exponential"]),
         ("seed = 5", "seed = five", vec![]),

@@ -27,7 +27,7 @@ impl Material {
         key: &'static str,
         pressure: Pressure,
     ) -> Result<(), InvalidValue> {
-        within(section, key, pressure.0, positive, POSITIVE)?;
+        within(section, key, pressure, positive, POSITIVE)?;
         self.hardness_pa.filter(|pascal| pressure.0 >= *pascal).map_or(Ok(()), |pascal| {
             let message = format!("found {pressure}, which is not below the hardness {}", Pressure(pascal));
             Err(invalid(section, key, message))
