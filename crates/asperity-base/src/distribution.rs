@@ -12,6 +12,7 @@ mod moments;
 mod special;
 mod text;
 pub mod translation;
+mod triangular;
 
 #[doc(hidden)]
 pub use chi_square::chi_square_quantile;

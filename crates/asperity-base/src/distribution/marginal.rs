@@ -6,7 +6,7 @@ use super::special::{
     beta_cdf, beta_quantile, beta_survival, gamma_cdf, gamma_quantile, gamma_survival, ln_beta, ln_gamma,
     standard_normal_cdf, standard_normal_quantile,
 };
-use super::{DistributionError, Johnson, JohnsonSystem, empirical};
+use super::{DistributionError, Johnson, JohnsonSystem, empirical, triangular};
 
 /// Distribution on the real line.
 ///
@@ -57,6 +57,15 @@ pub enum Marginal {
         b: f64,
         /// Lower end of the support.
         low: f64,
+        /// Upper end of the support.
+        high: f64,
+    },
+    /// Triangular distribution on [low, high]: the density rises linearly to the mode and falls linearly beyond it.
+    Triangular {
+        /// Lower end of the support.
+        low: f64,
+        /// Most probable value.
+        mode: f64,
         /// Upper end of the support.
         high: f64,
     },
@@ -114,6 +123,14 @@ impl Marginal {
         Self::Beta { a, b, low, high }.checked()
     }
 
+    /// Creates the triangular distribution on [low, high] with its mode between them.
+    ///
+    /// # Errors
+    /// `high` is not above `low`, `mode` lies outside [low, high], or a parameter is not finite.
+    pub fn triangular(low: f64, mode: f64, high: f64) -> Result<Self, DistributionError> {
+        Self::Triangular { low, mode, high }.checked()
+    }
+
     /// Creates Johnson's distribution with these parameters.
     ///
     /// # Errors
@@ -137,8 +154,8 @@ impl Marginal {
         Self::Empirical { sorted: values }.checked()
     }
 
-    /// Returns the name of the distribution: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `empirical`, or
-    /// `johnson_su`, `johnson_sb`, `johnson_sl` and `johnson_sn`.
+    /// Returns the name of the distribution: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `triangular`,
+    /// `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl` and `johnson_sn`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Normal { .. } => "normal",
@@ -146,6 +163,7 @@ impl Marginal {
             Self::Weibull { .. } => "weibull",
             Self::Gamma { .. } => "gamma",
             Self::Beta { .. } => "beta",
+            Self::Triangular { .. } => "triangular",
             Self::Johnson(johnson) => johnson.system.name(),
             Self::Empirical { .. } => "empirical",
         }
@@ -160,6 +178,7 @@ impl Marginal {
                 vec![("shape", shape), ("scale", scale), ("shift", shift)]
             }
             Self::Beta { a, b, low, high } => vec![("a", a), ("b", b), ("low", low), ("high", high)],
+            Self::Triangular { low, mode, high } => vec![("low", low), ("mode", mode), ("high", high)],
             Self::Johnson(Johnson { gamma, delta, xi, lambda, .. }) => {
                 vec![("gamma", gamma), ("delta", delta), ("xi", xi), ("lambda", lambda)]
             }
@@ -179,6 +198,7 @@ impl Marginal {
             Self::Weibull { .. } => Self::Weibull { shape: v[0], scale: v[1], shift: v[2] },
             Self::Gamma { .. } => Self::Gamma { shape: v[0], scale: v[1], shift: v[2] },
             Self::Beta { .. } => Self::Beta { a: v[0], b: v[1], low: v[2], high: v[3] },
+            Self::Triangular { .. } => Self::Triangular { low: v[0], mode: v[1], high: v[2] },
             Self::Johnson(johnson) => {
                 Self::Johnson(Johnson { gamma: v[0], delta: v[1], xi: v[2], lambda: v[3], ..*johnson })
             }
@@ -213,6 +233,9 @@ impl Marginal {
                 Self::Gamma { shape: *shape, scale: scale * own, shift: at(*shift) }
             }
             Self::Beta { a, b, low, high } => Self::Beta { a: *a, b: *b, low: at(*low), high: at(*high) },
+            Self::Triangular { low, mode, high } => {
+                Self::Triangular { low: at(*low), mode: at(*mode), high: at(*high) }
+            }
             Self::Johnson(johnson) => {
                 Self::Johnson(Johnson { xi: at(johnson.xi), lambda: scale * johnson.lambda, ..*johnson })
             }
@@ -234,8 +257,12 @@ impl Marginal {
             }
         }
         match self {
-            Self::Beta { low, high, .. } if high <= low => {
+            Self::Beta { low, high, .. } | Self::Triangular { low, high, .. } if high <= low => {
                 Err(DistributionError::Parameter { distribution, parameter: "high", value: *high, wanted: "above low" })
+            }
+            Self::Triangular { low, mode, high } if mode < low || mode > high => {
+                let wanted = "between low and high";
+                Err(DistributionError::Parameter { distribution, parameter: "mode", value: *mode, wanted })
             }
             Self::Johnson(Johnson { system, lambda, .. }) => {
                 let wanted = match system {
@@ -273,6 +300,7 @@ impl Marginal {
             Self::Weibull { shape, scale, shift } => -(-((x - shift).max(0.0) / scale).powf(*shape)).exp_m1(),
             Self::Gamma { shape, scale, shift } => gamma_cdf(*shape, (x - shift) / scale),
             Self::Beta { a, b, low, high } => beta_cdf(*a, *b, (x - low) / (high - low)),
+            Self::Triangular { low, mode, high } => triangular::cdf([*low, *mode, *high], x),
             Self::Johnson(johnson) => standard_normal_cdf(johnson.normal_of(x)),
             Self::Empirical { sorted } => empirical::cdf(sorted, x),
         }
@@ -295,6 +323,7 @@ impl Marginal {
                     beta_survival(*a, *b, unit)
                 }
             }
+            Self::Triangular { low, mode, high } => triangular::survival([*low, *mode, *high], x),
             Self::Johnson(johnson) => standard_normal_cdf(-johnson.normal_of(x)),
             Self::Empirical { sorted } => 1.0 - empirical::cdf(sorted, x),
         }
@@ -330,6 +359,7 @@ impl Marginal {
                 // The ends are exact.
                 if unit <= 0.5 { low + (high - low) * unit } else { high - (high - low) * (1.0 - unit) }
             }
+            Self::Triangular { low, mode, high } => triangular::quantile([*low, *mode, *high], lower, upper),
             Self::Johnson(johnson) => johnson.value_of(normal()),
             Self::Empirical { sorted } => empirical::quantile(sorted, lower),
         }
@@ -371,6 +401,7 @@ impl Marginal {
                 let rest = (high - x) / (high - low);
                 power_log(a - 1.0, unit) + power_log(b - 1.0, rest) - ln_beta(*a, *b) - (high - low).ln()
             }
+            Self::Triangular { low, mode, high } => triangular::ln_pdf([*low, *mode, *high], x),
             Self::Johnson(johnson) => johnson.ln_pdf(x),
             Self::Empirical { .. } => f64::NAN,
         }
@@ -402,6 +433,7 @@ pub(super) mod tests {
             Marginal::gamma(0.9, 2.0, 0.0).unwrap(),
             Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap(),
             Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(),
+            Marginal::triangular(-1.0, 0.5, 3.0).unwrap(),
             Marginal::johnson(JohnsonSystem::Unbounded, -1.1, 1.5, -1.0, 2.0).unwrap(),
             Marginal::johnson(JohnsonSystem::Bounded, 0.5, 0.8, -1.0, 2.0).unwrap(),
             Marginal::johnson(JohnsonSystem::Lognormal, 0.3, 2.5, 1.0, -2.0).unwrap(),
@@ -418,6 +450,7 @@ pub(super) mod tests {
             "weibull:1.5,2,-1",
             "gamma:1.5,2,-1",
             "beta:2.1,5,0,3",
+            "triangular:0,2,3",
             "johnson:-1,5,2,3",
         ] {
             let marginal: Marginal = text.parse().unwrap();
@@ -493,6 +526,7 @@ pub(super) mod tests {
             ("weibull:1.5,1,2", Some(1.0), None),
             ("gamma:1.5,1,2", Some(1.0), None),
             ("beta:2,3,-1,1", Some(-2.0), Some(2.0)),
+            ("triangular:-1,0,1", Some(-2.0), Some(2.0)),
             ("johnson_sb:0.5,1,-1,2", Some(-2.0), Some(2.0)),
             ("johnson_sl:0.5,1,2,1", Some(1.0), None),
             ("johnson_sl:0.5,1,2,-1", None, Some(3.0)),

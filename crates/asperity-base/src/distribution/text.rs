@@ -9,10 +9,10 @@ impl FromStr for Marginal {
     type Err = DistributionError;
 
     /// Parses `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`,
-    /// `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`, `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` (kurtosis as Sku, 3
-    /// for the normal distribution) or the Johnson distributions by their parameters,
-    /// `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`, `johnson_sn`. Defaults: mean 0,
-    /// standard deviation 1, shift 0, Beta distribution on [0, 1], ξ = 0, λ = 1.
+    /// `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`, `triangular:LOW,MODE,HIGH`,
+    /// `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` (kurtosis as Sku, 3 for the normal distribution) or the Johnson
+    /// distributions by their parameters, `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`,
+    /// `johnson_sn`. Defaults: mean 0, standard deviation 1, shift 0, Beta distribution on [0, 1], ξ = 0, λ = 1.
     fn from_str(text: &str) -> Result<Self, DistributionError> {
         let syntax = || DistributionError::Syntax { text: text.trim().into() };
         let (name, numbers) = match text.trim().split_once(':') {
@@ -32,6 +32,7 @@ impl FromStr for Marginal {
             ("gamma", &[shape, scale, shift]) => Self::gamma(shape, scale, shift),
             ("beta", &[a, b]) => Self::beta(a, b, 0.0, 1.0),
             ("beta", &[a, b, low, high]) => Self::beta(a, b, low, high),
+            ("triangular", &[low, mode, high]) => Self::triangular(low, mode, high),
             ("johnson", &[skewness, kurtosis]) => Self::johnson_with_moments(0.0, 1.0, skewness, kurtosis - 3.0),
             ("johnson", &[skewness, kurtosis, mean, std]) => {
                 Self::johnson_with_moments(mean, std, skewness, kurtosis - 3.0)
@@ -63,6 +64,7 @@ impl fmt::Display for Marginal {
             Self::Gamma { shape, scale, shift } => write!(f, "gamma:{shape},{scale},{shift}"),
             Self::Beta { a, b, low: 0.0, high: 1.0 } => write!(f, "beta:{a},{b}"),
             Self::Beta { a, b, low, high } => write!(f, "beta:{a},{b},{low},{high}"),
+            Self::Triangular { low, mode, high } => write!(f, "triangular:{low},{mode},{high}"),
             Self::Johnson(Johnson { system, gamma, delta, xi: 0.0, lambda: 1.0 }) => {
                 write!(f, "{}:{gamma},{delta}", system.name())
             }
@@ -85,6 +87,7 @@ mod tests {
             "normal:-1.5,2e-7",
             "beta:2.1,5",
             "beta:2.1,5,-1,3",
+            "triangular:-1,0.5,3",
             "lognormal:0.1,0.2,3",
             "weibull:1.5,2",
             "gamma:1.5,2",
@@ -113,6 +116,7 @@ mod tests {
             "beta",
             "beta:2.1",
             "beta:2.1,5,0",
+            "triangular:0,1",
             "normal:",
             "normal:1",
             "beta:2.1,x",
