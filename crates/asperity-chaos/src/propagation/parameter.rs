@@ -13,12 +13,23 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// Creates a parameter with the given distribution.
+    ///
+    /// # Errors
+    /// A parameter of the distribution is out of range.
+    pub fn new(name: &str, marginal: Marginal) -> Result<Self, DistributionError> {
+        marginal.check()?;
+        let uniform = matches!(marginal, Marginal::Beta { a: 1.0, b: 1.0, .. });
+        let family = if uniform { Family::Legendre } else { Family::Hermite };
+        Ok(Self { name: name.into(), marginal, family })
+    }
+
     /// Creates a normal parameter.
     ///
     /// # Errors
     /// The standard deviation is not positive, or a number is not finite.
     pub fn normal(name: &str, mean: f64, std: f64) -> Result<Self, DistributionError> {
-        Ok(Self { name: name.into(), marginal: Marginal::normal(mean, std)?, family: Family::Hermite })
+        Self::new(name, Marginal::normal(mean, std)?)
     }
 
     /// Creates a lognormal parameter with the given mean and standard deviation.
@@ -29,8 +40,7 @@ impl Parameter {
         let sigma = (std / mean).powi(2).ln_1p().sqrt();
         positive("mean", mean)?;
         positive("std", std)?;
-        let marginal = Marginal::lognormal(mean.ln() - 0.5 * sigma * sigma, sigma, 0.0)?;
-        Ok(Self { name: name.into(), marginal, family: Family::Hermite })
+        Self::new(name, Marginal::lognormal(mean.ln() - 0.5 * sigma * sigma, sigma, 0.0)?)
     }
 
     /// Creates a parameter that is uniform between two values.
@@ -38,7 +48,7 @@ impl Parameter {
     /// # Errors
     /// `high` is not above `low`.
     pub fn uniform(name: &str, low: f64, high: f64) -> Result<Self, DistributionError> {
-        Ok(Self { name: name.into(), marginal: Marginal::beta(1.0, 1.0, low, high)?, family: Family::Legendre })
+        Self::new(name, Marginal::beta(1.0, 1.0, low, high)?)
     }
 
     /// Creates a normal parameter that lies in the interval with 95 % probability.
@@ -57,8 +67,7 @@ impl Parameter {
     pub fn lognormal_within(name: &str, interval: Interval) -> Result<Self, DistributionError> {
         positive("low", interval.low)?;
         let (low, high) = (interval.low.ln(), interval.high.ln());
-        let marginal = Marginal::lognormal(0.5 * (low + high), 0.5 * (high - low) / NORMAL_95, 0.0)?;
-        Ok(Self { name: name.into(), marginal, family: Family::Hermite })
+        Self::new(name, Marginal::lognormal(0.5 * (low + high), 0.5 * (high - low) / NORMAL_95, 0.0)?)
     }
 
     /// Returns the name.
