@@ -92,7 +92,7 @@ struct ModelOptions {
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
     rms_height: Option<Length>,
     /// Marginal distribution of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE,
-    /// gamma:SHAPE,SCALE, johnson:SKEWNESS,KURTOSIS.
+    /// gamma:SHAPE,SCALE, triangular:LOW,MODE,HIGH, johnson:SKEWNESS,KURTOSIS.
     #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
     marginal: String,
     /// Method that imposes the marginal distribution: corrected keeps the correlation, plain distorts it slightly.

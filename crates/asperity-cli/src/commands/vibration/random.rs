@@ -127,7 +127,8 @@ pub(super) struct Fluctuation {
     /// Correlation length in sliding distance, λ = ℓ_μ·c/N.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     pub(super) correlation_length: f64,
-    /// Shape of the distribution: normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE or beta:A,B.
+    /// Shape of the distribution: normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE, beta:A,B or
+    /// triangular:LOW,MODE,HIGH.
     #[arg(long, value_name = "LAW")]
     marginal: Marginal,
     /// Grid points of the fluctuation per correlation length.
