@@ -3,11 +3,12 @@
 //! A random quantity is a function f(ξ) of independent standard variables ξ. [`sampling`] creates designs, [`Basis`]
 //! (products in a [`MultiIndexSet`]) and [`LeastSquares`] fit an [`Expansion`] to the values at the design points, and
 //! [`DiscreteDistribution`] compares the resulting distributions. [`Resamples`] estimates the errors of Sobol' indices;
-//! [`propagation`] propagates uncertain parameters through a noisy response. [`inputs`] describes dependent uncertain inputs. The
-//! crate contains no tribology.
+//! [`propagation`] propagates uncertain parameters through a noisy response. [`inputs`] describes dependent uncertain
+//! inputs, and [`drivers`] computes how much each of them matters. The crate contains no tribology.
 
 mod basis;
 pub mod distance;
+pub mod drivers;
 mod expansion;
 mod horner;
 pub mod inputs;
@@ -22,6 +23,7 @@ mod sparse;
 
 pub use basis::{Basis, BasisError};
 pub use distance::{DiscreteDistribution, DiscreteDistributionError};
+pub use drivers::{DriverError, Drivers, NestedSampling, PickFreeze, ProbabilityOverUnknowns, UnknownEffect};
 pub use expansion::Expansion;
 pub use inputs::{InputError, Redraw, UncertainInput, UncertainInputs};
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};

@@ -51,9 +51,9 @@ pub struct Resamples {
 pub struct Estimate {
     /// The value.
     pub value: f64,
-    /// Standard deviation over the resamples.
+    /// Standard error: the standard deviation over resamples, or that of a jackknife.
     pub standard_error: f64,
-    /// Basic bootstrap interval.
+    /// Confidence interval: the basic bootstrap interval, or Student's interval of a jackknife.
     pub interval: Interval,
 }
 

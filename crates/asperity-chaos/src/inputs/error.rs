@@ -17,8 +17,8 @@ pub enum InputError {
     },
     /// Too much of a distribution lies beyond the bounds of the input.
     #[error(
-        "`{name}`: {:.3} % of the {distribution} distribution lies outside [{low}, {high}]; choose a distribution within \
-         these bounds, for instance lognormal or triangular",
+        "`{name}`: {:.3} % of the {distribution} distribution lies outside [{low}, {high}]; choose a distribution \
+         within these bounds, for instance lognormal or triangular",
         100.0 * .mass
     )]
     Mass {
@@ -71,8 +71,8 @@ pub enum InputError {
     },
     /// A correlation joins a varying and an unknown input.
     #[error(
-        "`{unknown}` is unknown and `{varying}` varies: one unknown value cannot correlate with values that differ from part \
-         to part; let both vary, or neither"
+        "`{unknown}` is unknown and `{varying}` varies: one unknown value cannot correlate with values that differ from \
+         part to part; let both vary, or neither"
     )]
     UnknownWithVarying {
         /// Name of the unknown input.

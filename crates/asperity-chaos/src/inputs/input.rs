@@ -234,8 +234,8 @@ mod tests {
         let error = input("normal:0.1,0.05").truncated(0.0, f64::INFINITY).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`input`: 2.275 % of the normal distribution lies outside [0, inf]; choose a distribution within these bounds, \
-             for instance lognormal or triangular"
+            "`input`: 2.275 % of the normal distribution lies outside [0, inf]; choose a distribution within these \
+             bounds, for instance lognormal or triangular"
         );
         assert!(input("normal:0.1,0.0324").truncated(0.0, 1.0).is_err(), "0.101 %");
         let near = input("normal:0.1,0.0323").truncated(0.0, 1.0).unwrap();

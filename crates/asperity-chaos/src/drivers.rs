@@ -1,0 +1,157 @@
+//! Drivers of a response: how much of its variance each uncertain input causes.
+//!
+//! [`PickFreeze`] evaluates a cheap response at points of the input space, and again with some inputs drawn anew while
+//! the others keep their values. Half the mean square of the difference estimates E Var\[f | kept inputs\]. Inputs are
+//! redrawn from their distribution given the kept ones, so the estimates hold for dependent inputs, too. The response
+//! may be an indicator of an event (1 or 0). [`NestedSampling`] estimates how a probability depends on unknown inputs.
+//!
+//! ```
+//! use asperity_base::distribution::Marginal;
+//! use asperity_chaos::{PickFreeze, UncertainInput, UncertainInputs};
+//!
+//! // The variance 1 of x₀ and 4 of 2x₁.
+//! let input = |name| UncertainInput::new(name, Marginal::STANDARD_NORMAL, false);
+//! let inputs = UncertainInputs::new(vec![input("x0")?, input("x1")?], &[])?;
+//! let response = |z: &[f64]| {
+//!     let x = inputs.values(z);
+//!     x[0] + 2.0 * x[1]
+//! };
+//! let drivers = PickFreeze::new(7).drivers(&inputs, response)?;
+//! assert!((drivers.total[0].value - 0.2).abs() < 0.01 && (drivers.first_order[1].value - 0.8).abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # References
+//! Janon, Klein, Lagnoux, Nodet & Prieur, *ESAIM: Probab. Stat.* **18** (2014) 342,
+//! <https://doi.org/10.1051/ps/2013040>; Owen & Prieur, *SIAM/ASA J. Uncertain. Quantif.* **5** (2017) 986,
+//! <https://doi.org/10.1137/16M1097717>.
+
+mod permutations;
+mod replicates;
+mod subsets;
+#[cfg(test)]
+mod tests;
+mod unknowns;
+
+use thiserror::Error;
+
+use crate::{Estimate, SamplingError, SamplingMethod, UncertainInputs};
+use permutations::Permutations;
+use replicates::Replicates;
+use subsets::Subsets;
+
+pub use unknowns::{NestedSampling, ProbabilityOverUnknowns, UnknownEffect};
+
+/// Largest number of inputs for which Shapley effects are computed from all subsets.
+const MAX_EXACT: usize = 8;
+/// Largest number of inputs.
+const MAX_INPUTS: usize = 64;
+
+/// Reason why drivers could not be estimated.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DriverError {
+    /// The design could not be created.
+    #[error(transparent)]
+    Design(#[from] SamplingError),
+    /// There are too many inputs.
+    #[error("{inputs} uncertain inputs; drivers are estimated for at most {MAX_INPUTS}")]
+    TooManyInputs {
+        /// Number of inputs.
+        inputs: usize,
+    },
+    /// The response is not a finite number.
+    #[error("the response is {value} at the standard normal variables {z:?}; it must be finite everywhere")]
+    NotFinite {
+        /// Value of the response.
+        value: f64,
+        /// Independent standard normal variables.
+        z: Vec<f64>,
+    },
+    /// The response is the same at all points.
+    #[error("the response does not depend on the inputs")]
+    Constant,
+}
+
+/// Pick-freeze estimates from 16 independent randomisations of a design.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PickFreeze {
+    /// Placement of the points.
+    pub method: SamplingMethod,
+    /// Points of each randomisation; a power of two for Sobol' points.
+    pub points: usize,
+    /// Seed of the stages "chaos/drivers" and "chaos/drivers/permutations".
+    pub seed: u64,
+}
+
+/// Fractions of the variance of a response, in the order of the inputs.
+///
+/// The intervals have 95 % confidence (Student's distribution over the randomisations). Values and intervals lie
+/// between 0 and 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drivers {
+    /// First-order index Var E\[f | x_i\]/Var f: how much the variance falls on average when the input is known.
+    pub first_order: Vec<Estimate>,
+    /// Total index E Var\[f | all inputs but x_i\]/Var f: how much variance remains when only this input is uncertain.
+    pub total: Vec<Estimate>,
+    /// Shapley effects of dependent inputs, which sum to one; `None` for independent inputs.
+    pub shapley: Option<Vec<Estimate>>,
+}
+
+impl PickFreeze {
+    /// Creates the settings for 16 × 1,024 Sobol' points.
+    pub fn new(seed: u64) -> Self {
+        Self { method: SamplingMethod::Sobol, points: 1024, seed }
+    }
+
+    /// Estimates the drivers of a response to independent standard normal variables z, one per input; the response uses
+    /// [`UncertainInputs::values`] for the values of the inputs.
+    ///
+    /// A point of n independent inputs takes 2n + 1 evaluations. Dependent inputs take one evaluation for each of the
+    /// 2ⁿ − 1 subsets if n ≤ 8; for more inputs, random permutations give the Shapley effects with n further evaluations.
+    ///
+    /// # Errors
+    /// The response is constant or not finite, there are no or more than 64 inputs, or the design is empty.
+    ///
+    /// # References
+    /// Song, Nelson & Staum, *SIAM/ASA J. Uncertain. Quantif.* **4** (2016) 1060, <https://doi.org/10.1137/15M1048070>
+    /// (permutations).
+    pub fn drivers(
+        &self,
+        inputs: &UncertainInputs,
+        response: impl Fn(&[f64]) -> f64 + Sync,
+    ) -> Result<Drivers, DriverError> {
+        let n = inputs.inputs().len();
+        if n > MAX_INPUTS {
+            return Err(DriverError::TooManyInputs { inputs: n });
+        }
+        let replicates = Replicates::new(self, n)?;
+        // Differences from one value of the response avoid cancellation in its variance.
+        let origin = finite(&response, &vec![0.0; n])?;
+        let centred = |z: &[f64]| finite(&response, z).map(|value| value - origin);
+        let exact = inputs.is_dependent() && n <= MAX_EXACT;
+        let subsets = if exact { Subsets::all(inputs) } else { Subsets::single(inputs) };
+        let sums = replicates.sums(subsets.width(), |point, sums| subsets.add(point, &centred, sums))?;
+        let mut shapley = None;
+        if exact {
+            shapley = Some(replicates.estimates(&sums, |sums| subsets.shapley_effects(sums))?);
+        } else if inputs.is_dependent() {
+            let permutations = Permutations::new(inputs, self.seed);
+            let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, &centred, sums))?;
+            shapley = Some(replicates.estimates(&sums, |sums| permutations.shapley_effects(sums))?);
+        }
+        Ok(Drivers {
+            first_order: replicates.estimates(&sums, |sums| subsets.first_order(sums))?,
+            total: replicates.estimates(&sums, |sums| subsets.total(sums))?,
+            shapley,
+        })
+    }
+}
+
+/// Evaluates a response.
+///
+/// # Errors
+/// The value is not finite.
+fn finite(response: impl Fn(&[f64]) -> f64, z: &[f64]) -> Result<f64, DriverError> {
+    let value = response(z);
+    if value.is_finite() { Ok(value) } else { Err(DriverError::NotFinite { value, z: z.to_vec() }) }
+}

@@ -1,0 +1,95 @@
+//! Independent randomisations of a design, and estimates with jackknife intervals over them.
+
+use super::{DriverError, PickFreeze};
+use crate::{Design, Estimate};
+use asperity_base::blocks;
+use asperity_base::stats::{Interval, student_quantile};
+
+/// Number of randomisations.
+const COUNT: usize = 16;
+/// Points of a block.
+const BLOCK: usize = 64;
+
+/// Point of the input space, and variables for inputs that are drawn anew.
+pub(super) struct Point<'a> {
+    /// Number of the point over all randomisations.
+    pub(super) index: usize,
+    /// Independent standard normal variables of the inputs.
+    pub(super) z: &'a [f64],
+    /// Further standard normal variables, one per input.
+    pub(super) fresh: &'a [f64],
+}
+
+/// Randomisations of a design in two variables per input.
+pub(super) struct Replicates(Vec<Design>);
+
+impl Replicates {
+    pub(super) fn new(settings: &PickFreeze, inputs: usize) -> Result<Self, DriverError> {
+        let design = Design::new(settings.method, settings.seed, "chaos/drivers", settings.points, 2 * inputs)?;
+        Ok(Self((0..COUNT).map(|number| design.replicate(number)).collect::<Result<_, _>>()?))
+    }
+
+    /// Returns the sums over the points of each randomisation; `add` adds the terms of a point.
+    ///
+    /// # Errors
+    /// The error of a point.
+    pub(super) fn sums(
+        &self,
+        width: usize,
+        add: impl Fn(&Point<'_>, &mut [f64]) -> Result<(), DriverError> + Sync,
+    ) -> Result<Vec<Vec<f64>>, DriverError> {
+        let points = self.0[0].samples();
+        let blocks_each = points.div_ceil(BLOCK);
+        let block = |number: usize| -> Result<Vec<f64>, DriverError> {
+            let (replicate, first) = (number / blocks_each, number % blocks_each * BLOCK);
+            let mut sums = vec![0.0; width];
+            for k in first..points.min(first + BLOCK) {
+                let xi = self.0[replicate].xi(k);
+                let (z, fresh) = xi.split_at(xi.len() / 2);
+                add(&Point { index: replicate * points + k, z, fresh }, &mut sums)?;
+            }
+            Ok(sums)
+        };
+        let parts = blocks::map::<_, Result<Vec<Vec<f64>>, DriverError>>(0..COUNT * blocks_each, block)?;
+        Ok(parts.chunks(blocks_each).map(|parts| total(parts, width)).collect())
+    }
+
+    /// Estimates fractions between 0 and 1 that are functions of the sums, with the delete-one jackknife.
+    ///
+    /// # Errors
+    /// The response is constant: a fraction is not finite.
+    ///
+    /// # References
+    /// Efron & Tibshirani, *An Introduction to the Bootstrap*, Chapman & Hall 1993, ch. 11.
+    pub(super) fn estimates(
+        &self,
+        sums: &[Vec<f64>],
+        statistic: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Result<Vec<Estimate>, DriverError> {
+        let all = total(sums, sums[0].len());
+        let without: Vec<Vec<f64>> = sums
+            .iter()
+            .map(|own| statistic(&all.iter().zip(own).map(|(all, own)| all - own).collect::<Vec<f64>>()))
+            .collect();
+        let count = sums.len() as f64;
+        let reach = student_quantile(0.975, count - 1.0);
+        let estimate = |(i, value): (usize, f64)| {
+            let mean = without.iter().map(|values| values[i]).sum::<f64>() / count;
+            let squares: f64 = without.iter().map(|values| (values[i] - mean).powi(2)).sum();
+            let standard_error = ((count - 1.0) / count * squares).sqrt();
+            let [value, low, high] =
+                [0.0, -reach, reach].map(|deviate| (value + deviate * standard_error).clamp(0.0, 1.0));
+            Estimate { value, standard_error, interval: Interval { low, high } }
+        };
+        let values = statistic(&all);
+        if !values.iter().chain(without.iter().flatten()).all(|value| value.is_finite()) {
+            return Err(DriverError::Constant);
+        }
+        Ok(values.into_iter().enumerate().map(estimate).collect())
+    }
+}
+
+/// Returns the sum of rows, in their order.
+fn total(rows: &[Vec<f64>], width: usize) -> Vec<f64> {
+    rows.iter().fold(vec![0.0; width], |sums, row| sums.iter().zip(row).map(|(sum, term)| sum + term).collect())
+}
