@@ -36,6 +36,7 @@ mod unknowns;
 use thiserror::Error;
 
 use crate::{Estimate, SamplingError, SamplingMethod, UncertainInputs};
+use asperity_base::stats::Interval;
 use permutations::Permutations;
 use replicates::Replicates;
 use subsets::Subsets;
@@ -85,15 +86,15 @@ pub struct PickFreeze {
 
 /// Fractions of the variance of a response, in the order of the inputs.
 ///
-/// The intervals have 95 % confidence (Student's distribution over the randomisations). Values and intervals lie
-/// between 0 and 1.
+/// The intervals have 95 % confidence (Student's distribution over the randomisations).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drivers {
     /// First-order index Var E\[f | x_i\]/Var f: how much the variance falls on average when the input is known.
     pub first_order: Vec<Estimate>,
     /// Total index E Var\[f | all inputs but x_i\]/Var f: how much variance remains when only this input is uncertain.
     pub total: Vec<Estimate>,
-    /// Shapley effects of dependent inputs, which sum to one; `None` for independent inputs.
+    /// Shapley effects of dependent inputs, which sum to one; `None` for independent inputs. Estimates of small
+    /// effects may be negative.
     pub shapley: Option<Vec<Estimate>>,
 }
 
@@ -139,12 +140,21 @@ impl PickFreeze {
             let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, &centred, sums))?;
             shapley = Some(replicates.estimates(&sums, |sums| permutations.shapley_effects(sums))?);
         }
+        let indices = |statistic: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<Vec<Estimate>, DriverError> {
+            Ok(replicates.estimates(&sums, statistic)?.into_iter().map(clipped).collect())
+        };
         Ok(Drivers {
-            first_order: replicates.estimates(&sums, |sums| subsets.first_order(sums))?,
-            total: replicates.estimates(&sums, |sums| subsets.total(sums))?,
+            first_order: indices(&|sums| subsets.first_order(sums))?,
+            total: indices(&|sums| subsets.total(sums))?,
             shapley,
         })
     }
+}
+
+/// Returns the estimate of an index between 0 and 1.
+fn clipped(Estimate { value, standard_error, interval: Interval { low, high } }: Estimate) -> Estimate {
+    let [value, low, high] = [value, low, high].map(|end| end.clamp(0.0, 1.0));
+    Estimate { value, standard_error, interval: Interval { low, high } }
 }
 
 /// Evaluates a response.

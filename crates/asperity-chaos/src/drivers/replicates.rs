@@ -54,7 +54,8 @@ impl Replicates {
         Ok(parts.chunks(blocks_each).map(|parts| total(parts, width)).collect())
     }
 
-    /// Estimates fractions between 0 and 1 that are functions of the sums, with the delete-one jackknife.
+    /// Estimates fractions that are functions of the sums, with the delete-one jackknife. Intervals extend beyond [0, 1]
+    /// only if the value does.
     ///
     /// # Errors
     /// The response is constant: a fraction is not finite.
@@ -77,9 +78,8 @@ impl Replicates {
             let mean = without.iter().map(|values| values[i]).sum::<f64>() / count;
             let squares: f64 = without.iter().map(|values| (values[i] - mean).powi(2)).sum();
             let standard_error = ((count - 1.0) / count * squares).sqrt();
-            let [value, low, high] =
-                [0.0, -reach, reach].map(|deviate| (value + deviate * standard_error).clamp(0.0, 1.0));
-            Estimate { value, standard_error, interval: Interval { low, high } }
+            let [low, high] = [-reach, reach].map(|deviate| (value + deviate * standard_error).clamp(0.0, 1.0));
+            Estimate { value, standard_error, interval: Interval { low: low.min(value), high: high.max(value) } }
         };
         let values = statistic(&all);
         if !values.iter().chain(without.iter().flatten()).all(|value| value.is_finite()) {

@@ -1,7 +1,6 @@
 use super::*;
 use crate::UncertainInput;
 use asperity_base::distribution::{Marginal, standard_normal_cdf};
-use asperity_base::stats::Interval;
 use std::f64::consts::PI;
 
 /// Returns independent inputs with these distributions.
