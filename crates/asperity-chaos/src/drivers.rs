@@ -131,13 +131,13 @@ impl PickFreeze {
         let centred = |z: &[f64]| finite(&response, z).map(|value| value - origin);
         let exact = inputs.is_dependent() && n <= MAX_EXACT;
         let subsets = if exact { Subsets::all(inputs) } else { Subsets::single(inputs) };
-        let sums = replicates.sums(subsets.width(), |point, sums| subsets.add(point, &centred, sums))?;
+        let sums = replicates.sums(subsets.width(), |point, sums| subsets.add(point, centred, sums))?;
         let mut shapley = None;
         if exact {
             shapley = Some(replicates.estimates(&sums, |sums| subsets.shapley_effects(sums))?);
         } else if inputs.is_dependent() {
             let permutations = Permutations::new(inputs, self.seed);
-            let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, &centred, sums))?;
+            let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, centred, sums))?;
             shapley = Some(replicates.estimates(&sums, |sums| permutations.shapley_effects(sums))?);
         }
         let indices = |statistic: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<Vec<Estimate>, DriverError> {

@@ -59,7 +59,7 @@ impl UncertainInputs {
             if spearman[..k].iter().any(|&(a, b, _)| (a, b) == (i, j) || (a, b) == (j, i)) {
                 return Err(InputError::SamePair { first: name(i), second: name(j) });
             }
-            if !(spearman_r.abs() < 1.0) {
+            if spearman_r.is_nan() || spearman_r.abs() >= 1.0 {
                 return Err(InputError::Correlation { first: name(i), second: name(j), spearman: spearman_r });
             }
             if spearman_r != 0.0 && inputs[i].is_unknown() != inputs[j].is_unknown() {
