@@ -15,6 +15,7 @@ pub mod inputs;
 mod multi_index;
 pub mod polynomial;
 pub mod propagation;
+pub mod rare;
 mod regression;
 mod resamples;
 pub mod sampling;

@@ -1,0 +1,275 @@
+//! Small probabilities of expensive limit states.
+//!
+//! [`small_probability`] estimates P[g(z) < 0] for independent standard normal variables z, from 0.1 down to about 10⁻⁸. It
+//! needs no derivatives of g, and g may have kinks, flat parts and several regions of failure.
+//!
+//! 1. Subset simulation on an interpolant of few evaluations locates the regions of failure. If the interpolant does not predict
+//!    failures, subset simulation on g itself locates them.
+//! 2. A mixture of half-spaces and normal distributions is fitted to the samples in these regions.
+//! 3. Importance sampling from the mixture estimates the probability. It uses new evaluations only, so the estimate is unbiased
+//!    whatever the interpolant is worth, and its variance gives the interval.
+//!
+//! With ten variables and more, several regions of failure or kinks need thousands of evaluations.
+//!
+//! [`subset_simulation`] is the classical method, with an interval from independent replicates.
+//!
+//! ```
+//! use asperity_base::monitor::Silent;
+//! use asperity_chaos::rare::{Settings, SmallProbability, small_probability};
+//!
+//! // P[z₁ + z₂ > 4.5·√2] = Φ(−4.5) = 3.4e-6
+//! let g = |z: &[f64]| Ok::<f64, ()>(4.5 * 2.0_f64.sqrt() - z[0] - z[1]);
+//! let SmallProbability::Estimate(found) = small_probability(2, &g, &Settings::new(1), &Silent)? else { panic!() };
+//! assert!(found.interval.contains(3.398e-6) && found.evaluations < 200);
+//! # Ok::<(), asperity_chaos::rare::RareError<()>>(())
+//! ```
+
+mod chains;
+mod importance;
+mod interpolant;
+mod learning;
+mod limit_state;
+mod proposal;
+mod subset;
+#[cfg(test)]
+mod tests;
+
+use thiserror::Error;
+
+use asperity_base::monitor::Monitor;
+use asperity_base::random::stream;
+use asperity_base::stats::Interval;
+
+use crate::SamplingError;
+use chains::Plan;
+use importance::Draws;
+use learning::Learning;
+use limit_state::LimitState;
+use proposal::Proposal;
+pub use subset::{SubsetSettings, subset_simulation};
+
+/// Importance samples of the first batch.
+const FIRST_DRAWS: usize = 50;
+/// Number of mixtures that are tried.
+const ATTEMPTS: usize = 3;
+/// Rounds of learning before each mixture.
+const ROUNDS: [usize; ATTEMPTS] = [24, 8, 8];
+/// Further importance samples above which another mixture is tried.
+const MANY: f64 = 200.0;
+/// Further importance samples above which subset simulation on g is tried.
+const TOO_MANY: f64 = 3000.0;
+/// Samples per level of subset simulation on g.
+const LEVEL_SAMPLES: usize = 500;
+/// Smallest number of levels for which the evaluations suffice, replicates included.
+const LEAST_LEVELS: usize = 16;
+/// Smallest number of replicates of subset simulation on g.
+const LEAST_REPLICATES: usize = 12;
+
+/// Reason why a small probability could not be estimated.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RareError<E> {
+    /// The limit state could not be evaluated.
+    #[error(transparent)]
+    Evaluation(E),
+    /// The limit state is NaN.
+    #[error("the limit state is not a number at {point:?}")]
+    NotANumber {
+        /// Standard normal variables of the point.
+        point: Vec<f64>,
+    },
+    /// A setting is out of range.
+    #[error("{name} is {value}; it must be {wanted}")]
+    Setting {
+        /// Name of the setting.
+        name: &'static str,
+        /// Value given.
+        value: f64,
+        /// Values that are possible.
+        wanted: &'static str,
+    },
+    /// The first design could not be created.
+    #[error(transparent)]
+    Design(#[from] SamplingError),
+    /// The monitor cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Settings of [`small_probability`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Coefficient of variation of the probability at which sampling ends.
+    pub coefficient_of_variation: f64,
+    /// Largest number of evaluations, at least 2,000.
+    pub most_evaluations: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+impl Settings {
+    /// Returns a coefficient of variation of 0.1 and at most 20,000 evaluations.
+    pub fn new(seed: u64) -> Self {
+        Self { coefficient_of_variation: 0.1, most_evaluations: 20_000, seed }
+    }
+}
+
+/// Probability of failure.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SmallProbability {
+    /// Failures occurred.
+    Estimate(RareProbability),
+    /// No failure occurred.
+    Bound(UpperBound),
+}
+
+/// Estimate of a probability of failure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RareProbability {
+    /// Probability of failure.
+    pub probability: f64,
+    /// 95 % confidence interval; both limits are positive.
+    pub interval: Interval,
+    /// Estimated standard deviation of the probability, divided by the probability. It exceeds the requested one if the
+    /// evaluations were used up.
+    pub coefficient_of_variation: f64,
+    /// Number of evaluations of the limit state.
+    pub evaluations: usize,
+    /// Method of the estimate.
+    pub method: RareMethod,
+}
+
+/// Method of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RareMethod {
+    /// Importance sampling; subset simulation on an interpolant of the limit state located the regions of failure.
+    ImportanceSampling,
+    /// Mean of independent replicates of subset simulation on the limit state.
+    SubsetSimulation,
+}
+
+/// Upper bound of a probability of failure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UpperBound {
+    /// Probability that is exceeded with a confidence of 5 % at most.
+    pub probability: f64,
+    /// Reason why there is no estimate.
+    pub reason: NoFailure,
+    /// Number of evaluations of the limit state.
+    pub evaluations: usize,
+}
+
+/// Reason why no failure occurred.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoFailure {
+    /// The limit state is constant over nearly all samples of a level, so it does not lead to failures.
+    Constant,
+    /// The evaluations were used up, or the probability is below 10⁻¹³.
+    Exhausted,
+}
+
+/// Estimates P[g(z) < 0] for `variables` independent standard normal variables z.
+///
+/// g is evaluated in parallel batches; the result does not depend on the number of threads. It must be deterministic.
+///
+/// # Errors
+/// g fails or is NaN at a point, a setting is out of range, or the monitor cancels.
+pub fn small_probability<G, E: Send>(
+    variables: usize,
+    g: &G,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<SmallProbability, RareError<E>>
+where
+    G: Fn(&[f64]) -> Result<f64, E> + Sync,
+{
+    settings.check(variables)?;
+    if variables == 1 {
+        // In one dimension the points of the interpolant are too close to each other; a variable without effect separates them.
+        return estimate(2, &|z: &[f64]| g(&z[..1]), settings, monitor);
+    }
+    estimate(variables, g, settings, monitor)
+}
+
+fn estimate<G, E: Send>(
+    variables: usize,
+    g: &G,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<SmallProbability, RareError<E>>
+where
+    G: Fn(&[f64]) -> Result<f64, E> + Sync,
+{
+    let state = &mut LimitState::new(g, settings.most_evaluations, monitor);
+    let mut learning = Learning::new(variables, settings.seed, state)?;
+    for (attempt, rounds) in ROUNDS.into_iter().enumerate() {
+        let Some(region) = learning.region(rounds, state)? else { break };
+        let proposal = Proposal::fit(&region.points, &region.directions);
+        let random = &mut stream(settings.seed, "chaos/rare/importance", attempt as u64);
+        let mut draws = Draws::default();
+        draws.add(FIRST_DRAWS.min(state.left()), &proposal, state, variables, random)?;
+        let wanted = settings.further(&draws);
+        if wanted < MANY || (attempt + 1 == ATTEMPTS && wanted < TOO_MANY) {
+            return finish(settings, draws, &proposal, state, variables, random);
+        }
+        learning.add(&draws.points, &draws.values);
+    }
+    let samples = (state.left() / LEAST_LEVELS).min(LEVEL_SAMPLES);
+    let plan = Plan { variables, samples, fraction: 0.1, levels: usize::MAX };
+    subset::replicated(plan, settings.seed, state, |probabilities, coefficient_of_variation, evaluations| {
+        let count = probabilities.len();
+        let used_up = evaluations + evaluations / count > settings.most_evaluations;
+        let accurate = count >= LEAST_REPLICATES && coefficient_of_variation <= settings.coefficient_of_variation;
+        count > 1 && (used_up || accurate)
+    })
+}
+
+/// Adds draws until the coefficient of variation is reached or the evaluations are used up.
+fn finish<G, E: Send>(
+    settings: &Settings,
+    mut draws: Draws,
+    proposal: &Proposal,
+    state: &mut LimitState<'_, G>,
+    variables: usize,
+    random: &mut asperity_base::random::Stream,
+) -> Result<SmallProbability, RareError<E>>
+where
+    G: Fn(&[f64]) -> Result<f64, E> + Sync,
+{
+    loop {
+        let wanted = settings.further(&draws).min(state.left() as f64) as usize;
+        if wanted == 0 {
+            break;
+        }
+        draws.add(wanted, proposal, state, variables, random)?;
+    }
+    Ok(SmallProbability::Estimate(RareProbability {
+        probability: draws.probability(),
+        interval: draws.interval(),
+        coefficient_of_variation: draws.coefficient_of_variation(),
+        evaluations: state.evaluations(),
+        method: RareMethod::ImportanceSampling,
+    }))
+}
+
+impl Settings {
+    fn check<E>(&self, variables: usize) -> Result<(), RareError<E>> {
+        if variables == 0 {
+            return Err(RareError::Setting { name: "variables", value: 0.0, wanted: "at least 1" });
+        }
+        let cv = self.coefficient_of_variation;
+        if !(cv > 0.0 && cv <= 1.0) {
+            return Err(RareError::Setting { name: "coefficient_of_variation", value: cv, wanted: "in (0, 1]" });
+        }
+        if self.most_evaluations < 2000 {
+            let value = self.most_evaluations as f64;
+            return Err(RareError::Setting { name: "most_evaluations", value, wanted: "at least 2000" });
+        }
+        Ok(())
+    }
+
+    /// Returns the number of further draws that reach the coefficient of variation.
+    fn further(&self, draws: &Draws) -> f64 {
+        let ratio = draws.coefficient_of_variation() / self.coefficient_of_variation;
+        if ratio <= 1.0 { 0.0 } else { ((ratio * ratio - 1.0) * draws.points.len() as f64).ceil().max(5.0) }
+    }
+}

@@ -1,0 +1,205 @@
+use super::*;
+use asperity_base::distribution::standard_normal_cdf;
+use asperity_base::monitor::Silent;
+use rayon::prelude::*;
+
+/// Limit state with its probability.
+struct Case {
+    name: String,
+    variables: usize,
+    g: Box<dyn Fn(&[f64]) -> f64 + Sync + Send>,
+    probability: f64,
+}
+
+fn case(name: &str, variables: usize, probability: f64, g: impl Fn(&[f64]) -> f64 + Sync + Send + 'static) -> Case {
+    Case { name: format!("{name}, n = {variables}"), variables, g: Box::new(g), probability }
+}
+
+fn linear(variables: usize, beta: f64) -> Case {
+    let scale = (variables as f64).sqrt();
+    case(&format!("linear {beta}"), variables, standard_normal_cdf(-beta), move |z| {
+        beta - z.iter().sum::<f64>() / scale
+    })
+}
+
+/// Returns z·a and z·b for two orthonormal vectors that involve all (an even number of) variables.
+fn two(z: &[f64]) -> [f64; 2] {
+    let scale = (z.len() as f64).sqrt();
+    let odd: f64 = z.iter().skip(1).step_by(2).sum();
+    let even: f64 = z.iter().step_by(2).sum();
+    [(even + odd) / scale, (even - odd) / scale]
+}
+
+/// Integrates over [a, b] by Simpson's rule.
+fn integral(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let n = 20_000;
+    let h = (b - a) / n as f64;
+    (0..=n).map(|i| f(a + i as f64 * h) * [2.0, 4.0][i % 2]).sum::<f64>() * h / 3.0 - (f(a) + f(b)) * h / 3.0
+}
+
+/// Fails where u > β + κ s with s = |z|² − u², χ² distributed with n − 1 degrees of freedom.
+fn parabola(variables: usize, beta: f64, curvature: f64) -> Case {
+    let degrees = (variables - 1) as f64;
+    // s = r²; the density of r is proportional to r^(n−2) exp(−r²/2).
+    let density =
+        |r: f64| if variables == 2 { (-r * r / 2.0).exp() } else { r.powf(degrees - 1.0) * (-r * r / 2.0).exp() };
+    let all = integral(0.0, 20.0, density);
+    let failing = integral(0.0, 20.0, |r| density(r) * standard_normal_cdf(-(beta + curvature * r * r)));
+    case(&format!("parabola {beta} {curvature}"), variables, failing / all, move |z| {
+        let u = two(z)[0];
+        beta - u + curvature * (z.iter().map(|z| z * z).sum::<f64>() - u * u)
+    })
+}
+
+/// Series system of four branches, moved outwards by `shift`.
+///
+/// Waarts, *Structural reliability using finite element methods*, Delft University Press 2000.
+fn four_branches(variables: usize, shift: f64) -> Case {
+    let (a, b) = (3.0 + shift, 3.5 + shift);
+    let density = asperity_base::distribution::standard_normal_pdf;
+    let between = integral(-b, b, |v| density(v) * 2.0 * standard_normal_cdf(-(a + 0.2 * v * v)));
+    case(&format!("four branches {shift}"), variables, 2.0 * standard_normal_cdf(-b) + between, move |z| {
+        let [u, v] = two(z);
+        (a + 0.2 * v * v - u.abs()).min(2.0_f64.sqrt() * (b - v.abs()))
+    })
+}
+
+/// Parallel system: fails where both parts fail.
+fn both(variables: usize) -> Case {
+    case("both of two", variables, standard_normal_cdf(-2.0) * standard_normal_cdf(-2.5), |z| {
+        let [u, v] = two(z);
+        (2.0 - u).max(2.5 - v)
+    })
+}
+
+/// Estimates of `replicates` seeds.
+fn estimates(case: &Case, replicates: u64) -> Vec<RareProbability> {
+    let g = |z: &[f64]| Ok::<f64, ()>((case.g)(z));
+    let all: Vec<SmallProbability> = (0..replicates)
+        .into_par_iter()
+        .map(|seed| small_probability(case.variables, &g, &Settings::new(seed), &Silent).unwrap())
+        .collect();
+    all.into_iter().map(estimate).collect()
+}
+
+fn estimate(found: SmallProbability) -> RareProbability {
+    match found {
+        SmallProbability::Estimate(found) => found,
+        SmallProbability::Bound(bound) => panic!("{bound:?}"),
+    }
+}
+
+/// Prints and returns the fraction of intervals that contain the probability, the root mean square of the relative errors, and
+/// the mean number of evaluations.
+fn summary(case: &Case, found: &[RareProbability]) -> [f64; 3] {
+    let mean = |f: &dyn Fn(&RareProbability) -> f64| found.iter().map(f).sum::<f64>() / found.len() as f64;
+    let covered = mean(&|found| f64::from(u8::from(found.interval.contains(case.probability))));
+    let error = mean(&|found| (found.probability / case.probability - 1.0).powi(2)).sqrt();
+    let (ratio, evaluations) =
+        (mean(&|found| found.probability / case.probability), mean(&|found| found.evaluations as f64));
+    let subset = mean(&|found| f64::from(u8::from(found.method == RareMethod::SubsetSimulation)));
+    println!(
+        "{}: P {:.3e}, mean ratio {ratio:.3}, error {error:.3}, covered {covered:.3}, {evaluations:.0} evaluations, by subset simulation {subset:.2}",
+        case.name, case.probability
+    );
+    [covered, error, evaluations]
+}
+
+#[test]
+fn few_evaluations_estimate_small_probabilities() {
+    for (case, most) in [(linear(1, 4.753), 130.0), (linear(30, 4.0), 200.0), (parabola(2, 4.5, 0.1), 180.0)] {
+        let [covered, error, evaluations] = summary(&case, &estimates(&case, 12));
+        // A coverage of 95 % gives fewer than nine of twelve with a probability of 2e-4.
+        assert!(covered >= 0.75 && error < 0.15 && evaluations < most, "{}", case.name);
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn intervals_cover_the_probability() {
+    for case in
+        [linear(1, 3.0), linear(2, 2.0), linear(10, 3.0), linear(2, 5.0), parabola(2, 3.0, 0.1), four_branches(2, 0.0)]
+    {
+        let [covered, error, _] = summary(&case, &estimates(&case, 200));
+        // 93 % less two standard errors of 200 intervals.
+        assert!(covered >= 0.895 && error < 0.15, "{}: {covered}", case.name);
+    }
+}
+
+#[test]
+fn margins_of_a_machine_have_narrow_intervals() {
+    // M = ζ − b/2 with b ~ N(0.1, 0.02) and ζ ~ N(mean, 0.005) is normal.
+    for mean in [0.09, 0.105] {
+        let exact = standard_normal_cdf(-(mean - 0.05) / 0.01_f64.hypot(0.005));
+        let g = |z: &[f64]| Ok::<f64, ()>(mean + 0.005 * z[1] - 0.5 * (0.1 + 0.02 * z[0]));
+        let found = estimate(small_probability(2, &g, &Settings::new(3), &Silent).unwrap());
+        let Interval { low, high } = found.interval;
+        assert!(low > 0.0 && low < exact && exact < high && high < 3.0 * low, "{exact:e} {found:?}");
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let case = four_branches(2, 0.0);
+    let g = |z: &[f64]| Ok::<f64, ()>((case.g)(z));
+    let found = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let subset = SubsetSettings { replicates: 2, ..SubsetSettings::new(200, 5) };
+        pool.install(|| {
+            let settings = Settings { coefficient_of_variation: 0.3, ..Settings::new(5) };
+            let learnt = small_probability(2, &g, &settings, &Silent).unwrap();
+            (learnt, subset_simulation(2, &g, &subset, &Silent).unwrap())
+        })
+    });
+    assert_eq!(found[0], found[1]);
+}
+
+#[test]
+fn subset_simulation_agrees_with_closed_forms() {
+    for case in [linear(2, 4.0), four_branches(10, 0.0), both(2)] {
+        let g = |z: &[f64]| Ok::<f64, ()>((case.g)(z));
+        let found = estimate(subset_simulation(case.variables, &g, &SubsetSettings::new(1000, 2), &Silent).unwrap());
+        let error = (found.probability / case.probability).ln() / found.coefficient_of_variation;
+        // Four standard errors with nine degrees of freedom have a probability of 3e-3.
+        assert!(error.abs() < 4.0 && found.coefficient_of_variation < 0.3, "{}: {found:?}", case.name);
+    }
+}
+
+#[test]
+fn without_failures_there_is_a_bound() {
+    let flat = |_: &[f64]| Ok::<f64, ()>(1.0);
+    let SmallProbability::Bound(bound) = small_probability(3, &flat, &Settings::new(1), &Silent).unwrap() else {
+        panic!("a constant has no failures")
+    };
+    assert!(bound.reason == NoFailure::Constant && bound.probability > 0.0 && bound.probability < 0.01, "{bound:?}");
+    let far = |z: &[f64]| Ok::<f64, ()>(40.0 - z[0]);
+    let found = subset_simulation(2, &far, &SubsetSettings { replicates: 2, ..SubsetSettings::new(200, 1) }, &Silent);
+    let SmallProbability::Bound(bound) = found.unwrap() else { panic!("Φ(−40) is below the smallest number") };
+    assert!(bound.reason == NoFailure::Exhausted && bound.probability > 0.0 && bound.probability < 1e-10, "{bound:?}");
+}
+
+#[test]
+fn errors_name_their_reason() {
+    let settings = Settings::new(1);
+    let fails = |z: &[f64]| if z[0] > 2.0 { Err("too large") } else { Ok(3.0 - z[0]) };
+    assert_eq!(small_probability(2, &fails, &settings, &Silent), Err(RareError::Evaluation("too large")));
+    let undefined = |z: &[f64]| Ok::<f64, ()>((2.0 - z[0]).sqrt());
+    assert!(matches!(small_probability(1, &undefined, &settings, &Silent), Err(RareError::NotANumber { .. })));
+    let g = |z: &[f64]| Ok::<f64, ()>(2.0 - z[0]);
+    for wrong in [
+        Settings { coefficient_of_variation: 0.0, ..settings },
+        Settings { coefficient_of_variation: f64::NAN, ..settings },
+        Settings { most_evaluations: 10, ..settings },
+    ] {
+        assert!(matches!(small_probability(1, &g, &wrong, &Silent), Err(RareError::Setting { .. })), "{wrong:?}");
+    }
+    assert!(matches!(small_probability(0, &g, &settings, &Silent), Err(RareError::Setting { .. })));
+    struct Cancels;
+    impl Monitor for Cancels {
+        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    assert_eq!(small_probability(1, &g, &settings, &Cancels), Err(RareError::Cancelled));
+}
