@@ -9,6 +9,7 @@ mod report;
 mod run;
 mod study_file;
 mod surface;
+mod verdict;
 mod vibration;
 
 use clap::Subcommand;
@@ -22,6 +23,7 @@ pub(crate) enum Command {
     Init(init::Init),
     Check(check::Check),
     Run(run::Run),
+    Verdict(verdict::Verdict),
     Report(report::Report),
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
@@ -42,6 +44,7 @@ impl Command {
             Self::Init(init) => init.run(monitor),
             Self::Check(check) => check.run(monitor),
             Self::Run(run) => run.run(monitor),
+            Self::Verdict(verdict) => verdict.run(monitor),
             Self::Report(report) => report.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),

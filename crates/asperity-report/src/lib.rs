@@ -17,6 +17,7 @@ mod page;
 mod plot;
 mod record;
 mod twin;
+mod verdict;
 
 use std::collections::BTreeMap;
 
@@ -26,6 +27,7 @@ use thiserror::Error;
 pub use figures::vibration::vibration_figures;
 pub use record::record_figures;
 pub use twin::{TwinRun, render_twins};
+pub use verdict::verdict_sentence;
 
 /// The data of the report of one study.
 #[derive(Debug, Clone, Default)]

@@ -9,6 +9,7 @@ mod provenance;
 mod random_surface;
 mod references;
 mod tables;
+mod verdict;
 mod vibration;
 
 use asperity_results::Provenance;
@@ -287,6 +288,14 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         vibration.map_or_else(Vec::new, vibration::tables),
         figures::vibration::figures(run)?,
     );
+    let judged = Section::new(
+        "verdict",
+        "Verdict",
+        "How probable vibration is over the uncertain values of the study, what decides it, and what changes it. A machine vibrates if \
+         its damping ratio ζ is below the limit ζ_v.",
+        results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
+        Vec::new(),
+    );
     let stages = [
         surface.is_some() || results.surface.is_some(),
         contact.is_some() || pressure.is_some(),
@@ -296,6 +305,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let inputs = "The study with all defaults.";
     let assumptions = "Conventions and defaults behind the results above.";
     let sections = [
+        judged,
         surface,
         contact,
         coefficient,

@@ -12,6 +12,7 @@ mod pressure;
 mod provenance;
 mod surface;
 mod uncertainty;
+mod verdict;
 mod vibration;
 
 use std::collections::BTreeMap;
@@ -37,6 +38,9 @@ pub use surface::{
 };
 pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
+};
+pub use verdict::{
+    Driver, Guess, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, VerdictResult, VibratingMachines,
 };
 pub use vibration::{
     CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,
@@ -66,6 +70,9 @@ pub struct Results {
     /// The vibration stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationResult>,
+    /// The probability of vibration over uncertain values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<VerdictResult>,
     /// Assumptions, in sentences.
     pub assumptions: Vec<String>,
     /// Warnings, in sentences.
@@ -81,6 +88,7 @@ impl Default for Results {
             pressure: None,
             friction: None,
             vibration: None,
+            verdict: None,
             assumptions: Vec::new(),
             warnings: Vec::new(),
         }

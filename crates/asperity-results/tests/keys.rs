@@ -15,6 +15,7 @@ fn both() -> [Results; 2] {
     let scans = ["left.x3p", "right.x3p"].map(|file| ScanOfPart { file: file.into(), statistics: example::scan() });
     two.surface.as_mut().unwrap().measured = example::part(scans.into());
     two.friction.as_mut().unwrap().uncertainty = Some(example::uncertainty(6));
+    two.verdict = Some(example::verdict::verdict());
     [one, two]
 }
 

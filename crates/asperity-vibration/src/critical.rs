@@ -32,9 +32,10 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
     let weakening = oscillator.law().weakening(oscillator.belt_velocity());
     let hopf_damping_ratio = 0.5 * weakening;
     let jump = oscillator.static_friction() - oscillator.law().kinetic();
-    if oscillator.law().is_constant() && jump == 0.0 {
-        // The slip orbit of an undamped linear oscillator returns to its start, so it grazes.
-        return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
+    if jump == 0.0 && (oscillator.law().is_linear() || oscillator.law().is_constant()) {
+        // Steady sliding loses its stability to motions of all amplitudes at once: at ζ_H the linear oscillator has no damping, and
+        // the slip orbit from a detachment returns to its start.
+        return Ok(CriticalDamping { critical_damping_ratio: hopf_damping_ratio.max(0.0), hopf_damping_ratio });
     }
     let free = oscillator.with_forcing(None)?;
     let guess = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
@@ -54,7 +55,11 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
 /// cycles above both. For ζ_H < ζ < ζ_v steady sliding is stable and a vibration coexists with it: a machine that
 /// starts in stick vibrates, and a machine that slides steadily vibrates only after a kick ([`super::smallest_kick`]).
 pub fn limit_damping(oscillator: &Oscillator) -> Result<f64, VibrationError> {
-    let ends = critical_damping(oscillator)?;
+    limit_above(oscillator, &critical_damping(oscillator)?)
+}
+
+/// Returns ζ_v of an oscillator with these ends of stick-slip and of unstable sliding.
+pub(super) fn limit_above(oscillator: &Oscillator, ends: &CriticalDamping) -> Result<f64, VibrationError> {
     let least = ends.critical_damping_ratio.max(ends.hopf_damping_ratio);
     Ok(fold_damping(&oscillator.with_forcing(None)?, least)?.unwrap_or(least))
 }

@@ -35,6 +35,7 @@ mod events;
 mod kind;
 mod law;
 mod locked;
+mod margin;
 pub mod mode_coupling;
 mod motion;
 #[cfg(test)]
@@ -71,6 +72,7 @@ pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
 pub use law::VelocityLaw;
 pub use locked::locked_boundary;
+pub use margin::DampingMargins;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Integrator;

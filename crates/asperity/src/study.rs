@@ -28,7 +28,9 @@ mod store;
 mod surface_result;
 mod surface_stage;
 mod twin;
+mod uncertain;
 mod uncertain_surface;
+mod verdict;
 mod vibration_stage;
 mod write_run;
 
@@ -52,6 +54,7 @@ pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use surface_result::{part_statistics, surface_statistics};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
+pub use uncertain::UncertainValue;
 pub use vibration_stage::{
     clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
 };

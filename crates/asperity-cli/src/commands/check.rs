@@ -65,8 +65,8 @@ impl Check {
         problems: &[Failure],
     ) -> Result<(), Failure> {
         if self.json {
-            let resolved =
-                serde_json::to_value(study.file()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let resolved = study.file().to_table().map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let resolved = serde_json::to_value(resolved).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             let estimate: Vec<Value> = stages.iter().map(|stage| as_json(stage, threads)).collect();
             let problems: Vec<&str> = problems.iter().map(Failure::message).collect();
             return Answer::default()
@@ -76,7 +76,11 @@ impl Check {
                 .with("problems", problems)
                 .print(true);
         }
-        let resolved = toml::to_string(study.file()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+        let resolved = study
+            .file()
+            .to_table()
+            .and_then(|table| toml::to_string(&table))
+            .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let mut text = format!("# {} with all its values; this output is a valid study file.\n", self.study.display());
         for stage in stages {
             text += &format!("# {}\n", describe(stage, threads));

@@ -14,6 +14,7 @@ mod support;
 mod surface;
 mod twin;
 mod usage;
+mod verdict;
 mod vibration;
 mod vibration_curves;
 mod vibration_ensemble;

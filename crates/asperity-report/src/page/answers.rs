@@ -4,6 +4,7 @@ use asperity_results::{DampingResult, EnsembleResult, FrictionResult, KindResult
 
 use super::cells::shown;
 use super::friction::place;
+use super::verdict;
 use super::vibration::difference;
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
@@ -45,6 +46,7 @@ pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
     let vibration = results.vibration.as_ref();
     [
+        results.verdict.as_ref().map(verdict::answer),
         contact(run),
         results.friction.as_ref().map(friction),
         vibration.map(vibrates),

@@ -13,4 +13,5 @@ mod stages;
 mod surface;
 mod synthetic;
 mod twins;
+mod verdict;
 mod vibration;

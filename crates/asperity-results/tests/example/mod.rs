@@ -1,6 +1,8 @@
 //! Invented results with every key of `results.json` and `comparison.json`.
 #![allow(dead_code, reason = "each test that includes this file uses a part of it")]
 
+pub(crate) mod verdict;
+
 use std::collections::BTreeMap;
 use std::f64::consts::E;
 

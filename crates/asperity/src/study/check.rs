@@ -4,6 +4,7 @@ mod friction;
 mod keys_without_effect;
 mod pressure;
 mod surface;
+mod verdict;
 mod vibration;
 
 use std::fmt::Display;
@@ -14,6 +15,7 @@ use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
 pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub(super) use pressure::PressureStudy;
+pub(super) use verdict::{RemedyStudy, VerdictStudy};
 pub(super) use vibration::{FrictionSource, VibrationStudy};
 
 /// Study with checked values, made from a [`StudyFile`].
@@ -24,6 +26,7 @@ pub struct Study {
     pub(super) pressure: Option<PressureStudy>,
     pub(super) friction: Option<FrictionStudy>,
     pub(super) vibration: Option<VibrationStudy>,
+    pub(super) verdict: Option<VerdictStudy>,
 }
 
 impl Study {
@@ -110,6 +113,7 @@ impl StudyFile {
         if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
             section.stribeck = study.stribeck;
         }
-        Ok(Study { file: self, surface, pressure, friction, vibration })
+        let verdict = self.check_verdict()?;
+        Ok(Study { file: self, surface, pressure, friction, vibration, verdict })
     }
 }

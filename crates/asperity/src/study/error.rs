@@ -3,7 +3,7 @@
 use asperity_formats::FormatError;
 use thiserror::Error;
 
-use crate::chaos::PropagationError;
+use crate::chaos::{DriverError, PropagationError, RegressionError, SamplingError};
 use crate::contact::ContactError;
 use crate::distribution::DistributionError;
 use crate::friction::FrictionError;
@@ -122,6 +122,21 @@ pub enum StudyError {
     /// The vibration stage failed.
     #[error("vibration: {0}")]
     Vibration(#[from] VibrationError),
+    /// Too few machines of the verdict have an answer.
+    #[error("verdict: {0}")]
+    Verdict(String),
+    /// A verdict of a machine under a harmonic force.
+    #[error("[vibration] forcing: a machine under a harmonic force has no limit damping, and so no verdict")]
+    ForcedVerdict,
+    /// The samples of the verdict cannot be drawn.
+    #[error("verdict: {0}")]
+    Samples(#[from] SamplingError),
+    /// The margin of the verdict cannot be expanded.
+    #[error("verdict: {0}")]
+    Margin(#[from] RegressionError),
+    /// The drivers of the verdict cannot be computed.
+    #[error("verdict: {0}")]
+    Drivers(#[from] DriverError),
     /// A value of the study is invalid.
     #[error(transparent)]
     Invalid(#[from] InvalidValue),
@@ -191,6 +206,7 @@ impl StudyError {
             Self::Pressure(PressureError::TooFewValid { .. })
             | Self::Clipped { computed: true, .. }
             | Self::Friction { .. }
+            | Self::Verdict(_)
             | Self::Vibration(VibrationError::TooFewValid { .. }) => FailureKind::NotConverged,
             Self::Law(_)
             | Self::Grid { .. }
@@ -200,6 +216,10 @@ impl StudyError {
             | Self::Process(_)
             | Self::Propagation(_)
             | Self::NoStage(_)
+            | Self::ForcedVerdict
+            | Self::Samples(_)
+            | Self::Margin(_)
+            | Self::Drivers(_)
             | Self::Invalid(_) => FailureKind::Configuration,
             Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,
             // The stated law alone is to blame.

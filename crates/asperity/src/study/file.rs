@@ -6,15 +6,20 @@ mod fixed_list;
 mod friction;
 mod pressure;
 mod surface;
+mod verdict;
 mod vibration;
 
 use serde::{Deserialize, Serialize};
+use toml::Table;
+
+use crate::study::uncertain::UncertainValue;
 
 pub(super) use fixed_list::fixed_list;
 pub(super) use friction::usual_window_m;
 pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
+pub use verdict::{Hold, JointSection, RemedySection, VerdictSection};
 pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
 
 /// Study file: scan or surface model, stages, and the seed of every random draw.
@@ -38,6 +43,27 @@ pub struct StudyFile {
     /// Stick-slip of a mass on a belt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationSection>,
+    /// Dependence of uncertain values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<JointSection>,
+    /// Probability of vibration over the uncertain values, and what changes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<VerdictSection>,
+    /// Uncertain values of all sections; each section holds their central values.
+    #[serde(skip)]
+    pub uncertain: Vec<UncertainValue>,
+}
+
+impl StudyFile {
+    /// Returns the file as a table with the uncertain values as stated.
+    ///
+    /// # Errors
+    /// A path is not Unicode.
+    pub fn to_table(&self) -> Result<Table, toml::ser::Error> {
+        let mut table = Table::try_from(self)?;
+        self.uncertain.iter().for_each(|value| value.restore(&mut table));
+        Ok(table)
+    }
 }
 
 fn solve_tolerance() -> f64 {

@@ -10,6 +10,7 @@ use std::sync::Arc;
 pub(super) use self::words::no_variance;
 
 use crate::contact::{Control, Solver};
+use crate::friction::replicates::MomentReplicates;
 use crate::friction::strip::StripProblem;
 use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
 use crate::monitor::Monitor;
@@ -21,7 +22,7 @@ use crate::study::pressure_stage::half_space;
 use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, UpscalingResult};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{QuantityMap, StudyError};
-use crate::surface::model::XiOrder;
+use crate::surface::model::{SurfaceModel, XiOrder};
 
 /// Returns the variability over the nominal area by both upscalings.
 fn upscaling(solved: &SolvedLevel, nominal_area_m2: f64) -> UpscalingResult {
@@ -64,6 +65,24 @@ fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>), S
     let law = Arc::clone(&study.law);
     let problem = StripProblem { half_space, window, law, hardness_pa: material.hardness_pa, solver };
     Ok((problem, mean_compliance_m_per_pa))
+}
+
+/// Solves a few strips at one level and returns the moments of friction at the mean load; `None` if they have no solution. All surfaces
+/// are drawn from the same random numbers.
+pub(super) fn solve_level(
+    study: &FrictionStudy,
+    model: &SurfaceModel,
+    level: LevelControl,
+    realisations: usize,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Option<MomentReplicates>, StudyError> {
+    let (problem, _) = strip_problem(study)?;
+    let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
+    let strips = problem.strips(generated.surface.as_ref(), realisations, seed);
+    let solved = strips.solve(&[level.contact(&model.marginal)], monitor)?;
+    let step_m = problem.window.step_m();
+    Ok(solved.into_iter().flatten().next().map(|level| MomentReplicates::from_mean_load(&level, step_m)))
 }
 
 /// Solves the strips at the levels of the study and at the operating level.

@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::de::{DeTable, DeValue};
 
-use crate::study::{InvalidValue, Study, StudyFile, sentence};
+use crate::study::{InvalidValue, Study, StudyFile, sentence, uncertain};
 
 /// Error of a study file.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -34,7 +34,7 @@ impl StudyFile {
     /// # Errors
     /// A key, type or unit is wrong.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        StudyFileError::read(text, file)
+        uncertain::read(text, file)
     }
 }
 
@@ -46,10 +46,13 @@ impl StudyFileError {
 
     /// Reads TOML into a section or a whole file; errors about unknown keys and wrong units name their line.
     pub(super) fn read<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Self> {
-        toml::from_str(text).map_err(|error| {
-            let line = error.span().map_or(1, |span| line_at(text, span.start));
-            Self { file: file.into(), line, message: explain(error.message()) }
-        })
+        toml::from_str(text).map_err(|error| Self::toml(&error, text, file))
+    }
+
+    /// Returns an error of TOML or of the type of a value, with its line.
+    pub(super) fn toml(error: &toml::de::Error, text: &str, file: &str) -> Self {
+        let line = error.span().map_or(1, |span| line_at(text, span.start));
+        Self { file: file.into(), line, message: explain(error.message()) }
     }
 }
 

@@ -14,7 +14,7 @@ use crate::study::file::SurfaceSection;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::{
-    Study, StudyError, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage,
+    Study, StudyError, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage, verdict,
     vibration_stage,
 };
 use crate::surface::model::{Measurable, SurfaceRequest};
@@ -33,6 +33,8 @@ choice! {
         Friction = "friction",
         /// Stick-slip.
         Vibration = "vibration",
+        /// Probability of vibration over uncertain values.
+        Verdict = "verdict",
     }
 }
 
@@ -56,8 +58,25 @@ impl Study {
             Stage::Surface => self.surface.is_some(),
             Stage::Pressure => self.pressure.is_some(),
             Stage::Friction => self.friction.is_some(),
-            Stage::Vibration => self.vibration.is_some(),
+            Stage::Vibration | Stage::Verdict => self.vibration.is_some(),
         }
+    }
+
+    /// Returns the level at which friction drives the vibration.
+    pub(super) fn operating_level(&self) -> OperatingLevel {
+        match &self.vibration {
+            None => OperatingLevel::Deepest,
+            Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
+                OperatingLevel::Percentile(*percentile)
+            }
+            Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
+        }
+    }
+
+    /// Returns whether a run computes the verdict: the study has its section, or uncertain values.
+    fn states_verdict(&self) -> bool {
+        let file = self.file();
+        self.verdict.is_some() && (file.verdict.is_some() || !file.uncertain.is_empty())
     }
 
     /// Returns the friction that the study states or reads; `None` if its friction stage computes it.
@@ -120,13 +139,15 @@ impl Study {
     /// A stage failed, or the study has no section for the stage `only`.
     pub fn run(&self, folder: &Path, only: Option<Stage>, monitor: &dyn Monitor) -> Result<Outcome, StudyError> {
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
-        let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration);
+        let wants_verdict = only == Some(Stage::Verdict) || only.is_none() && self.states_verdict();
+        let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration) || wants_verdict;
         if let Some(stage) = only.filter(|stage| !self.has(*stage)) {
             return Err(StudyError::NoStage(stage.name()));
         }
         let mut gathered = Gathered::default();
         gathered.results.seed = self.seed();
-        let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
+        let drives = wants(Stage::Vibration) || wants_verdict;
+        let mut known = if drives { self.known_friction(folder)? } else { None };
         gathered.results.warnings = self.known_warnings(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
         if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
@@ -145,13 +166,7 @@ impl Study {
         }
         let mut friction = None;
         if let (Some(study), Some(surface), true) = (&self.friction, &surface, wants_friction) {
-            let level = match &self.vibration {
-                None => OperatingLevel::Deepest,
-                Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
-                    OperatingLevel::Percentile(*percentile)
-                }
-                Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
-            };
+            let level = self.operating_level();
             let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
             let stated = study.nominal_area.or_else(vibration_area);
             let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
@@ -173,13 +188,19 @@ impl Study {
             }
             friction = Some(stage.level);
         }
-        if let (Some(study), true) = (&self.vibration, wants(Stage::Vibration)) {
+        if let (Some(study), true) = (&self.vibration, drives) {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
             let computed = friction.map(|level| WindowFriction::from_level(&level, nominal, stribeck));
-            if let Some(window) = known.or(computed) {
-                let stage = vibration_stage::run(study, &window, self.seed(), monitor)?;
+            let window = known.or(computed);
+            if let (Some(window), true) = (&window, wants(Stage::Vibration)) {
+                let stage = vibration_stage::run(study, window, self.seed(), monitor)?;
                 gathered.add(stage.output);
                 gathered.results.vibration = Some(stage.result);
+            }
+            if let (Some(window), true) = (&window, wants_verdict) {
+                let verdict = verdict::run(self, surface.as_ref(), window, monitor)?;
+                gathered.add(verdict.output);
+                gathered.results.verdict = Some(verdict.result);
             }
         }
         gathered.results.surface = surface.map(|stage| stage.result(karhunen_loeve));

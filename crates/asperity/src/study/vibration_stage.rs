@@ -7,7 +7,8 @@ mod tables;
 
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
-use self::entries::{crossing_result, cycle_result, damping_result, kind_result, motion_result, points_result};
+pub(super) use self::entries::kind_result;
+use self::entries::{crossing_result, cycle_result, damping_result, motion_result, points_result};
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};

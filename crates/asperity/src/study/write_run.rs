@@ -60,7 +60,7 @@ pub fn write_run(
     outcome: &Outcome,
     provenance: &Provenance,
 ) -> Result<(), StoreError> {
-    let study = toml::to_string(&with_absolute_paths(study.file(), folder))?;
+    let study = toml::to_string(&with_absolute_paths(study.file(), folder).to_table()?)?;
     staging.write("study.toml", study.as_bytes())?;
     staging.write("provenance.json", &json_bytes(provenance)?)?;
     staging.write("results.json", &json_bytes(&outcome.results)?)?;

@@ -136,7 +136,7 @@ impl VibrationStudy {
 }
 
 impl StudyFile {
-    pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
+    pub(in crate::study) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
         let Some(v) = &self.vibration else { return Ok(None) };
         within(SECTION, "mass", v.mass, positive, POSITIVE)?;
         within(SECTION, "natural_frequency", v.natural_frequency, positive, POSITIVE)?;
@@ -222,17 +222,19 @@ impl StudyFile {
             );
             return Err(invalid(SECTION, "nominal_area", message));
         }
+        // Constant friction has neither a correlation nor a distribution.
+        let constant = v.friction_std == Some(0.0);
         let keys = [
             ("static_friction", v.static_friction.is_some()),
             ("friction_std", v.friction_std.is_some()),
-            ("friction_correlation_length", v.friction_correlation_length.is_some()),
-            ("friction_marginal", v.friction_marginal.is_some()),
+            ("friction_correlation_length", v.friction_correlation_length.is_some() || constant),
+            ("friction_marginal", v.friction_marginal.is_some() || constant),
         ];
         let stated = v
             .static_friction
             .zip(v.friction_std)
-            .zip(v.friction_correlation_length)
-            .zip(v.friction_marginal.as_deref());
+            .zip(v.friction_correlation_length.or(constant.then_some(Length(usual_window_m()[0]))))
+            .zip(v.friction_marginal.as_deref().or(constant.then_some("normal")));
         if let (Some((first, _)), Some((absent, _))) =
             (keys.iter().find(|(_, present)| *present), keys.iter().find(|(_, present)| !present))
         {

@@ -6,7 +6,7 @@ use crate::study::result::{
 use crate::vibration::{Crossing, Ensemble, MotionKind, Regime, SampleDistribution};
 
 /// Returns a kind of motion under its name in `results.json`.
-pub(super) fn kind_result(kind: MotionKind) -> KindResult {
+pub(in crate::study) fn kind_result(kind: MotionKind) -> KindResult {
     match kind {
         MotionKind::StickSlip => KindResult::StickSlip,
         MotionKind::Overtaking => KindResult::Overtaking,

@@ -1,0 +1,46 @@
+//! Verdict of a study.
+
+use std::path::PathBuf;
+
+use asperity::study::Stage;
+use asperity_report::verdict_sentence;
+use clap::Args;
+
+use super::study_file;
+use crate::args;
+use crate::failure::{Failure, Kind};
+use crate::monitor::Terminal;
+use crate::output::Answer;
+
+/// Computes how probable vibration is over the uncertain values of a study, what decides it, and what changes it. Runs the stages
+/// that it needs and writes no folder.
+#[derive(Debug, Args)]
+pub(crate) struct Verdict {
+    /// Study file with a [vibration] section.
+    study: PathBuf,
+    /// Seed to use instead of the study's.
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    seed: Option<u64>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Verdict {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let (study, text) = study_file::study(&self.study, self.seed)?;
+        let folder = study_file::folder_of(&self.study);
+        let outcome = study.run(folder, Some(Stage::Verdict), monitor).or_else(|e| {
+            let reason = Answer::default().with("reason", e.to_string());
+            Err(study_file::failure(&self.study, Some(&text), &e).print(reason, self.json)?)
+        })?;
+        for warning in &outcome.results.warnings {
+            monitor.warn(warning);
+        }
+        monitor.check()?;
+        let Some(verdict) = &outcome.results.verdict else {
+            return Err(Failure::new(Kind::Runtime, "the study has no verdict"));
+        };
+        Answer::default().with("sentence", verdict_sentence(verdict)).and(Answer::new(verdict)?).print(self.json)
+    }
+}

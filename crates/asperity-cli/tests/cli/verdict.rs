@@ -1,0 +1,225 @@
+//! Verdicts of studies with uncertain values against closed forms.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::{Finished, run_in};
+
+/// A machine with linear weakening b and no jump of friction: it vibrates if ζ < b/2, from stick and from steady sliding.
+const MACHINE: &str = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                       nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\n";
+
+/// Runs `asperity verdict` on a machine with further lines.
+fn run(lines: &str) -> Finished {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
+    run_in(folder.path(), "verdict study.toml --json")
+}
+
+fn verdict(lines: &str) -> Value {
+    let ended = run(lines);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+/// The machine with normal b and ζ.
+fn linear(damping: &str, more: &str) -> Value {
+    verdict(&format!(
+        "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
+         damping_ratio = {damping}\n{more}"
+    ))
+}
+
+fn pair(value: &Value) -> [f64; 2] {
+    [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()]
+}
+
+/// Asserts that an interval contains a number.
+fn contains(interval: &Value, wanted: f64) {
+    let [low, high] = pair(interval);
+    assert!(low <= wanted && wanted <= high, "{low} to {high} does not contain {wanted}");
+}
+
+#[test]
+fn a_linear_law_has_the_probability_drivers_and_remedies_of_the_closed_form() {
+    // M = ζ − b/2 ~ N(.005, .0111803).
+    let found = linear(
+        "\"0.055 ± 0.005\"",
+        "[verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.5] }, \
+         { input = \"vibration.linear_weakening\", range = [0.01, 0.2] }]\n",
+    );
+    for key in ["probability", "probability_from_steady_sliding"] {
+        contains(&found[format!("{key}_interval")], 0.327_360_4);
+        assert!((found[key].as_f64().unwrap() - 0.327_360_4).abs() < 0.02, "{found}");
+    }
+    let [low, high] = pair(&found["probability_interval"]);
+    assert!(high - low <= 0.04);
+    let index = |list: &str, input: usize, key: &str| found[list][input][key].as_f64().unwrap();
+    for (input, margin, [first, total]) in [(0, 0.2, [0.119, 0.419]), (1, 0.8, [0.581, 0.879])] {
+        assert!((index("drivers", input, "first_order") - margin).abs() < 0.005, "{found}");
+        assert!((index("drivers", input, "total") - margin).abs() < 0.005, "{found}");
+        assert!((index("event_drivers", input, "first_order") - first).abs() < 0.015, "{found}");
+        assert!((index("event_drivers", input, "total") - total).abs() < 0.015, "{found}");
+        // The range of a normal margin narrows with its standard deviation.
+        assert!((index("drivers", input, "range_reduction") - (1.0 - (1.0 - margin).sqrt())).abs() < 0.03, "{found}");
+    }
+    let wanted = [[0.068_390_0, 0.076_009_4], [0.073_220_0, 0.057_981_3]];
+    for (remedy, wanted) in found["remedies"].as_array().unwrap().iter().zip(wanted) {
+        for (reach, wanted) in remedy["reach"].as_array().unwrap().iter().zip(wanted) {
+            contains(&reach["value_interval"], wanted);
+            assert!((reach["value"].as_f64().unwrap() - wanted).abs() < 1e-3, "{found}");
+            assert_eq!(reach["friction_coefficient"], 0.3);
+        }
+    }
+    assert_eq!(found["nominal"]["vibrates"], false);
+    assert!((found["nominal"]["damping_margin"].as_f64().unwrap() - 0.005).abs() < 1e-12);
+}
+
+#[test]
+fn small_probabilities_have_both_ends_of_their_interval_above_zero() {
+    for (damping, wanted) in [("\"0.09 ± 0.005\"", 1.733e-4), ("\"0.105 ± 0.005\"", 4.342e-7)] {
+        let found = linear(damping, "");
+        contains(&found["probability_interval"], wanted);
+        let [low, high] = pair(&found["probability_interval"]);
+        assert!(low > 0.0 && high < 3.0 * low, "{low} to {high}");
+        assert!(found["sentence"].as_str().unwrap().contains("fewer than 1 in 1,000"), "{found}");
+    }
+}
+
+#[test]
+fn a_jump_and_a_falling_law_separate_stick_from_steady_sliding() {
+    // A jump of .05 at V = .05 with a weakening b: ζ_v = .0578291 + b/2, ζ_H = b/2.
+    let jump = verdict(
+        "dimensionless_belt_velocity = 0.05\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
+         kinetic_share = 0.8333333333333334\ndamping_ratio = \"0.1 ± 0.005\"\n",
+    );
+    contains(&jump["probability_interval"], 0.7581);
+    contains(&jump["probability_from_steady_sliding_interval"], 3.9e-6);
+    let falling = "dimensionless_belt_velocity = 0.1\nstribeck = 4.2\ndamping_ratio = 0.21\n";
+    let machine = MACHINE.replace("static_friction = 0.3", "static_friction = \"0.2 ± 0.02\"");
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("study.toml"), format!("{machine}{falling}")).unwrap();
+    let ended = run_in(folder.path(), "verdict study.toml --json");
+    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    contains(&found["probability_interval"], 0.7195);
+    contains(&found["probability_from_steady_sliding_interval"], 0.4673);
+    // The same verdict is part of a run.
+    let run = run_in(folder.path(), "run study.toml --out run --only verdict");
+    assert_eq!(run.code, 0, "{run:?}");
+    let results: Value = serde_json::from_slice(&fs::read(folder.path().join("run/results.json")).unwrap()).unwrap();
+    assert_eq!(results["verdict"]["probability"], found["probability"]);
+    let resolved = fs::read_to_string(folder.path().join("run/study.toml")).unwrap();
+    assert!(resolved.contains("static_friction = \"0.2 ± 0.02\""), "{resolved}");
+    let threads = run_in(folder.path(), "verdict study.toml --json --threads 1");
+    assert_eq!(threads.stdout, ended.stdout);
+}
+
+#[test]
+fn exact_values_vibrate_or_do_not() {
+    for (damping, vibrates) in [(0.049, true), (0.051, false)] {
+        let found = verdict(&format!(
+            "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\ndamping_ratio = {damping}\n"
+        ));
+        let probability = if vibrates { 1.0 } else { 0.0 };
+        assert_eq!(found["probability"], probability);
+        assert_eq!(pair(&found["probability_interval"]), [probability; 2]);
+        assert_eq!(found["nominal"]["vibrates"], vibrates);
+        assert_eq!(found["nominal"]["kind"], if vibrates { "stick_slip" } else { "none" });
+        assert!(found["drivers"].as_array().unwrap().is_empty());
+    }
+}
+
+#[test]
+fn unknown_values_give_a_range_of_probabilities() {
+    // Given ζ, P = Φ((.1 − 2ζ)/.02).
+    let found = linear("{ normal = [0.055, 0.005], unknown = true }", "");
+    let quantile = |score: f64| asperity::distribution::standard_normal_cdf(-(0.01 + 0.01 * score) / 0.02);
+    let wanted = [quantile(1.644_853_6), quantile(0.0), quantile(-1.644_853_6)];
+    for (key, wanted) in ["q05", "q50", "q95"].into_iter().zip(wanted) {
+        let value = found["probability_over_unknowns"][key].as_f64().unwrap();
+        assert!((value - wanted).abs() < 0.005, "{key}: {value} instead of {wanted}");
+    }
+    let guess = &found["guesses"][0];
+    assert_eq!(guess["input"], "vibration.damping_ratio");
+    assert!((guess["probability_at_q05"].as_f64().unwrap() - wanted[2]).abs() < 0.005, "{guess}");
+    assert!((guess["probability_at_q95"].as_f64().unwrap() - wanted[0]).abs() < 0.005, "{guess}");
+}
+
+#[test]
+fn dependent_values_have_shapley_effects_that_sum_to_one() {
+    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
+                 damping_ratio = \"0.055 ± 0.005\"\n[uncertainty]\n\
+                 correlation = [[\"vibration.linear_weakening\", \"vibration.damping_ratio\", 0.6]]\n";
+    let found = verdict(lines);
+    // M = ζ − b/2 has the standard deviation √(σ_ζ² + σ_b²/4 − 2 r σ_ζ σ_b/2), r = 2 sin(π·.6/6).
+    let r = 2.0 * (std::f64::consts::PI * 0.1).sin();
+    let std = (0.005_f64.powi(2) + 0.01_f64.powi(2) - 2.0 * r * 0.005 * 0.01).sqrt();
+    contains(&found["probability_interval"], asperity::distribution::standard_normal_cdf(-0.005 / std));
+    let shapley = |input: usize| found["drivers"][input]["shapley"].as_f64().unwrap();
+    assert!((shapley(0) + shapley(1) - 1.0).abs() < 1e-9, "{found}");
+    // Owen & Prieur 2017, two dependent normal variables with weights β: β²σ²(1 − r²/2) + β₁β₂σ₁σ₂r + β'²σ'²r²/2.
+    let (own, other) = (0.005_f64, -0.01_f64);
+    let wanted = (own * own * (1.0 - r * r / 2.0) + own * other * r + other * other * r * r / 2.0) / (std * std);
+    assert!((shapley(0) - wanted).abs() < 0.01, "{} instead of {wanted}", shapley(0));
+}
+
+#[test]
+fn wrong_uncertain_values_name_their_line() {
+    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n";
+    for (more, line, expected) in [
+        ("damping_ratio = \"0.05 ± -0.01\"\n", 12, "damping_ratio"),
+        ("damping_ratio = \"0.05 ± 0.05\"\n", 12, "distribution"),
+        ("damping_ratio = { normal = [0.05] }\n", 12, "a list of 2 values"),
+        ("damping_ratio = { normal = [0.05, 0.01], unkown = true }\n", 12, "unknown key `unkown`"),
+        ("damping_ratio = { samples = \"none.csv\" }\n", 12, "none.csv"),
+        ("damping_ratio = 0.05\nduration = \"640 ± 10\"\n", 13, "cannot be uncertain"),
+        ("damping_ratio = \"0.05 ± 0.01\"\n[verdict]\ntargets = [0.0]\n", 14, "a probability strictly between 0 and 1"),
+        (
+            "damping_ratio = 0.05\n[verdict]\nremedies = [{ input = \"vibration.dampng\", range = [0.1, 0.2] }]\n",
+            14,
+            "vibration.dampng",
+        ),
+        (
+            "damping_ratio = 0.05\n[verdict]\nremedies = [{ input = \"vibration.normal_force\", range = [1, 2] }]\n",
+            14,
+            "has no unit",
+        ),
+        (
+            "damping_ratio = \"0.05 ± 0.01\"\n[uncertainty]\ncorrelation = [[\"vibration.damping_ratio\", \"vibration.mass\", 0.5]]\n",
+            14,
+            "vibration.mass",
+        ),
+    ] {
+        let ended = run(&format!("{lines}{more}"));
+        assert_eq!(ended.code, 2, "{more}: {ended:?}");
+        assert!(ended.stderr.contains(&format!("study.toml:{line}:")), "{more}: {}", ended.stderr);
+        assert!(ended.stderr.contains(expected), "{more}: {}", ended.stderr);
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn fluctuating_friction_moves_the_limit_to_the_damping_that_halves_the_time_in_vibration() {
+    // Every machine below the damping ratio at which φ = ½ vibrates; the crossing has its own interval.
+    let machine = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                   nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
+                   friction_std = 0.001\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
+                   upscaling = \"paper\"\ntrajectories = 500\ndamping_sweep = [0.15, 0.25, 6]\nduration = 640.0\n";
+    let folder = TempDir::new().unwrap();
+    let run_of = |damping: &str, more: &str, line: &str| {
+        fs::write(folder.path().join("study.toml"), format!("{machine}damping_ratio = {damping}\n{more}")).unwrap();
+        let ended = run_in(folder.path(), line);
+        assert_eq!(ended.code, 0, "{ended:?}");
+        serde_json::from_str::<Value>(&ended.stdout).unwrap()
+    };
+    let results = run_of("0.21", "", "run study.toml --out run --json");
+    let crossing = pair(&results["vibration"]["paper"]["crossings"][1]["damping_ratio_interval"]);
+    let found =
+        run_of("\"0.21 ± 0.02\"", "[verdict]\nhalf_width = 0.05\nevaluations = 1024\n", "verdict study.toml --json");
+    let [low, high] = pair(&found["probability_interval"]);
+    let [least, most] = crossing.map(|limit| asperity::distribution::standard_normal_cdf((limit - 0.21) / 0.02));
+    assert!(low < most && least < high, "{low} to {high}, but {least} to {most}");
+    assert!(high - low < 0.1);
+}

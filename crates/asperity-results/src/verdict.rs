@@ -1,0 +1,164 @@
+//! The verdict in `results.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{KindResult, Pair};
+
+/// Probability of vibration over the uncertain values of a study, what decides it and what changes it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictResult {
+    /// Probability that a machine vibrates whose motion begins in stick.
+    pub probability: f64,
+    /// Its 95 % interval: the error of the computation.
+    pub probability_interval: Pair,
+    /// Probability that a machine vibrates which slides steadily at first and is not kicked.
+    pub probability_from_steady_sliding: f64,
+    /// Its 95 % interval: the error of the computation.
+    pub probability_from_steady_sliding_interval: Pair,
+    /// Quantiles of the probability over the values that are unknown; `null` if none is.
+    pub probability_over_unknowns: Option<Quantiles>,
+    /// Number of machines that were evaluated.
+    pub evaluations: usize,
+    /// Number of them that have no answer.
+    pub failed_samples: usize,
+    /// Reason of the first of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_failure: Option<String>,
+    /// Duration T of the event.
+    pub duration_s: f64,
+    /// The machine with all values at their centres.
+    pub nominal: NominalMachine,
+    /// The vibration of machines that vibrate; `null` if no sampled machine does.
+    pub if_vibrating: Option<VibratingMachines>,
+    /// Quantiles of the margin ζ − ζ_v.
+    pub margin_quantiles: Vec<MarginQuantile>,
+    /// Sensitivity of the margin.
+    pub drivers: Vec<Driver>,
+    /// Sensitivity of the event; empty for probabilities below 5 or above 95 %.
+    pub event_drivers: Vec<Driver>,
+    /// Effect of each unknown value.
+    pub guesses: Vec<Guess>,
+    /// Changes that reach the target probabilities.
+    pub remedies: Vec<Remedy>,
+}
+
+/// Quantiles of a distribution.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quantiles {
+    /// 5 % quantile.
+    pub q05: f64,
+    /// Median.
+    pub q50: f64,
+    /// 95 % quantile.
+    pub q95: f64,
+}
+
+/// The machine with all values at their centres.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NominalMachine {
+    /// Whether it vibrates if its motion begins in stick.
+    pub vibrates: bool,
+    /// Kind of its motion.
+    pub kind: KindResult,
+    /// Whether its steady sliding is unstable.
+    pub steady_sliding_unstable: bool,
+    /// Smallest change of velocity after which it vibrates from steady sliding; `null` if none is needed or none suffices.
+    pub kick_m_per_s: Option<f64>,
+    /// Damping ratio ζ_v above which no vibration persists.
+    pub limit_damping_ratio: f64,
+    /// Margin ζ − ζ_v.
+    pub damping_margin: f64,
+}
+
+/// Vibration of the machines that vibrate.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VibratingMachines {
+    /// Fraction of each kind of motion.
+    pub kinds: BTreeMap<String, f64>,
+    /// Frequency.
+    pub frequency_hz: Quantiles,
+    /// Half the difference of the largest and the smallest velocity.
+    pub velocity_amplitude_m_per_s: Quantiles,
+    /// Half the difference of the largest and the smallest displacement.
+    pub displacement_amplitude_m: Quantiles,
+}
+
+/// Quantile of the margin.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MarginQuantile {
+    /// Probability of a smaller margin.
+    pub probability: f64,
+    /// Margin ζ − ζ_v.
+    pub damping_margin: f64,
+}
+
+/// Sensitivity to one uncertain value.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Driver {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// Fraction of the variance that the value explains alone.
+    pub first_order: f64,
+    /// Its 95 % interval.
+    pub first_order_interval: Pair,
+    /// Fraction of the variance that is left if all other values are known.
+    pub total: f64,
+    /// Its 95 % interval.
+    pub total_interval: Pair,
+    /// Shapley effect, a fraction of the variance; `null` for independent values.
+    pub shapley: Option<f64>,
+    /// Its 95 % interval.
+    pub shapley_interval: Option<Pair>,
+    /// Fraction by which the 5–95 % range of the margin narrows on average once the value is known; `null` for the event.
+    pub range_reduction: Option<f64>,
+}
+
+/// Effect of one unknown value.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Guess {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// Probability of vibration with the value at its 5 % quantile.
+    pub probability_at_q05: f64,
+    /// Probability of vibration with the value at its 95 % quantile.
+    pub probability_at_q95: f64,
+}
+
+/// Change of the central value of one input.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Remedy {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// SI unit of the value; empty for a number.
+    pub unit: String,
+    /// Its present central value.
+    pub now: f64,
+    /// Friction coefficient at the present value.
+    pub friction_coefficient_now: Option<f64>,
+    /// Values that reach the target probabilities.
+    pub reach: Vec<Reach>,
+}
+
+/// Central value that reaches one probability.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reach {
+    /// Probability of vibration.
+    pub probability: f64,
+    /// Nearest central value in the range at which vibration is at most as probable; `null` if there is none.
+    pub value: Option<f64>,
+    /// Its 95 % interval: the error of the computation.
+    pub value_interval: Option<Pair>,
+    /// Friction coefficient that is left there.
+    pub friction_coefficient: Option<f64>,
+}

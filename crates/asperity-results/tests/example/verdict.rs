@@ -1,0 +1,69 @@
+//! An invented verdict.
+
+use asperity_results::{
+    Driver, Guess, KindResult, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, VerdictResult,
+    VibratingMachines,
+};
+
+/// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
+pub(crate) fn verdict() -> VerdictResult {
+    let driver = |input: &str, share: f64, reduction: Option<f64>| Driver {
+        input: input.into(),
+        first_order: share,
+        first_order_interval: [share - 0.02, share + 0.02],
+        total: share + 0.03,
+        total_interval: [share + 0.01, share + 0.05],
+        shapley: Some(share),
+        shapley_interval: Some([share - 0.02, share + 0.02]),
+        range_reduction: reduction,
+    };
+    let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
+    VerdictResult {
+        probability: 0.64,
+        probability_interval: [0.61, 0.67],
+        probability_from_steady_sliding: 0.12,
+        probability_from_steady_sliding_interval: [0.1, 0.14],
+        probability_over_unknowns: Some(Quantiles { q05: 0.22, q50: 0.66, q95: 0.91 }),
+        evaluations: 4096,
+        failed_samples: 3,
+        first_failure: Some("no fold of slip cycles found".into()),
+        duration_s: 2.0,
+        nominal: NominalMachine {
+            vibrates: true,
+            kind: KindResult::StickSlip,
+            steady_sliding_unstable: false,
+            kick_m_per_s: Some(0.013),
+            limit_damping_ratio: 0.018,
+            damping_margin: -0.0025,
+        },
+        if_vibrating: Some(VibratingMachines {
+            kinds: [("stick_slip".to_owned(), 0.97), ("slip_cycle".to_owned(), 0.03)].into(),
+            frequency_hz: Quantiles { q05: 298.0, q50: 312.0, q95: 325.0 },
+            velocity_amplitude_m_per_s: Quantiles { q05: 0.031, q50: 0.046, q95: 0.06 },
+            displacement_amplitude_m: Quantiles { q05: 1.6e-5, q50: 2.3e-5, q95: 3.1e-5 },
+        }),
+        margin_quantiles: vec![
+            MarginQuantile { probability: 0.05, damping_margin: -0.008 },
+            MarginQuantile { probability: 0.5, damping_margin: -0.002 },
+            MarginQuantile { probability: 0.95, damping_margin: 0.004 },
+        ],
+        drivers: inputs.map(|(input, share)| driver(input, share, Some(0.5 * share))).into(),
+        event_drivers: inputs.map(|(input, share)| driver(input, 0.7 * share, None)).into(),
+        guesses: vec![Guess { input: "vibration.stribeck".into(), probability_at_q05: 0.2, probability_at_q95: 0.93 }],
+        remedies: vec![Remedy {
+            input: "vibration.damping_ratio".into(),
+            unit: String::new(),
+            now: 0.0155,
+            friction_coefficient_now: Some(0.43),
+            reach: vec![
+                Reach {
+                    probability: 0.05,
+                    value: Some(0.026),
+                    value_interval: Some([0.024, 0.029]),
+                    friction_coefficient: Some(0.43),
+                },
+                Reach { probability: 0.01, ..Reach::default() },
+            ],
+        }],
+    }
+}

@@ -1,0 +1,114 @@
+//! Checks of `[uncertainty]` and `[verdict]`.
+
+use toml::Table;
+
+use super::{InvalidValue, at_least, invalid, positive, within};
+use crate::chaos::{UncertainInput, UncertainInputs};
+use crate::study::StudyFile;
+use crate::study::file::{Hold, RemedySection, VerdictSection};
+use crate::study::uncertain::{Place, UncertainValue};
+
+const SECTION: &str = "verdict";
+const PROBABILITY: &str = "a probability strictly between 0 and 1";
+/// Largest number of machines of a study's verdict.
+const MOST_EVALUATIONS: f64 = 1e8;
+
+/// Uncertain values of a study and its verdict.
+#[derive(Debug, Clone)]
+pub(in crate::study) struct VerdictStudy {
+    /// The study file with central values.
+    pub(in crate::study) central: Table,
+    /// Joint distribution of the uncertain values.
+    pub(in crate::study) inputs: UncertainInputs,
+    /// Place of each uncertain value.
+    pub(in crate::study) places: Vec<Place>,
+    /// Duration T; `None` for the duration of the vibration stage.
+    pub(in crate::study) duration_s: Option<f64>,
+    pub(in crate::study) remedies: Vec<RemedyStudy>,
+    /// Probabilities to reach.
+    pub(in crate::study) targets: Vec<f64>,
+    /// Half width of the interval at which sampling stops.
+    pub(in crate::study) half_width: f64,
+    /// Largest number of machines.
+    pub(in crate::study) evaluations: usize,
+}
+
+/// Value to change.
+#[derive(Debug, Clone)]
+pub(in crate::study) struct RemedyStudy {
+    pub(in crate::study) place: Place,
+    /// Range of its central value in SI.
+    pub(in crate::study) low: f64,
+    pub(in crate::study) high: f64,
+    pub(in crate::study) hold: Hold,
+}
+
+impl StudyFile {
+    /// Checks the verdict; `None` for a study without vibration.
+    pub(super) fn check_verdict(&self) -> Result<Option<VerdictStudy>, InvalidValue> {
+        if self.vibration.is_none() {
+            return match &self.verdict {
+                Some(_) => Err(invalid(SECTION, "remedies", "a verdict requires [vibration]")),
+                None => Ok(None),
+            };
+        }
+        let inputs = self.joint_inputs()?;
+        let central = Table::try_from(self).map_err(|error| invalid(SECTION, "remedies", error.to_string()))?;
+        let stated = self.verdict.clone().unwrap_or_default();
+        let VerdictSection { duration, remedies, targets, half_width, evaluations } = stated;
+        if let Some(duration) = duration {
+            within(SECTION, "duration", duration, positive, super::POSITIVE)?;
+        }
+        for target in &targets {
+            within(SECTION, "targets", *target, |p| p > 0.0 && p < 1.0, PROBABILITY)?;
+        }
+        within(SECTION, "half_width", half_width, |w| w > 0.0 && w < 0.5, "a value above 0, below 0.5")?;
+        at_least(SECTION, "evaluations", evaluations, 1000)?;
+        within(SECTION, "evaluations", evaluations as f64, |n| n <= MOST_EVALUATIONS, "at most 1e8")?;
+        let remedies = remedies.iter().map(|remedy| check_remedy(remedy, &central)).collect::<Result<_, _>>()?;
+        Ok(Some(VerdictStudy {
+            central,
+            inputs,
+            places: self.uncertain.iter().map(UncertainValue::place).collect(),
+            duration_s: duration.map(|duration| duration.0),
+            remedies,
+            targets,
+            half_width,
+            evaluations,
+        }))
+    }
+
+    /// Returns the joint distribution of the uncertain values.
+    fn joint_inputs(&self) -> Result<UncertainInputs, InvalidValue> {
+        let inputs: Vec<UncertainInput> = self.uncertain.iter().map(|value| value.input().clone()).collect();
+        let wrong = |message: String| invalid("uncertainty", "correlation", message);
+        let stated = self.uncertainty.as_ref().map_or(&[][..], |section| &section.correlation[..]);
+        let place = |name: &str| {
+            inputs.iter().position(|input| input.name() == name).ok_or_else(|| {
+                let known: Vec<&str> = inputs.iter().map(UncertainInput::name).collect();
+                wrong(format!("`{name}` is no uncertain value of this study (known: {})", known.join(", ")))
+            })
+        };
+        let pairs = stated
+            .iter()
+            .map(|(first, second, rank)| Ok((place(first)?, place(second)?, *rank)))
+            .collect::<Result<Vec<_>, InvalidValue>>()?;
+        UncertainInputs::new(inputs, &pairs).map_err(|error| wrong(error.to_string()))
+    }
+}
+
+fn check_remedy(remedy: &RemedySection, central: &Table) -> Result<RemedyStudy, InvalidValue> {
+    let RemedySection { input, range, hold } = remedy;
+    let wrong = |message: String| invalid(SECTION, "remedies", message);
+    let place = Place::named(input, central).ok_or_else(|| {
+        wrong(format!("`{input}` is no number or quantity that this study states and a remedy can change"))
+    })?;
+    let parse = |value| place.key().parse(value).map_err(|message| wrong(format!("range of `{input}`: {message}")));
+    let (low, high) = (parse(&range[0])?, parse(&range[1])?);
+    if !(low < high && place.key().contains(low) && place.key().contains(high)) {
+        return Err(wrong(format!(
+            "range of `{input}`: found {low} to {high}, expected possible values in rising order"
+        )));
+    }
+    Ok(RemedyStudy { place, low, high, hold: hold.unwrap_or_default() })
+}

@@ -1,0 +1,90 @@
+//! The sections `[uncertainty]` and `[verdict]`.
+
+use asperity_base::choice;
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use crate::quantity::Time;
+
+/// The section `[uncertainty]`: dependence of the uncertain values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointSection {
+    /// Spearman's rank correlations of pairs of uncertain values, each named `section.key`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub correlation: Vec<(String, String, f64)>,
+    /// Whether statistics that the scan leaves uncertain are uncertain values, too.
+    #[serde(default = "yes")]
+    pub surface: bool,
+}
+
+/// The section `[verdict]`: the probability of vibration over the uncertain values, and what changes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictSection {
+    /// Duration T after which a machine with fluctuating friction must still vibrate; that of `[vibration]` when left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duration: Option<Time>,
+    /// Values to change until the probability reaches the targets; the damping ratio when left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remedies: Vec<RemedySection>,
+    /// Probabilities to reach.
+    #[serde(default = "targets")]
+    pub targets: Vec<f64>,
+    /// Half width of the 95 % interval of the probability at which sampling stops.
+    #[serde(default = "half_width")]
+    pub half_width: f64,
+    /// Largest number of machines that are evaluated for the probability.
+    #[serde(default = "evaluations")]
+    pub evaluations: usize,
+}
+
+/// Value to change.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RemedySection {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// Range of its central value.
+    pub range: [Value; 2],
+    /// Constant under a change of mass or frequency.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold: Option<Hold>,
+}
+
+choice! {
+    /// Damping that stays constant when mass or natural frequency change.
+    #[derive(Default)]
+    pub enum Hold: "damping that stays constant" {
+        /// The damping ratio ζ.
+        #[default]
+        DampingRatio = "damping_ratio",
+        /// The coefficient of the damper, c = 2ζmω₀.
+        Damper = "damper",
+    }
+}
+
+impl Default for VerdictSection {
+    fn default() -> Self {
+        Self {
+            duration: None,
+            remedies: Vec::new(),
+            targets: targets(),
+            half_width: half_width(),
+            evaluations: evaluations(),
+        }
+    }
+}
+
+fn yes() -> bool {
+    true
+}
+fn targets() -> Vec<f64> {
+    vec![0.05, 0.01]
+}
+fn half_width() -> f64 {
+    0.02
+}
+fn evaluations() -> usize {
+    1 << 16
+}

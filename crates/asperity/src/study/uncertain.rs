@@ -1,0 +1,220 @@
+//! Uncertain values of a study file: `damping_ratio = "0.17 ± 0.02"`.
+//!
+//! An uncertain value is replaced by its central value when the file is read, so a study with uncertain values is an ordinary
+//! study that also knows their distributions. With a sample of the values it is an ordinary study again.
+
+mod keys;
+mod stated;
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+use self::keys::UncertainKey;
+use self::stated::{Stated, StatedDistribution};
+use crate::chaos::UncertainInput;
+use crate::distribution::Marginal;
+use crate::study::parse::line_of_key;
+use crate::study::{StudyFile, StudyFileError};
+
+/// Sections whose numbers and quantities may be uncertain.
+const SECTIONS: [&str; 4] = ["surface", "material", "friction", "vibration"];
+
+/// Uncertain value of a study file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UncertainValue {
+    place: Place,
+    written: Value,
+    input: UncertainInput,
+}
+
+impl UncertainValue {
+    /// Returns the distribution of the value in SI. Its name is that of the key with its section, `vibration.damping_ratio`.
+    pub fn input(&self) -> &UncertainInput {
+        &self.input
+    }
+
+    pub(super) fn place(&self) -> Place {
+        self.place
+    }
+
+    /// Writes the value as it was stated into a table of its study file.
+    pub(super) fn restore(&self, table: &mut Table) {
+        if let Some(value) = self.place.find(table) {
+            value.clone_from(&self.written);
+        }
+    }
+}
+
+/// Place of a number or quantity in a study file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    key: &'static UncertainKey,
+    /// Position in a list of values.
+    element: Option<usize>,
+}
+
+impl Place {
+    /// Returns the place of a number or quantity of a study file by its name, `section.key` or `section.key[position]`.
+    pub(super) fn named(name: &str, table: &Table) -> Option<Self> {
+        let (path, element) = match name.strip_suffix(']').and_then(|name| name.split_once('[')) {
+            Some((path, position)) => (path, Some(position.parse().ok()?)),
+            None => (name, None),
+        };
+        let (section, key) = path.split_once('.')?;
+        let value = table.get(section)?.get(key)?;
+        let value = element.map_or(Some(value), |position: usize| value.get(position))?;
+        Some(Self { key: UncertainKey::find(section, key, value)?, element })
+    }
+
+    pub(super) fn name(&self) -> String {
+        let UncertainKey { section, name, .. } = self.key;
+        self.element.map_or_else(|| format!("{section}.{name}"), |position| format!("{section}.{name}[{position}]"))
+    }
+
+    /// Returns the key with its unit and physical bounds.
+    pub(super) fn key(&self) -> &'static UncertainKey {
+        self.key
+    }
+
+    /// Returns the value of a study file in SI.
+    pub(super) fn value_in(&self, table: &Table) -> Option<f64> {
+        let value = table.get(self.key.section)?.get(self.key.name)?;
+        self.key.parse(self.element.map_or(Some(value), |position| value.get(position))?).ok()
+    }
+
+    fn find<'t>(&self, table: &'t mut Table) -> Option<&'t mut Value> {
+        let value = table.get_mut(self.key.section)?.get_mut(self.key.name)?;
+        match self.element {
+            Some(position) => value.get_mut(position),
+            None => Some(value),
+        }
+    }
+
+    /// Writes a value in SI.
+    pub(super) fn set(&self, table: &mut Table, value: f64) {
+        if let Some(place) = self.find(table) {
+            *place = self.key.show(value);
+        }
+    }
+}
+
+/// Reads the text of a study file with its uncertain values; `file` names it in errors. Files of samples are relative to its
+/// folder.
+///
+/// # Errors
+/// A key, type, unit or distribution is wrong.
+pub(super) fn read(text: &str, file: &str) -> Result<StudyFile, StudyFileError> {
+    let written: Table = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    let mut uncertain = Vec::new();
+    for section in SECTIONS {
+        let Some(Value::Table(values)) = written.get(section) else { continue };
+        for (name, value) in values {
+            let elements: Vec<(Option<usize>, &Value)> = match value {
+                Value::Array(list) => {
+                    list.iter().enumerate().map(|(position, value)| (Some(position), value)).collect()
+                }
+                value => vec![(None, value)],
+            };
+            for (element, value) in elements {
+                let found = uncertain_value(section, name, element, value, folder).map_err(|message| {
+                    let line = line_of_key(text, section, name);
+                    StudyFileError { file: file.into(), line, message: format!("[{section}] {name}: {message}") }
+                })?;
+                uncertain.extend(found);
+            }
+        }
+    }
+    let central: Vec<String> =
+        uncertain.iter().map(|value| value.place.key.show(value.input.central()).to_string()).collect();
+    let mut root = DeTable::parse(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    for (UncertainValue { place, .. }, central) in uncertain.iter().zip(&central) {
+        let central = DeValue::parse(central).map_err(|error| StudyFileError::toml(&error, text, file))?;
+        let section = root.get_mut().get_mut(place.key.section).map(|section| section.get_mut());
+        let Some(DeValue::Table(section)) = section else { continue };
+        let value = section.get_mut(place.key.name).map(|value| value.get_mut());
+        match (value, place.element) {
+            (Some(DeValue::Array(list)), Some(position)) => {
+                if let Some(element) = list.get_mut(position) {
+                    *element.get_mut() = central.into_inner();
+                }
+            }
+            (Some(value), None) => *value = central.into_inner(),
+            _ => {}
+        }
+    }
+    let deserializer = toml::de::Deserializer::from(root);
+    let study = StudyFile::deserialize(deserializer).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    Ok(StudyFile { uncertain, ..study })
+}
+
+/// Returns the uncertain value at a key, if the value is one.
+fn uncertain_value(
+    section: &str,
+    name: &str,
+    element: Option<usize>,
+    value: &Value,
+    folder: &Path,
+) -> Result<Option<UncertainValue>, String> {
+    let Some(stated) = Stated::read(value)? else { return Ok(None) };
+    let key = UncertainKey::find(section, name, stated.distribution.example())
+        .ok_or("this key is a setting of the computation and cannot be uncertain; state one value")?;
+    let place = Place { key, element };
+    let marginal = marginal(key, &stated.distribution, folder)?;
+    let input = UncertainInput::new(&place.name(), marginal, stated.unknown)
+        .and_then(|input| input.truncated(key.low, key.high))
+        .map_err(|error| error.to_string())?;
+    Ok(Some(UncertainValue { place, written: value.clone(), input }))
+}
+
+/// Returns a stated distribution in SI.
+fn marginal(key: &UncertainKey, stated: &StatedDistribution, folder: &Path) -> Result<Marginal, String> {
+    let number = |value: &Value| key.parse(value);
+    let plain = |value: &Value| match value {
+        Value::Float(number) => Ok(*number),
+        Value::Integer(number) => Ok(*number as f64),
+        other => Err(format!("{other} is not a number")),
+    };
+    let distribution = match stated {
+        StatedDistribution::Normal([mean, std]) => Marginal::normal(number(mean)?, number(std)?),
+        StatedDistribution::Lognormal([median, sigma]) => {
+            let median = number(median)?;
+            if median <= 0.0 {
+                return Err(format!("the median of a lognormal distribution is positive, found {median}"));
+            }
+            Marginal::lognormal(median.ln(), plain(sigma)?, 0.0)
+        }
+        StatedDistribution::Uniform([low, high]) => Marginal::beta(1.0, 1.0, number(low)?, number(high)?),
+        StatedDistribution::Triangular([low, mode, high]) => {
+            Marginal::triangular(number(low)?, number(mode)?, number(high)?)
+        }
+        StatedDistribution::Beta([a, b, low, high]) => {
+            Marginal::beta(plain(a)?, plain(b)?, number(low)?, number(high)?)
+        }
+        StatedDistribution::Samples(file) => Marginal::empirical(samples(key, &folder.join(file))?),
+    };
+    distribution.map_err(|error| error.to_string())
+}
+
+/// Reads samples from the first column of a CSV file: quantities with units, or numbers in SI.
+fn samples(key: &UncertainKey, file: &PathBuf) -> Result<Vec<f64>, String> {
+    let text = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let mut values = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let cell = line.split([',', ';', '\t']).next().unwrap_or("").trim().trim_matches('"');
+        if cell.is_empty() || cell.starts_with('#') {
+            continue;
+        }
+        let value = cell.parse().ok().or_else(|| key.parse(&Value::String(cell.into())).ok());
+        match value.filter(|value: &f64| value.is_finite()) {
+            Some(value) => values.push(value),
+            // The first line may name the columns.
+            None if values.is_empty() && index == 0 => {}
+            None => return Err(format!("{}:{}: `{cell}` is not a number", file.display(), index + 1)),
+        }
+    }
+    Ok(values)
+}

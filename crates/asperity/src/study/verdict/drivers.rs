@@ -1,0 +1,152 @@
+//! What decides the margin and the event, and how much a measurement of one value narrows the margin.
+
+use super::machines::Machines;
+use super::sampled::Sampled;
+use crate::chaos::{
+    Basis, DriverError, Drivers, Estimate, Expansion, NestedSampling, PickFreeze, ProbabilityOverUnknowns,
+};
+use crate::random;
+use crate::stats::quantile_sorted;
+use crate::study::StudyError;
+use crate::study::result::{Driver, Guess, Pair, Quantiles};
+
+/// Largest number of samples to which the margin is fitted.
+const MOST_SAMPLES: usize = 4096;
+/// Number of samples per term of the expansion.
+const SAMPLES_PER_TERM: usize = 3;
+/// Largest degree of the expansion.
+const MOST_DEGREE: usize = 6;
+/// Values of one input, and machines at each of them, from which the range of the margin is computed.
+const KNOWN_VALUES: usize = 64;
+const MACHINES: usize = 512;
+/// Stream of their standard normal variables.
+const STREAM: &str = "study/verdict/known";
+
+/// The margin of the sampled machines as an expansion in the standard normal variables.
+pub(super) struct MarginModel {
+    expansion: Expansion,
+    /// Fraction of the variance that the expansion does not explain.
+    pub(super) unexplained: f64,
+    /// Margin below which machines vibrate: 0, or with fluctuating friction the margin that as many machines are below as vibrate.
+    threshold: f64,
+}
+
+impl MarginModel {
+    /// Fits the margin; `None` if no value is uncertain, or no expansion predicts the margin better than its mean.
+    pub(super) fn new(
+        machines: &Machines<'_>,
+        sampled: &Sampled,
+        fluctuates: bool,
+    ) -> Result<Option<Self>, StudyError> {
+        let variables = machines.variables();
+        if variables == 0 {
+            return Ok(None);
+        }
+        let valid = (0..sampled.machines.len().min(MOST_SAMPLES)).filter_map(|index| {
+            let machine = sampled.machines[index].as_ref().ok()?;
+            Some((machines.variables_of(index), machine.margins.from_stick))
+        });
+        let (points, margins): (Vec<Vec<f64>>, Vec<f64>) = valid.unzip();
+        let mut best: Option<(Expansion, f64)> = None;
+        for degree in 1..=MOST_DEGREE {
+            let Ok(basis) = Basis::hermite(variables, degree) else { break };
+            if SAMPLES_PER_TERM * basis.len() > points.len() {
+                break;
+            }
+            let (expansion, fit) = Expansion::fit(basis, &points, &margins)?;
+            let Some(error) = fit.leave_one_out.relative_error else { break };
+            if best.as_ref().is_none_or(|(_, least)| error < *least) {
+                best = Some((expansion, error));
+            }
+        }
+        let Some((expansion, unexplained)) = best.filter(|(_, error)| *error < 1.0) else { return Ok(None) };
+        let mut sorted = margins;
+        sorted.sort_by(f64::total_cmp);
+        let threshold = if fluctuates { quantile_sorted(&sorted, sampled.probability().0) } else { 0.0 };
+        Ok(Some(Self { expansion, unexplained, threshold }))
+    }
+
+    fn margin(&self, variables: &[f64]) -> f64 {
+        self.expansion.evaluate(variables) - self.threshold
+    }
+
+    /// Returns the sensitivity of the margin.
+    pub(super) fn margin_drivers(&self, machines: &Machines<'_>, seed: u64) -> Result<Vec<Driver>, DriverError> {
+        let drivers = PickFreeze::new(seed).drivers(machines.inputs(), |variables| self.margin(variables))?;
+        let reductions = self.range_reductions(machines, seed);
+        let mut results = self.results(machines, &drivers);
+        results.iter_mut().zip(reductions).for_each(|(driver, reduction)| driver.range_reduction = Some(reduction));
+        Ok(results)
+    }
+
+    /// Returns the sensitivity of the event that a machine vibrates.
+    pub(super) fn event_drivers(&self, machines: &Machines<'_>, seed: u64) -> Result<Vec<Driver>, DriverError> {
+        let event = |variables: &[f64]| if self.margin(variables) < 0.0 { 1.0 } else { 0.0 };
+        Ok(self.results(machines, &PickFreeze::new(seed).drivers(machines.inputs(), event)?))
+    }
+
+    fn results(&self, machines: &Machines<'_>, drivers: &Drivers) -> Vec<Driver> {
+        // A fraction ε of the variance beyond the expansion changes an index by at most ε.
+        let wide = |estimate: &Estimate| -> Pair {
+            let interval = estimate.interval;
+            [(interval.low - self.unexplained).max(0.0), (interval.high + self.unexplained).min(1.0)]
+        };
+        let inputs = machines.inputs().inputs().iter().enumerate();
+        inputs
+            .map(|(place, input)| Driver {
+                input: input.name().into(),
+                first_order: drivers.first_order[place].value,
+                first_order_interval: wide(&drivers.first_order[place]),
+                total: drivers.total[place].value,
+                total_interval: wide(&drivers.total[place]),
+                shapley: drivers.shapley.as_ref().map(|shapley| shapley[place].value),
+                shapley_interval: drivers.shapley.as_ref().map(|shapley| wide(&shapley[place])),
+                range_reduction: None,
+            })
+            .collect()
+    }
+
+    /// Returns for each input the fraction by which the 5–95 % range of the margin narrows on average once the input is known.
+    fn range_reductions(&self, machines: &Machines<'_>, seed: u64) -> Vec<f64> {
+        let (inputs, variables) = (machines.inputs(), machines.variables());
+        let draws: Vec<Vec<f64>> = (0..MACHINES)
+            .map(|index| random::standard_normal(&mut random::stream(seed, STREAM, index as u64), variables))
+            .collect();
+        let range = |mut margins: Vec<f64>| {
+            margins.sort_by(f64::total_cmp);
+            quantile_sorted(&margins, 0.95) - quantile_sorted(&margins, 0.05)
+        };
+        let whole = range(draws.iter().map(|variables| self.margin(variables)).collect());
+        let reduction = |input: usize| {
+            let order: Vec<usize> =
+                std::iter::once(input).chain((0..variables).filter(|other| *other != input)).collect();
+            let redraw = inputs.redraw(&order);
+            let ranges = (0..KNOWN_VALUES).map(|known| {
+                let probability = (known as f64 + 0.5) / KNOWN_VALUES as f64;
+                let point = inputs.point_with(input, probability);
+                range(draws.iter().map(|fresh| self.margin(&redraw.last(variables - 1, &point, fresh))).collect())
+            });
+            1.0 - ranges.sum::<f64>() / KNOWN_VALUES as f64 / whole
+        };
+        (0..variables).map(reduction).collect()
+    }
+
+    /// Returns the quantiles of the probability over the unknown values, and the effect of each of them; `None` if no value is
+    /// unknown.
+    pub(super) fn over_unknowns(
+        &self,
+        machines: &Machines<'_>,
+        seed: u64,
+    ) -> Result<Option<(Quantiles, Vec<Guess>)>, DriverError> {
+        let inputs = machines.inputs();
+        let found = NestedSampling::new(seed).probability_over_unknowns(inputs, |variables| self.margin(variables))?;
+        Ok(found.map(|ProbabilityOverUnknowns { q05, q50, q95, effects }| {
+            let guesses = effects.into_iter().map(|effect| Guess {
+                input: inputs.inputs()[effect.input].name().into(),
+                probability_at_q05: effect.probability_at_q05,
+                probability_at_q95: effect.probability_at_q95,
+            });
+            (Quantiles { q05, q50, q95 }, guesses.collect())
+        }))
+    }
+}

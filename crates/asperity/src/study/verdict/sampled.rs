@@ -1,0 +1,153 @@
+//! Evaluated machines, and the probability that one vibrates.
+
+use asperity_base::blocks::{self, Task};
+
+use super::machines::{Machine, Machines};
+use crate::monitor::{Cancelled, Monitor};
+use crate::stats::{Interval, NORMAL_95, wilson_interval};
+use crate::vibration::DampingMargins;
+
+/// Number of machines of the first round; each further round doubles the number.
+const FIRST_ROUND: usize = 2048;
+
+/// Largest number of machines that are evaluated with another friction.
+const SHIFTED: usize = 4096;
+
+/// Evaluated machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Evaluated {
+    pub(super) margins: DampingMargins,
+    /// Whether it vibrates if its motion begins in stick.
+    pub(super) vibrates: bool,
+}
+
+impl Evaluated {
+    /// Returns the machine's answer without fluctuation of friction.
+    pub(super) fn constant_friction(machine: &Machine) -> Result<Self, String> {
+        let margins = DampingMargins::new(&machine.oscillator).map_err(|error| error.to_string())?;
+        Ok(Self { margins, vibrates: margins.from_stick < 0.0 })
+    }
+}
+
+/// Returns the number of machines after the round that begins with number `from`.
+fn end_of_round(from: usize, most: usize) -> usize {
+    FIRST_ROUND.max(2 * from).min(most)
+}
+
+/// Returns whether the interval of `all` machines has the half width for every probability in it. If the fraction itself decided,
+/// sampling would stop more often where the fraction is wrong, and too few intervals would cover the probability.
+fn is_narrow(interval: Interval, all: usize, half_width: f64) -> bool {
+    let widest = 0.5_f64.clamp(interval.low, interval.high);
+    NORMAL_95 * (widest * (1.0 - widest) / all as f64).sqrt() <= half_width
+}
+
+/// Evaluated samples in their order.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sampled {
+    pub(super) machines: Vec<Result<Evaluated, String>>,
+}
+
+impl Sampled {
+    /// Evaluates machines until the interval of the probability is narrow enough.
+    pub(super) fn until(
+        machines: &Machines<'_>,
+        evaluate: &(dyn Fn(&Machine, usize) -> Result<Evaluated, String> + Sync),
+        half_width: f64,
+        most: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let mut sampled = Self::default();
+        while sampled.machines.len() < most {
+            let from = sampled.machines.len();
+            let to = end_of_round(from, most);
+            let task = Task::new(monitor, "verdict", to - from);
+            let evaluated: Result<Vec<_>, Cancelled> = blocks::map(from..to, |index| {
+                task.step(|| machines.at(&machines.variables_of(index)).and_then(|machine| evaluate(&machine, index)))
+            });
+            sampled.machines.extend(evaluated?);
+            if is_narrow(sampled.probability().1, to, half_width) {
+                break;
+            }
+        }
+        Ok(sampled)
+    }
+
+    /// Returns the fraction of vibrating machines of the same samples with another friction, without fluctuation, relative to this one:
+    /// the difference is added to the probability.
+    pub(super) fn shifted(&self, machines: &Machines<'_>, monitor: &dyn Monitor) -> Result<f64, Cancelled> {
+        let count = self.machines.len().min(SHIFTED);
+        let task = Task::new(monitor, "verdict: friction error", count);
+        let vibrates = blocks::map::<_, Result<Vec<bool>, Cancelled>>(0..count, |index| {
+            task.step(|| {
+                let machine = machines.at(&machines.variables_of(index));
+                let evaluated = machine.and_then(|machine| Evaluated::constant_friction(&machine));
+                evaluated.is_ok_and(|machine| machine.margins.from_stick < 0.0)
+            })
+        })?;
+        let share = |vibrating: usize| vibrating as f64 / count as f64;
+        let before = self.machines[..count].iter().flatten().filter(|machine| machine.margins.from_stick < 0.0).count();
+        Ok(self.probability().0 + share(vibrates.into_iter().filter(|v| *v).count()) - share(before))
+    }
+
+    /// Returns the samples with an answer.
+    pub(super) fn valid(&self) -> impl Iterator<Item = &Evaluated> {
+        self.machines.iter().flatten()
+    }
+
+    /// Returns the number of samples with an answer for which a property holds, and the number of all.
+    pub(super) fn count(&self, holds: impl Fn(&Evaluated) -> bool) -> (usize, usize) {
+        (self.valid().filter(|machine| holds(machine)).count(), self.valid().count())
+    }
+
+    /// Returns the fraction of vibrating machines with its 95 % interval.
+    pub(super) fn probability(&self) -> (f64, Interval) {
+        let (vibrating, all) = self.count(|machine| machine.vibrates);
+        (vibrating as f64 / all as f64, wilson_interval(vibrating, all))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::distribution::standard_normal_cdf;
+    use crate::random::{standard_normal, stream};
+
+    /// Returns the interval at which sampling stops, and the number of samples.
+    fn stopped(probability: f64, half_width: f64, replicate: u64) -> (Interval, usize) {
+        let rng = &mut stream(7, "test", replicate);
+        let (mut vibrating, mut all) = (0, 0);
+        loop {
+            let to = end_of_round(all, 1 << 16);
+            let normal = standard_normal(rng, to - all);
+            vibrating += normal.into_iter().filter(|g| standard_normal_cdf(*g) < probability).count();
+            all = to;
+            let interval = wilson_interval(vibrating, all);
+            if is_narrow(interval, all, half_width) || all == 1 << 16 {
+                return (interval, all);
+            }
+        }
+    }
+
+    #[test]
+    fn intervals_cover_the_probability_although_sampling_stops_when_they_are_narrow() {
+        for (probability, half_width) in [
+            (0.03, 0.01),
+            (0.1, 0.012),
+            (0.327, 0.02),
+            (0.327, 0.01),
+            (0.44, 0.0153),
+            (0.47, 0.0153),
+            (0.5, 0.0153),
+            (0.9, 0.01),
+        ] {
+            let replicates: Vec<_> = (0..1000).map(|replicate| stopped(probability, half_width, replicate)).collect();
+            let covered = replicates.iter().filter(|(i, _)| i.low <= probability && probability <= i.high).count();
+            assert!(covered >= 930, "{covered} of 1000 at {probability} ± {half_width}");
+            for (interval, all) in replicates {
+                // The interval of as many independent samples with the true fraction.
+                let ideal = 2.0 * 1.96 * (probability * (1.0 - probability) / all as f64).sqrt();
+                assert!(interval.high - interval.low <= 1.5 * ideal, "{interval:?} after {all}");
+            }
+        }
+    }
+}
