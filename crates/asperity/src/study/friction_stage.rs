@@ -11,14 +11,16 @@ pub(super) use self::words::no_variance;
 
 use crate::contact::{Control, Solver};
 use crate::friction::strip::StripProblem;
-use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
+use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
 use crate::study::friction_uncertainty;
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
 use crate::study::pressure_stage::half_space;
-use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, UpscalingResult};
+use crate::study::result::{
+    AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, RoughBodyResult, UpscalingResult,
+};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{QuantityMap, StudyError};
 use crate::surface::model::XiOrder;
@@ -43,6 +45,15 @@ pub(super) fn prescribed(level: LevelControl) -> Prescribed {
         LevelControl::Percentile(_) => Prescribed::Percentile,
         LevelControl::MeanPressure(_) | LevelControl::Nominal(_) => Prescribed::MeanPressure,
         LevelControl::Penetration(_) => Prescribed::Penetration,
+    }
+}
+
+/// Returns the rough bodies in results.
+fn rough_body(body: RoughBody) -> RoughBodyResult {
+    match body {
+        RoughBody::Track => RoughBodyResult::Track,
+        RoughBody::Slider => RoughBodyResult::Slider,
+        RoughBody::Both => RoughBodyResult::Both,
     }
 }
 
@@ -84,7 +95,7 @@ pub(super) fn run(
         OperatingLevel::Deepest | OperatingLevel::Percentile(_) => None,
     };
     let stated: Vec<LevelControl> = study.levels.iter().copied().chain(nominal).collect();
-    let controls: Vec<Control> = stated.iter().map(|level| level.contact(&surface.model.marginal)).collect();
+    let controls: Vec<Control> = stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
     for (control, solved) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
@@ -100,6 +111,7 @@ pub(super) fn run(
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
     let window = &problem.window;
     let mut result = FrictionResult {
+        body: rough_body(study.body),
         window_m: window.length_m(),
         window_width_m: window.width_m(),
         strip_width_m: grid.height_m(),
@@ -111,18 +123,20 @@ pub(super) fn run(
             .enumerate()
             .map(|(index, level)| LevelResult {
                 leading: index == lead,
-                ..entries::level_result(level, upscaling(level, nominal_area_m2))
+                ..entries::level_result(level, study.body, upscaling(level, nominal_area_m2))
             })
             .collect(),
         cutoff,
         uncertainty: None,
     };
-    output.tables = tables::of_levels(&levels);
-    output.tables.extend(tables::of_lead(&levels[lead]));
+    output.tables = tables::of_levels(&levels, study.body);
+    output.tables.extend(tables::of_lead(&levels[lead], study.body));
     let place = levels[lead].control.name();
     output.warnings.extend(implausible_friction(levels[lead].mean).map(|warning| format!("at {place}, {warning}")));
-    output.warnings.extend(words::drift(&levels[lead]));
-    output.warnings.extend(words::correlation(&levels[lead]));
+    if study.body == RoughBody::Track {
+        output.warnings.extend(words::drift(&levels[lead]));
+        output.warnings.extend(words::correlation(&levels[lead]));
+    }
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", QuantityMap { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
