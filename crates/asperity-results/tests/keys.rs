@@ -5,16 +5,20 @@ mod example;
 
 use std::collections::BTreeSet;
 
-use asperity_results::{Comparison, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart};
+use asperity_results::{Comparison, LawResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult};
 use serde_json::Value;
 
-/// Returns the results of one scan, and those of a part of two scans with uncertain parameters.
+/// Returns the results of one scan, and those of a part of two scans with uncertain parameters and a stated counterface.
 fn both() -> [Results; 2] {
     let one = example::results();
     let mut two = one.clone();
     let scans = ["left.x3p", "right.x3p"].map(|file| ScanOfPart { file: file.into(), statistics: example::scan() });
     two.surface.as_mut().unwrap().measured = example::part(scans.into());
     two.friction.as_mut().unwrap().uncertainty = Some(example::uncertainty(6));
+    two.counterface = Some(SurfaceResult {
+        marginal: LawResult { name: "normal".into(), ..LawResult::default() },
+        ..SurfaceResult::default()
+    });
     [one, two]
 }
 

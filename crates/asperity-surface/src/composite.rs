@@ -30,7 +30,8 @@ impl CompositeSurface {
         let (own, other) = (self.surface.xi_len(), self.counterface.xi_len());
         assert_eq!(xi.len(), own + other, "ξ has the wrong length");
         let (pairs, rest) = xi.split_at(2 * own.min(other));
-        let (mut first, mut second): (Vec<f64>, Vec<f64>) = pairs.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
+        let (mut first, mut second): (Vec<f64>, Vec<f64>) =
+            pairs.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
         if own > other { &mut first } else { &mut second }.extend_from_slice(rest);
         [first, second]
     }

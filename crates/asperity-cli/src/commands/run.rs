@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::study::result::{MeasuredSurface, Results, RoughBodyResult};
+use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{Stage, write_run};
 use asperity_report::vibration_answer;
 use clap::Args;
@@ -136,9 +136,8 @@ fn headline(results: &Results, folder: &Path) -> Answer {
         // The standard deviation of the study's main upscaling.
         let main = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
         show("friction_std", main.friction_std.into());
-        // The friction of a rough slider is constant for each part.
-        let is_carried = results.friction.as_ref().is_some_and(|friction| friction.body == RoughBodyResult::Slider);
-        match point.filter(|_| is_carried) {
+        // A part of a rough slider has constant friction.
+        match point.filter(|_| vibration.friction_correlation_length_m.is_none()) {
             Some(point) if vibration.upscaling == "paper" => show("friction_std_between_parts", point.std.into()),
             Some(point) => show("friction_std_between_parts", point.std_nominal_area.into()),
             None => show("friction_correlation_length_m", vibration.friction_correlation_length_m.into()),

@@ -12,15 +12,13 @@ use crate::support::{Finished, close, number, run_in};
 
 /// A stated surface; `generator = "spectral"`, so that its patches have the whole variance.
 const SURFACE: &str = "seed = 7\n[surface]\ngenerator = \"spectral\"\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n\
-                       rms_height = \"0.5 um\"\ncorrelation_length = \"8 um\"\n";
-const MATERIAL: &str =
-    "[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\nshear_strength = \"385 MPa\"\n";
+                       rms_height = \"0.1 um\"\ncorrelation_length = \"8 um\"\n";
+const MATERIAL: &str = "[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\nshear_strength = \"385 MPa\"\n";
 const PRESSURE: &str = "[pressure]\nsize = [\"64 um\", \"48 um\"]\npoints = [32, 24]\npercentile = 30.0\nfine_solves = 40\n\
                         reference_samples = 400\nvariables = 2\ndegree = 1\n";
 const FRICTION: &str = "[friction]\nstrip = [\"800 um\", \"32 um\"]\npoints = [400, 16]\nwindow = \"80 um\"\n\
-                        percentiles = [50.0]\nmean_pressures = [\"100 MPa\"]\nrealisations = 8\n";
-const VIBRATION: &str =
-    "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\nnormal_force = \"2.5 kN\"\n\
+                        percentiles = [50.0]\nmean_pressures = [\"300 MPa\"]\nrealisations = 8\n";
+const VIBRATION: &str = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\nnormal_force = \"2.5 kN\"\n\
      nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\ndamping_sweep = [0.1, 0.3, 3]\ntrajectories = 4\n\
      duration = 64.0\n";
 
@@ -45,8 +43,7 @@ fn a_rough_slider_has_the_windows_of_a_rough_track_but_constant_friction() {
     let folder = TempDir::new().unwrap();
     let text = [SURFACE, MATERIAL, FRICTION, VIBRATION].concat();
     let (_, track) = run(folder.path(), "track", &text);
-    let (ended, slider) =
-        run(folder.path(), "slider", &text.replace("[surface]\n", "[surface]\nbody = \"slider\"\n"));
+    let (ended, slider) = run(folder.path(), "slider", &text.replace("[surface]\n", "[surface]\nbody = \"slider\"\n"));
     assert_eq!([&track["friction"]["body"], &slider["friction"]["body"]], ["track", "slider"]);
     // The same windows: only what describes their course along the path differs.
     assert_eq!(track["friction"]["operating_point"], slider["friction"]["operating_point"]);
@@ -86,10 +83,14 @@ fn a_rough_slider_has_the_windows_of_a_rough_track_but_constant_friction() {
     );
     let (_, stated) = run(folder.path(), "stated", &stated);
     let [carried, constant] = [&slider, &stated].map(|results| &results["vibration"]);
-    for key in ["static_friction", "cycle", "kind", "limit_damping_ratio", "kick_m_per_s", "paper", "area", "marginal"] {
+    for key in ["static_friction", "cycle", "kind", "limit_damping_ratio", "kick_m_per_s", "paper", "area", "marginal"]
+    {
         assert_eq!(carried[key], constant[key], "{key}");
     }
     assert_eq!(carried["paper"]["friction_std"], 0.0);
+    for key in ["friction_correlation_length_m", "correlation_length"] {
+        assert!(carried[key].is_null() && track["vibration"][key].is_number(), "{key}");
+    }
     assert!(number(&track["vibration"]["paper"], "friction_std") > 0.0);
 }
 
@@ -119,8 +120,8 @@ fn an_elastic_or_softer_counterface_changes_modulus_and_hardness_alone() {
 
 /// Both bodies have half of the variance of [`SURFACE`].
 fn halved() -> String {
-    let rms = format!("rms_height = \"{:?} um\"", 0.5 * 0.5_f64.sqrt());
-    let own = SURFACE.replace("rms_height = \"0.5 um\"", &rms);
+    let rms = format!("rms_height = \"{:?} um\"", 0.1 * 0.5_f64.sqrt());
+    let own = SURFACE.replace("rms_height = \"0.1 um\"", &rms);
     format!(
         "{own}[counterface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n{rms}\ncorrelation_length = \"8 um\"\n"
     )
@@ -132,7 +133,7 @@ fn two_bodies_of_half_the_variance_are_one_of_the_whole() {
     let (_, one) = run(folder.path(), "one", &[SURFACE, MATERIAL, PRESSURE, FRICTION].concat());
     let (_, two) = run(folder.path(), "two", &[&halved(), MATERIAL, PRESSURE, FRICTION].concat());
     close(number(&two["pressure"], "separation_m"), number(&one["pressure"], "separation_m"), 1e-12);
-    close(number(&two["surface"]["covariance"], "std_m"), 0.5e-6 * 0.5_f64.sqrt(), 1e-12);
+    close(number(&two["surface"]["covariance"], "std_m"), 1e-7 * 0.5_f64.sqrt(), 1e-12);
     assert_eq!(two["counterface"]["covariance"], two["surface"]["covariance"]);
     assert_eq!(two["friction"]["body"], "both");
     // Independent samples of the same distribution: differences within four joint standard errors.
@@ -187,9 +188,8 @@ fn a_pair_of_scans_is_pressed_as_asperity_contact_presses_its_maps() {
         );
         assert_eq!(results[body]["Sq_m"], stats.json(0)["Sq_m"], "{body}");
     }
-    let field = |name: &str| -> Array2<f64> {
-        read(&folder.path().join(format!("pair/fields/{name}.npy"))).unwrap().heights_m
-    };
+    let field =
+        |name: &str| -> Array2<f64> { read(&folder.path().join(format!("pair/fields/{name}.npy"))).unwrap().heights_m };
     let (pressure_pa, map) = (field("pressure_sample"), field("counterface_sample"));
     assert_ne!(field("surface_sample"), map);
     let pressed = run_in(
@@ -217,7 +217,8 @@ fn a_pair_of_scans_is_pressed_as_asperity_contact_presses_its_maps() {
 #[test]
 fn an_unsuitable_counterface_or_body_is_refused_with_its_line() {
     let folder = TempDir::new().unwrap();
-    let rough = "covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\ncorrelation_length = \"8 um\"\n";
+    let rough =
+        "covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\ncorrelation_length = \"8 um\"\n";
     let whole = [SURFACE, MATERIAL, PRESSURE, FRICTION].concat();
     let with = |counterface: &str| format!("{whole}[counterface]\n{counterface}");
     let slider = |body: &str, counterface: &str| {

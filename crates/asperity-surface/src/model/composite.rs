@@ -150,7 +150,8 @@ mod tests {
                     let xi = standard_normal(&mut stream(3, "composite", index), surface.xi_len());
                     let map = surface.generate(&xi);
                     let heights_m = map.heights_m();
-                    let product = |((row, column), z): ((usize, usize), &f64)| z * heights_m[[row, (column + lag) % 32]];
+                    let product =
+                        |((row, column), z): ((usize, usize), &f64)| z * heights_m[[row, (column + lag) % 32]];
                     heights_m.indexed_iter().map(product).sum::<f64>() / heights_m.len() as f64
                 })
                 .collect();

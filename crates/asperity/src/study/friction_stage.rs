@@ -95,7 +95,8 @@ pub(super) fn run(
         OperatingLevel::Deepest | OperatingLevel::Percentile(_) => None,
     };
     let stated: Vec<LevelControl> = study.levels.iter().copied().chain(nominal).collect();
-    let controls: Vec<Control> = stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
+    let controls: Vec<Control> =
+        stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
     for (control, solved) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {

@@ -14,8 +14,8 @@ use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::{
-    Study, StudyError, counterface, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage,
-    vibration_stage,
+    Study, StudyError, counterface, friction_process, friction_stage, implausible_friction, pressure_stage,
+    surface_stage, vibration_stage,
 };
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
@@ -184,7 +184,11 @@ impl Study {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
             let computed = friction.map(|(level, body)| WindowFriction::from_level(&level, body, nominal, stribeck));
             if let Some(window) = known.or(computed) {
-                let stage = vibration_stage::run(study, &window, self.seed(), monitor)?;
+                let mut stage = vibration_stage::run(study, &window, self.seed(), monitor)?;
+                // The friction of a part of a rough slider has no course along the path.
+                if self.friction.as_ref().is_some_and(|friction| friction.body != RoughBody::Track) {
+                    (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
+                }
                 gathered.add(stage.output);
                 gathered.results.vibration = Some(stage.result);
             }

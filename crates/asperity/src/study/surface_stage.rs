@@ -17,8 +17,8 @@ use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::CovarianceSource;
 use crate::surface::level::Level;
 use crate::surface::model::{
-    CapturedModes, CompositeModel, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceModelError,
-    SurfaceRequest, Texture,
+    CapturedModes, CompositeModel, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel,
+    SurfaceModelError, SurfaceRequest, Texture,
 };
 use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::scanned::ScannedSurface;

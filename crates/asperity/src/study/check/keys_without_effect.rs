@@ -54,7 +54,9 @@ impl CounterfaceSection {
     /// Returns a sentence for each stated key that has no effect.
     fn keys_without_effect(&self, surface: &SurfaceSection) -> Vec<String> {
         if *self == Self::default() {
-            return vec!["[counterface] has no effect: it states nothing, and a smooth rigid body is the default".to_owned()];
+            return vec![
+                "[counterface] has no effect: it states nothing, and a smooth rigid body is the default".to_owned(),
+            ];
         }
         let mut keys = self.roughness(surface).keys_without_effect("counterface");
         let without_file = self.level.filter(|_| self.file.is_none());

@@ -81,10 +81,8 @@ impl StudyFile {
         let contact_modulus_pa = match self.counterface.as_ref().and_then(CounterfaceSection::elastic) {
             None => own_pa,
             Some(counterface) => {
-                let own = Elastic {
-                    youngs_modulus_pa: material.youngs_modulus.0,
-                    poisson_ratio: material.poisson_ratio,
-                };
+                let own =
+                    Elastic { youngs_modulus_pa: material.youngs_modulus.0, poisson_ratio: material.poisson_ratio };
                 let pair = ElasticPair::new(own, counterface);
                 pair.map_err(|error| invalid("counterface", "youngs_modulus", error.to_string()))?.contact_modulus_pa()
             }

@@ -14,8 +14,7 @@ type Tables = Vec<(&'static str, CsvTable)>;
 
 /// Moments and load of all levels, and the course of friction along one strip if that is a path.
 pub(super) fn of_levels(levels: &[SolvedLevel], body: RoughBody) -> Tables {
-    let mut tables =
-        vec![("friction_levels", levels_table(levels)), ("friction_load_curve", load_curve_table(levels))];
+    let mut tables = vec![("friction_levels", levels_table(levels)), ("friction_load_curve", load_curve_table(levels))];
     tables.extend((body == RoughBody::Track).then(|| ("friction_trace", trace_table(levels))));
     tables
 }
