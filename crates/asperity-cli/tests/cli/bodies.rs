@@ -15,7 +15,7 @@ const SURFACE: &str = "seed = 7\n[surface]\ngenerator = \"spectral\"\ncovariance
                        rms_height = \"0.1 um\"\ncorrelation_length = \"8 um\"\n";
 const MATERIAL: &str = "[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\nshear_strength = \"385 MPa\"\n";
 const PRESSURE: &str = "[pressure]\nsize = [\"48 um\", \"32 um\"]\npoints = [24, 16]\npercentile = 30.0\nfine_solves = 20\n\
-                        reference_samples = 100\nvariables = 2\ndegree = 1\n";
+                        reference_samples = 40\nvariables = 2\ndegree = 1\n";
 const FRICTION: &str = "[friction]\nstrip = [\"400 um\", \"32 um\"]\npoints = [100, 8]\nwindow = \"40 um\"\n\
                         percentiles = [50.0]\nrealisations = 6\n";
 const VIBRATION: &str = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\nnormal_force = \"2.5 kN\"\n\
@@ -139,7 +139,7 @@ fn alike([a, b]: [f64; 2], [error_a, error_b]: [f64; 2], what: &str) {
 #[test]
 fn the_pressure_of_two_bodies_of_half_the_variance_is_that_of_one() {
     let folder = TempDir::new().unwrap();
-    let many = PRESSURE.replace("reference_samples = 100", "reference_samples = 500");
+    let many = PRESSURE.replace("reference_samples = 40", "reference_samples = 500");
     let (_, one) = run(folder.path(), "one", &[SURFACE, MATERIAL, &many].concat());
     let (_, two) = run(folder.path(), "two", &[&halved(), MATERIAL, &many].concat());
     close(number(&two["pressure"], "separation_m"), number(&one["pressure"], "separation_m"), 1e-12);
@@ -175,14 +175,16 @@ fn the_friction_of_two_bodies_of_half_the_variance_has_the_moments_of_one_and_no
 #[test]
 fn a_pair_of_scans_is_pressed_as_asperity_contact_presses_its_maps() {
     let folder = TempDir::new().unwrap();
-    let own = SURFACE.replace("[surface]", "size = [\"128 um\", \"128 um\"]\npoints = [64, 64]\n[surface]");
+    let own = SURFACE.replace("[surface]", "size = [\"80 um\", \"80 um\"]\npoints = [40, 40]\n[surface]");
     fs::write(folder.path().join("spec.toml"), own).unwrap();
     let drawn = run_in(folder.path(), "surface generate spec.toml --out scans --count 2");
     assert_eq!(drawn.code, 0, "{drawn:?}");
+    // The selection of a covariance takes long.
+    let covariance = "covariance = \"squared_exponential\"\ncorrelation_length = \"8 um\"\n";
     let boundary = PRESSURE.replace("percentile = 30.0", "mean_pressure = \"300 MPa\"");
     let text = format!(
-        "seed = 3\n[surface]\nfile = \"scans/map_0000.x3p\"\n[counterface]\nfile = \"scans/map_0001.x3p\"\nlevel = \"mean\"\n\
-         youngs_modulus = \"100 GPa\"\npoisson_ratio = 0.4\nhardness = \"1.5 GPa\"\n{MATERIAL}{boundary}"
+        "seed = 3\n[surface]\nfile = \"scans/map_0000.x3p\"\n{covariance}[counterface]\nfile = \"scans/map_0001.x3p\"\nlevel = \"mean\"\n\
+         youngs_modulus = \"100 GPa\"\npoisson_ratio = 0.4\nhardness = \"1.5 GPa\"\n{covariance}{MATERIAL}{boundary}"
     );
     let (_, results) = run(folder.path(), "pair", &text);
     for body in ["surface", "counterface"] {
@@ -215,7 +217,7 @@ fn a_pair_of_scans_is_pressed_as_asperity_contact_presses_its_maps() {
     assert!(capped > 0.0);
     close(number(&pressed, "plastic_fraction"), capped / cells, 1e-9);
     // The study of the run folder finds both scans from anywhere.
-    let again = run_in(folder.path(), "run pair/study.toml --out again --only surface");
+    let again = run_in(folder.path(), "check pair/study.toml");
     assert_eq!(again.code, 0, "{again:?}");
     let provenance = fs::read_to_string(folder.path().join("pair/provenance.json")).unwrap();
     assert!(provenance.contains("map_0000.x3p") && provenance.contains("map_0001.x3p"), "{provenance}");

@@ -19,7 +19,8 @@ impl CounterfaceStudy {
     /// Measures the scans, adds the random counterface to the model of `stage`, and returns its entry of `results.json`. Sentences
     /// join those of `stage`; tables and fields show the surface alone.
     pub(super) fn add_to(&self, stage: &mut SurfaceStage, folder: &Path) -> Result<SurfaceResult, StudyError> {
-        let own = surface_stage::run(&self.section, &self.request, folder).map_err(StudyError::of_counterface)?;
+        let own = surface_stage::without_tables(&self.section, &self.request, folder);
+        let own = own.map_err(StudyError::of_counterface)?;
         let result = own.result(None);
         // Waves beyond the band of either scan are those of a model alone.
         stage.band_end_m = stage.band_end_m.into_iter().chain(own.band_end_m).reduce(f64::max);

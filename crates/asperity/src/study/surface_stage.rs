@@ -91,12 +91,25 @@ pub(super) fn run(
     request: &SurfaceRequest,
     folder: &Path,
 ) -> Result<SurfaceStage, StudyError> {
+    let mut stage = without_tables(section, request, folder)?;
+    if let Some(measured) = &stage.measured {
+        let model = &stage.model.surface;
+        stage.output.tables.extend(scan_tables(measured, model.covariance(), &model.marginal)?);
+    }
+    Ok(stage)
+}
+
+/// Runs the stage without the tables of the scan, which take most of its time.
+pub(super) fn without_tables(
+    section: &SurfaceSection,
+    request: &SurfaceRequest,
+    folder: &Path,
+) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
     let measured = measure_all(section, section.read_scans(folder)?, &mut output)?;
     let (model, selected) = model_of(section, request.clone(), measured.as_ref(), &mut output)?;
     let covariance = selected.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
-        output.tables.extend(scan_tables(measured, model.covariance(), &model.marginal)?);
         let is_like_the_scan =
             section.covariance.is_of_the_scan() && section.marginal == "measured" && section.rms_height.is_none();
         if let Some(trial) = selected.and_then(|selected| selected.trial).filter(|_| is_like_the_scan) {
