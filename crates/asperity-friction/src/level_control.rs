@@ -1,6 +1,5 @@
 //! Levels of contact: prescribed quantities, and the level of operation.
 
-use asperity_base::distribution::Marginal;
 use asperity_base::sentence;
 use asperity_contact::Control;
 
@@ -29,10 +28,11 @@ pub enum OperatingLevel {
 }
 
 impl LevelControl {
-    /// Returns the control of the contact solver; `marginal` is the distribution of the ensemble's heights.
-    pub fn contact(self, marginal: &Marginal) -> Control {
+    /// Returns the control of the contact solver; `height_quantile_m` is the quantile of the ensemble's heights in metre at a
+    /// probability.
+    pub fn contact(self, height_quantile_m: impl Fn(f64) -> f64) -> Control {
         match self {
-            Self::Percentile(percent) => Control::Plane { height_m: marginal.quantile(1.0 - percent / 100.0) },
+            Self::Percentile(percent) => Control::Plane { height_m: height_quantile_m(1.0 - percent / 100.0) },
             Self::MeanPressure(pascal) | Self::Nominal(pascal) => Control::MeanPressure { pascal },
             Self::Penetration(metre) => Control::Penetration { metre },
         }

@@ -1,7 +1,6 @@
 //! Friction of several random surfaces with the same strips: plan and blocks.
 
 use asperity_base::blocks::Task;
-use asperity_base::distribution::Marginal;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_contact::Control;
 use asperity_surface::RandomSurface;
@@ -34,18 +33,18 @@ impl UncertainPlan<'_> {
         Task::new(monitor, "friction uncertainty", self.points * self.realisations * self.levels.len())
     }
 
-    /// Solves one block: the strips of one surface, with this marginal distribution of its heights, at all levels.
+    /// Solves one block: the strips of one surface, with this quantile of its heights in metre, at all levels.
     ///
     /// # Errors
     /// The monitor cancelled.
     pub fn solve(
         &self,
         surface: &dyn RandomSurface,
-        marginal: &Marginal,
+        height_quantile_m: impl Fn(f64) -> f64,
         task: &Task<'_>,
     ) -> Result<PointMoments, Cancelled> {
         let strips = self.problem.strips(surface, self.realisations, self.seed);
-        let controls: Vec<Control> = self.levels.iter().map(|level| level.contact(marginal)).collect();
+        let controls: Vec<Control> = self.levels.iter().map(|level| level.contact(&height_quantile_m)).collect();
         let step_m = self.problem.window.step_m();
         let levels = strips.solve_steps(&controls, task)?.into_iter().map(|level| {
             let level = level.map_err(|error| error.to_string())?;

@@ -4,6 +4,7 @@ use asperity_base::distribution::Marginal;
 use asperity_base::sentence;
 use asperity_process::{CorrelationShape, FittedProcess, Generator, ProcessModel, TranslationKind};
 
+use crate::rough_body::RoughBody;
 use crate::solved_level::SolvedLevel;
 use crate::upscaling::{Upscaling, exponential, variance_reduction};
 
@@ -71,10 +72,16 @@ pub struct WindowFriction {
 
 impl WindowFriction {
     /// Returns the friction of the window of a level at the mean load; `stribeck` is per unit of dimensionless velocity.
-    pub fn from_level(level: &SolvedLevel, nominal: NominalContact, stribeck: Option<f64>) -> Self {
+    ///
+    /// It fluctuates along the path if the track is the rough body. A rough slider has the constant friction of a mean part.
+    pub fn from_level(level: &SolvedLevel, body: RoughBody, nominal: NominalContact, stribeck: Option<f64>) -> Self {
         let (process, window) = (&level.process, &level.window);
         let mut warnings = Vec::new();
-        let varies = process.moments.std > 0.0;
+        let std = match body {
+            RoughBody::Track => process.moments.std,
+            RoughBody::Slider | RoughBody::Both => 0.0,
+        };
+        let varies = std > 0.0;
         // Constant friction has neither correlation nor distribution; the values are not used.
         let length_m = match &process.correlation {
             Ok(correlation) => correlation.exponential.length_m,
@@ -101,9 +108,13 @@ impl WindowFriction {
                 format!("of the level at percentile {percentile}, {pressure}, at the mean load")
             }
         };
+        let origin = match body {
+            RoughBody::Track | RoughBody::Both => origin,
+            RoughBody::Slider => format!("{origin}; a rough slider carries its contacts along"),
+        };
         Self {
             mean: level.mean,
-            std: process.moments.std,
+            std,
             shape: CorrelationShape::Exponential,
             length_m,
             correlation: TranslationKind::Corrected,

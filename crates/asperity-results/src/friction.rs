@@ -10,6 +10,10 @@ use crate::{CutoffResult, LawResult, Pair, Prescribed, UncertaintyResult};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionResult {
+    /// Body that is rough. Unless it is the track alone, friction has no known course along a path: correlation lengths, drifts and
+    /// return levels are `null` or empty, and standard deviations are those between windows of different parts.
+    #[serde(default)]
+    pub body: RoughBodyResult,
     /// Length of the window.
     pub window_m: f64,
     /// Width of the window.
@@ -30,6 +34,19 @@ pub struct FrictionResult {
     /// Friction over uncertain parameters of the surface; absent if the study states none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyResult>,
+}
+
+/// Rough body of a sliding contact.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RoughBodyResult {
+    /// Track: friction fluctuates along the path.
+    #[default]
+    Track,
+    /// Slider: friction is constant for each part.
+    Slider,
+    /// Both: differences between parts and along the path are not separated.
+    Both,
 }
 
 /// The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the study names or,

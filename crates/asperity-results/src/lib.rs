@@ -24,8 +24,8 @@ pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticCompariso
 pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
 pub use friction::{
     AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult,
-    TailResult, UpscalingResult,
+    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, RoughBodyResult,
+    StationarityResult, TailResult, UpscalingResult,
 };
 pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
@@ -61,6 +61,9 @@ pub struct Results {
     /// The surface stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceResult>,
+    /// Roughness of the counterface, with the keys of `surface`; absent if it is smooth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counterface: Option<SurfaceResult>,
     /// The pressure stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<PressureResult>,
@@ -85,6 +88,7 @@ impl Default for Results {
             schema_version: SCHEMA_VERSION,
             seed: 0,
             surface: None,
+            counterface: None,
             pressure: None,
             friction: None,
             vibration: None,

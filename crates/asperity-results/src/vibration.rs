@@ -47,10 +47,10 @@ pub struct VibrationResult {
     pub level_percentile: Option<f64>,
     /// Mean pressure of that level.
     pub level_mean_pressure_pa: Option<f64>,
-    /// Correlation length of μ.
-    pub friction_correlation_length_m: f64,
+    /// Correlation length of μ; `null` for a rough slider, whose friction is constant for each part.
+    pub friction_correlation_length_m: Option<f64>,
     /// Correlation length as sliding distance over N/c.
-    pub correlation_length: f64,
+    pub correlation_length: Option<f64>,
     /// Marginal distribution of μ; `null` if friction is constant.
     pub marginal: Option<LawResult>,
     /// Variance of μ over the nominal area divided by the variance of one window.

@@ -5,10 +5,10 @@ mod example;
 
 use std::collections::BTreeSet;
 
-use asperity_results::{Comparison, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart};
+use asperity_results::{Comparison, LawResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult};
 use serde_json::Value;
 
-/// Returns the results of one scan, and those of a part of two scans with uncertain parameters.
+/// Returns the results of one scan, and those of a part of two scans with uncertain parameters and a stated counterface.
 fn both() -> [Results; 2] {
     let one = example::results();
     let mut two = one.clone();
@@ -16,6 +16,10 @@ fn both() -> [Results; 2] {
     two.surface.as_mut().unwrap().measured = example::part(scans.into());
     two.friction.as_mut().unwrap().uncertainty = Some(example::uncertainty(6));
     two.verdict = Some(example::verdict::verdict());
+    two.counterface = Some(SurfaceResult {
+        marginal: LawResult { name: "normal".into(), ..LawResult::default() },
+        ..SurfaceResult::default()
+    });
     [one, two]
 }
 

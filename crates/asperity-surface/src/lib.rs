@@ -3,6 +3,7 @@
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
 pub mod areal;
+mod composite;
 mod conditional;
 mod filling;
 pub mod filter;
@@ -68,6 +69,12 @@ pub trait RandomSurface: Sync {
     /// # Panics
     /// If the weights have another shape.
     fn xi_response(&self, _weights: &Array2<f64>) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Returns the maps of both bodies at ξ if this surface is the composite roughness of two: the surface, and the counterface as
+    /// seen from outside, before it is mirrored to face the surface.
+    fn bodies(&self, _xi: &[f64]) -> Option<[HeightMap; 2]> {
         None
     }
 

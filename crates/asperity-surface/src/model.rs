@@ -28,6 +28,7 @@
 //! ```
 
 mod band_slopes;
+mod composite;
 mod covariance;
 mod error;
 mod generated;
@@ -37,6 +38,7 @@ mod trial;
 mod variation;
 
 pub use band_slopes::{BandSlopes, Roughness};
+pub use composite::CompositeModel;
 pub use covariance::SurfaceCovariance;
 pub use error::SurfaceModelError;
 pub use generated::{CapturedModes, GAMMA, Generated, MOST_MODES, RIDGES, XiOrder};

@@ -5,6 +5,7 @@
 
 mod check;
 mod contact_check;
+mod counterface;
 mod error;
 mod estimate;
 pub mod file;

@@ -136,7 +136,12 @@ fn headline(results: &Results, folder: &Path) -> Answer {
         // The standard deviation of the study's main upscaling.
         let main = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
         show("friction_std", main.friction_std.into());
-        show("friction_correlation_length_m", vibration.friction_correlation_length_m.into());
+        // A part of a rough slider has constant friction.
+        match point.filter(|_| vibration.friction_correlation_length_m.is_none()) {
+            Some(point) if vibration.upscaling == "paper" => show("friction_std_between_parts", point.std.into()),
+            Some(point) => show("friction_std_between_parts", point.std_nominal_area.into()),
+            None => show("friction_correlation_length_m", vibration.friction_correlation_length_m.into()),
+        }
         show("critical_damping_ratio", vibration.critical_damping_ratio.into());
         show("limit_damping_ratio", vibration.limit_damping_ratio.into());
         show("kind", vibration.kind.name().into());

@@ -27,8 +27,11 @@ fn maps(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let caption = format!("Heights relative to their mean, form included; {SATURATE}{which}");
     let mut maps: Vec<_> =
         field_map(run, "height_raw", Kind::Height, "Heights as measured", &caption)?.into_iter().collect();
-    let names =
-        [("height_levelled", "Heights after levelling"), ("surface_sample", "One realisation of the random surface")];
+    let names = [
+        ("height_levelled", "Heights after levelling"),
+        ("surface_sample", "One realisation of the random surface"),
+        ("counterface_sample", "The counterface of that realisation, seen from outside"),
+    ];
     // A field without any value has no image.
     let defined = |field: &&Field| field.values.iter().any(|value| value.is_finite());
     let shown: Vec<_> = names.iter().filter_map(|map| Some((map, run.fields.get(map.0).filter(defined)?))).collect();

@@ -1,6 +1,8 @@
 //! The headline answers of a page.
 
-use asperity_results::{DampingResult, EnsembleResult, FrictionResult, KindResult, PressureResult, VibrationResult};
+use asperity_results::{
+    DampingResult, EnsembleResult, FrictionResult, KindResult, PressureResult, RoughBodyResult, VibrationResult,
+};
 
 use super::cells::shown;
 use super::friction::place;
@@ -111,11 +113,16 @@ fn patch_level(run: &Run) -> String {
 fn friction(friction: &FrictionResult) -> Answer {
     let point = &friction.operating_point;
     let brackets = if point.mean_interval.is_some() { "; brackets are the 95 % interval" } else { "" };
+    let parts = match friction.body {
+        RoughBodyResult::Track => "",
+        RoughBodyResult::Slider => " between parts (the slider is rough, and the friction of a part is constant)",
+        RoughBodyResult::Both => " between parts and along the path (both bodies are rough)",
+    };
     Answer {
         question: "What is the friction coefficient?",
         answer: format!("μ = {}", shown(Dimension::None, point.mean, point.mean_interval)),
         detail: format!(
-            "At the operating point ({}){brackets}. Standard deviation: {} for a window of {}, {} over the nominal area.",
+            "At the operating point ({}){brackets}. Standard deviation{parts}: {} for a window of {}, {} over the nominal area.",
             place(point),
             significant(point.std, 2),
             Dimension::Length.show(friction.window_m),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use asperity_results::{
     FrictionResult, GoodnessResult, LawResult, LevelResult, OperatingPoint, Pair, Prescribed, RankedLawResult,
-    ReturnLevelResult, UncertaintyResult,
+    ReturnLevelResult, RoughBodyResult, UncertaintyResult,
 };
 
 use super::cells::{DASH, percent, plain, shown, yes_or_no};
@@ -60,10 +60,20 @@ pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
         let mean = shown(Dimension::None, point.mean, point.mean_interval);
         format!(" At the operating point ({}) μ = {mean}. {}", place(point), conditions(friction))
     });
-    format!(
-        "The friction coefficient of a window that slides over the surface, as a stochastic process; windows are weighted by the \
-         load they carry.{stated}"
-    )
+    let described = match friction.map(|friction| friction.body).unwrap_or_default() {
+        RoughBodyResult::Track => {
+            "The friction coefficient of a window that slides over the rough track, as a stochastic process"
+        }
+        RoughBodyResult::Slider => {
+            "The friction coefficient of a window of the rough slider, which carries its contacts along: it is constant for each \
+             part, and standard deviations are those between parts"
+        }
+        RoughBodyResult::Both => {
+            "The friction coefficient of a window between two rough bodies: standard deviations contain differences between parts \
+             and the fluctuation along the path"
+        }
+    };
+    format!("{described}; windows are weighted by the load they carry.{stated}")
 }
 
 /// Returns the introduction of the section of the quotient F/N, with the levels at which it has no variance.
@@ -206,9 +216,14 @@ fn moments(friction: &FrictionResult) -> DataTable {
 }
 
 fn process(friction: &FrictionResult) -> DataTable {
-    let caption = "The process at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the load they carry; ℓ is that of e^(−s/ℓ), with and without \
-                   the effect of the window; “paper” lets one window carry the whole normal force, “area” averages μ over the \
-                   nominal area";
+    let length = match friction.body {
+        RoughBodyResult::Track => " ℓ is that of e^(−s/ℓ), with and without the effect of the window;",
+        RoughBodyResult::Slider | RoughBodyResult::Both => "",
+    };
+    let caption = format!(
+        "Friction at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the \
+         load they carry;{length} “paper” lets one window carry the whole normal force, “area” averages μ over the nominal area"
+    );
     let headers = [
         "Mean μ",
         "Std",
@@ -219,7 +234,7 @@ fn process(friction: &FrictionResult) -> DataTable {
         "Variance, area over window",
         "Independent windows",
     ];
-    by_level(friction, caption, &headers, |level| {
+    by_level(friction, &caption, &headers, |level| {
         let process = &level.at_mean_load;
         let number = |value: f64, interval| shown(Dimension::None, value, interval);
         let length = |metre, interval| shown(Dimension::Length, metre, interval);

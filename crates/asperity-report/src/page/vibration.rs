@@ -49,8 +49,8 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
         ("mean pressure of the level", in_unit(Dimension::Pressure, vibration.level_mean_pressure_pa)),
         ("static friction coefficient", number(Some(vibration.static_friction))),
         ("variance of μ, “area” over one window", number(Some(vibration.variance_reduction))),
-        ("correlation length of μ", in_unit(Dimension::Length, Some(vibration.friction_correlation_length_m))),
-        ("correlation length of μ, in X", number(Some(vibration.correlation_length))),
+        ("correlation length of μ", in_unit(Dimension::Length, vibration.friction_correlation_length_m)),
+        ("correlation length of μ, in X", number(vibration.correlation_length)),
     ];
     let distribution = vibration.marginal.iter().flat_map(|fit| {
         let of = |(key, value): (&String, &f64)| (meaning(&fit.name, key).0, number(Some(*value)));

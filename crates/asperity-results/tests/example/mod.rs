@@ -14,9 +14,9 @@ use asperity_results::{
     KarhunenLoeveResult, KindResult, LawResult, LevelResult, MapResolutionResult, MapResult, MapsEntry,
     MeasuredSurface, MethodEntry, MotionResult, OperatingPoint, PaperScatter, ParameterIndexResult, PartStatistics,
     PointsResult, PooledResult, Prescribed, PressureQuantile, PressureResult, RankedLawResult, Results,
-    ReturnLevelResult, ScalarEntry, ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult, StationarityResult,
-    StatisticComparison, SurfaceResult, SurfaceStatistics, TailResult, TwinModel, UncertainLevel, UncertainParameter,
-    UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
+    ReturnLevelResult, RoughBodyResult, ScalarEntry, ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult,
+    StationarityResult, StatisticComparison, SurfaceResult, SurfaceStatistics, TailResult, TwinModel, UncertainLevel,
+    UncertainParameter, UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
 };
 
 /// Penetrations of the levels; the last one leads.
@@ -389,6 +389,7 @@ fn friction() -> FrictionResult {
         }
     };
     FrictionResult {
+        body: RoughBodyResult::Track,
         window_m: 6e-4,
         window_width_m: 7.5e-5,
         strip_width_m: 7.5e-5,
@@ -515,8 +516,8 @@ fn vibration() -> VibrationResult {
         damping_ratio: 0.17,
         belt_velocity: 0.05,
         static_friction: 0.4,
-        friction_correlation_length_m: 2.5e-4,
-        correlation_length: E,
+        friction_correlation_length_m: Some(2.5e-4),
+        correlation_length: Some(E),
         marginal: Some(law("beta", &[("a", 2.13)])),
         variance_reduction: 6.1e-5,
         critical_damping_ratio: Some(0.204_830_150_5),

@@ -99,4 +99,7 @@ pub enum SurfaceModelError {
          between 2 and 3"
     )]
     FractalDimension,
+    /// The counterface cannot be modelled or generated.
+    #[error("counterface: {0}")]
+    Counterface(Box<SurfaceModelError>),
 }

@@ -1,5 +1,6 @@
 //! Conversion of a study file to a checked study: checks of values that their types do not exclude.
 
+mod counterface;
 mod friction;
 mod keys_without_effect;
 mod pressure;
@@ -13,6 +14,7 @@ use thiserror::Error;
 
 use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
+pub(super) use counterface::CounterfaceStudy;
 pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub(super) use pressure::PressureStudy;
 pub(super) use verdict::{RemedyStudy, VerdictStudy};
@@ -23,6 +25,7 @@ pub(super) use vibration::{FrictionSource, VibrationStudy};
 pub struct Study {
     file: StudyFile,
     pub(super) surface: Option<SurfaceRequest>,
+    pub(super) counterface: Option<CounterfaceStudy>,
     pub(super) pressure: Option<PressureStudy>,
     pub(super) friction: Option<FrictionStudy>,
     pub(super) vibration: Option<VibrationStudy>,
@@ -102,18 +105,23 @@ impl StudyFile {
     /// A value is out of range, a required value is missing, or two values exclude each other.
     pub fn check(mut self) -> Result<Study, InvalidValue> {
         let surface = self.check_surface()?;
+        let counterface = self.check_counterface()?;
         let material = self.check_material()?;
         let pressure = self.check_pressure(material.as_ref())?;
         // The study of a run folder also states the default values.
         if let Some(friction) = self.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
             friction.percentiles = Some(friction.percentiles().to_vec());
         }
-        let friction = self.check_friction(material.as_ref())?;
+        let mut friction = self.check_friction(material.as_ref())?;
         let vibration = self.check_vibration()?;
+        let body = self.check_body(vibration.as_ref())?;
+        if let (Some(surface), Some(study)) = (&mut self.surface, &mut friction) {
+            (surface.body, study.body) = (Some(body), body);
+        }
         if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
             section.stribeck = study.stribeck;
         }
         let verdict = self.check_verdict()?;
-        Ok(Study { file: self, surface, pressure, friction, vibration, verdict })
+        Ok(Study { file: self, surface, counterface, pressure, friction, vibration, verdict })
     }
 }

@@ -43,6 +43,9 @@ pub enum StudyError {
         /// What is wrong.
         error: Box<StudyError>,
     },
+    /// The counterface cannot be measured or modelled.
+    #[error("counterface: {0}")]
+    Counterface(Box<StudyError>),
     /// The random surface cannot be modelled or made.
     #[error(transparent)]
     Surface(#[from] SurfaceModelError),
@@ -164,6 +167,11 @@ pub enum FailureKind {
 }
 
 impl StudyError {
+    /// Returns the error of the surface stage as one of the counterface.
+    pub(super) fn of_counterface(self) -> Self {
+        Self::Counterface(Box::new(self))
+    }
+
     /// Returns the line of the value in `text`, the study file, that caused the error; `None` if no single value did.
     pub fn line_in(&self, text: &str) -> Option<usize> {
         self.key().map(|(section, key)| line_of_key(text, section, key))
@@ -171,17 +179,13 @@ impl StudyError {
 
     /// Returns the section and the key of the value that caused the error.
     fn key(&self) -> Option<(&'static str, &'static str)> {
-        use SurfaceModelError as E;
-
         match self {
             Self::Invalid(value) => Some((value.section, value.key)),
             Self::OneOf { error, .. } => error.key(),
+            Self::Counterface(error) => error.key().map(|(_, key)| ("counterface", key)),
             Self::NoInterval { key, .. } => Some(("friction.uncertainty", key)),
             Self::FrictionProcess { .. } => Some(("vibration", "friction_process")),
-            Self::Surface(E::Preparation(PreparationError::SFilter(_))) => Some(("surface", "s_filter")),
-            Self::Surface(E::Preparation(PreparationError::LFilter(_))) => Some(("surface", "l_filter")),
-            Self::Surface(E::FractalDimension) => Some(("surface", "fractal_dimension")),
-            Self::Surface(E::Covariance(_)) => Some(("surface", "covariance")),
+            Self::Surface(error) => key_of_surface(error),
             _ => None,
         }
     }
@@ -192,7 +196,7 @@ impl StudyError {
             Self::Scan(error) if matches!(error.cause(), FormatError::NoSuchChannel { .. }) => {
                 FailureKind::Configuration
             }
-            Self::OneOf { error, .. } => error.kind(),
+            Self::OneOf { error, .. } | Self::Counterface(error) => error.kind(),
             Self::Surface(error) => kind_of_surface(error),
             Self::Scan(_)
             | Self::Map { .. }
@@ -231,6 +235,20 @@ impl StudyError {
     }
 }
 
+/// Returns the section and the key of the value for which a random surface cannot be modelled or made.
+fn key_of_surface(error: &SurfaceModelError) -> Option<(&'static str, &'static str)> {
+    use SurfaceModelError as E;
+
+    match error {
+        E::Preparation(PreparationError::SFilter(_)) => Some(("surface", "s_filter")),
+        E::Preparation(PreparationError::LFilter(_)) => Some(("surface", "l_filter")),
+        E::FractalDimension => Some(("surface", "fractal_dimension")),
+        E::Covariance(_) => Some(("surface", "covariance")),
+        E::Counterface(error) => key_of_surface(error).map(|(_, key)| ("counterface", key)),
+        _ => None,
+    }
+}
+
 /// Returns the kind of a failure to model or make a random surface.
 fn kind_of_surface(error: &SurfaceModelError) -> FailureKind {
     use SurfaceModelError as E;
@@ -246,6 +264,7 @@ fn kind_of_surface(error: &SurfaceModelError) -> FailureKind {
         | E::Fit(_)
         | E::Empirical(_) => FailureKind::Input,
         E::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
+        E::Counterface(error) => kind_of_surface(error),
         // A value of the study is invalid.
         _ => FailureKind::Configuration,
     }

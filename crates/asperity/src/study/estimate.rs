@@ -76,6 +76,7 @@ impl Study {
             // If the study states no number of terms, the expansion has at most this many.
             let stated = self.file().surface.as_ref().map_or(Some(0), |surface| surface.modes);
             let modes = stated.unwrap_or(MOST_MODES).min(p.grid.points());
+            let modes = if self.counterface.is_some() { 2 * modes } else { modes };
             // The reference, and three samplers that the other methods share.
             let solutions = p.reference_samples + 3 * p.fine_solves;
             let coarse = COARSE_WORK * p.fine_solves as f64;
@@ -101,7 +102,8 @@ impl Study {
                 let cells = nx.saturating_mul(ny);
                 threads as f64 * (memory_bytes(cells) + cells as f64 * 4.0 * DOUBLE_BYTES)
             };
-            let generator = |[nx, ny]: [usize; 2]| nx as f64 * ny as f64 * GENERATOR_BYTES;
+            let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
+            let generator = |[nx, ny]: [usize; 2]| bodies * nx as f64 * ny as f64 * GENERATOR_BYTES;
             // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
             let cutoff_bytes = plan.map_or(0.0, |plan| {
                 let halved = plan.points.map(|points| points.saturating_mul(2));

@@ -2,6 +2,7 @@
 //!
 //! The type of each key checks its form. An unknown key is an error that names its line and the nearest known key.
 
+mod counterface;
 mod fixed_list;
 mod friction;
 mod pressure;
@@ -14,6 +15,7 @@ use toml::Table;
 
 use crate::study::uncertain::UncertainValue;
 
+pub use counterface::CounterfaceSection;
 pub(super) use fixed_list::fixed_list;
 pub(super) use friction::usual_window_m;
 pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
@@ -31,6 +33,9 @@ pub struct StudyFile {
     /// Measured or modelled surface; required by pressure and friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceSection>,
+    /// Body that is pressed against the surface; smooth and rigid when left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counterface: Option<CounterfaceSection>,
     /// Elastic and plastic properties; required by every stage but the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialSection>,

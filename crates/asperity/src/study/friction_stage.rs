@@ -12,17 +12,19 @@ pub(super) use self::words::no_variance;
 use crate::contact::{Control, Solver};
 use crate::friction::replicates::MomentReplicates;
 use crate::friction::strip::StripProblem;
-use crate::friction::{LevelControl, OperatingLevel, SolvedLevel};
+use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
 use crate::study::friction_uncertainty;
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
 use crate::study::pressure_stage::half_space;
-use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, UpscalingResult};
+use crate::study::result::{
+    AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, RoughBodyResult, UpscalingResult,
+};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{QuantityMap, StudyError};
-use crate::surface::model::{SurfaceModel, XiOrder};
+use crate::surface::model::{CompositeModel, XiOrder};
 
 /// Returns the variability over the nominal area by both upscalings.
 fn upscaling(solved: &SolvedLevel, nominal_area_m2: f64) -> UpscalingResult {
@@ -44,6 +46,15 @@ pub(super) fn prescribed(level: LevelControl) -> Prescribed {
         LevelControl::Percentile(_) => Prescribed::Percentile,
         LevelControl::MeanPressure(_) | LevelControl::Nominal(_) => Prescribed::MeanPressure,
         LevelControl::Penetration(_) => Prescribed::Penetration,
+    }
+}
+
+/// Returns the rough bodies in results.
+fn rough_body(body: RoughBody) -> RoughBodyResult {
+    match body {
+        RoughBody::Track => RoughBodyResult::Track,
+        RoughBody::Slider => RoughBodyResult::Slider,
+        RoughBody::Both => RoughBodyResult::Both,
     }
 }
 
@@ -71,7 +82,7 @@ fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>), S
 /// are drawn from the same random numbers.
 pub(super) fn solve_level(
     study: &FrictionStudy,
-    model: &SurfaceModel,
+    model: &CompositeModel,
     level: LevelControl,
     realisations: usize,
     seed: u64,
@@ -80,7 +91,7 @@ pub(super) fn solve_level(
     let (problem, _) = strip_problem(study)?;
     let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
     let strips = problem.strips(generated.surface.as_ref(), realisations, seed);
-    let solved = strips.solve(&[level.contact(&model.marginal)], monitor)?;
+    let solved = strips.solve(&[level.contact(|probability| model.height_quantile_m(probability))], monitor)?;
     let step_m = problem.window.step_m();
     Ok(solved.into_iter().flatten().next().map(|level| MomentReplicates::from_mean_load(&level, step_m)))
 }
@@ -103,7 +114,8 @@ pub(super) fn run(
         OperatingLevel::Deepest | OperatingLevel::Percentile(_) => None,
     };
     let stated: Vec<LevelControl> = study.levels.iter().copied().chain(nominal).collect();
-    let controls: Vec<Control> = stated.iter().map(|level| level.contact(&surface.model.marginal)).collect();
+    let controls: Vec<Control> =
+        stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
     for (control, solved) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
@@ -119,6 +131,7 @@ pub(super) fn run(
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
     let window = &problem.window;
     let mut result = FrictionResult {
+        body: rough_body(study.body),
         window_m: window.length_m(),
         window_width_m: window.width_m(),
         strip_width_m: grid.height_m(),
@@ -130,18 +143,20 @@ pub(super) fn run(
             .enumerate()
             .map(|(index, level)| LevelResult {
                 leading: index == lead,
-                ..entries::level_result(level, upscaling(level, nominal_area_m2))
+                ..entries::level_result(level, study.body, upscaling(level, nominal_area_m2))
             })
             .collect(),
         cutoff,
         uncertainty: None,
     };
-    output.tables = tables::of_levels(&levels);
-    output.tables.extend(tables::of_lead(&levels[lead]));
+    output.tables = tables::of_levels(&levels, study.body);
+    output.tables.extend(tables::of_lead(&levels[lead], study.body));
     let place = levels[lead].control.name();
     output.warnings.extend(implausible_friction(levels[lead].mean).map(|warning| format!("at {place}, {warning}")));
-    output.warnings.extend(words::drift(&levels[lead]));
-    output.warnings.extend(words::correlation(&levels[lead]));
+    if study.body == RoughBody::Track {
+        output.warnings.extend(words::drift(&levels[lead]));
+        output.warnings.extend(words::correlation(&levels[lead]));
+    }
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", QuantityMap { grid, unit: "Pa", values: pressure_pa.clone() }));
     }

@@ -5,7 +5,7 @@ use crate::contact::Control;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::friction::strip::StripProblem;
 use crate::friction::uncertain::{PointMoments, UncertainPlan};
-use crate::friction::{LevelControl, SolvedLevel};
+use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
 use crate::study::friction_stage::{no_variance, prescribed};
@@ -43,7 +43,7 @@ pub(super) fn run(
     for index in 0..plan.points {
         let model = uncertain.at(&propagation.point(index))?;
         let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
-        points.push(plan.solve(generated.surface.as_ref(), &model.marginal, &task)?);
+        points.push(plan.solve(generated.surface.as_ref(), |p| model.height_quantile_m(p), &task)?);
         warned.extend(generated.warnings.into_iter().next());
     }
     if let Some(first) = warned.first() {
@@ -59,23 +59,23 @@ pub(super) fn run(
             let replicates = points.iter().map(|point| point[place].as_ref().ok().map(|found| &found[which]));
             responses(&propagation, &replicates.collect::<Vec<_>>(), study.tolerance, seed)
         };
-        let (mut quotient, at_mean_load) = (of(0)?, of(1)?);
+        let (mut quotient, mut at_mean_load) = (of(0)?, of(1)?);
         if let Some(tail) = &levels[place].heavy_tail {
-            let reason = Some(format!("F/N has no variance: {}", no_variance(tail)));
-            quotient.iter_mut().filter(|response| response.name != "mean" || !tail.has_mean()).for_each(|response| {
-                *response = UncertainResponse {
-                    name: response.name.clone(),
-                    reason: reason.clone(),
-                    ..UncertainResponse::default()
-                };
-            });
+            let reason = format!("F/N has no variance: {}", no_variance(tail));
+            withdraw(&mut quotient, &reason, |name| name != "mean" || !tail.has_mean());
+        }
+        if study.body != RoughBody::Track {
+            for responses in [&mut quotient, &mut at_mean_load] {
+                let reason = "friction is a process along the path only if the track alone is rough";
+                withdraw(responses, reason, |name| name == "correlation_length_m");
+            }
         }
         let failed = |(point, levels): (usize, &PointMoments)| {
             levels[place].as_ref().err().map(|reason| FailedPoint { point, reason: reason.clone() })
         };
         let failures: Vec<FailedPoint> = points.iter().enumerate().filter_map(failed).collect();
         output.warnings.extend(warnings(*control, &quotient, &failures));
-        let contact = control.contact(&surface.model.marginal);
+        let contact = control.contact(|p| surface.model.height_quantile_m(p));
         results.push(UncertainLevel {
             control: prescribed(*control),
             percentile: control.percentile(),
@@ -104,6 +104,17 @@ pub(super) fn run(
         levels: results,
     };
     Ok(Some((result, output)))
+}
+
+/// Replaces the responses of some names by the reason why they are undefined.
+fn withdraw(responses: &mut [UncertainResponse], reason: &str, undefined: impl Fn(&str) -> bool) {
+    responses.iter_mut().filter(|response| undefined(&response.name)).for_each(|response| {
+        *response = UncertainResponse {
+            name: std::mem::take(&mut response.name),
+            reason: Some(reason.to_owned()),
+            ..UncertainResponse::default()
+        };
+    });
 }
 
 /// Expands every moment of one level in the parameters. Moments that differ by less than the tolerance of the contacts count as

@@ -83,6 +83,11 @@ impl Study {
             let shear = shear.filter(|_| file.friction.as_ref().is_some_and(|f| f.law.is_sheared()));
             let found = implausible_material(material.youngs_modulus.0, material.poisson_ratio, hardness, shear);
             warnings.extend(found.into_iter().map(|warning| format!("[material] {warning}")));
+            if let Some((counterface, body)) = file.counterface.as_ref().and_then(|c| Some((c, c.elastic()?))) {
+                let hardness = counterface.hardness.map(|hardness| hardness.0);
+                let found = implausible_material(body.youngs_modulus_pa, body.poisson_ratio, hardness, shear);
+                warnings.extend(found.into_iter().map(|warning| format!("[counterface] {warning}")));
+            }
         }
         let coulomb = file.friction.as_ref().filter(|f| f.law == WindowLawKind::Coulomb).and_then(|f| f.coefficient);
         warnings.extend(coulomb.and_then(implausible_friction).map(|warning| format!("[friction] {warning}")));
@@ -96,8 +101,7 @@ impl Study {
             // A measured process may have another law.
             warnings.extend(v.load_warning().filter(|_| !matches!(v.friction, FrictionSource::File(_))));
             let nominal_pa = v.nominal_contact().pressure_pa;
-            let hardness = file.material.as_ref().and_then(|material| material.hardness);
-            if let Some(hardness) = hardness.filter(|hardness| nominal_pa >= hardness.0) {
+            if let Some(hardness) = file.hardness().filter(|hardness| nominal_pa >= hardness.0) {
                 warnings.push(format!(
                     "[vibration] the normal force {} presses the nominal area {} with {}, which is not below the hardness {hardness}",
                     v.normal_force,

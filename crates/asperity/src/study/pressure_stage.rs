@@ -6,10 +6,9 @@ mod maps;
 mod tables;
 
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
-use crate::distribution::Marginal;
 use crate::friction::LevelControl;
 use crate::map::BoundaryKind;
-use crate::map::Grid;
+use crate::map::{Grid, HeightMap};
 use crate::monitor::Monitor;
 use crate::pressure::{MethodComparison, Problem};
 use crate::random;
@@ -18,7 +17,7 @@ use crate::study::output::StageOutput;
 use crate::study::result::PressureResult;
 use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::RandomSurface;
-use crate::surface::model::Generated;
+use crate::surface::model::{CompositeModel, Generated};
 use entries::Prescribed;
 
 /// Bias of a method over the mean pressure above which the stage warns.
@@ -53,7 +52,7 @@ pub(super) struct PressureStage {
 
 pub(super) fn run(
     study: &PressureStudy,
-    marginal: &Marginal,
+    model: &CompositeModel,
     generated: &Generated,
     seed: u64,
     monitor: &dyn Monitor,
@@ -63,7 +62,7 @@ pub(super) fn run(
     let compliance = study.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) =
         half_space("pressure", grid, material.contact_modulus_pa, study.boundary, compliance)?;
-    let control = match study.control.contact(marginal) {
+    let control = match study.control.contact(|p| model.height_quantile_m(p)) {
         // Truncation lowers the heights, so the plane is scaled down too.
         Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
         control => control,
@@ -163,7 +162,7 @@ fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> Str
     )
 }
 
-/// Returns one random surface and its pressure, as an example.
+/// Returns one random surface, with its counterface if that is rough, and its pressure, as an example.
 fn sample_fields(
     surface: &dyn RandomSurface,
     half_space: &HalfSpace,
@@ -179,8 +178,12 @@ fn sample_fields(
         contact::ContactProblem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
     let solution = solver.solve(&problem).map_err(prescribed)?;
     let grid = map.grid();
-    Ok(vec![
-        ("surface_sample", QuantityMap { grid, unit: "m", values: map.heights_m().clone() }),
-        ("pressure_sample", QuantityMap { grid, unit: "Pa", values: solution.pressure_pa().clone() }),
-    ])
+    let heights = |map: HeightMap| QuantityMap { grid, unit: "m", values: map.heights_m().clone() };
+    let pressure = ("pressure_sample", QuantityMap { grid, unit: "Pa", values: solution.pressure_pa().clone() });
+    Ok(match surface.bodies(&xi) {
+        None => vec![("surface_sample", heights(map)), pressure],
+        Some([own, counterface]) => {
+            vec![("surface_sample", heights(own)), ("counterface_sample", heights(counterface)), pressure]
+        }
+    })
 }

@@ -5,19 +5,18 @@ use std::path::{Path, PathBuf};
 
 use asperity_base::choice;
 
-use crate::friction::{OperatingLevel, WindowFriction};
+use crate::friction::{OperatingLevel, RoughBody, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
 use crate::study::check::{FrictionSource, VibrationStudy};
-use crate::study::file::SurfaceSection;
+use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::{
-    Study, StudyError, friction_process, friction_stage, implausible_friction, pressure_stage, surface_stage, verdict,
-    vibration_stage,
+    Study, StudyError, counterface, friction_process, friction_stage, implausible_friction, pressure_stage,
+    surface_stage, verdict, vibration_stage,
 };
-use crate::surface::model::{Measurable, SurfaceRequest};
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
 const NOMINAL_AREA: Area = Area(833e-6);
@@ -41,7 +40,9 @@ choice! {
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.
     pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
-        self.file().surface.iter().flat_map(SurfaceSection::files).map(|file| folder.join(file)).collect()
+        let own = self.file().surface.iter().flat_map(SurfaceSection::files);
+        let others = self.file().counterface.iter().flat_map(CounterfaceSection::files);
+        own.chain(others).map(|file| folder.join(file)).collect()
     }
 
     /// Returns the file of the friction process that the study reads, `folder` being the folder of the study file.
@@ -115,9 +116,9 @@ impl Study {
     /// A scan cannot be read or filtered, or has no fractal dimension although the random surfaces need one.
     pub fn check_scans(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
         let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(Vec::new()) };
-        let warnings = surface_stage::check_scans(section, section.read_scans(folder)?)?;
-        if matches!(request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
-            surface_stage::run(section, request.clone(), section.read_scans(folder)?)?;
+        let mut warnings = surface_stage::check_scans(section, request, folder)?;
+        if let Some(counterface) = &self.counterface {
+            warnings.extend(counterface.check_scans(folder)?);
         }
         Ok(warnings)
     }
@@ -152,15 +153,19 @@ impl Study {
         let (mut surface, mut karhunen_loeve) = (None, None);
         if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
             monitor.progress("surface", 0, 1);
-            let mut stage = surface_stage::run(section, request.clone(), section.read_scans(folder)?)?;
+            let mut stage = surface_stage::run(section, request, folder)?;
+            if let Some(counterface) = &self.counterface {
+                gathered.results.counterface = Some(counterface.add_to(&mut stage, folder)?);
+            }
             monitor.progress("surface", 1, 1);
+            stage.output.assumptions.extend(counterface::contact_sentence(self.file()));
             gathered.add(mem::take(&mut stage.output));
             surface = Some(stage);
         }
         if let (Some(study), Some(surface), true) = (&self.pressure, &surface, wants(Stage::Pressure)) {
             let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
             karhunen_loeve = generated.karhunen_loeve;
-            let stage = pressure_stage::run(study, &surface.model.marginal, &generated, self.seed(), monitor)?;
+            let stage = pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)?;
             gathered.add(stage.output);
             gathered.results.pressure = Some(stage.result);
         }
@@ -182,18 +187,24 @@ impl Study {
                 .vibration
                 .as_ref()
                 .and_then(|vibration| Some(vibration.stribeck?.s_per_m(vibration.scales.velocity_m_per_s())));
-            match stage.level.fitted_process(stribeck_s_per_m) {
-                Ok(process) => gathered.friction_process = Some(process),
+            // Only friction along the track is a process.
+            let process = (study.body == RoughBody::Track).then(|| stage.level.fitted_process(stribeck_s_per_m));
+            match process.transpose() {
+                Ok(process) => gathered.friction_process = process,
                 Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
             }
-            friction = Some(stage.level);
+            friction = Some((stage.level, study.body));
         }
         if let (Some(study), true) = (&self.vibration, drives) {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
-            let computed = friction.map(|level| WindowFriction::from_level(&level, nominal, stribeck));
+            let computed = friction.map(|(level, body)| WindowFriction::from_level(&level, body, nominal, stribeck));
             let window = known.or(computed);
             if let (Some(window), true) = (&window, wants(Stage::Vibration)) {
-                let stage = vibration_stage::run(study, window, self.seed(), monitor)?;
+                let mut stage = vibration_stage::run(study, window, self.seed(), monitor)?;
+                // The friction of a part of a rough slider has no course along the path.
+                if self.friction.as_ref().is_some_and(|friction| friction.body != RoughBody::Track) {
+                    (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
+                }
                 gathered.add(stage.output);
                 gathered.results.vibration = Some(stage.result);
             }

@@ -88,10 +88,10 @@ impl Specimen {
     /// # Errors
     /// The scan cannot be read or has no texture, or the model is invalid.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
-        let scans = self.section.read_scans(folder)?;
-        let stage = surface_stage::run(&self.section, self.request.clone(), scans)?;
+        let stage = surface_stage::run(&self.section, &self.request, folder)?;
         let generated = stage.model.patch(self.grid, self.boundary == BoundaryKind::Periodic)?;
-        let keys = self.section.keys_without_effect().into_iter();
+        let body = self.section.body.map(|_| "[surface] body has no effect on drawn maps".to_owned());
+        let keys = self.section.keys_without_effect("surface").into_iter().chain(body);
         let warnings = keys.chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }

@@ -1,6 +1,7 @@
 //! Surface stage: statistics of the scans, and the model of the random surfaces.
 
 use std::mem;
+use std::path::Path;
 
 use asperity_formats::Scan;
 
@@ -16,8 +17,8 @@ use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::CovarianceSource;
 use crate::surface::level::Level;
 use crate::surface::model::{
-    CapturedModes, GAMMA, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceModelError,
-    SurfaceRequest, Texture,
+    CapturedModes, CompositeModel, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel,
+    SurfaceModelError, SurfaceRequest, Texture,
 };
 use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::scanned::ScannedSurface;
@@ -25,8 +26,11 @@ use crate::translation::TranslationKind;
 
 /// Model of the random surfaces, and the scan on which it is measured.
 pub(super) struct SurfaceStage {
-    pub(super) model: SurfaceModel,
+    /// Model of the surface, and of a rough counterface.
+    pub(super) model: CompositeModel,
     pub(super) measured: Option<ScannedSurface>,
+    /// Shortest wavelength in metre at which the spectra of all scans are reliable.
+    pub(super) band_end_m: Option<f64>,
     covariance: Option<CovarianceResult>,
     pub(super) output: StageOutput,
 }
@@ -41,13 +45,19 @@ impl SurfaceStage {
             }
             Some(scan) => MeasuredSurface::Scan(Box::new(surface_statistics(&scan.statistics))),
         };
-        let (covariance, marginal) = (self.covariance.clone(), law_result(&self.model.marginal));
+        let (covariance, marginal) = (self.covariance.clone(), law_result(&self.model.surface.marginal));
         SurfaceResult { measured, covariance, marginal, karhunen_loeve: karhunen_loeve.map(karhunen_loeve_result) }
     }
 }
 
-/// Checks that the scans can be filtered and returns warnings about them; computes nothing.
-pub(super) fn check_scans(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<Vec<String>, StudyError> {
+/// Checks that the scans can be filtered and returns warnings about them; `folder` is the folder of the study file. Computes the
+/// statistics of the scans only if the random surfaces need their fractal dimension.
+pub(super) fn check_scans(
+    section: &SurfaceSection,
+    request: &SurfaceRequest,
+    folder: &Path,
+) -> Result<Vec<String>, StudyError> {
+    let scans = section.read_scans(folder)?;
     let (preparation, several) = (section.preparation(), scans.len() > 1);
     let mut warnings = Vec::new();
     for (file, mut scan) in scans {
@@ -61,6 +71,9 @@ pub(super) fn check_scans(section: &SurfaceSection, scans: Vec<(String, Scan)>) 
         checked.map_err(|error| if several { of_one(&file, error) } else { error })?;
         warnings.extend(own.into_iter().map(|own| if several { format!("{file}: {own}") } else { own }));
     }
+    if matches!(request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
+        run(section, request, folder)?;
+    }
     Ok(warnings)
 }
 
@@ -72,25 +85,40 @@ fn of_one(file: &str, error: StudyError) -> StudyError {
     }
 }
 
-/// Runs the stage; `scans` are the files of the study, already read, with their names.
+/// Runs the stage; `folder` is the folder of the study file.
 pub(super) fn run(
     section: &SurfaceSection,
-    request: SurfaceRequest,
-    scans: Vec<(String, Scan)>,
+    request: &SurfaceRequest,
+    folder: &Path,
+) -> Result<SurfaceStage, StudyError> {
+    let mut stage = without_tables(section, request, folder)?;
+    if let Some(measured) = &stage.measured {
+        let model = &stage.model.surface;
+        stage.output.tables.extend(scan_tables(measured, model.covariance(), &model.marginal)?);
+    }
+    Ok(stage)
+}
+
+/// Runs the stage without the tables of the scan, which take most of its time.
+pub(super) fn without_tables(
+    section: &SurfaceSection,
+    request: &SurfaceRequest,
+    folder: &Path,
 ) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
-    let measured = measure_all(section, scans, &mut output)?;
-    let (model, selected) = model_of(section, request, measured.as_ref(), &mut output)?;
+    let measured = measure_all(section, section.read_scans(folder)?, &mut output)?;
+    let (model, selected) = model_of(section, request.clone(), measured.as_ref(), &mut output)?;
     let covariance = selected.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
-        output.tables.extend(scan_tables(measured, model.covariance(), &model.marginal)?);
         let is_like_the_scan =
             section.covariance.is_of_the_scan() && section.marginal == "measured" && section.rms_height.is_none();
         if let Some(trial) = selected.and_then(|selected| selected.trial).filter(|_| is_like_the_scan) {
             output.warnings.extend(contact_warning(&measured.map, &trial.maps));
         }
     }
-    Ok(SurfaceStage { model, measured, covariance, output })
+    let band_end_m = measured.as_ref().and_then(ScannedSurface::band_end_m);
+    let model = CompositeModel { surface: model, counterface: None };
+    Ok(SurfaceStage { model, measured, band_end_m, covariance, output })
 }
 
 /// Makes the model of the random surfaces that a section requests and, if it has a covariance, reports its selection.

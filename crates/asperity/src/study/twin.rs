@@ -90,7 +90,7 @@ impl Twins {
         let mut output = StageOutput::default();
         // Warnings of the file come first.
         let measured = measure(&section, file, scan, &mut output)?;
-        output.warnings.extend(section.keys_without_effect());
+        output.warnings.extend(section.keys_without_effect("surface"));
         let model = model_of(&section, section.request(&options.families)?, Some(&measured), &mut output);
         let (model, chosen) = match model {
             Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {

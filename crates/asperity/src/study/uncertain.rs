@@ -20,7 +20,7 @@ use crate::study::parse::line_of_key;
 use crate::study::{StudyFile, StudyFileError};
 
 /// Sections whose numbers and quantities may be uncertain.
-const SECTIONS: [&str; 4] = ["surface", "material", "friction", "vibration"];
+const SECTIONS: [&str; 5] = ["surface", "counterface", "material", "friction", "vibration"];
 
 /// Uncertain value of a study file.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use crate::study::StudyError;
 use crate::study::check::UncertaintyStudy;
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::study::surface_stage::SurfaceStage;
-use crate::surface::model::{SurfaceCovariance, SurfaceModel, Variation};
+use crate::surface::model::{CompositeModel, SurfaceCovariance, Variation};
 
 /// Names of the parameters.
 const RMS_HEIGHT: &str = "rms_height";
@@ -15,13 +15,13 @@ const SKEWNESS: &str = "skewness";
 
 /// Random surface with uncertain parameters.
 pub(super) struct UncertainSurface<'a> {
-    model: &'a SurfaceModel,
+    model: &'a CompositeModel,
     pub(super) parameters: Vec<Parameter>,
 }
 
 impl<'a> UncertainSurface<'a> {
     pub(super) fn new(study: &UncertaintyStudy, surface: &'a SurfaceStage) -> Result<Self, StudyError> {
-        let model = &surface.model;
+        let model = &surface.model.surface;
         let measured = |statistic: &str| surface.measured.as_ref()?.estimate(statistic);
         let length_x_m = model.covariance().map(SurfaceCovariance::length_x_m);
         let mut parameters = Vec::new();
@@ -56,7 +56,7 @@ impl<'a> UncertainSurface<'a> {
             };
             parameters.push(parameter);
         }
-        Ok(Self { model, parameters })
+        Ok(Self { model: &surface.model, parameters })
     }
 
     /// Returns whether the heights have Johnson's distribution of a given skewness.
@@ -64,11 +64,12 @@ impl<'a> UncertainSurface<'a> {
         self.parameters.iter().any(|parameter| parameter.name() == SKEWNESS)
     }
 
-    /// Returns the surface with these values of the parameters.
-    pub(super) fn at(&self, values: &[f64]) -> Result<SurfaceModel, StudyError> {
+    /// Returns the surface with these values of the parameters; the counterface does not change.
+    pub(super) fn at(&self, values: &[f64]) -> Result<CompositeModel, StudyError> {
         let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name() == name);
         let value = |name: &str| place(name).map(|place| values[place]);
         let (rms_height_m, correlation_length_m) = (value(RMS_HEIGHT), value(CORRELATION_LENGTH));
-        Ok(self.model.varied(&Variation { rms_height_m, correlation_length_m, skewness: value(SKEWNESS) })?)
+        let variation = Variation { rms_height_m, correlation_length_m, skewness: value(SKEWNESS) };
+        Ok(CompositeModel { surface: self.model.surface.varied(&variation)?, ..self.model.clone() })
     }
 }

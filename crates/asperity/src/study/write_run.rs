@@ -90,7 +90,9 @@ fn with_absolute_paths(file: &StudyFile, folder: &Path) -> StudyFile {
     let mut file = file.clone();
     // TOML stores only Unicode; any other path is kept unchanged.
     let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
-    if let Some(scans) = file.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
+    let own = file.surface.as_mut().and_then(|surface| surface.file.as_mut());
+    let other = file.counterface.as_mut().and_then(|counterface| counterface.file.as_mut());
+    for scans in own.into_iter().chain(other) {
         *scans = scans.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
     }
     if let Some(process) = file.vibration.as_mut().and_then(|vibration| vibration.friction_process.as_mut()) {

@@ -26,7 +26,7 @@ fn noise_removes_cycles_below_critical_damping_and_adds_some_above_it() {
         assert!(*damping > 0.1 || *share > 0.95, "{damping}: {share}");
     }
     let vibration = outcome.results.vibration.unwrap();
-    assert!((vibration.correlation_length - 0.01).abs() < 2e-6);
+    assert!((vibration.correlation_length.unwrap() - 0.01).abs() < 2e-6);
     let critical = vibration.critical_damping_ratio.unwrap();
     assert!((critical - 0.204_830_150_584_523).abs() < 1e-10);
     let damping = &vibration.paper.damping;

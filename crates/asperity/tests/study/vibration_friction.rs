@@ -77,10 +77,10 @@ fn the_oscillator_uses_the_operating_point_in_its_own_units() {
         assert_eq!((leading.percentile, vibration.level_percentile), (percentile, percentile));
         assert_eq!(vibration.static_friction, process.mean);
         assert_eq!(vibration.paper.friction_std, process.std);
-        assert_eq!(Some(vibration.friction_correlation_length_m), process.correlation_length_m);
+        assert_eq!(vibration.friction_correlation_length_m, process.correlation_length_m);
         // λ = ℓ_μ c/N with c = mω₀², V = v_b m ω₀/N.
-        let length = vibration.friction_correlation_length_m * 316.0 * 316.0 / 30e3;
-        assert!((vibration.correlation_length / length - 1.0).abs() < 1e-12);
+        let length = process.correlation_length_m.unwrap() * 316.0 * 316.0 / 30e3;
+        assert!((vibration.correlation_length.unwrap() / length - 1.0).abs() < 1e-12);
         assert!((vibration.belt_velocity / (20e-3 * 316.0 / 30e3) - 1.0).abs() < 1e-12);
         let own_length_m = leading.correlation_length_without_window_m.unwrap();
         let kept = variance_reduction(friction.window_m, friction.window_width_m, 833e-6, &exponential(own_length_m));

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::pressure::Material;
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
-use crate::friction::LevelControl;
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use crate::friction::window::{Window, WindowError};
+use crate::friction::{LevelControl, RoughBody};
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Area, Compliance};
 use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowLawKind, WindowShape};
@@ -22,6 +22,8 @@ const UNCERTAINTY: &str = "friction.uncertainty";
 pub(in crate::study) struct FrictionStudy {
     pub(in crate::study) material: Material,
     pub(in crate::study) law: Arc<dyn WindowLaw>,
+    /// Bodies that are rough.
+    pub(in crate::study) body: RoughBody,
     /// Points (x, y) of a strip.
     pub(in crate::study) points: [usize; 2],
     /// Size (x, y) of a strip in metre; it slides along x.
@@ -107,6 +109,7 @@ impl StudyFile {
         let study = FrictionStudy {
             material,
             law,
+            body: RoughBody::default(),
             points: f.points,
             size_m: f.strip.map(|side| side.0),
             boundary: f.boundary,
@@ -133,7 +136,7 @@ impl StudyFile {
             WindowLawKind::BowdenTabor => Ok(Arc::new(BowdenTabor { shear_strength_pa: shear()?.0 })),
             WindowLawKind::AdhesionPloughing => {
                 let shear_strength_pa = shear()?.0;
-                if material.is_none_or(|m| m.hardness.is_none()) {
+                if self.hardness().is_none() {
                     let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
                     return Err(invalid("material", "hardness", message));
                 }

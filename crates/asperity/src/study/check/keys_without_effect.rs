@@ -1,13 +1,19 @@
 //! Keys of a study that have no effect.
 
 use crate::map::BoundaryKind;
-use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, WindowLawKind};
+use crate::study::file::{CounterfaceSection, FrictionSection, StudyFile, SurfaceSection, WindowLawKind};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 impl StudyFile {
     /// Returns a sentence for each stated key that has no effect.
     pub fn keys_without_effect(&self) -> Vec<String> {
-        let mut keys: Vec<String> = self.surface.iter().flat_map(SurfaceSection::keys_without_effect).collect();
+        let mut keys: Vec<String> =
+            self.surface.iter().flat_map(|surface| surface.keys_without_effect("surface")).collect();
+        if let (Some(counterface), Some(surface)) = (&self.counterface, &self.surface) {
+            keys.extend(counterface.keys_without_effect(surface));
+        }
+        let body = self.surface.as_ref().and_then(|surface| surface.body).filter(|_| self.friction.is_none());
+        keys.extend(body.map(|_| "[surface] body has no effect without [friction]".to_owned()));
         if let Some(surface) = self.surface.as_ref().filter(|_| self.pressure.is_none() && self.friction.is_some()) {
             let patches_only = |key: &str| format!("[surface] {key} has no effect without [pressure]");
             keys.extend((!surface.mean_mode).then(|| patches_only("mean_mode")));
@@ -44,9 +50,26 @@ impl FrictionSection {
     }
 }
 
-impl SurfaceSection {
+impl CounterfaceSection {
     /// Returns a sentence for each stated key that has no effect.
-    pub(in crate::study) fn keys_without_effect(&self) -> Vec<String> {
+    fn keys_without_effect(&self, surface: &SurfaceSection) -> Vec<String> {
+        if *self == Self::default() {
+            return vec![
+                "[counterface] has no effect: it states nothing, and a smooth rigid body is the default".to_owned(),
+            ];
+        }
+        let mut keys = self.roughness(surface).keys_without_effect("counterface");
+        let without_file = self.level.filter(|_| self.file.is_none());
+        keys.extend(without_file.map(|_| "[counterface] level has no effect without `file`".to_owned()));
+        let smooth = self.translation.filter(|_| self.roughness_key().is_none());
+        keys.extend(smooth.map(|_| "[counterface] translation has no effect on a smooth body".to_owned()));
+        keys
+    }
+}
+
+impl SurfaceSection {
+    /// Returns a sentence for each stated key of `section` that has no effect.
+    pub(in crate::study) fn keys_without_effect(&self, section: &str) -> Vec<String> {
         let fractal = self.generator == SurfaceGenerator::WeierstrassMandelbrot;
         let measured = self.covariance.is_of_the_scan();
         [
@@ -68,7 +91,7 @@ impl SurfaceSection {
         ]
         .into_iter()
         .filter(|(_, unused, _)| *unused)
-        .map(|(key, _, why)| format!("[surface] {key} has no effect {why}"))
+        .map(|(key, _, why)| format!("[{section}] {key} has no effect {why}"))
         .collect()
     }
 }

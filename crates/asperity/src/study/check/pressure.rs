@@ -2,11 +2,11 @@
 
 use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{MAX_TERMS, number_of_terms};
-use crate::contact::contact_modulus_pa;
+use crate::contact::{Elastic, ElasticPair, contact_modulus_pa};
 use crate::friction::LevelControl;
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Compliance, Pressure};
-use crate::study::file::StudyFile;
+use crate::study::file::{CounterfaceSection, StudyFile};
 
 const PRESSURE: &str = "pressure";
 
@@ -77,10 +77,26 @@ impl StudyFile {
         if let Some(shear) = material.shear_strength {
             within(SECTION, "shear_strength", shear, positive, POSITIVE)?;
         }
-        Ok(Some(Material {
-            contact_modulus_pa: contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio),
-            hardness_pa: material.hardness.map(|hardness| hardness.0),
-        }))
+        let own_pa = contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
+        let contact_modulus_pa = match self.counterface.as_ref().and_then(CounterfaceSection::elastic) {
+            None => own_pa,
+            Some(counterface) => {
+                let own =
+                    Elastic { youngs_modulus_pa: material.youngs_modulus.0, poisson_ratio: material.poisson_ratio };
+                let pair = ElasticPair::new(own, counterface);
+                pair.map_err(|error| invalid("counterface", "youngs_modulus", error.to_string()))?.contact_modulus_pa()
+            }
+        };
+        Ok(Some(Material { contact_modulus_pa, hardness_pa: self.hardness().map(|hardness| hardness.0) }))
+    }
+
+    /// Returns the hardness of the contact, the lower one of both bodies; `None` is elastic.
+    pub(in crate::study) fn hardness(&self) -> Option<Pressure> {
+        let stated = [
+            self.material.as_ref().and_then(|material| material.hardness),
+            self.counterface.as_ref().and_then(|counterface| counterface.hardness),
+        ];
+        stated.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     pub(super) fn check_pressure(&self, material: Option<&Material>) -> Result<Option<PressureStudy>, InvalidValue> {

@@ -73,7 +73,7 @@ pub struct PressureSection {
     pub tolerance: f64,
 }
 
-fn poisson_ratio() -> f64 {
+pub(super) fn poisson_ratio() -> f64 {
     0.3
 }
 fn free() -> BoundaryKind {

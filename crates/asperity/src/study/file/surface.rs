@@ -8,6 +8,7 @@ use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::fixed_list::all_values;
+use crate::friction::RoughBody;
 use crate::quantity::Length;
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;
@@ -130,10 +131,14 @@ pub struct SurfaceSection {
     /// distribution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rescale: Option<bool>,
+    /// Body that is rough: the `track`, over which the slider passes, or the `slider`, which carries its contacts along. When left
+    /// out, `both` with a rough `[counterface]`, otherwise the track. Friction depends on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<RoughBody>,
 }
 
 /// Reads one length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.
-fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Length; 2]>, D::Error> {
+pub(super) fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Length; 2]>, D::Error> {
     struct OneOrTwo;
     impl<'de> Visitor<'de> for OneOrTwo {
         type Value = [Length; 2];
@@ -179,6 +184,7 @@ impl Default for SurfaceSection {
             modes: None,
             mean_mode: yes(),
             rescale: None,
+            body: None,
         }
     }
 }

@@ -10,8 +10,7 @@ use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{CsvTable, StudyError, sentence};
-use crate::surface::model::{Texture, XiOrder};
-use crate::surface::scanned::ScannedSurface;
+use crate::surface::model::XiOrder;
 
 /// Fraction of contact cells at the hardness from which on yielding explains why shorter waves change nothing.
 const MOSTLY_PLASTIC: f64 = 0.5;
@@ -51,8 +50,7 @@ pub(super) fn run(
     let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
     let (own, halved) = (own?.0, halved?.0);
     let generated = surface.model.strip(own.grid(), own.is_periodic(), XiOrder::Variance)?;
-    // The sum of cosines of arbitrary directions does not close at the edges of a strip.
-    let closes = own.is_periodic() && !matches!(surface.model.texture, Texture::WeierstrassMandelbrot { .. });
+    let closes = own.is_periodic() && surface.model.closes();
     let strips = (generated.surface.as_ref(), closes);
     let study = CutoffStudy::new(plan, [&own, &halved], strips, lead.strips.mean_pressure_pa, seed)
         .map_err(|error| StudyError::Grid { section: "friction", error })?;
@@ -100,7 +98,7 @@ pub(super) fn run(
         strip_length_m: plan.length_m,
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
-        band_end_m: surface.measured.as_ref().and_then(ScannedSurface::band_end_m),
+        band_end_m: surface.band_end_m,
         plastic_floor: friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal)),
         points,
         halved_pitch,

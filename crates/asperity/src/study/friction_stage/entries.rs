@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::correlation::Stationarity;
 use crate::distribution::fit::{Fit, Ranking};
-use crate::friction::SolvedLevel;
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window_study::WindowStudy;
+use crate::friction::{RoughBody, SolvedLevel};
 use crate::stats::Estimate;
 use crate::study::friction_stage::{no_variance, prescribed, upscaling};
 use crate::study::result::{
@@ -16,7 +16,40 @@ use crate::study::result::{
     law_result, pair,
 };
 
-pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelResult {
+/// Returns the entry of a level; without the track as the only rough body, friction has no known course along the path.
+pub(super) fn level_result(solved: &SolvedLevel, body: RoughBody, upscaling: UpscalingResult) -> LevelResult {
+    let level = any_level_result(solved, upscaling);
+    match body {
+        RoughBody::Track => level,
+        RoughBody::Slider | RoughBody::Both => without_path(level),
+    }
+}
+
+/// Returns the level without the numbers that describe friction along a path.
+fn without_path(level: LevelResult) -> LevelResult {
+    LevelResult {
+        correlation_length_m: None,
+        correlation_length_m_interval: None,
+        correlation_length_without_window_m: None,
+        correlation_length_without_window_m_interval: None,
+        correlation_without_window_model: None,
+        correlation_without_window_fit_p: None,
+        correlation_without_window_agreement_p: None,
+        window_only: None,
+        return_levels: Vec::new(),
+        stationarity: None,
+        at_mean_load: AtMeanLoad {
+            correlation_length_m: None,
+            correlation_length_m_interval: None,
+            correlation_curves: Vec::new(),
+            correlation_models: Vec::new(),
+            ..level.at_mean_load
+        },
+        ..level
+    }
+}
+
+fn any_level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelResult {
     let (strips, statistics) = (&solved.strips, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();

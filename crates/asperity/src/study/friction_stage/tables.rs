@@ -6,24 +6,25 @@ use crate::distribution::fit::{Family, Fit};
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
-use crate::friction::{LevelControl, SolvedLevel};
+use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::stats::{Estimate, Histogram, sorted_present};
 use crate::study::CsvTable;
 
 type Tables = Vec<(&'static str, CsvTable)>;
 
-/// Moments and load of all levels, and the course of friction along one strip.
-pub(super) fn of_levels(levels: &[SolvedLevel]) -> Tables {
-    vec![
-        ("friction_levels", levels_table(levels)),
-        ("friction_load_curve", load_curve_table(levels)),
-        ("friction_trace", trace_table(levels)),
-    ]
+/// Moments and load of all levels, and the course of friction along one strip if that is a path.
+pub(super) fn of_levels(levels: &[SolvedLevel], body: RoughBody) -> Tables {
+    let mut tables = vec![("friction_levels", levels_table(levels)), ("friction_load_curve", load_curve_table(levels))];
+    tables.extend((body == RoughBody::Track).then(|| ("friction_trace", trace_table(levels))));
+    tables
 }
 
-/// Law, correlation, spectrum and window study of the leading level, at the mean load.
-pub(super) fn of_lead(lead: &SolvedLevel) -> Tables {
+/// Law of the leading level at the mean load and, along a path, its correlation, spectrum and window study.
+pub(super) fn of_lead(lead: &SolvedLevel, body: RoughBody) -> Tables {
     let mut tables = law_tables(lead);
+    if body != RoughBody::Track {
+        return tables;
+    }
     tables.extend(correlation_table(lead).map(|table| ("friction_acf", table)));
     tables.extend(spectrum_table(lead).map(|table| ("friction_spectrum", table)));
     tables.extend(cross_table(lead).map(|table| ("friction_area_load", table)));

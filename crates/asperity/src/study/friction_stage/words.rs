@@ -2,7 +2,7 @@
 
 use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
-use crate::friction::{LevelControl, SolvedLevel};
+use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
 use crate::study::sentence;
@@ -25,8 +25,9 @@ pub(super) fn sentences(
     let window = &lead.window;
     let name = lead.control.name();
     let correlation = match &lead.window_study {
-        None => format!("At {name} friction does not vary, so it has no correlation."),
-        Some(study) => format!(
+        _ if study.body != RoughBody::Track => None,
+        None => Some(format!("At {name} friction does not vary, so it has no correlation.")),
+        Some(study) => Some(format!(
             "A moving window correlates neighbouring values by itself, so a correlation length is only stated with its \
              window. Windows of {} together leave a length of {} (95 %: {} to {}; {} model) at {name}{}.",
             study.windows.iter().map(|seen| sentence::si(seen.window_m, "m")).collect::<Vec<_>>().join(", "),
@@ -35,7 +36,7 @@ pub(super) fn sentences(
             sentence::si(study.interval.high, "m"),
             study.model.name().replace('_', " "),
             if study.window_only() { ": the correlation is due to the window alone" } else { " beside the window" }
-        ),
+        )),
     };
     let shape = match study.window_shape {
         WindowShape::Rectangle => "a window",
@@ -62,8 +63,9 @@ pub(super) fn sentences(
         "The friction coefficient is that at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries; the \
          plain quotient F/N of each window has a section of its own."
             .into(),
-        correlation,
+        body_sentence(study.body).into(),
     ];
+    sentences.extend(correlation);
     if study.levels.iter().any(|level| matches!(level, LevelControl::Penetration(_))) {
         sentences.push(
             "A percentile is of the ensemble: one plane in space, to which strips are pressed more or less. A penetration is \
@@ -72,6 +74,23 @@ pub(super) fn sentences(
         );
     }
     sentences
+}
+
+/// Returns a sentence on the rough body, and on what the windows vary over.
+fn body_sentence(body: RoughBody) -> &'static str {
+    match body {
+        RoughBody::Track => "The track is rough and the slider smooth: friction fluctuates along the path.",
+        RoughBody::Slider => {
+            "The slider is rough and the track smooth. A part carries its contacts along, so its friction coefficient is constant; \
+             the standard deviation between windows is that between parts. Friction has no correlation along the path, vibrations \
+             see the constant mean, and friction_process.json is not written."
+        }
+        RoughBody::Both => {
+            "Both bodies are rough. The standard deviation between windows contains differences between parts and the fluctuation \
+             along the path, which strips pressed at one place do not separate. Friction therefore has no known correlation along \
+             the path, and friction_process.json is not written."
+        }
+    }
 }
 
 pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {

@@ -177,24 +177,20 @@ fn solve(
     let (Some(friction), Some(vibration), Some(request)) = (&own.friction, &own.vibration, &own.surface) else {
         return Ok(None);
     };
-    let model = if own.file().surface == study.file().surface {
-        None
-    } else {
-        let section = own.file().surface.as_ref();
-        let section = section.ok_or_else(|| StudyError::Verdict("the study has no surface".into()))?;
-        Some(
-            surface_stage::model_of(section, request.clone(), surface.measured.as_ref(), &mut StageOutput::default())?
-                .0,
-        )
-    };
+    let mut model = surface.model.clone();
+    if own.file().surface != study.file().surface
+        && let Some(section) = &own.file().surface
+    {
+        let output = &mut StageOutput::default();
+        model.surface = surface_stage::model_of(section, request.clone(), surface.measured.as_ref(), output)?.0;
+    }
     let level = match own.operating_level() {
         OperatingLevel::Percentile(percentile) => LevelControl::Percentile(percentile),
         OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
         OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
     };
     let realisations = LEAST_STRIPS.max(friction.realisations.div_ceil(2));
-    let model = model.as_ref().unwrap_or(&surface.model);
-    let solved = friction_stage::solve_level(friction, model, level, realisations, own.seed(), &Quiet(monitor))?;
+    let solved = friction_stage::solve_level(friction, &model, level, realisations, own.seed(), &Quiet(monitor))?;
     Ok(solved)
 }
 

@@ -1,0 +1,89 @@
+//! Checks of `[counterface]`, and which bodies of the contact are rough.
+
+use super::{InvalidValue, POSITIVE, invalid, positive, within};
+use crate::friction::RoughBody;
+use crate::study::check::{FrictionSource, VibrationStudy};
+use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection, WindowLawKind};
+use crate::surface::model::SurfaceRequest;
+
+const SECTION: &str = "counterface";
+
+/// Rough counterface: its section in the form of `[surface]`, and the request for its random maps.
+#[derive(Debug, Clone)]
+pub(in crate::study) struct CounterfaceStudy {
+    pub(in crate::study) section: SurfaceSection,
+    pub(in crate::study) request: SurfaceRequest,
+}
+
+impl StudyFile {
+    /// Checks the section; returns the roughness of the counterface, `None` if it is smooth.
+    pub(super) fn check_counterface(&self) -> Result<Option<CounterfaceStudy>, InvalidValue> {
+        let Some(counterface) = &self.counterface else { return Ok(None) };
+        counterface.check_material()?;
+        let Some(surface) = &self.surface else {
+            let message = "the counterface is pressed against a surface; add a [surface] section";
+            return Err(invalid(SECTION, "file", message));
+        };
+        if counterface.roughness_key().is_none() {
+            return Ok(None);
+        }
+        let section = counterface.roughness(surface);
+        if surface.rescale.is_some() && section.marginal != "normal" {
+            let message = "`rescale` in [surface] requires marginal = \"normal\" of both bodies";
+            return Err(invalid(SECTION, "marginal", message));
+        }
+        let request = section.check().map_err(|error| InvalidValue { section: SECTION, ..error })?;
+        Ok(Some(CounterfaceStudy { section, request }))
+    }
+
+    /// Returns which bodies are rough.
+    ///
+    /// # Errors
+    /// The study states another body, or computes friction that two rough bodies do not determine.
+    pub(super) fn check_body(&self, vibration: Option<&VibrationStudy>) -> Result<RoughBody, InvalidValue> {
+        let stated = self.surface.as_ref().and_then(|surface| surface.body);
+        let Some(key) = self.counterface.as_ref().and_then(CounterfaceSection::roughness_key) else {
+            return match stated {
+                Some(RoughBody::Both) => {
+                    let message = "found \"both\", but the counterface is smooth; state its roughness in [counterface]";
+                    Err(invalid("surface", "body", message))
+                }
+                stated => Ok(stated.unwrap_or_default()),
+            };
+        };
+        if let Some(body @ (RoughBody::Track | RoughBody::Slider)) = stated {
+            let message = format!("found \"{body}\", but [counterface] is rough too; state \"both\" or remove the key");
+            return Err(invalid("surface", "body", message));
+        }
+        if self.friction.as_ref().is_some_and(|friction| friction.law == WindowLawKind::AdhesionPloughing) {
+            let message = "law = \"adhesion_ploughing\" requires a smooth counterface: the slopes of the harder body alone plough";
+            return Err(invalid("friction", "law", message));
+        }
+        if vibration.is_some_and(|vibration| matches!(vibration.friction, FrictionSource::Computed(_))) {
+            let message = "with two rough bodies [friction] cannot tell the fluctuation of friction along the path, which \
+                           [vibration] needs, from differences between parts; remove the roughness of one body, or state the \
+                           friction in a study with [vibration] alone";
+            return Err(invalid(SECTION, key, message));
+        }
+        Ok(RoughBody::Both)
+    }
+}
+
+impl CounterfaceSection {
+    fn check_material(&self) -> Result<(), InvalidValue> {
+        if let Some(modulus) = self.youngs_modulus {
+            within(SECTION, "youngs_modulus", modulus, positive, POSITIVE)?;
+        }
+        if let Some(ratio) = self.poisson_ratio {
+            let expected = "a Poisson ratio above -1 and at most 0.5";
+            within(SECTION, "poisson_ratio", ratio, |nu| nu > -1.0 && nu <= 0.5, expected)?;
+            if self.youngs_modulus.is_none() {
+                return Err(invalid(SECTION, "poisson_ratio", "a rigid counterface has none; state youngs_modulus"));
+            }
+        }
+        if let Some(hardness) = self.hardness {
+            within(SECTION, "hardness", hardness, positive, POSITIVE)?;
+        }
+        Ok(())
+    }
+}
