@@ -129,7 +129,7 @@ pub(super) fn run(
     let interval = match &responses {
         Some(responses) => {
             let shift = NORMAL_95 * responses.mean_error;
-            let shifted = |shift: f64| sampled.shifted(&machines.with_friction_shift(shift), monitor);
+            let shifted = |shift: f64| sampled.shifted(&machines.with_friction_factor(shift.exp()), monitor);
             widened(interval, probability, [shifted(-shift)?, shifted(shift)?])
         }
         None => interval,

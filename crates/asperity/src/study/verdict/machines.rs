@@ -53,8 +53,8 @@ pub(super) struct Machines<'a> {
     window: &'a WindowFriction,
     /// Friction as a function of the values that change the contact.
     responses: Option<&'a FrictionResponses>,
-    /// Change of the mean friction coefficient.
-    friction_shift: f64,
+    /// Factor of the mean friction coefficient.
+    friction_factor: f64,
     change: Option<Change>,
     seed: u64,
 }
@@ -77,7 +77,7 @@ impl<'a> Machines<'a> {
             places: &study.places,
             window,
             responses,
-            friction_shift: 0.0,
+            friction_factor: 1.0,
             change: None,
             seed,
         }
@@ -119,8 +119,8 @@ impl<'a> Machines<'a> {
     }
 
     /// Returns the same machines with another mean friction coefficient.
-    pub(super) fn with_friction_shift(&self, friction_shift: f64) -> Self {
-        Self { friction_shift, ..self.clone() }
+    pub(super) fn with_friction_factor(&self, friction_factor: f64) -> Self {
+        Self { friction_factor, ..self.clone() }
     }
 
     /// Returns the same machines with one exact value changed.
@@ -172,7 +172,7 @@ impl<'a> Machines<'a> {
             let area_m2 = study.nominal_contact().area_m2;
             window = WindowFriction::from_statement(stated.clone(), area_m2, study.dimensionless_stribeck());
         }
-        window.mean += self.friction_shift;
+        window.mean *= self.friction_factor;
         let oscillator = study.oscillator(window.mean, window.stribeck).map_err(|error| error.to_string())?;
         Ok(Machine { study, oscillator, window })
     }

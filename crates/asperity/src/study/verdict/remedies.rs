@@ -262,8 +262,9 @@ impl Changed<'_> {
             None => solve([a, b], all)?.unwrap_or(b),
         };
         let margins = self.margins(value, all)?;
-        let step = NEAR * (b - a);
-        let slope = (self.margins(value + step, all)?.excess(probability) - margins.excess(probability)) / step;
+        // The number of vibrating machines is constant over short steps.
+        let ends = if self.fluctuates { [a, b] } else { [value, value + NEAR * (b - a)] };
+        let slope = (excess(ends[1], all)? - excess(ends[0], all)?) / (ends[1] - ends[0]);
         let half_width = margins.half_width();
         let [low, high] = [half_width, -half_width]
             .map(|change| value - (margins.excess(probability + change) - margins.excess(probability)) / slope);

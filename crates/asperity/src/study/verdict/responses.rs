@@ -24,15 +24,19 @@ const POINTS_PER_VALUE: usize = 6;
 const LEAST_STRIPS: usize = 4;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
+/// Places of the moments in [`LevelMoments::values`].
+const MEAN: usize = 0;
+const STD: usize = 1;
+const LENGTH: usize = 3;
 /// Keys of [vibration] that change the pressure of the contact.
 const LOADS: [&str; 2] = ["normal_force", "nominal_area"];
 
 /// Friction learnt as a function of the values that change the contact.
 pub(super) struct FrictionResponses {
     axes: Vec<Axis>,
-    /// Expansions of mean, standard deviation and correlation length.
+    /// Expansions of the logarithms of mean, standard deviation and correlation length: friction is nearly a product of powers.
     moments: [Option<Expansion>; 3],
-    /// Standard error of the mean: of the few strips, and of the expansion.
+    /// Relative standard error of the mean: of the few strips, and of the expansion.
     pub(super) mean_error: f64,
 }
 
@@ -57,7 +61,7 @@ impl Axis {
         }
         let low = ends.iter().copied().reduce(f64::min)?;
         let high = ends.into_iter().reduce(f64::max)?;
-        Some(Self { place, low, high, logarithmic: low > 0.0 && high > 2.0 * low })
+        Some(Self { place, low, high, logarithmic: low > 0.0 })
     }
 
     fn scale(&self, value: f64) -> f64 {
@@ -124,12 +128,12 @@ impl FrictionResponses {
         }
         monitor.progress("verdict: friction", points, points);
         let mut responses = Vec::new();
-        for moment in [0, 1, 3] {
+        for moment in [MEAN, STD, LENGTH] {
             responses.push(learn_moment(&propagation, &found, moment, study.seed())?);
         }
         let mean_error = responses[0].as_ref().map_or(0.0, |(_, error)| *error);
-        if let Some((expansion, error)) = &responses[0] {
-            let percent = 100.0 * error / expansion.mean();
+        if !axes.is_empty() {
+            let percent = 100.0 * mean_error;
             output.assumptions.push(format!(
                 "The friction coefficient as a function of {} is expanded from {points} solved points; its standard error is {} %.",
                 axes.iter().map(|axis| axis.place.name()).collect::<Vec<_>>().join(", "),
@@ -153,11 +157,11 @@ impl FrictionResponses {
         let xi: Vec<f64> =
             self.axes.iter().map(|axis| axis.xi(axis.place.value_in(table).unwrap_or(axis.low))).collect();
         let [mean, std, length] =
-            [0, 1, 2].map(|moment| self.moments[moment].as_ref().map(|expansion| expansion.evaluate(&xi)));
+            [0, 1, 2].map(|moment| self.moments[moment].as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
         WindowFriction {
             mean: mean.unwrap_or(window.mean),
-            std: std.map_or(window.std, |std| std.max(0.0)),
-            length_m: length.filter(|length| *length > 0.0).unwrap_or(window.length_m),
+            std: std.unwrap_or(window.std),
+            length_m: length.unwrap_or(window.length_m),
             ..window.clone()
         }
     }
@@ -194,7 +198,7 @@ fn solve(
     Ok(solved)
 }
 
-/// Expands one moment with its standard error.
+/// Expands the logarithm of one moment, with its standard error; `None` for a moment that is undefined or zero.
 fn learn_moment(
     propagation: &Propagation,
     found: &[Option<MomentReplicates>],
@@ -202,7 +206,7 @@ fn learn_moment(
     seed: u64,
 ) -> Result<Option<(Expansion, f64)>, StudyError> {
     let strips = found.iter().flatten().map(|replicates| replicates.without.len()).max().unwrap_or(0);
-    let of = |moments: &LevelMoments| moments.values()[moment];
+    let of = |moments: &LevelMoments| moments.values()[moment].ln();
     let values: Vec<f64> = found.iter().map(|found| found.as_ref().map_or(f64::NAN, |r| of(&r.all))).collect();
     let without: Vec<Vec<f64>> = (0..strips)
         .map(|strip| {
@@ -212,7 +216,7 @@ fn learn_moment(
             found.iter().map(one).collect()
         })
         .collect();
-    if moment != 0 && values.iter().any(|value| !value.is_finite()) {
+    if moment != MEAN && values.iter().any(|value| !value.is_finite()) {
         return Ok(None);
     }
     let observed = Observed { values: &values, without: &without, resolution: 0.0 };
