@@ -28,6 +28,8 @@ use crate::vibration::{DampingMargins, limit_cycle, limit_damping, smallest_kick
 const MARGIN_PROBABILITIES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 /// Probabilities for which the event has drivers.
 const EVENT_RANGE: std::ops::Range<f64> = 0.05..0.95;
+/// Standard deviation of friction over its mean below which friction counts as constant.
+const NEGLIGIBLE_STD: f64 = 1e-6;
 /// Fraction of unexplained variance above which there is a warning.
 const UNEXPLAINED: f64 = 0.05;
 /// Smallest number of machines on each side below which the probability is computed as a small one.
@@ -60,7 +62,7 @@ pub(super) fn run(
         return Err(StudyError::ForcedVerdict);
     }
     let duration_s = study.duration_s.unwrap_or(nominal.study.duration * nominal.study.scales.time_s());
-    let fluctuates = window.std > 0.0;
+    let fluctuates = window.std > NEGLIGIBLE_STD * window.mean;
     let evaluate = |machine: &Machine, index: usize| {
         let mut evaluated = Evaluated::constant_friction(machine)?;
         if fluctuates {

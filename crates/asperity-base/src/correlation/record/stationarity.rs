@@ -1,11 +1,9 @@
 //! Tests of records for drift that account for their correlation.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
 use crate::random;
-use crate::stats::{Moments, correlation_time};
+use crate::stats::{Moments, correlation_time, student_two_sided};
 
 /// Number of records from which each is one independent observation; fewer are divided into blocks.
 const MANY: usize = 10;
@@ -192,8 +190,7 @@ impl DriftTest {
             ((variance / (records * norm)).sqrt(), freedom)
         };
         let t = estimate.abs() / standard_error;
-        let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom);
-        let p_value = distribution.map_or(f64::NAN, |student| 2.0 * student.cdf(-t));
+        let p_value = student_two_sided(t, degrees_of_freedom);
         Self { estimate, standard_error, degrees_of_freedom, p_value }
     }
 
@@ -273,6 +270,15 @@ mod tests {
             counts.iter_mut().zip(flags).for_each(|(count, flag)| *count += f64::from(u8::from(flag)) / runs as f64);
         }
         counts
+    }
+
+    #[test]
+    fn records_with_equal_block_means_have_no_significance() {
+        let records = vec![[1.0, -1.0].repeat(200); 12];
+        let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
+        let found = Stationarity::new(&views, 1, 1.0).unwrap();
+        let change = found.mean_change;
+        assert!(change.estimate == 0.0 && change.p_value.is_nan() && !change.significant(), "{found:?}");
     }
 
     #[test]
