@@ -6,7 +6,8 @@
 //! round is planned from the results of the rounds before it.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -45,19 +46,122 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Computes blocks in parallel and collects them in index order. A collection of `Result` stops at an error.
-pub fn map<B: Send, C: FromParallelIterator<B>>(indices: Range<usize>, block: impl Fn(usize) -> B + Sync + Send) -> C {
-    indices.into_par_iter().map(block).collect()
+/// Collection of blocks.
+pub trait Collect<B> {
+    /// Returns whether `block` decides the collection, so that further blocks are not computed.
+    fn stops_at(block: &B) -> bool;
+    /// Collects blocks in index order.
+    fn collect(blocks: Vec<B>) -> Self;
+}
+
+impl<T> Collect<T> for Vec<T> {
+    fn stops_at(_: &T) -> bool {
+        false
+    }
+
+    fn collect(blocks: Vec<T>) -> Self {
+        blocks
+    }
+}
+
+impl<T> Collect<Option<T>> for Option<Vec<T>> {
+    fn stops_at(block: &Option<T>) -> bool {
+        block.is_none()
+    }
+
+    fn collect(blocks: Vec<Option<T>>) -> Self {
+        blocks.into_iter().collect()
+    }
+}
+
+impl<T, E> Collect<Result<T, E>> for Result<Vec<T>, E> {
+    fn stops_at(block: &Result<T, E>) -> bool {
+        block.is_err()
+    }
+
+    fn collect(blocks: Vec<Result<T, E>>) -> Self {
+        blocks.into_iter().collect()
+    }
+}
+
+/// Computes blocks in parallel and collects them in index order. A collection of `Result` stops at an error, one of `Option`
+/// at `None`.
+pub fn map<B: Send, C: Collect<B>>(indices: Range<usize>, block: impl Fn(usize) -> B + Sync) -> C {
+    map_with(indices, || (), |(), index| block(index))
 }
 
 /// Computes blocks as [`map`] does, with memory that a thread reuses from block to block. A block must not depend on what
 /// blocks before it left in the workspace.
-pub fn map_with<W, B: Send, C: FromParallelIterator<B>>(
+pub fn map_with<W, B: Send, C: Collect<B>>(
     indices: Range<usize>,
-    workspace: impl Fn() -> W + Sync + Send,
-    block: impl Fn(&mut W, usize) -> B + Sync + Send,
+    workspace: impl Fn() -> W + Sync,
+    block: impl Fn(&mut W, usize) -> B + Sync,
 ) -> C {
-    indices.into_par_iter().map_init(workspace, block).collect()
+    let count = indices.len();
+    let stopped = AtomicBool::new(false);
+    // First indices of the parts that are finished, in order, and the blocks of each.
+    let finished: Mutex<(Vec<usize>, Vec<Vec<B>>)> = Mutex::default();
+    over_parts(indices, &|part| {
+        let first = part.start;
+        let mut workspace = workspace();
+        let mut blocks = Vec::with_capacity(part.len());
+        for index in part {
+            if stopped.load(Ordering::Relaxed) {
+                break;
+            }
+            let block = block(&mut workspace, index);
+            if C::stops_at(&block) {
+                stopped.store(true, Ordering::Relaxed);
+            }
+            blocks.push(block);
+        }
+        let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = finished.0.partition_point(|other| *other < first);
+        finished.0.insert(place, first);
+        finished.1.insert(place, blocks);
+    });
+    let (_, parts) = finished.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut blocks = Vec::with_capacity(count);
+    for mut part in parts {
+        blocks.append(&mut part);
+    }
+    C::collect(blocks)
+}
+
+/// Passes every item to `work` in parallel.
+pub fn for_each<T: Send>(items: impl IntoIterator<Item = T>, work: impl Fn(T) + Sync) {
+    for_each_with(items, || (), |(), item| work(item));
+}
+
+/// Passes every item to `work` as [`for_each`] does, with memory that a thread reuses from item to item.
+pub fn for_each_with<W, T: Send>(
+    items: impl IntoIterator<Item = T>,
+    workspace: impl Fn() -> W + Sync,
+    work: impl Fn(&mut W, T) + Sync,
+) {
+    let items: Vec<Mutex<Option<T>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
+    over_parts(0..items.len(), &|part| {
+        let mut workspace = workspace();
+        for item in &items[part] {
+            let item = item.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(item) = item {
+                work(&mut workspace, item);
+            }
+        }
+    });
+}
+
+/// Distributes the indices over threads as contiguous parts, whose sizes depend on the work that other threads take over.
+///
+/// All parallel loops call this function: the code that distributes work is compiled once, not once per loop.
+fn over_parts(indices: Range<usize>, work: &(dyn Fn(Range<usize>) + Sync)) {
+    let extended =
+        |part: Range<usize>, index: usize| if part.is_empty() { index..index + 1 } else { part.start..index + 1 };
+    indices.into_par_iter().fold(|| 0..0, extended).for_each(|part| {
+        if !part.is_empty() {
+            work(part);
+        }
+    });
 }
 
 /// Computes `count` blocks of `block_bytes` each as [`map_with`] does and passes them to `add` in index order. Blocks that wait
@@ -68,8 +172,8 @@ pub fn map_with<W, B: Send, C: FromParallelIterator<B>>(
 pub fn reduce<W, B: Send, E: Send>(
     count: usize,
     block_bytes: usize,
-    workspace: impl Fn() -> W + Sync + Send,
-    block: impl Fn(&mut W, usize) -> Result<B, E> + Sync + Send,
+    workspace: impl Fn() -> W + Sync,
+    block: impl Fn(&mut W, usize) -> Result<B, E> + Sync,
     mut add: impl FnMut(usize, B),
 ) -> Result<(), E> {
     let at_once = (WAITING_BYTES / block_bytes.max(1)).max(WAITING_PER_THREAD * rayon::current_num_threads());
@@ -112,6 +216,28 @@ mod tests {
             assert_eq!(reduced(100, WAITING_BYTES, threads), (wanted, 4 * threads));
         }
         assert_eq!(reduced(0, 8, 1).0, [0; 0]);
+    }
+
+    #[test]
+    fn blocks_keep_their_order_and_every_item_is_passed_once() {
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                // Loops inside of loops distribute parts at irregular places.
+                let inner = |index: usize| map::<_, Vec<usize>>(0..index % 7, |i| i * index).into_iter().sum::<usize>();
+                let found: Vec<usize> = map(5..1000, inner);
+                assert_eq!(found, (5..1000).map(|index| (0..index % 7).sum::<usize>() * index).collect::<Vec<_>>());
+                let mut counts = vec![0; 1000];
+                for_each(counts.chunks_mut(3).enumerate(), |(chunk, counts)| {
+                    counts.iter_mut().for_each(|c| *c += chunk)
+                });
+                assert_eq!(counts, (0..1000).map(|index| index / 3).collect::<Vec<_>>());
+                let even = |index: usize| (index != 700).then_some(2 * index);
+                assert_eq!(map::<_, Option<Vec<usize>>>(0..700, even), Some((0..700).map(|i| 2 * i).collect()));
+                assert_eq!(map::<_, Option<Vec<usize>>>(0..1000, even), None);
+                assert_eq!(map::<_, Vec<usize>>(3..3, |i| i), [0; 0]);
+            });
+        }
     }
 
     #[test]

@@ -17,13 +17,14 @@ use std::sync::Arc;
 
 pub use asperity_fft::Complex64;
 use asperity_fft::{ComplexToReal, Fft, RealToComplex, complex_f64, real_forward, real_inverse};
-use rayon::prelude::*;
 
 #[doc(hidden)]
 pub use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
 #[doc(hidden)]
 pub use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
 use transpose::{BLOCK, TILE, gather};
+
+use crate::blocks;
 
 /// Points of a map above which its rows are distributed over threads, which costs some microseconds.
 const SHARED_FROM: usize = 1 << 15;
@@ -124,13 +125,17 @@ impl RealFft2 {
         slice: &mut [T],
         length: usize,
         thread: &mut ThreadScratch,
-        work: impl Fn(&mut ThreadScratch, usize, &mut [T]) + Sync,
+        work: &(dyn Fn(&mut ThreadScratch, usize, &mut [T]) + Sync),
     ) {
         if self.nx * self.ny < SHARED_FROM {
             slice.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(thread, index, chunk));
         } else {
-            let chunks = slice.par_chunks_mut(length).enumerate();
-            chunks.for_each_init(|| self.thread_scratch(), |thread, (index, chunk)| work(thread, index, chunk));
+            let chunks = slice.chunks_mut(length).enumerate();
+            blocks::for_each_with(
+                chunks,
+                || self.thread_scratch(),
+                |thread, (index, chunk)| work(thread, index, chunk),
+            );
         }
     }
 
@@ -158,7 +163,7 @@ impl RealFft2 {
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
         let Workspace { rows: transformed, scratch } = work;
-        self.for_chunks(&mut transformed[..rows * stored], stored, scratch, |thread, row, out| {
+        self.for_chunks(&mut transformed[..rows * stored], stored, scratch, &|thread, row, out| {
             thread.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
             thread.real_row[columns..].fill(0.0);
             let scratch = &mut thread.scratch[..self.row_forward.get_scratch_len()];
@@ -166,7 +171,7 @@ impl RealFft2 {
             debug_assert!(done.is_ok());
         });
         let transformed = &transformed[..rows * stored];
-        self.for_chunks(spectrum, BLOCK * self.ny, scratch, |thread, block, out| {
+        self.for_chunks(spectrum, BLOCK * self.ny, scratch, &|thread, block, out| {
             gather(transformed.chunks(TILE * stored), stored, block * BLOCK, out, self.ny);
             self.column_forward.process_with_scratch(out, &mut thread.scratch);
         });
@@ -195,12 +200,12 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.scratch, |thread, _, columns| {
+        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.scratch, &|thread, _, columns| {
             self.column_inverse.process_with_scratch(columns, &mut thread.scratch);
         });
         let spectrum = &*spectrum;
         let scale = 1.0 / (self.nx * self.ny) as f64;
-        self.for_chunks(map, BLOCK * columns, &mut work.scratch, |thread, block, out| {
+        self.for_chunks(map, BLOCK * columns, &mut work.scratch, &|thread, block, out| {
             let ThreadScratch { real_row, block: inputs, scratch } = thread;
             let inputs = &mut inputs[..out.len() / columns * stored];
             gather(spectrum.chunks(TILE * self.ny), self.ny, block * BLOCK, inputs, stored);

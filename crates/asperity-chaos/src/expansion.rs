@@ -1,9 +1,8 @@
 //! Polynomial chaos expansions of functions of standard variables ξ.
 
-use rayon::prelude::*;
-
 use super::horner::{Evaluate, Horner, Scratch};
 use super::{Basis, Fit, LeastSquares, RegressionError};
+use asperity_base::blocks;
 use asperity_base::wide::wide;
 
 /// Number of points that a thread evaluates at a time.
@@ -72,8 +71,8 @@ impl Expansion {
     pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, xi_samples: &[G]) -> Vec<f64> {
         self.check(xi_samples);
         let mut values = vec![0.0; xi_samples.len()];
-        let blocks = xi_samples.par_chunks(BLOCK).zip(values.par_chunks_mut(BLOCK));
-        blocks.for_each_init(Scratch::default, |scratch, (xi_samples, values)| {
+        let items = xi_samples.chunks(BLOCK).zip(values.chunks_mut(BLOCK));
+        blocks::for_each_with(items, Scratch::default, |scratch, (xi_samples, values)| {
             self.evaluate_block(xi_samples, values, scratch)
         });
         values

@@ -6,8 +6,7 @@
 //! stencils were fitted to |q| by least squares. The sum deviates from |q| by up to about a quarter and is symmetric.
 //! As a preconditioner it is about as good as |q| itself at a fraction of the cost.
 
-use rayon::prelude::*;
-
+use asperity_base::blocks;
 use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, good_length};
 use asperity_base::wide::{Kernel, wide};
 
@@ -171,8 +170,7 @@ impl Pyramid {
         if self.rows * self.columns < SHARED_FROM || rayon::current_num_threads() == 1 {
             items.for_each(|item| work(line, item));
         } else {
-            let items: Vec<I> = items.collect();
-            items.into_par_iter().for_each_init(|| self.line(), |line, item| work(line, item));
+            blocks::for_each_with(items, || self.line(), work);
         }
     }
 

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
 use thiserror::Error;
 
+use asperity_base::blocks;
 use asperity_base::correlation::{Axis, profiles};
 use asperity_base::map::HeightMap;
 use asperity_base::stats::Moments;
@@ -68,10 +68,9 @@ impl StructureFunction {
         let (all, length, pitch_m) = profiles::dimensions(map, axis);
         let band_count = BANDS.min(all);
         let lags = ladder(length / 2);
-        let sums: Vec<Vec<(f64, f64)>> = (0..band_count)
-            .into_par_iter()
-            .map(|band| band_sums(map, axis, band * all / band_count..(band + 1) * all / band_count, &lags))
-            .collect();
+        let sums: Vec<Vec<(f64, f64)>> = blocks::map(0..band_count, |band| {
+            band_sums(map, axis, band * all / band_count..(band + 1) * all / band_count, &lags)
+        });
         let mut lags_m = vec![];
         let mut values_m2 = vec![];
         let mut bands = vec![vec![]; band_count];

@@ -6,12 +6,12 @@ mod parity;
 mod profile;
 
 use ndarray::{Array2, Axis};
-use rayon::prelude::*;
 
 use self::general::ClassModes;
 use super::gaussian::{check_xi, map_of, row_order};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
+use asperity_base::blocks;
 use asperity_base::correlation::{Covariance, StationaryCovariance};
 use asperity_base::fourier::RealFft2;
 use asperity_base::map::{Grid, HeightMap};
@@ -164,8 +164,8 @@ impl KarhunenLoeve {
     /// fraction of all modes is 1, also if negative eigenvalues of an estimated covariance were left out (the others
     /// then sum to more).
     pub fn captured_slope_variance(&self) -> f64 {
-        let slope = |(j, value): (usize, &f64)| value * mean_squared_slope_per_m2(self.grid, &self.mode_per_m(j));
-        let slopes: Vec<f64> = self.eigenvalues_m2.par_iter().enumerate().map(slope).collect();
+        let slope = |j: usize| self.eigenvalues_m2[j] * mean_squared_slope_per_m2(self.grid, &self.mode_per_m(j));
+        let slopes: Vec<f64> = blocks::map(0..self.eigenvalues_m2.len(), slope);
         (slopes.iter().sum::<f64>() / self.slope_variance_per_m2).min(1.0)
     }
 

@@ -9,10 +9,10 @@ use std::fmt;
 use std::str::FromStr;
 
 use ndarray::Array2;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use asperity_base::blocks;
 use asperity_base::map::{HeightMap, MapError};
 
 /// Highest degree of a polynomial form. Higher degrees would remove waviness and roughness.
@@ -207,16 +207,13 @@ pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
 fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     /// Number of rows that are added before their sum is passed on.
     const BLOCK: usize = 16;
-    let blocks: Vec<Vec<f64>> = (0..rows.div_ceil(BLOCK))
-        .into_par_iter()
-        .map(|block| {
-            let mut sums = vec![0.0; count];
-            for row in block * BLOCK..((block + 1) * BLOCK).min(rows) {
-                of_row(row, &mut sums);
-            }
-            sums
-        })
-        .collect();
+    let blocks: Vec<Vec<f64>> = blocks::map(0..rows.div_ceil(BLOCK), |block| {
+        let mut sums = vec![0.0; count];
+        for row in block * BLOCK..((block + 1) * BLOCK).min(rows) {
+            of_row(row, &mut sums);
+        }
+        sums
+    });
     blocks.iter().fold(vec![0.0; count], |mut total, sums| {
         total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
         total

@@ -3,11 +3,11 @@
 //! Scans differ because each is a small sample of a random surface, and because the part varies from place to place. The
 //! intervals of [`super::uncertainty`] cover the first cause; the remaining difference is the spread between places.
 
-use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
 use super::uncertainty::Estimate;
+use asperity_base::blocks;
 use asperity_base::map::HeightMap;
 use asperity_base::stats::Interval;
 
@@ -185,7 +185,7 @@ pub fn pooled_heights_m(maps: &[&HeightMap]) -> Vec<f64> {
         let mean_m = present.iter().sum::<f64>() / present.len() as f64;
         present.into_iter().map(|z| z - mean_m).collect::<Vec<f64>>()
     };
-    maps.par_iter().map(centred).collect::<Vec<_>>().concat()
+    blocks::map::<_, Vec<_>>(0..maps.len(), |map| centred(&maps[map])).concat()
 }
 
 #[cfg(test)]

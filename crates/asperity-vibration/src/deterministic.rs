@@ -1,10 +1,9 @@
 //! Many oscillators without fluctuation, simulated in lockstep.
 
-use rayon::prelude::*;
-
 use super::batch::{Task, simulate_many};
 use super::trajectory::NoObserver;
 use super::{Oscillator, Slips, TrajectorySettings, VibrationError};
+use asperity_base::blocks;
 use asperity_process::Steady;
 
 /// Number of oscillators per work item of a thread.
@@ -17,19 +16,19 @@ pub fn deterministic_slips(
     oscillators: &[Oscillator],
     settings: &TrajectorySettings,
 ) -> Vec<Result<Slips, VibrationError>> {
-    oscillators
-        .par_chunks(CHUNK)
-        .flat_map_iter(|chunk| {
-            let mut slips: Vec<_> = chunk.iter().map(|_| Ok(Slips::default())).collect();
-            simulate_many(
-                settings,
-                0..chunk.len(),
-                |index| Ok(Task::new(chunk[index].clone(), Steady, NoObserver)),
-                |index, ended| slips[index] = ended.map(|followed| followed.slips),
-            );
-            slips
-        })
-        .collect()
+    let chunks: Vec<&[Oscillator]> = oscillators.chunks(CHUNK).collect();
+    let slips: Vec<Vec<_>> = blocks::map(0..chunks.len(), |chunk| {
+        let chunk = chunks[chunk];
+        let mut slips: Vec<_> = chunk.iter().map(|_| Ok(Slips::default())).collect();
+        simulate_many(
+            settings,
+            0..chunk.len(),
+            |index| Ok(Task::new(chunk[index].clone(), Steady, NoObserver)),
+            |index, ended| slips[index] = ended.map(|followed| followed.slips),
+        );
+        slips
+    });
+    slips.into_iter().flatten().collect()
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::passage::Passage;
@@ -16,6 +15,7 @@ use super::batch::{Task, simulate_many};
 use super::sample_distribution::{RunningMoments, SampleCollector, SampleDistribution};
 use super::trajectory::{NoObserver, follow};
 use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
+use asperity_base::blocks;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
 use asperity_process::{Cancellable, FrictionProcess, Steady};
@@ -310,10 +310,11 @@ impl Ensemble {
         let at_once = settings.block(rayon::current_num_threads());
         for first in (0..total).step_by(at_once) {
             let last = total.min(first + at_once);
-            let blocks: Vec<Range<usize>> =
-                (first..last).step_by(CHUNK).map(|start| start..last.min(start + CHUNK)).collect();
-            let outcomes: Vec<_> =
-                blocks.into_par_iter().flat_map_iter(|block| plan.block(block, monitor, finished)).collect();
+            let chunks: Vec<Vec<_>> = blocks::map(0..(last - first).div_ceil(CHUNK), |chunk| {
+                let start = first + chunk * CHUNK;
+                plan.block(start..last.min(start + CHUNK), monitor, finished)
+            });
+            let outcomes: Vec<_> = chunks.into_iter().flatten().collect();
             // A cancelled trajectory may end in any error, because it was not followed to its end.
             if monitor.cancelled() && outcomes.iter().any(Result::is_err) {
                 return Err(Cancelled.into());

@@ -1,9 +1,9 @@
 //! Autocorrelation of maps with missing points.
 
-use rayon::prelude::*;
 use thiserror::Error;
 
 use super::profiles;
+use crate::blocks;
 use crate::fourier::{autocorrelation_sums, good_length};
 use crate::map::{Grid, HeightMap};
 use crate::stats::Extent;
@@ -141,12 +141,12 @@ impl Autocorrelation {
                 out.iter_mut().zip(heights(row)).for_each(|(out, z)| *out = if z.is_nan() { 0.0 } else { 1.0 });
             })
         });
+        let width = 2 * reach_x + 1;
         let pairs = pairs.map(|mut pairs| {
-            pairs.par_iter_mut().for_each(|count| *count = count.round());
+            blocks::for_each(pairs.chunks_mut(width), |row| row.iter_mut().for_each(|count| *count = count.round()));
             pairs
         });
-        let width = 2 * reach_x + 1;
-        covariance.par_chunks_exact_mut(width).enumerate().for_each(|(lag_y, row)| match &pairs {
+        blocks::for_each(covariance.chunks_exact_mut(width).enumerate(), |(lag_y, row)| match &pairs {
             Some(pairs) => {
                 for (value, count) in row.iter_mut().zip(&pairs[lag_y * width..]) {
                     *value = if *count > 0.0 { *value / count } else { f64::NAN };

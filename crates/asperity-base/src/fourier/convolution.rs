@@ -8,9 +8,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use asperity_fft::{Complex, Fft, FftNum, complex_f32, complex_f64};
-use rayon::prelude::*;
 
 use super::SHARED_FROM;
+use crate::blocks;
 use crate::wide::{Kernel, wide};
 
 /// Columns gathered per block.
@@ -180,8 +180,7 @@ impl<T: Real> Convolution<T> {
         if self.nx * self.ny < SHARED_FROM || rayon::current_num_threads() == 1 {
             items.for_each(|item| work(thread, item));
         } else {
-            let items: Vec<I> = items.collect();
-            items.into_par_iter().for_each_init(|| self.thread_scratch(), |thread, item| work(thread, item));
+            blocks::for_each_with(items, || self.thread_scratch(), work);
         }
     }
 

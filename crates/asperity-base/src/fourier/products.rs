@@ -4,10 +4,10 @@
 //! spectrum is never stored.
 
 use asperity_fft::{complex_f64, real_forward, real_inverse};
-use rayon::prelude::*;
 
 use super::transpose::{BLOCK, TILE, gather, make_real};
 use super::{Complex64, good_length};
+use crate::blocks;
 
 /// Profiles whose powers are summed per block.
 const PROFILES_PER_BLOCK: usize = 64;
@@ -24,23 +24,21 @@ fn transformed_rows(
 ) -> Vec<Vec<Complex64>> {
     let plan = real_forward(nx);
     let stored = nx / 2 + 1;
-    (0..rows.div_ceil(TILE))
-        .into_par_iter()
-        .map_init(
-            || (plan.make_input_vec(), plan.make_scratch_vec()),
-            |(input, scratch), slab| {
-                let range = slab * TILE..((slab + 1) * TILE).min(rows);
-                let mut transformed = vec![Complex64::default(); range.len() * stored];
-                for (row, out) in range.zip(transformed.chunks_exact_mut(stored)) {
-                    fill(row, &mut input[..columns]);
-                    input[columns..].fill(0.0);
-                    let done = plan.process_with_scratch(input, out, scratch);
-                    debug_assert!(done.is_ok());
-                }
-                transformed
-            },
-        )
-        .collect()
+    blocks::map_with(
+        0..rows.div_ceil(TILE),
+        || (plan.make_input_vec(), plan.make_scratch_vec()),
+        |(input, scratch), slab| {
+            let range = slab * TILE..((slab + 1) * TILE).min(rows);
+            let mut transformed = vec![Complex64::default(); range.len() * stored];
+            for (row, out) in range.zip(transformed.chunks_exact_mut(stored)) {
+                fill(row, &mut input[..columns]);
+                input[columns..].fill(0.0);
+                let done = plan.process_with_scratch(input, out, scratch);
+                debug_assert!(done.is_ok());
+            }
+            transformed
+        },
+    )
 }
 
 /// Returns |X|² of a map of `ny` × `nx` values, in the layout of the spectrum of [`super::RealFft2`]; `fill` writes a
@@ -51,7 +49,8 @@ pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> V
     let [plan, _] = complex_f64(ny);
     let stored = nx / 2 + 1;
     let mut power = vec![0.0; stored * ny];
-    power.par_chunks_mut(BLOCK * ny).enumerate().for_each_init(
+    blocks::for_each_with(
+        power.chunks_mut(BLOCK * ny).enumerate(),
         || (vec![Complex64::default(); BLOCK * ny], vec![Complex64::default(); plan.get_inplace_scratch_len()]),
         |(columns, scratch), (block, out)| {
             let columns = &mut columns[..out.len()];
@@ -86,7 +85,8 @@ pub fn autocorrelation_sums(
     let mut half = vec![Complex64::default(); stored * lags_y];
     let [forward, _] = complex_f64(ny);
     let back = real_forward(ny);
-    half.par_chunks_mut(BLOCK * lags_y).enumerate().for_each_init(
+    blocks::for_each_with(
+        half.chunks_mut(BLOCK * lags_y).enumerate(),
         || {
             let scratch = forward.get_inplace_scratch_len().max(back.get_scratch_len());
             let zeros = |length: usize| vec![Complex64::default(); length];
@@ -110,7 +110,8 @@ pub fn autocorrelation_sums(
     let mut sums = vec![0.0; lags_y * width];
     let plan = real_inverse(nx);
     let scale = 1.0 / (nx * ny) as f64;
-    sums.par_chunks_mut(BLOCK * width).enumerate().for_each_init(
+    blocks::for_each_with(
+        sums.chunks_mut(BLOCK * width).enumerate(),
         || (vec![Complex64::default(); BLOCK * stored], plan.make_output_vec(), plan.make_scratch_vec()),
         |(inputs, lags, scratch), (block, out)| {
             let inputs = &mut inputs[..out.len() / width * stored];
@@ -138,33 +139,31 @@ pub fn summed_power(
     fill: impl Fn(std::ops::Range<usize>, &mut [f64]) + Sync,
 ) -> Vec<f64> {
     let plan = real_forward(padded);
-    let blocks: Vec<Vec<f64>> = (0..profiles.div_ceil(PROFILES_PER_BLOCK))
-        .into_par_iter()
-        .map_init(
-            || {
-                (
-                    vec![0.0; PROFILES_PER_BLOCK * length],
-                    plan.make_input_vec(),
-                    plan.make_output_vec(),
-                    plan.make_scratch_vec(),
-                )
-            },
-            |(values, input, output, scratch), block| {
-                let range = block * PROFILES_PER_BLOCK..((block + 1) * PROFILES_PER_BLOCK).min(profiles);
-                let values = &mut values[..range.len() * length];
-                fill(range, values);
-                let mut sums = vec![0.0; padded / 2 + 1];
-                for profile in values.chunks_exact(length) {
-                    input[..length].copy_from_slice(profile);
-                    input[length..].fill(0.0);
-                    let done = plan.process_with_scratch(input, output, scratch);
-                    debug_assert!(done.is_ok());
-                    sums.iter_mut().zip(output.iter()).for_each(|(sum, value)| *sum += value.norm_sqr());
-                }
-                sums
-            },
-        )
-        .collect();
+    let blocks: Vec<Vec<f64>> = blocks::map_with(
+        0..profiles.div_ceil(PROFILES_PER_BLOCK),
+        || {
+            (
+                vec![0.0; PROFILES_PER_BLOCK * length],
+                plan.make_input_vec(),
+                plan.make_output_vec(),
+                plan.make_scratch_vec(),
+            )
+        },
+        |(values, input, output, scratch), block| {
+            let range = block * PROFILES_PER_BLOCK..((block + 1) * PROFILES_PER_BLOCK).min(profiles);
+            let values = &mut values[..range.len() * length];
+            fill(range, values);
+            let mut sums = vec![0.0; padded / 2 + 1];
+            for profile in values.chunks_exact(length) {
+                input[..length].copy_from_slice(profile);
+                input[length..].fill(0.0);
+                let done = plan.process_with_scratch(input, output, scratch);
+                debug_assert!(done.is_ok());
+                sums.iter_mut().zip(output.iter()).for_each(|(sum, value)| *sum += value.norm_sqr());
+            }
+            sums
+        },
+    );
     let mut sums = vec![0.0; padded / 2 + 1];
     for block in blocks {
         sums.iter_mut().zip(block).for_each(|(sum, value)| *sum += value);

@@ -3,8 +3,6 @@
 //! The blocks depend on the sample only, so a sum does not depend on the number of threads; summation by blocks also
 //! reduces rounding errors.
 
-use rayon::prelude::*;
-
 /// Values in a block.
 #[doc(hidden)]
 pub const BLOCK: usize = 4096;
@@ -17,17 +15,15 @@ pub const LANES: usize = 8;
 
 /// Returns the results of `work` for every block of `values`, in order.
 #[doc(hidden)]
-pub fn map<R: Send>(values: &[f64], work: impl Fn(&[f64]) -> R + Sync + Send) -> Vec<R> {
-    if values.len() < SHARED_FROM {
-        values.chunks(BLOCK).map(work).collect()
-    } else {
-        values.par_chunks(BLOCK).map(work).collect()
-    }
+pub fn map<R: Send>(values: &[f64], work: impl Fn(&[f64]) -> R + Sync) -> Vec<R> {
+    let indices = 0..values.len().div_ceil(BLOCK);
+    let block = |index: usize| work(&values[index * BLOCK..values.len().min((index + 1) * BLOCK)]);
+    if values.len() < SHARED_FROM { indices.map(block).collect() } else { crate::blocks::map(indices, block) }
 }
 
 /// Returns the sums of `terms` over all values; `terms` handles missing values (NaN).
 #[doc(hidden)]
-pub fn sums<const N: usize>(values: &[f64], terms: impl Fn(f64) -> [f64; N] + Sync + Send) -> [f64; N] {
+pub fn sums<const N: usize>(values: &[f64], terms: impl Fn(f64) -> [f64; N] + Sync) -> [f64; N] {
     let blocks = map(values, |block| {
         let mut lanes = [[0.0; LANES]; N];
         let mut take = |lane: usize, value: f64| {

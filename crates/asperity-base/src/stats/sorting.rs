@@ -1,6 +1,6 @@
 //! Parallel sorting of large samples.
 
-use rayon::prelude::*;
+use crate::blocks;
 
 /// Sample size above which buckets are used.
 const LARGE: usize = 1 << 16;
@@ -134,7 +134,8 @@ impl Dealer {
     }
 
     fn sorted(&self, values: &[f64], origin: f64, order: Order) -> Vec<f64> {
-        let dealt: Vec<Dealt> = values.par_chunks(CHUNK).map(|chunk| self.deal(chunk, order)).collect();
+        let chunks: Vec<&[f64]> = values.chunks(CHUNK).collect();
+        let dealt: Vec<Dealt> = blocks::map(0..chunks.len(), |index| self.deal(chunks[index], order));
         let size = |bucket: usize| {
             dealt.iter().map(|dealt| (dealt.starts[bucket + 1] - dealt.starts[bucket]) as usize).sum::<usize>()
         };
@@ -147,7 +148,7 @@ impl Dealer {
             outputs.push(output);
             rest = others;
         }
-        outputs.into_par_iter().enumerate().for_each_init(Vec::new, |keys: &mut Vec<i64>, (bucket, output)| {
+        blocks::for_each_with(outputs.into_iter().enumerate(), Vec::new, |keys: &mut Vec<i64>, (bucket, output)| {
             keys.clear();
             for dealt in &dealt {
                 keys.extend(&dealt.keys[dealt.starts[bucket] as usize..dealt.starts[bucket + 1] as usize]);

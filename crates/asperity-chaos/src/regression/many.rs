@@ -3,9 +3,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
-use rayon::prelude::*;
 
 use super::{LeastSquares, RegressionError};
+use asperity_base::blocks;
 
 /// Number of right-hand sides that are solved together.
 const BLOCK: usize = 256;
@@ -44,11 +44,10 @@ impl LeastSquares {
         }
         let responses = contiguous(responses);
         let matrix = matrix(&responses);
-        let starts: Vec<usize> = (0..count).step_by(BLOCK).collect();
-        let blocks: Vec<(Mat<f64>, Vec<Option<f64>>)> = starts
-            .into_par_iter()
-            .map(|start| self.solve_block(matrix.subcols(start, BLOCK.min(count - start)), assess))
-            .collect();
+        let blocks: Vec<(Mat<f64>, Vec<Option<f64>>)> = blocks::map(0..count.div_ceil(BLOCK), |block| {
+            let start = block * BLOCK;
+            self.solve_block(matrix.subcols(start, BLOCK.min(count - start)), assess)
+        });
         let mut coefficients = Array2::zeros((self.coefficients(), count));
         let mut relative_errors = Vec::new();
         for (number, (block, errors)) in blocks.into_iter().enumerate() {

@@ -1,9 +1,9 @@
 //! The design matrix from which terms are selected.
 
 use ndarray::{ArrayView2, CowArray, Ix2};
-use rayon::prelude::*;
 
 use super::SparseError;
+use asperity_base::blocks;
 use asperity_base::wide::{Kernel, wide};
 
 /// Fraction of a length that counts as rounding.
@@ -119,7 +119,7 @@ impl<'a> Candidates<'a> {
         if columns <= BLOCK {
             block((0, products));
         } else {
-            products.par_chunks_mut(BLOCK).enumerate().for_each(block);
+            blocks::for_each(products.chunks_mut(BLOCK).enumerate(), block);
         }
         let sum: f64 = vector.iter().sum();
         for ((product, mean), norm) in products.iter_mut().zip(&self.means).zip(&self.norms) {

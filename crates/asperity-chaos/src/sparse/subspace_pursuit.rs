@@ -2,11 +2,10 @@
 
 use std::cmp::Ordering;
 
-use rayon::prelude::*;
-
 use super::candidates::Candidates;
 use super::growing_fit::GrowingFit;
 use super::{Attempt, Search, StopReason};
+use asperity_base::blocks;
 
 /// Numbers of terms tried first, logarithmically spaced, and then around the best.
 const COARSE: usize = 24;
@@ -23,13 +22,10 @@ pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<
     let mut correlations = vec![0.0; candidates.columns()];
     candidates.correlate(start.residual(), &mut correlations);
     let pursue = |counts: Vec<usize>| -> Vec<(usize, Attempt, GrowingFit<'a, 'c>)> {
-        counts
-            .into_par_iter()
-            .map(|count| {
-                let fit = pursue(&start, &correlations, count);
-                (count, fit.assess(), fit)
-            })
-            .collect()
+        blocks::map(0..counts.len(), |index| {
+            let fit = pursue(&start, &correlations, counts[index]);
+            (counts[index], fit.assess(), fit)
+        })
     };
     let mut tried: Vec<(usize, Attempt)> = Vec::new();
     let mut best: Option<(Attempt, GrowingFit<'a, 'c>)> = None;

@@ -1,8 +1,7 @@
 //! The slabs of a whole grid.
 
-use rayon::prelude::*;
-
 use super::Slab;
+use asperity_base::blocks;
 use asperity_base::fourier::ROWS_OF_SLAB;
 
 /// Least number of cells of a grid for which threads share its slabs.
@@ -45,29 +44,32 @@ impl Slabs {
     }
 
     /// Calls `work` on every slab.
-    pub(crate) fn each(&mut self, work: impl Fn(&mut Slab) + Sync + Send) {
-        if self.shared { self.slabs.par_iter_mut().for_each(work) } else { self.slabs.iter_mut().for_each(work) }
+    pub(crate) fn each(&mut self, work: impl Fn(&mut Slab) + Sync) {
+        if self.shared { blocks::for_each(&mut self.slabs, work) } else { self.slabs.iter_mut().for_each(work) }
     }
 
     /// Calls `work` on every slab and joins the results in order.
     pub(crate) fn fold<R: Send>(
         &mut self,
         first: R,
-        work: impl Fn(&mut Slab) -> R + Sync + Send,
+        work: impl Fn(&mut Slab) -> R + Sync,
         join: impl Fn(R, R) -> R,
     ) -> R {
         if self.shared {
-            self.slabs.par_iter_mut().map(work).collect::<Vec<_>>().into_iter().fold(first, join)
+            let mut results: Vec<Option<R>> = self.slabs.iter().map(|_| None).collect();
+            blocks::for_each(self.slabs.iter_mut().zip(&mut results), |(slab, result)| *result = Some(work(slab)));
+            results.into_iter().flatten().fold(first, join)
         } else {
             self.slabs.iter_mut().map(work).fold(first, join)
         }
     }
 
     /// Returns sums of K terms of every slab.
-    pub(crate) fn sums<const K: usize>(&self, terms: impl Fn(&Slab) -> [f64; K] + Sync + Send) -> [f64; K] {
+    pub(crate) fn sums<const K: usize>(&self, terms: impl Fn(&Slab) -> [f64; K] + Sync) -> [f64; K] {
         let add = |total: [f64; K], terms: [f64; K]| std::array::from_fn(|k| total[k] + terms[k]);
         if self.shared {
-            self.slabs.par_iter().map(terms).collect::<Vec<_>>().into_iter().fold([0.0; K], add)
+            let sums: Vec<[f64; K]> = blocks::map(0..self.slabs.len(), |number| terms(&self.slabs[number]));
+            sums.into_iter().fold([0.0; K], add)
         } else {
             self.slabs.iter().map(terms).fold([0.0; K], add)
         }
@@ -78,7 +80,7 @@ impl Slabs {
         let chunk = self.slabs.first().map_or(0, |slab| slab.width * ROWS_OF_SLAB);
         let rows = |number: usize| exact.map(|v| &v[number * chunk..v.len().min((number + 1) * chunk)]);
         if self.shared {
-            self.slabs.par_iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
+            blocks::for_each(self.slabs.iter_mut().enumerate(), |(number, slab)| slab.look(bound, rows(number)));
         } else {
             self.slabs.iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
         }

@@ -10,10 +10,10 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
 use statrs::function::erf::erfc;
 
 use super::{Base, Layer};
+use asperity_base::blocks;
 use asperity_base::map::Grid;
 
 /// Number of Chebyshev points of a piece. The nearest singularity, a mirrored load at depth 2h, leaves an error of 6⁻¹⁶.
@@ -76,7 +76,7 @@ impl PointLoad {
     pub(crate) fn coefficients_m_per_pa(&self, grid: Grid) -> Vec<f64> {
         let (nx, dx_m, dy_m) = (grid.nx(), grid.dx_m(), grid.dy_m());
         let mut coefficients = vec![0.0; grid.points()];
-        coefficients.par_chunks_mut(nx).enumerate().for_each(|(row, coefficients)| {
+        blocks::for_each(coefficients.chunks_mut(nx).enumerate(), |(row, coefficients)| {
             for (column, coefficient) in coefficients.iter_mut().enumerate() {
                 *coefficient = self.coefficient_m_per_pa(column as f64 * dx_m, row as f64 * dy_m, dx_m, dy_m);
             }

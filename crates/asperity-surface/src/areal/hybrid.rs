@@ -1,7 +1,6 @@
 //! Slopes and developed area.
 
-use rayon::prelude::*;
-
+use asperity_base::blocks;
 use asperity_base::map::HeightMap;
 use asperity_base::stats::blocks::sum_present;
 
@@ -22,8 +21,7 @@ type Sums = [(f64, f64); 3];
 
 /// Computes slopes and area of a map. Each row is summed separately, and rows are added in order.
 pub(super) fn hybrid(map: &HeightMap) -> Hybrid {
-    let rows: Vec<Sums> =
-        (0..map.grid().ny() - 1).into_par_iter().map_init(Vec::new, |terms, row| row_sums(map, row, terms)).collect();
+    let rows: Vec<Sums> = blocks::map_with(0..map.grid().ny() - 1, Vec::new, |terms, row| row_sums(map, row, terms));
     let mean = |which: usize| {
         let (sum, count) = rows.iter().fold((0.0, 0.0), |(s, c), row| (s + row[which].0, c + row[which].1));
         (count > 0.0).then(|| sum / count)

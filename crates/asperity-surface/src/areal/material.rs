@@ -1,7 +1,5 @@
 //! Material ratio (Abbott–Firestone) curve and the parameters derived from it.
 
-use rayon::prelude::*;
-
 use asperity_base::stats::blocks::{self, BLOCK};
 use asperity_base::stats::{Order, sorted};
 
@@ -158,11 +156,12 @@ impl MaterialRatio {
                 before.iter().zip(starts).zip(ends).map(|((before, start), end)| start + part * (before - start) - end);
             least(falls.take(BLOCK)).map(|(place, fall)| (fall, (first + place + between) as f64 - part))
         };
-        let both = |first: usize| [of_starts(first), of_ends(first)];
+        let both = |block: usize| [of_starts(block * BLOCK), of_ends(block * BLOCK)];
+        let indices = 0..count.div_ceil(BLOCK);
         let found: Vec<[Option<(f64, f64)>; 2]> = if n < blocks::SHARED_FROM {
-            (0..count).step_by(BLOCK).map(both).collect()
+            indices.map(both).collect()
         } else {
-            (0..count.div_ceil(BLOCK)).into_par_iter().map(|block| both(block * BLOCK)).collect()
+            asperity_base::blocks::map(indices, both)
         };
         let first = found.into_iter().flatten().flatten().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         first.map_or(0.5 * (1.0 - CORE), |(_, steps)| (steps + 0.5) / n as f64)

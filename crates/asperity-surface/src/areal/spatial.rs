@@ -1,7 +1,6 @@
 //! Autocorrelation length and texture aspect ratio: decay of the autocorrelation in all directions.
 
-use rayon::prelude::*;
-
+use asperity_base::blocks;
 use asperity_base::correlation::{Autocorrelation, Axis, EstimateError};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::stats::Extent;
@@ -73,8 +72,10 @@ pub(super) struct Left {
 
 /// Follows an autocorrelation along all rays.
 pub(super) fn followed(correlation: &Autocorrelation, level: f64) -> Result<Decay, Left> {
-    let angles = (0..RAYS).into_par_iter().map(|ray| std::f64::consts::PI * ray as f64 / RAYS as f64);
-    let rays: Vec<Ray> = angles.map(|angle| along(correlation, angle, level)).collect();
+    let rays: Vec<Ray> = blocks::map(0..RAYS, |ray| {
+        let angle = std::f64::consts::PI * ray as f64 / RAYS as f64;
+        along(correlation, angle, level)
+    });
     let left = Left { x: rays.contains(&Ray::Left(Axis::X)), y: rays.contains(&Ray::Left(Axis::Y)) };
     if left.x || left.y {
         return Err(left);

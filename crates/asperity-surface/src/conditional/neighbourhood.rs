@@ -10,7 +10,6 @@ mod system;
 mod tests;
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use self::embedding::embedded;
 use self::groups::{Group, groups, work_per_point};
@@ -21,6 +20,7 @@ use super::lags::Lags;
 use super::{ConditionalError, Standardised, check, map, places, scores};
 use crate::gaussian::check_xi;
 use crate::{RandomSurface, SpectralField};
+use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::distribution::Marginal;
 use asperity_base::map::{Grid, HeightMap};
@@ -220,10 +220,9 @@ impl NeighbourhoodSurface {
         let mut done = 0;
         for block in self.groups.chunks(BLOCK * rayon::current_num_threads()) {
             monitor.progress("voids", done, self.groups.len());
-            let corrections: Vec<Vec<f64>> = block
-                .par_iter()
-                .map(|group| if monitor.cancelled() { Vec::new() } else { self.corrections(group, misses) })
-                .collect();
+            let corrections: Vec<Vec<f64>> = blocks::map(0..block.len(), |group| {
+                if monitor.cancelled() { Vec::new() } else { self.corrections(&block[group], misses) }
+            });
             if monitor.cancelled() {
                 return Err(Cancelled);
             }

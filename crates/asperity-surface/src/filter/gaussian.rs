@@ -1,9 +1,9 @@
 //! Areal Gaussian filters of ISO 16610-61 and robust ones of ISO 16610-71, on maps with missing points.
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use super::FilterError;
+use asperity_base::blocks;
 use asperity_base::fourier::{Complex64, RealFft2, Workspace, good_length};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::stats::upper_median;
@@ -20,6 +20,9 @@ const SETTLED: f64 = 1e-4;
 const MAX_ITERATIONS: usize = 100;
 /// Least sum of weights, over the sum of a full window, for which a height is computed.
 const LEAST_WEIGHT: f64 = 1e-8;
+
+/// Number of points in one unit of work of a thread.
+const POINTS_AT_ONCE: usize = 1 << 12;
 
 /// Function that is fitted under the weights around each point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -248,21 +251,23 @@ impl Windows {
         };
         let matrix = self.sums(weights, &MOMENTS[..of_weights]);
         let right = self.sums(&weighted, &MOMENTS[..of_heights]);
-        (0..heights.len())
-            .into_par_iter()
-            .map(|point| {
-                let sum = matrix[0][point];
-                if sum < LEAST_WEIGHT {
-                    return f64::NAN;
-                }
-                let mean = right[0][point] / sum;
-                match regression {
-                    Regression::Constant => mean,
-                    // With too few heights for a quadratic the result is the weighted mean.
-                    Regression::Quadratic => quadratic(&matrix, &right, point).unwrap_or(mean),
-                }
-            })
-            .collect()
+        let value = |point: usize| {
+            let sum = matrix[0][point];
+            if sum < LEAST_WEIGHT {
+                return f64::NAN;
+            }
+            let mean = right[0][point] / sum;
+            match regression {
+                Regression::Constant => mean,
+                // With too few heights for a quadratic the result is the weighted mean.
+                Regression::Quadratic => quadratic(&matrix, &right, point).unwrap_or(mean),
+            }
+        };
+        let mut values = vec![0.0; heights.len()];
+        blocks::for_each(values.chunks_mut(POINTS_AT_ONCE).enumerate(), |(chunk, values)| {
+            (chunk * POINTS_AT_ONCE..).zip(values).for_each(|(point, out)| *out = value(point));
+        });
+        values
     }
 }
 

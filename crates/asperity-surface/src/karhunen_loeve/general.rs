@@ -1,13 +1,13 @@
 //! Modes of any stationary covariance on a rectangle.
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use super::lanczos::{Operator, largest_eigenpairs};
 use super::parity::Class;
 use super::profile::class_eigenpairs;
 use crate::GeneratorError;
 use crate::spectral::wrapped_eigenvalues_m2;
+use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::fourier::{Complex64, RealFft2, Workspace, good_length};
 use asperity_base::map::Grid;
@@ -66,7 +66,7 @@ pub(super) fn dense_modes(
     let entry = |p: usize, q: usize| lags[[p / nx + ny - 1 - q / nx, p % nx + nx - 1 - q % nx]];
     let classes = Class::all(grid, covariance.mirror_symmetric());
     let solved: Result<Vec<_>, GeneratorError> =
-        classes.par_iter().map(|class| class_eigenpairs(class, entry)).collect();
+        blocks::map(0..classes.len(), |class| class_eigenpairs(&classes[class], entry));
     Ok(ClassModes::merge(grid, classes, solved?, modes))
 }
 

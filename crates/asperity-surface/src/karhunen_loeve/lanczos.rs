@@ -1,10 +1,10 @@
 //! Largest eigenpairs of symmetric operators that are given only by their products.
 
 use ndarray::{Array2, ArrayView2, Axis, s};
-use rayon::prelude::*;
 
 use super::profile::dense_eigenpairs;
 use crate::GeneratorError;
+use asperity_base::blocks;
 use asperity_base::random;
 
 /// Number of vectors multiplied at once; it exceeds the multiplicity of any eigenvalue within one class of parity.
@@ -104,23 +104,21 @@ pub(super) fn largest_eigenpairs<O: Operator>(
 
 /// Multiplies the newest block of every space; the j-th vectors of all spaces are multiplied together.
 fn multiply<O: Operator>(operator: &O, spaces: &mut [Space]) {
-    let blocks: Vec<Vec<Vec<f64>>> = (0..BLOCK)
-        .into_par_iter()
-        .map_init(
-            || operator.workspace(),
-            |work, j| {
-                let row = |space: &Space| match space.from + j {
-                    row if row < space.size => space.basis.row(row).to_vec(),
-                    _ => Vec::new(),
-                };
-                let mut vectors: Vec<Vec<f64>> = spaces.iter().map(row).collect();
-                if vectors.iter().any(|vector| !vector.is_empty()) {
-                    operator.apply(&mut vectors, work);
-                }
-                vectors
-            },
-        )
-        .collect();
+    let blocks: Vec<Vec<Vec<f64>>> = blocks::map_with(
+        0..BLOCK,
+        || operator.workspace(),
+        |work, j| {
+            let row = |space: &Space| match space.from + j {
+                row if row < space.size => space.basis.row(row).to_vec(),
+                _ => Vec::new(),
+            };
+            let mut vectors: Vec<Vec<f64>> = spaces.iter().map(row).collect();
+            if vectors.iter().any(|vector| !vector.is_empty()) {
+                operator.apply(&mut vectors, work);
+            }
+            vectors
+        },
+    );
     for (j, vectors) in blocks.into_iter().enumerate() {
         for (space, vector) in spaces.iter_mut().zip(vectors) {
             if !vector.is_empty() {
@@ -284,8 +282,7 @@ impl Space {
     fn rotate(&mut self, kept: usize) {
         let rotation = self.vectors.slice(s![..kept, ..]);
         let size = self.size;
-        let chunks: Vec<_> = self.basis.axis_chunks_iter_mut(Axis(1), CHUNK).collect();
-        chunks.into_par_iter().for_each(|mut chunk| {
+        blocks::for_each(self.basis.axis_chunks_iter_mut(Axis(1), CHUNK), |mut chunk| {
             let rotated = rotation.dot(&chunk.slice(s![..size, ..]));
             chunk.slice_mut(s![..kept, ..]).assign(&rotated);
         });
@@ -307,7 +304,7 @@ impl Space {
 /// Returns basis·blockᵀ, summed over chunks in order.
 fn overlaps(basis: ArrayView2<f64>, block: ArrayView2<f64>) -> Array2<f64> {
     let chunks: Vec<_> = basis.axis_chunks_iter(Axis(1), CHUNK).zip(block.axis_chunks_iter(Axis(1), CHUNK)).collect();
-    let parts: Vec<Array2<f64>> = chunks.into_par_iter().map(|(basis, block)| basis.dot(&block.t())).collect();
+    let parts: Vec<Array2<f64>> = blocks::map(0..chunks.len(), |chunk| chunks[chunk].0.dot(&chunks[chunk].1.t()));
     let mut sum = Array2::zeros((basis.nrows(), block.nrows()));
     parts.iter().for_each(|part| sum += part);
     sum
@@ -315,9 +312,8 @@ fn overlaps(basis: ArrayView2<f64>, block: ArrayView2<f64>) -> Array2<f64> {
 
 /// Computes block −= overlapsᵀ·basis.
 fn subtract(block: &mut Array2<f64>, overlaps: &Array2<f64>, basis: ArrayView2<f64>) {
-    let chunks: Vec<_> =
-        block.axis_chunks_iter_mut(Axis(1), CHUNK).zip(basis.axis_chunks_iter(Axis(1), CHUNK)).collect();
-    chunks.into_par_iter().for_each(|(mut block, basis)| block -= &overlaps.t().dot(&basis));
+    let chunks = block.axis_chunks_iter_mut(Axis(1), CHUNK).zip(basis.axis_chunks_iter(Axis(1), CHUNK));
+    blocks::for_each(chunks, |(mut block, basis)| block -= &overlaps.t().dot(&basis));
 }
 
 /// Makes the rows of `block` orthonormal and orthogonal to `basis`. Returns R with block_before = Rᵀ·block_after,

@@ -1,9 +1,9 @@
 //! Polynomials of a total degree.
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use super::{Span, sums_over_rows};
+use asperity_base::blocks;
 use asperity_base::map::HeightMap;
 use asperity_base::numeric::solve_positive_definite;
 
@@ -77,7 +77,7 @@ pub(super) fn fit(map: &HeightMap, degree: usize) -> Result<Array2<f64>, Undeter
         coefficients.iter_mut().zip(&correction).for_each(|(c, d)| *c += d);
     }
     let mut form = vec![0.0; nx * ny];
-    form.par_chunks_exact_mut(nx).zip(along_y.par_chunks_exact(one)).for_each(|(out, y)| {
+    blocks::for_each(form.chunks_exact_mut(nx).zip(along_y.chunks_exact(one)), |(out, y)| {
         for (z, x) in out.iter_mut().zip(along_x.chunks_exact(one)) {
             *z = mean_m + value(&coefficients, x, y);
         }

@@ -1,7 +1,6 @@
 //! Trial maps of a model on the grid of the scan, for comparisons of slopes and contact with the scan.
 
-use rayon::prelude::*;
-
+use asperity_base::blocks;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
 
@@ -13,7 +12,7 @@ use crate::preparation::Preparation;
 /// Most points along a side of the maps.
 const POINTS: usize = 512;
 /// Number of maps.
-const MAPS: u64 = 3;
+const MAPS: usize = 3;
 
 /// Random maps on the grid of a scan, or on at most 512 × 512 points of it, levelled like the scan.
 #[derive(Debug, Clone)]
@@ -40,13 +39,13 @@ impl TrialMaps {
             .map_err(SurfaceModelError::TrialGrid)?;
         let generated = model.strip(grid, false, XiOrder::Variance)?;
         let surface = &generated.surface;
-        let drawn = (0..MAPS).into_par_iter().map(|index| {
-            let mut stream = random::stream(1, "trial maps", index);
+        let drawn: Result<Vec<Option<_>>, SurfaceModelError> = blocks::map(0..MAPS, |index| {
+            let mut stream = random::stream(1, "trial maps", index as u64);
             let map = surface.generate(&random::standard_normal(&mut stream, surface.xi_len()));
             let map = Preparation { level: level.as_polynomial(), ..Preparation::default() }.apply(&map)?.map;
             Ok(slopes.ratio_of(&map)?.map(|ratio| (map, scale * ratio)))
         });
-        let drawn: Option<Vec<(HeightMap, f64)>> = drawn.collect::<Result<Option<_>, SurfaceModelError>>()?;
+        let drawn: Option<Vec<(HeightMap, f64)>> = drawn?.into_iter().collect();
         let clipped_variance = generated.clipped_variance;
         Ok(drawn.map(|drawn| {
             let (maps, slope_ratios) = drawn.into_iter().unzip();

@@ -4,12 +4,12 @@
 mod tests;
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use super::lags::Lags;
 use super::{Predistorted, TranslationError, TranslationReport};
 use crate::spectral::WrappedSpectrum;
 use crate::{GeneratorError, SpectralField};
+use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::distribution::{Marginal, translation::Translation};
 use asperity_base::fourier::{Workspace, good_length};
@@ -284,8 +284,8 @@ impl Search<'_> {
 
         let mut normal = self.lags.map(spectrum, &mut self.work);
         let (mut met, mut slopes) = (vec![0.0; normal.len()], vec![0.0; normal.len()]);
-        let outputs = met.par_chunks_mut(AT_ONCE).zip(slopes.par_chunks_mut(AT_ONCE));
-        normal.par_chunks_mut(AT_ONCE).zip(outputs).for_each(|(normal, (met, slopes))| {
+        let outputs = met.chunks_mut(AT_ONCE).zip(slopes.chunks_mut(AT_ONCE));
+        blocks::for_each(normal.chunks_mut(AT_ONCE).zip(outputs), |(normal, (met, slopes))| {
             normal.iter_mut().for_each(|rho| *rho = rho.clamp(-1.0, 1.0));
             self.translation.correlations(normal, met, slopes);
         });

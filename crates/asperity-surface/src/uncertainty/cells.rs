@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
+use asperity_base::blocks;
 use asperity_base::map::{Grid, HeightMap};
 
 /// Largest number of cells along the longer side of a map.
@@ -113,7 +112,7 @@ impl Cells {
             }
             sums
         };
-        (0..self.rows).into_par_iter().map(band).collect::<Vec<_>>().concat()
+        blocks::map::<_, Vec<_>>(0..self.rows, band).concat()
     }
 
     /// Returns [`Cells::sums`] over all points.
@@ -154,7 +153,7 @@ impl Cells {
             }
             sums
         };
-        (0..self.rows).into_par_iter().map(band).collect::<Vec<_>>().concat()
+        blocks::map::<_, Vec<_>>(0..self.rows, band).concat()
     }
 
     /// Returns the number of present heights of each cell in each of `classes`, cell after cell.
@@ -171,7 +170,7 @@ impl Cells {
             }
             counts
         };
-        (0..self.rows).into_par_iter().map(band).collect::<Vec<_>>().concat()
+        blocks::map::<_, Vec<_>>(0..self.rows, band).concat()
     }
 }
 

@@ -2,13 +2,13 @@
 //! on means.
 
 use rand::RngExt;
-use rayon::prelude::*;
 
 use super::cells::Cells;
 use super::heights::{FITTED, HeightSums, total};
 use super::window::Window;
 use super::{Estimate, Values, estimate};
 use crate::areal::{EquivalentLine, MaterialRatio};
+use asperity_base::blocks;
 use asperity_base::random;
 use asperity_base::stats::{Interval, Moments, Spread};
 
@@ -113,7 +113,7 @@ impl Classes {
             let core = MaterialRatio::of(&self.heights(&counts)).core(EquivalentLine::LeastSquares);
             [core.sk_m, core.spk_m, core.svk_m, self.mean_size(&counts)]
         };
-        (0..draws.resamples).into_par_iter().map(replicate).collect()
+        blocks::map(0..draws.resamples, replicate)
     }
 
     /// Returns the counts of the cells above and left of each corner.

@@ -11,8 +11,8 @@ mod options;
 #[cfg(test)]
 mod tests;
 
+use asperity_base::blocks;
 use asperity_formats::Scan;
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::distribution::Marginal;
@@ -41,7 +41,7 @@ pub use options::TwinOptions;
 const STAGE: &str = "twin";
 const TRIAL_STAGE: &str = "twin trial";
 /// Number of maps that estimate the fraction of variance in the form.
-const TRIALS: u64 = 8;
+const TRIALS: usize = 8;
 /// Fraction of variance in the form above which the height of the long waves is reported as uncertain.
 const LARGE_FORM_SHARE: f64 = 0.25;
 /// Kurtosis above which a scan is suspected of spikes. Lognormal heights with σ = 0.9 have a kurtosis of 20.
@@ -143,20 +143,16 @@ impl Twins {
     /// Returns the fraction of the variance that is removed with the form from maps on the scan's grid.
     fn form_share(&self, surface: &dyn RandomSurface) -> Result<f64, StudyError> {
         let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
-        let squares: Vec<(f64, f64)> = (0..TRIALS)
-            .into_par_iter()
-            .map(|index| {
-                let mut stream = random::stream(self.seed, TRIAL_STAGE, index);
-                let trial =
-                    masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
-                let left = self.without_form(&trial)?.map;
-                // Statistics are relative to the mean, whether or not the form includes it.
-                let points = left.present_m().count() as f64;
-                let mean = left.present_m().sum::<f64>() / points;
-                Ok((square(&trial), square(&left) - points * mean * mean))
-            })
-            .collect::<Result<_, StudyError>>()?;
-        let (before, after) = squares.into_iter().fold((0.0, 0.0), |sum, (b, a)| (sum.0 + b, sum.1 + a));
+        let squares: Result<Vec<(f64, f64)>, StudyError> = blocks::map(0..TRIALS, |index| {
+            let mut stream = random::stream(self.seed, TRIAL_STAGE, index as u64);
+            let trial = masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
+            let left = self.without_form(&trial)?.map;
+            // Statistics are relative to the mean, whether or not the form includes it.
+            let points = left.present_m().count() as f64;
+            let mean = left.present_m().sum::<f64>() / points;
+            Ok((square(&trial), square(&left) - points * mean * mean))
+        });
+        let (before, after) = squares?.into_iter().fold((0.0, 0.0), |sum, (b, a)| (sum.0 + b, sum.1 + a));
         Ok((1.0 - after / before).clamp(0.0, 1.0 - f64::EPSILON))
     }
 
@@ -286,19 +282,15 @@ impl Twins {
     ) -> Result<(Comparison, TwinTables), TwinError<E>> {
         let at_once = rayon::current_num_threads().max(1);
         let mut traits = Vec::with_capacity(count);
-        let indices: Vec<usize> = (0..count).collect();
-        for block in indices.chunks(at_once) {
-            let read: Result<Vec<TwinTraits>, TwinError<E>> = block
-                .par_iter()
-                .map(|&index| {
-                    if monitor.cancelled() {
-                        return Err(StudyError::from(Cancelled).into());
-                    }
-                    let twin = self.draw(index as u64);
-                    keep(index, &twin).map_err(TwinError::Keep)?;
-                    Ok(self.target.measure_twin(self.prepared_twin(&twin)?)?)
-                })
-                .collect();
+        for first in (0..count).step_by(at_once) {
+            let read: Result<Vec<TwinTraits>, TwinError<E>> = blocks::map(first..count.min(first + at_once), |index| {
+                if monitor.cancelled() {
+                    return Err(StudyError::from(Cancelled).into());
+                }
+                let twin = self.draw(index as u64);
+                keep(index, &twin).map_err(TwinError::Keep)?;
+                Ok(self.target.measure_twin(self.prepared_twin(&twin)?)?)
+            });
             traits.extend(read?);
             monitor.progress("twins", traits.len(), count);
         }

@@ -2,8 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use rayon::prelude::*;
-
+use crate::blocks;
 use crate::correlation::{Autocorrelation, EstimateError, SpectrumRoute};
 use crate::fourier::{RealFft2, power, signed_index};
 use crate::map::{Grid, HeightMap};
@@ -146,7 +145,7 @@ impl AreaSpectrum {
         let weights = |half: isize| (0..=half).map(|lag| parzen(lag as f64 / (half + 1) as f64)).collect::<Vec<f64>>();
         let (weights_x, weights_y) = (weights(half_x), weights(half_y));
         let mut lags = vec![0.0; nx * ny];
-        lags.par_chunks_exact_mut(nx).enumerate().for_each(|(row, out)| {
+        blocks::for_each(lags.chunks_exact_mut(nx).enumerate(), |(row, out)| {
             let lag_y = signed_index(row, ny) as isize;
             if lag_y.abs() > half_y {
                 return;
@@ -181,28 +180,24 @@ impl AreaSpectrum {
         let rows: Vec<f64> = (0..ny).map(|ky| (signed_index(ky, ny) * qy_min / width).powi(2)).collect();
         // Sums of |q|, of the density and of wavevectors for every ring. Ring m covers wavenumbers from m + ½ to m +
         // 3/2 ring widths, centred on whole ones.
-        let blocks: Vec<Vec<[f64; 3]>> = self
-            .psd_m4
-            .par_chunks(COLUMNS * ny)
-            .enumerate()
-            .map(|(block, columns)| {
-                let mut sums = vec![[0.0; 3]; rings + 2];
-                for (kx, column) in (block * COLUMNS..).zip(columns.chunks_exact(ny)) {
-                    let weight = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
-                    let square_x = (kx as f64 * qx_min / width).powi(2);
-                    for (psd, square_y) in column.iter().zip(&rows) {
-                        let magnitude = (square_x + square_y).sqrt();
-                        // An extra ring before the first and after the last for the wavenumbers outside.
-                        let ring = ((magnitude + 0.5) as usize).min(rings + 1);
-                        let [q, density, count] = &mut sums[ring];
-                        *q += weight * magnitude;
-                        *density += weight * psd;
-                        *count += weight;
-                    }
+        let blocks: Vec<Vec<[f64; 3]>> = blocks::map(0..(nx / 2 + 1).div_ceil(COLUMNS), |block| {
+            let mut sums = vec![[0.0; 3]; rings + 2];
+            let columns = &self.psd_m4[block * COLUMNS * ny..];
+            for (kx, column) in (block * COLUMNS..).zip(columns.chunks_exact(ny).take(COLUMNS)) {
+                let weight = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
+                let square_x = (kx as f64 * qx_min / width).powi(2);
+                for (psd, square_y) in column.iter().zip(&rows) {
+                    let magnitude = (square_x + square_y).sqrt();
+                    // An extra ring before the first and after the last for the wavenumbers outside.
+                    let ring = ((magnitude + 0.5) as usize).min(rings + 1);
+                    let [q, density, count] = &mut sums[ring];
+                    *q += weight * magnitude;
+                    *density += weight * psd;
+                    *count += weight;
                 }
-                sums
-            })
-            .collect();
+            }
+            sums
+        });
         let mut sums = vec![[0.0; 3]; rings + 2];
         for block in blocks {
             sums.iter_mut().zip(block).for_each(|(sum, part)| (0..3).for_each(|i| sum[i] += part[i]));
@@ -229,19 +224,17 @@ impl AreaSpectrum {
             return None;
         }
         let angles_rad: Vec<f64> = (0..RAYS).map(|ray| PI * ray as f64 / RAYS as f64).collect();
-        let density_m2 = angles_rad
-            .par_iter()
-            .map(|angle| {
-                // Normal to a crest at `angle`; y points down in the map.
-                let (x, y) = (angle.sin() / qx_min, angle.cos() / qy_min);
-                let sum: f64 = (0..samples as usize)
-                    .map(|sample| low + (sample as f64 + 0.5) * step)
-                    .map(|q| q * self.interpolated(q * x, q * y))
-                    .sum();
-                // Both signs of q contribute.
-                2.0 * sum * step / (TAU * TAU)
-            })
-            .collect();
+        let density_m2 = blocks::map(0..RAYS, |ray| {
+            let angle = angles_rad[ray];
+            // Normal to a crest at `angle`; y points down in the map.
+            let (x, y) = (angle.sin() / qx_min, angle.cos() / qy_min);
+            let sum: f64 = (0..samples as usize)
+                .map(|sample| low + (sample as f64 + 0.5) * step)
+                .map(|q| q * self.interpolated(q * x, q * y))
+                .sum();
+            // Both signs of q contribute.
+            2.0 * sum * step / (TAU * TAU)
+        });
         Some(AngularSpectrum { angles_rad, density_m2, range_rad_per_m: (low, high) })
     }
 
@@ -268,21 +261,17 @@ impl AreaSpectrum {
         let ny = self.grid.ny();
         let square = |k: f64| (k / self.route.resolution()).powi(2);
         let rows: Vec<f64> = (0..ny).map(|ky| square(signed_index(ky, ny))).collect();
-        let tops: Vec<(f64, usize, usize)> = self
-            .psd_m4
-            .par_chunks_exact(ny)
-            .enumerate()
-            .map(|(kx, column)| {
-                let square_x = square(kx as f64);
-                let mut top = (0.0, kx, 0);
-                for (ky, (psd, square_y)) in column.iter().zip(&rows).enumerate() {
-                    if *psd > top.0 && square_x + square_y >= 1.0 {
-                        top = (*psd, kx, ky);
-                    }
+        let tops: Vec<(f64, usize, usize)> = blocks::map(0..self.psd_m4.len() / ny, |kx| {
+            let column = &self.psd_m4[kx * ny..(kx + 1) * ny];
+            let square_x = square(kx as f64);
+            let mut top = (0.0, kx, 0);
+            for (ky, (psd, square_y)) in column.iter().zip(&rows).enumerate() {
+                if *psd > top.0 && square_x + square_y >= 1.0 {
+                    top = (*psd, kx, ky);
                 }
-                top
-            })
-            .collect();
+            }
+            top
+        });
         let (psd, kx, ky) = tops.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
         let (qx_min, qy_min, _) = self.wavenumbers();
         (psd > 0.0).then(|| TAU / (kx as f64 * qx_min).hypot(signed_index(ky, ny) * qy_min))

@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
-
+use crate::blocks;
 use crate::correlation::profiles;
 use crate::correlation::{Autocorrelation, Axis, EstimateError, SpectrumRoute};
 use crate::distribution::chi_square_quantile;
@@ -158,7 +157,7 @@ impl Coefficients<'_> {
         const NONE: u32 = u32::MAX;
         let (nx, ny) = (self.nx, self.ny);
         let mut places = vec![NONE; self.weights.len()];
-        places.par_chunks_mut(ny).enumerate().for_each(|(kx, column)| {
+        blocks::for_each(places.chunks_mut(ny).enumerate(), |(kx, column)| {
             for (ky, place) in column.iter_mut().enumerate() {
                 *place = bin(magnitude(kx as f64, signed_index(ky, ny))).map_or(NONE, |bin| bin as u32);
             }
@@ -173,41 +172,37 @@ impl Coefficients<'_> {
             })
             .filter(|(_, _, own, estimate)| *own > 0.0 || *estimate > 0.0)
             .collect();
-        let blocks: Vec<Vec<Sums>> = (0..=nx / 2)
-            .collect::<Vec<usize>>()
-            .par_chunks(COLUMNS)
-            .map(|columns| {
-                let mut sums = vec![Sums::default(); bins];
-                for &kx in columns {
-                    let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
-                    for ky in 0..ny {
-                        let place = places[kx * ny + ky];
-                        if place == NONE {
-                            continue;
-                        }
-                        let weight = self.weights[kx * ny + ky];
-                        let (mut own, mut estimate, mut flat) = (0.0, 0.0, 0.0);
-                        for (dx, dy, own_correlation, correlation) in &neighbours {
-                            let other = self.index(kx as isize + dx, ky as isize + dy);
-                            if places[other] == place {
-                                let product = self.weights[other] / (1.0 + own_correlation);
-                                own += own_correlation * product;
-                                estimate += correlation * product;
-                                flat += correlation;
-                            }
-                        }
-                        let sum = &mut sums[place as usize];
-                        sum.q += times * magnitude(kx as f64, signed_index(ky, ny));
-                        sum.weight += times * weight;
-                        sum.count += times;
-                        sum.own += times * weight * own;
-                        sum.estimate += times * weight * estimate;
-                        sum.flat += times * flat;
+        let blocks: Vec<Vec<Sums>> = blocks::map(0..(nx / 2 + 1).div_ceil(COLUMNS), |block| {
+            let mut sums = vec![Sums::default(); bins];
+            for kx in block * COLUMNS..((block + 1) * COLUMNS).min(nx / 2 + 1) {
+                let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
+                for ky in 0..ny {
+                    let place = places[kx * ny + ky];
+                    if place == NONE {
+                        continue;
                     }
+                    let weight = self.weights[kx * ny + ky];
+                    let (mut own, mut estimate, mut flat) = (0.0, 0.0, 0.0);
+                    for (dx, dy, own_correlation, correlation) in &neighbours {
+                        let other = self.index(kx as isize + dx, ky as isize + dy);
+                        if places[other] == place {
+                            let product = self.weights[other] / (1.0 + own_correlation);
+                            own += own_correlation * product;
+                            estimate += correlation * product;
+                            flat += correlation;
+                        }
+                    }
+                    let sum = &mut sums[place as usize];
+                    sum.q += times * magnitude(kx as f64, signed_index(ky, ny));
+                    sum.weight += times * weight;
+                    sum.count += times;
+                    sum.own += times * weight * own;
+                    sum.estimate += times * weight * estimate;
+                    sum.flat += times * flat;
                 }
-                sums
-            })
-            .collect();
+            }
+            sums
+        });
         let mut sums = vec![Sums::default(); bins];
         for (bin, part) in blocks.iter().flat_map(|block| block.iter().enumerate()) {
             let sum = &mut sums[bin];
@@ -368,10 +363,10 @@ pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpec
     let mut weights = power(n, all, |profile, out| {
         windowed(profile, out);
     });
-    let squares: f64 =
-        (0..all).into_par_iter().map(|profile| windowed(profile, &mut vec![0.0; n])).collect::<Vec<f64>>().iter().sum();
+    let squares: Vec<f64> = blocks::map(0..all, |profile| windowed(profile, &mut vec![0.0; n]));
+    let squares: f64 = squares.iter().sum();
     let norm = pitch_m / (squares * all as f64);
-    weights.par_iter_mut().for_each(|weight| *weight *= norm);
+    weights.iter_mut().for_each(|weight| *weight *= norm);
     let own = [Kernel::hann(), Kernel::independent()];
     let estimate = if periodogram {
         own.clone()

@@ -1,8 +1,7 @@
 //! Confidence intervals of the parameters of a distribution fitted to correlated records.
 
-use rayon::prelude::*;
-
 use super::{End, Family, Fit, fit};
+use crate::blocks;
 use crate::distribution::Marginal;
 use crate::numeric::inverse;
 use crate::stats::{Estimate, Layout, Moments, RecordSum};
@@ -164,7 +163,7 @@ impl Fit {
             let kept = [&values[..from], &values[to..]].concat();
             Some(fit(self.family, &kept).ok()?.marginal.parameters())
         };
-        let parts: Option<Vec<_>> = (0..GROUPS).into_par_iter().map(without).collect();
+        let parts: Option<Vec<_>> = blocks::map(0..GROUPS, without);
         let Some(parts) = parts else { return none };
         let of = |place: usize| {
             let shift = |part: &Vec<(&str, f64)>| (part[place].1 / own[place].1).ln();

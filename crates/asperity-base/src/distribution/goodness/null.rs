@@ -1,8 +1,7 @@
 //! Null distribution of the goodness of fit of distributions fitted to correlated records.
 
-use rayon::prelude::*;
-
 use super::{Goodness, anderson_darling, kolmogorov_smirnov};
+use crate::blocks;
 use crate::distribution::fit::{Fit, FitGoodness};
 use crate::distribution::{DistributionError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use crate::fourier::RealFft2;
@@ -108,7 +107,7 @@ impl ProcessNull {
             }
             counts
         };
-        let draws = (0..draws).into_par_iter().map(draw).collect();
+        let draws = blocks::map(0..draws, draw);
         Ok(Self { draws, present: sorted.len(), order: process.order() })
     }
 
@@ -129,14 +128,10 @@ impl ProcessNull {
             counts[cell(normal_score(fit, *x))] += 1.0 / self.present as f64;
         }
         let own = distances(&counts, None);
-        let farther: Vec<[bool; 2]> = self
-            .draws
-            .par_iter()
-            .map(|draw| {
-                let drawn = distances(draw, Some(&projection));
-                [drawn[0] >= own[0], drawn[1] >= own[1]]
-            })
-            .collect();
+        let farther: Vec<[bool; 2]> = blocks::map(0..self.draws.len(), |draw| {
+            let drawn = distances(&self.draws[draw], Some(&projection));
+            [drawn[0] >= own[0], drawn[1] >= own[1]]
+        });
         let p_value = |which: usize| {
             let count = farther.iter().filter(|far| far[which]).count();
             (1 + count) as f64 / (1 + self.draws.len()) as f64

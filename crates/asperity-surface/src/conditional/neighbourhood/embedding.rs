@@ -1,9 +1,8 @@
 //! Unconditional field of a conditional surface.
 
-use rayon::prelude::*;
-
 use crate::spectral::wrapped_spectrum;
 use crate::{GeneratorError, SpectralField};
+use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
 use asperity_base::fourier::{RealFft2, good_length};
 use asperity_base::map::Grid;
@@ -50,7 +49,7 @@ impl Table {
         let first = if mirrors { 0.0 } else { -(half.0 as f64) };
         let columns = if mirrors { half.0 + 1 } else { 2 * half.0 + 1 };
         let mut values = vec![0.0; columns * (half.1 + 1)];
-        values.par_chunks_mut(columns).enumerate().for_each(|(row, out)| {
+        blocks::for_each(values.chunks_mut(columns).enumerate(), |(row, out)| {
             for (column, value) in out.iter_mut().enumerate() {
                 *value = covariance.correlation((first + column as f64) * pitch_m.0, row as f64 * pitch_m.1);
             }

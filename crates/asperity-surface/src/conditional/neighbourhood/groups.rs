@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use super::pyramid::Pyramid;
+use asperity_base::blocks;
 use asperity_base::map::Grid;
 use asperity_base::monitor::{Cancelled, Monitor};
 
@@ -76,17 +75,14 @@ pub(super) fn groups(
             return Err(Cancelled);
         }
         monitor.progress("neighbourhoods", done, total);
-        let cut: Vec<Vec<Group>> = some
-            .par_iter()
-            .map(|job| match job {
-                _ if monitor.cancelled() => Vec::new(),
-                Job::Tile(places) => vec![cutter.tile(places)],
-                Job::Void(label, [left, top, right, bottom]) => {
-                    let whole = Part { label: *label, first: [*left, *top], end: [right + 1, bottom + 1], whole: true };
-                    cutter.cut(&whole, monitor)
-                }
-            })
-            .collect();
+        let cut: Vec<Vec<Group>> = blocks::map(0..some.len(), |job| match &some[job] {
+            _ if monitor.cancelled() => Vec::new(),
+            Job::Tile(places) => vec![cutter.tile(places)],
+            Job::Void(label, [left, top, right, bottom]) => {
+                let whole = Part { label: *label, first: [*left, *top], end: [right + 1, bottom + 1], whole: true };
+                cutter.cut(&whole, monitor)
+            }
+        });
         found.extend(cut.into_iter().flatten());
         done += some.len();
     }

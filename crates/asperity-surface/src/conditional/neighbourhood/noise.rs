@@ -2,9 +2,9 @@
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
-use rayon::prelude::*;
 
 use crate::conditional::lags::Lags;
+use asperity_base::blocks;
 use asperity_base::map::Grid;
 
 /// Candidate variances of the noise over the variance of the heights, from [`LEAST_NOISE`] up by factors of ten.
@@ -27,23 +27,19 @@ pub(super) fn likeliest_noise(lags: &Lags, grid: Grid, places: &[usize], values:
     let mut at = vec![f64::NAN; nx * ny];
     places.iter().zip(values).for_each(|(place, value)| at[*place] = *value);
     let corner = |i: usize, n: usize| i * n.saturating_sub(PATCH) / (PATCHES - 1);
-    let corners: Vec<(usize, usize)> =
-        (0..PATCHES * PATCHES).map(|i| (corner(i / PATCHES, ny), corner(i % PATCHES, nx))).collect();
-    let likelihoods: Vec<Vec<f64>> = corners
-        .par_iter()
-        .map(|(top, left)| {
-            let mut patch = Vec::new();
-            for row in *top..(top + PATCH).min(ny) {
-                for column in *left..(left + PATCH).min(nx) {
-                    let value = at[row * nx + column];
-                    if !value.is_nan() {
-                        patch.push((column as isize, row as isize, value));
-                    }
+    let likelihoods: Vec<Vec<f64>> = blocks::map(0..PATCHES * PATCHES, |index| {
+        let (top, left) = (corner(index / PATCHES, ny), corner(index % PATCHES, nx));
+        let mut patch = Vec::new();
+        for row in top..(top + PATCH).min(ny) {
+            for column in left..(left + PATCH).min(nx) {
+                let value = at[row * nx + column];
+                if !value.is_nan() {
+                    patch.push((column as isize, row as isize, value));
                 }
             }
-            (0..=DECADES).map(|decade| likelihood(lags, &patch, noise(decade), variance)).collect()
-        })
-        .collect();
+        }
+        (0..=DECADES).map(|decade| likelihood(lags, &patch, noise(decade), variance)).collect()
+    });
     let sums: Vec<f64> = (0..=DECADES as usize).map(|d| likelihoods.iter().map(|l| l[d]).sum()).collect();
     let best = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = sums.iter().position(|sum| *sum >= best - DECISIVE).unwrap_or(0);

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::metric::Metric;
+use asperity_base::blocks;
 use asperity_base::map::Grid;
 
 /// Measured heights of a map, thinned level by level to one per cell of a lattice in the frame of the metric. The
@@ -54,15 +55,13 @@ impl Pyramid {
 
     /// Returns, out of `kept`, the height next to the centre of each cell of a lattice of this pitch.
     fn thinned(&self, kept: &[u32], pitch: f64) -> Level {
-        let mut found: Vec<(i32, i32, f64, u32)> = kept
-            .par_iter()
-            .map(|height| {
-                let [u, v] = self.frame_of(self.places[*height as usize]).map(|t| t / pitch);
-                let (column, row) = (u.floor(), v.floor());
-                let off = (u - column - 0.5).powi(2) + (v - row - 0.5).powi(2);
-                (row as i32, column as i32, off, *height)
-            })
-            .collect();
+        let mut found: Vec<(i32, i32, f64, u32)> = blocks::map(0..kept.len(), |index| {
+            let height = &kept[index];
+            let [u, v] = self.frame_of(self.places[*height as usize]).map(|t| t / pitch);
+            let (column, row) = (u.floor(), v.floor());
+            let off = (u - column - 0.5).powi(2) + (v - row - 0.5).powi(2);
+            (row as i32, column as i32, off, *height)
+        });
         found.par_sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)).then(a.3.cmp(&b.3)));
         found.dedup_by_key(|cell| (cell.0, cell.1));
         Level { cells: found.into_iter().map(|(row, column, _, height)| (row, column, height)).collect() }

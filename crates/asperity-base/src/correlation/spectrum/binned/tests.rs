@@ -35,21 +35,18 @@ fn coverage(
     truth: &[f64],
     (from, to): (f64, f64),
 ) -> (f64, f64) {
-    let counts: Vec<(f64, f64)> = (0..maps)
-        .into_par_iter()
-        .map(|index| {
-            let found = spectrum(index);
-            assert_eq!(found.psd.len(), truth.len());
-            let (mut inside, mut tried) = (0.0, 0.0);
-            for (bin, wanted) in truth.iter().enumerate() {
-                if (from..=to).contains(&found.q_rad_per_m[bin]) {
-                    inside += f64::from(u8::from(found.psd_low[bin] <= *wanted && *wanted <= found.psd_high[bin]));
-                    tried += 1.0;
-                }
+    let counts: Vec<(f64, f64)> = blocks::map(0..maps as usize, |index| {
+        let found = spectrum(index as u64);
+        assert_eq!(found.psd.len(), truth.len());
+        let (mut inside, mut tried) = (0.0, 0.0);
+        for (bin, wanted) in truth.iter().enumerate() {
+            if (from..=to).contains(&found.q_rad_per_m[bin]) {
+                inside += f64::from(u8::from(found.psd_low[bin] <= *wanted && *wanted <= found.psd_high[bin]));
+                tried += 1.0;
             }
-            (inside, tried)
-        })
-        .collect();
+        }
+        (inside, tried)
+    });
     let (inside, tried) = counts.iter().fold((0.0, 0.0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
     (inside / tried, tried)
 }
