@@ -3,11 +3,13 @@ use asperity_base::distribution::standard_normal_cdf;
 use asperity_base::monitor::Silent;
 use rayon::prelude::*;
 
+type LimitFunction = dyn Fn(&[f64]) -> f64 + Sync + Send;
+
 /// Limit state with its probability.
 struct Case {
     name: String,
     variables: usize,
-    g: Box<dyn Fn(&[f64]) -> f64 + Sync + Send>,
+    g: Box<LimitFunction>,
     probability: f64,
 }
 

@@ -192,7 +192,7 @@ fn wrong_uncertain_values_name_their_line() {
         ("damping_ratio = \"0.05 ± -0.01\"\n", 12, "damping_ratio"),
         ("damping_ratio = \"0.05 ± 0.05\"\n", 12, "distribution"),
         ("damping_ratio = { normal = [0.05] }\n", 12, "a list of 2 values"),
-        ("damping_ratio = { normal = [0.05, 0.01], unkown = true }\n", 12, "unknown key `unkown`"),
+        ("damping_ratio = { normal = [0.05, 0.01], known = true }\n", 12, "unknown key `known`"),
         ("damping_ratio = { samples = \"none.csv\" }\n", 12, "none.csv"),
         ("damping_ratio = 0.05\nduration = \"640 ± 10\"\n", 13, "cannot be uncertain"),
         ("damping_ratio = \"0.05 ± 0.01\"\n[verdict]\ntargets = [0.0]\n", 14, "a probability strictly between 0 and 1"),

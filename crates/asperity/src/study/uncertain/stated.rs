@@ -172,7 +172,7 @@ mod tests {
         for (text, expected) in [
             ("{ normal = [1.0] }", "a list of 2 values: its mean and standard deviation"),
             ("{ normal = [1.0, 0.1], uniform = [0, 1] }", "exactly one distribution"),
-            ("{ normal = [1.0, 0.1], unknwon = true }", "unknown key `unknwon`"),
+            ("{ normal = [1.0, 0.1], known = true }", "unknown key `known`"),
             ("{ normal = [1.0, 0.1], unknown = 1 }", "true or false"),
             ("{ samples = 3 }", "names a CSV file"),
         ] {
