@@ -22,7 +22,8 @@ pub fn verdict_sentence(verdict: &VerdictResult) -> String {
     let [low, high] = verdict.probability_interval;
     let p = verdict.probability;
     let sliding = verdict.probability_from_steady_sliding;
-    if p < RARE {
+    // A wide interval of a small probability reaches above it.
+    if high < RARE {
         return format!(
             "{noun} is very improbable: fewer than 1 in 1,000 machines like this one vibrate, once started from standstill; the number \
              rests on the assumed tails."
@@ -81,5 +82,8 @@ fn percent(probability: f64) -> String {
     if probability < 1e-3 {
         return "less than 0.1 %".into();
     }
-    format!("{} %", significant(100.0 * probability, 2))
+    if probability > 1.0 - RARE && probability < 1.0 {
+        return "more than 99.9 %".into();
+    }
+    format!("{} %", significant(100.0 * probability, if probability > 0.99 { 3 } else { 2 }))
 }

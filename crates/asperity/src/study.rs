@@ -56,6 +56,7 @@ pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use surface_result::{part_statistics, surface_statistics};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
+pub use verdict::VERDICT_SAMPLES;
 pub use vibration_stage::{
     clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
 };

@@ -1,8 +1,9 @@
 //! Verdict of a study.
 
+use std::io::Write;
 use std::path::PathBuf;
 
-use asperity::study::Stage;
+use asperity::study::{CsvTable, Stage, VERDICT_SAMPLES};
 use asperity_report::verdict_sentence;
 use clap::Args;
 
@@ -10,7 +11,7 @@ use super::study_file;
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::Answer;
+use crate::output::{Answer, check_target, replace_file, write_verb};
 
 /// Computes how probable vibration is over the uncertain values of a study, what decides it, and what changes it. Runs the stages
 /// that it needs and writes no folder.
@@ -21,6 +22,9 @@ pub(crate) struct Verdict {
     /// Seed to use instead of the study's.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
+    /// CSV file for the sampled machines: kind of motion, uncertain values in SI, friction coefficient, margin ζ − ζ_v.
+    #[arg(long, value_name = "FILE")]
+    export_samples: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -30,6 +34,9 @@ impl Verdict {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (study, text) = study_file::study(&self.study, self.seed)?;
         let folder = study_file::folder_of(&self.study);
+        if let Some(file) = &self.export_samples {
+            check_target("--export-samples", file, &[&self.study])?;
+        }
         let outcome = study.run(folder, Some(Stage::Verdict), monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
             Err(study_file::failure(&self.study, Some(&text), &e).print(reason, self.json)?)
@@ -41,6 +48,16 @@ impl Verdict {
         let Some(verdict) = &outcome.results.verdict else {
             return Err(Failure::new(Kind::Runtime, "the study has no verdict"));
         };
+        if let Some(file) = &self.export_samples {
+            let samples = outcome.tables.get(VERDICT_SAMPLES).map_or(Ok(Vec::new()), CsvTable::to_csv);
+            let text = String::from_utf8(samples.map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?)
+                .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            // The table names its rows after the kind of motion.
+            let text = text.replacen("name", "kind", 1);
+            let verb = write_verb(file);
+            replace_file(file, |out| out.write_all(text.as_bytes()))?;
+            monitor.note(&format!("{verb} {}", file.display()));
+        }
         Answer::default().with("sentence", verdict_sentence(verdict)).and(Answer::new(verdict)?).print(self.json)
     }
 }

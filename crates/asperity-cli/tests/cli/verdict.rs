@@ -117,6 +117,30 @@ fn a_jump_and_a_falling_law_separate_stick_from_steady_sliding() {
 }
 
 #[test]
+fn samples_are_exported_with_their_kind_and_margin() {
+    let folder = TempDir::new().unwrap();
+    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
+                 damping_ratio = \"0.055 ± 0.005\"\n";
+    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
+    let ended = run_in(folder.path(), "verdict study.toml --export-samples samples.csv --json");
+    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let text = fs::read_to_string(folder.path().join("samples.csv")).unwrap();
+    let mut rows = text.lines();
+    let header = "kind,vibration.damping_ratio,vibration.linear_weakening,friction_coefficient,damping_margin";
+    assert_eq!(rows.next(), Some(header));
+    let (mut vibrating, mut all) = (0, 0);
+    for row in rows {
+        let cells: Vec<&str> = row.split(',').collect();
+        let [damping, weakening, friction, margin] =
+            [1, 2, 3, 4].map(|place: usize| cells[place].parse::<f64>().unwrap());
+        assert!((margin - (damping - 0.5 * weakening)).abs() < 1e-12 && friction == 0.3, "{row}");
+        assert_eq!(cells[0], if margin < 0.0 { "stick_slip" } else { "none" });
+        (vibrating, all) = (vibrating + usize::from(margin < 0.0), all + 1);
+    }
+    assert_eq!(found["probability"], vibrating as f64 / all as f64);
+}
+
+#[test]
 fn exact_values_vibrate_or_do_not() {
     for (damping, vibrates) in [(0.049, true), (0.051, false)] {
         let found = verdict(&format!(
@@ -211,6 +235,7 @@ fn wrong_uncertain_values_name_their_line() {
             14,
             "vibration.mass",
         ),
+        ("damping_ratio = 0.05\n[uncertainty]\nsurface = true\n", 14, "count as exact"),
     ] {
         let ended = run(&format!("{lines}{more}"));
         assert_eq!(ended.code, 2, "{more}: {ended:?}");

@@ -31,7 +31,11 @@ pub(super) fn answer(verdict: &VerdictResult) -> Answer {
     if let Some(Guess { input, .. }) = verdict.guesses.first() {
         detail += &format!("It rests on {}, which is unknown.", words(input));
     }
-    Answer { question: "Does a machine like this one vibrate?", answer: verdict_sentence(verdict), detail }
+    Answer {
+        question: "Does a machine like this one vibrate?",
+        answer: verdict_sentence(verdict).replace(" %", "\u{a0}%"),
+        detail,
+    }
 }
 
 /// Returns the tables.

@@ -17,6 +17,13 @@ fn the_sentence_states_the_probability_with_its_interval() {
     (rare.probability, rare.probability_interval) = (2e-5, [1e-5, 4e-5]);
     let sentence = verdict_sentence(&rare);
     assert!(sentence.contains("fewer than 1 in 1,000") && sentence.contains("assumed tails"), "{sentence}");
+    // Nothing was seen in 2,048 machines: that is not yet 1 in 1,000.
+    (rare.probability, rare.probability_interval) = (0.0, [0.0, 0.0019]);
+    let sentence = verdict_sentence(&rare);
+    assert!(!sentence.contains("1 in 1,000") && sentence.contains("0 % (0 % to 0.19 %)"), "{sentence}");
+    let mut certain = likely.clone();
+    (certain.probability, certain.probability_interval) = (0.9995, [0.994, 0.9999]);
+    assert!(verdict_sentence(&certain).contains("more than 99.9 % (99.4 % to more than 99.9 %)"));
     let mut exact = likely;
     (exact.evaluations, exact.if_vibrating) = (1, None);
     let sentence = verdict_sentence(&exact);

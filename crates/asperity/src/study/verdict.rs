@@ -12,9 +12,9 @@ use self::drivers::MarginModel;
 use self::machines::{Machine, Machines, NoAnswer};
 use self::responses::FrictionResponses;
 use self::sampled::{Evaluated, Sampled};
-use self::vibrating::vibrating_machines;
+use self::vibrating::{samples_table, vibrating_machines};
 use crate::chaos::rare::{self, RareError, SmallProbability, small_probability};
-use crate::friction::WindowFriction;
+use crate::friction::{RoughBody, WindowFriction};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95, quantile_sorted, wilson_interval};
 use crate::study::output::StageOutput;
@@ -30,12 +30,17 @@ const MARGIN_PROBABILITIES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99]
 const EVENT_RANGE: std::ops::Range<f64> = 0.05..0.95;
 /// Standard deviation of friction over its mean below which friction counts as constant.
 const NEGLIGIBLE_STD: f64 = 1e-6;
+/// Factor of the duration after which the probability is computed again.
+const LATER: f64 = 4.0;
 /// Fraction of unexplained variance above which there is a warning.
 const UNEXPLAINED: f64 = 0.05;
 /// Smallest number of machines on each side below which the probability is computed as a small one.
 const FEW: usize = 40;
 /// Smallest fraction of machines that must have an answer.
 const VALID_FRACTION: f64 = 0.95;
+
+/// Name of the table of the sampled machines.
+pub const VERDICT_SAMPLES: &str = "verdict_samples";
 
 /// Output of the verdict.
 pub(super) struct Verdict {
@@ -56,6 +61,16 @@ pub(super) fn run(
         Some(surface) => FrictionResponses::learn(whole, study, surface, monitor, &mut output)?,
         None => None,
     };
+    if surface.is_some_and(|surface| surface.measured.is_some()) && window.computed {
+        output.assumptions.push("The verdict takes the statistics of the scan as exact.".into());
+    }
+    if whole.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) && window.computed {
+        output.warnings.push(
+            "the probability of vibration leaves out that the friction of rough sliders differs from part to part; state \
+             `static_friction` with this standard deviation in a study with [vibration] alone"
+                .into(),
+        );
+    }
     let machines = Machines::new(study, window, responses.as_ref(), seed);
     let nominal = machines.nominal().map_err(StudyError::Verdict)?;
     if nominal.oscillator.forcing().is_some() {
@@ -160,6 +175,24 @@ pub(super) fn run(
         remedies: remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?,
         ..VerdictResult::default()
     };
+    output.tables.push((VERDICT_SAMPLES, samples_table(&machines, &sampled, monitor)?));
+    if fluctuates {
+        let later = sampled.later(
+            &machines,
+            &|machine, index| {
+                let seed = seed.wrapping_add(index as u64);
+                fluctuating::vibrates(machine, LATER * duration_s, seed, monitor)
+                    .map(|vibrates| vibrates.unwrap_or(false))
+            },
+            monitor,
+        )?;
+        if !interval.contains(later) {
+            output.warnings.push(format!(
+                "the probability depends on the duration: after four times as long it is {} %",
+                sentence::digits(100.0 * later)
+            ));
+        }
+    }
     if let Some(model) = MarginModel::new(&machines, &sampled, fluctuates)? {
         result.drivers = model.margin_drivers(&machines, seed)?;
         if EVENT_RANGE.contains(&probability) {

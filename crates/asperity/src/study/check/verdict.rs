@@ -82,6 +82,10 @@ impl StudyFile {
     fn joint_inputs(&self) -> Result<UncertainInputs, InvalidValue> {
         let inputs: Vec<UncertainInput> = self.uncertain.iter().map(|value| value.input().clone()).collect();
         let wrong = |message: String| invalid("uncertainty", "correlation", message);
+        if self.uncertainty.as_ref().is_some_and(|section| section.surface) {
+            let message = "the statistics of a scan count as exact; state `surface = false`, or uncertain values of a stated surface";
+            return Err(invalid("uncertainty", "surface", message));
+        }
         let stated = self.uncertainty.as_ref().map_or(&[][..], |section| &section.correlation[..]);
         let place = |name: &str| {
             inputs.iter().position(|input| input.name() == name).ok_or_else(|| {

@@ -13,8 +13,8 @@ pub struct JointSection {
     /// Spearman's rank correlations of pairs of uncertain values, each named `section.key`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub correlation: Vec<(String, String, f64)>,
-    /// Whether statistics that the scan leaves uncertain are uncertain values, too.
-    #[serde(default = "yes")]
+    /// Whether statistics that the scan leaves uncertain are uncertain values, too. Only `false` is possible: they count as exact.
+    #[serde(default)]
     pub surface: bool,
 }
 
@@ -25,7 +25,7 @@ pub struct VerdictSection {
     /// Duration T after which a machine with fluctuating friction must still vibrate; that of `[vibration]` when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<Time>,
-    /// Values to change until the probability reaches the targets; the damping ratio when left out.
+    /// Values to change until the probability reaches the targets.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remedies: Vec<RemedySection>,
     /// Probabilities to reach.
@@ -76,9 +76,6 @@ impl Default for VerdictSection {
     }
 }
 
-fn yes() -> bool {
-    true
-}
 fn targets() -> Vec<f64> {
     vec![0.05, 0.01]
 }

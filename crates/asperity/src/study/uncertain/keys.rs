@@ -73,9 +73,9 @@ impl UncertainKey {
         )
     }
 
-    /// Returns whether a value in SI is possible; the bounds are not.
+    /// Returns whether a value in SI lies within the physical bounds.
     pub(in crate::study) fn contains(&self, value: f64) -> bool {
-        value.is_finite() && (value > self.low || value == 0.0) && value < self.high
+        value.is_finite() && (self.low..=self.high).contains(&value)
     }
 
     /// Reads a number or quantity in SI.

@@ -10,6 +10,8 @@ use crate::vibration::DampingMargins;
 /// Number of machines of the first round; each further round doubles the number.
 const FIRST_ROUND: usize = 2048;
 
+/// Largest number of machines that are followed for a longer time.
+const LATER: usize = 256;
 /// Largest number of machines that are evaluated with another friction.
 const SHIFTED: usize = 4096;
 
@@ -87,6 +89,29 @@ impl Sampled {
         let share = |vibrating: usize| vibrating as f64 / count as f64;
         let before = self.machines[..count].iter().flatten().filter(|machine| machine.margins.from_stick < 0.0).count();
         Ok(self.probability().0 + share(vibrates.into_iter().filter(|v| *v).count()) - share(before))
+    }
+
+    /// Returns the fraction of vibrating machines after a longer time: the difference over the first samples is added to the
+    /// probability.
+    pub(super) fn later(
+        &self,
+        machines: &Machines<'_>,
+        vibrates: &(dyn Fn(&Machine, usize) -> Result<bool, String> + Sync),
+        monitor: &dyn Monitor,
+    ) -> Result<f64, Cancelled> {
+        let count = self.machines.len().min(LATER);
+        let task = Task::new(monitor, "verdict: longer duration", count);
+        let changes = blocks::map::<_, Result<Vec<f64>, Cancelled>>(0..count, |index| {
+            task.step(|| {
+                let machine = machines.at(&machines.variables_of(index));
+                let later = machine.and_then(|machine| vibrates(&machine, index));
+                match (&self.machines[index], later) {
+                    (Ok(before), Ok(later)) => f64::from(u8::from(later)) - f64::from(u8::from(before.vibrates)),
+                    _ => 0.0,
+                }
+            })
+        })?;
+        Ok(self.probability().0 + changes.iter().sum::<f64>() / count as f64)
     }
 
     /// Returns the samples with an answer.

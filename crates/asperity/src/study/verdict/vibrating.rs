@@ -8,10 +8,13 @@ use super::machines::Machines;
 use super::sampled::Sampled;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
+use crate::study::CsvTable;
 use crate::study::result::{Quantiles, VibratingMachines};
 use crate::study::vibration_stage::kind_result;
 use crate::vibration::limit_cycle;
 
+/// Largest number of rows of the table of machines.
+const MOST_ROWS: usize = 4096;
 /// Largest number of machines whose cycles are computed.
 const MOST: usize = 1024;
 
@@ -58,4 +61,37 @@ pub(super) fn vibrating_machines(
         velocity_amplitude_m_per_s: quantiles(1),
         displacement_amplitude_m: quantiles(2),
     }))
+}
+
+/// Returns the first sampled machines: their kinds of motion without fluctuation of friction, uncertain values in SI, friction
+/// coefficients and margins.
+pub(super) fn samples_table(
+    machines: &Machines<'_>,
+    sampled: &Sampled,
+    monitor: &dyn Monitor,
+) -> Result<CsvTable, Cancelled> {
+    let count = sampled.machines.len().min(MOST_ROWS);
+    let task = Task::new(monitor, "verdict: samples", count);
+    let rows = blocks::map::<_, Result<Vec<_>, Cancelled>>(0..count, |index| {
+        task.step(|| {
+            let variables = machines.variables_of(index);
+            let margin = sampled.machines[index].as_ref().ok()?.margins.from_stick;
+            let machine = machines.at(&variables).ok()?;
+            let kind = limit_cycle(&machine.oscillator).ok()?.kind();
+            Some((
+                kind_result(kind).name().to_owned(),
+                machines.inputs().values(&variables),
+                machine.window.mean,
+                margin,
+            ))
+        })
+    })?;
+    let rows: Vec<_> = rows.into_iter().flatten().collect();
+    let inputs = machines.inputs().inputs().iter().enumerate();
+    let mut columns: Vec<(String, Vec<f64>)> = inputs
+        .map(|(place, input)| (input.name().to_owned(), rows.iter().map(|(_, values, ..)| values[place]).collect()))
+        .collect();
+    columns.push(("friction_coefficient".into(), rows.iter().map(|(.., friction, _)| *friction).collect()));
+    columns.push(("damping_margin".into(), rows.iter().map(|(.., margin)| *margin).collect()));
+    Ok(CsvTable::with_names(rows.into_iter().map(|(kind, ..)| kind).collect(), columns))
 }
