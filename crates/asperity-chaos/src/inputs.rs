@@ -72,6 +72,14 @@ impl UncertainInputs {
         Ok(Self { inputs, copula: Copula::new(correlation)? })
     }
 
+    /// Returns these inputs and more, which are independent of all others.
+    #[must_use]
+    pub fn with_independent(mut self, more: Vec<UncertainInput>) -> Self {
+        self.copula = self.copula.with_independent(more.len());
+        self.inputs.extend(more);
+        self
+    }
+
     /// Returns the inputs.
     pub fn inputs(&self) -> &[UncertainInput] {
         &self.inputs

@@ -258,6 +258,16 @@ impl Propagation {
         self.parameters.iter().zip(&self.xi_samples[k]).map(|(parameter, xi)| parameter.at(*xi)).collect()
     }
 
+    /// Adds a point, given by the standard variables ξ of the parameters. The expansion may use points that do not follow the
+    /// distribution of the parameters.
+    ///
+    /// # Panics
+    /// If the number of variables differs from the number of parameters.
+    pub fn push(&mut self, xi: Vec<f64>) {
+        assert_eq!(xi.len(), self.parameters.len(), "one standard variable per parameter");
+        self.xi_samples.push(xi);
+    }
+
     /// Estimates the distribution of the response over the parameters, with intervals from `resamples`.
     ///
     /// Expansions of degree up to three with at least three points per term are tried; the one with the smallest

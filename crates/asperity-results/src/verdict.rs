@@ -20,6 +20,10 @@ pub struct VerdictResult {
     pub probability_from_steady_sliding_interval: Pair,
     /// Quantiles of the probability over the values that are unknown; `null` if none is.
     pub probability_over_unknowns: Option<Quantiles>,
+    /// Parts of the half width of [`VerdictResult::probability_interval`], largest first.
+    pub error_sources: Vec<ErrorSource>,
+    /// Friction as a function of the uncertain values; `null` if it does not depend on them.
+    pub friction: Option<LearntFriction>,
     /// Number of machines that were evaluated.
     pub evaluations: usize,
     /// Number of them that have no answer.
@@ -43,6 +47,33 @@ pub struct VerdictResult {
     pub guesses: Vec<Guess>,
     /// Changes that reach the target probabilities.
     pub remedies: Vec<Remedy>,
+}
+
+/// Cause of a part of the interval of the probability.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorSource {
+    /// Name of the cause: `machines`, `strips` or `expansion`.
+    pub source: String,
+    /// Half width of the interval if this were its only cause.
+    pub half_width: f64,
+}
+
+/// Friction of the contact as a function of the uncertain values, learnt from solved strips.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LearntFriction {
+    /// Names of the values.
+    pub inputs: Vec<String>,
+    /// Number of solved points.
+    pub points: usize,
+    /// Number of them near the limit of vibration.
+    pub points_near_limit: usize,
+    /// Root-mean-square relative difference between the solved and the predicted mean friction coefficient at the last points near the
+    /// limit, before they were used.
+    pub difference_near_limit: Option<f64>,
+    /// Relative standard error of the mean friction coefficient.
+    pub standard_error: f64,
 }
 
 /// Quantiles of a distribution.

@@ -99,7 +99,7 @@ impl MapStatistics {
     }
 
     /// Returns the area of the present points in m².
-    fn present_area_m2(&self) -> f64 {
+    pub fn present_area_m2(&self) -> f64 {
         self.parameters.present as f64 * self.grid.dx_m() * self.grid.dy_m()
     }
 }

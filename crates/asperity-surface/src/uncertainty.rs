@@ -22,7 +22,7 @@ mod window;
 use thiserror::Error;
 
 use self::cells::Cells;
-use self::heights::{HeightSums, sdq};
+use self::heights::{FITTED, HeightSums, sdq, sdq_influence};
 use self::lengths::Lengths;
 use self::material::Draws;
 use self::removal::Removal;
@@ -143,7 +143,12 @@ pub struct Estimates {
     pub correlation_length_x_m: Option<Estimate>,
     /// 1/e correlation length along y in metre.
     pub correlation_length_y_m: Option<Estimate>,
+    /// Joint errors of Sq, Sdq and Ssk.
+    pub joint: Option<JointErrors>,
 }
+
+/// Covariance matrix of the errors of ln Sq, ln Sdq and Ssk of one map as estimates for the surface.
+pub type JointErrors = [[f64; 3]; 3];
 
 impl Estimates {
     /// Returns names as in tables and JSON, and estimates.
@@ -225,12 +230,19 @@ impl Uncertainty {
         let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
         let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.fraction, &draws);
         let lengths_m = values.lengths_m();
+        let slope_influence = sdq_influence(cells);
+        let halved = |influence: &[f64]| influence.iter().map(|own| 0.5 * own).collect::<Vec<f64>>();
+        let joint = window.covariance(
+            &[halved(&sums.restored_sq_influence(removal)), halved(&slope_influence), sums.ssk_influence(values.ssk)],
+            FITTED,
+        );
         Ok(Estimates {
+            joint,
             sa_m: sums.sa(window, values.sa_m, removal, tail),
             sq_m: sums.sq(window, values.sq_m, removal, tail),
             ssk: sums.ssk(window, values.ssk, values.sku, tail),
             sku: sums.sku(window, values.ssk, values.sku, tail),
-            sdq: sdq(cells, window, values.sdq, tail),
+            sdq: sdq(window, &slope_influence, values.sdq, tail),
             sal_m: lengths.sal(values.sal_m, lengths_m),
             sk_m,
             spk_m,

@@ -34,6 +34,17 @@ impl Copula {
         Ok(Self { correlation, factor })
     }
 
+    /// Returns the copula of the same variables and `more` independent ones.
+    pub(super) fn with_independent(mut self, more: usize) -> Self {
+        let count = self.correlation.len() + more;
+        self.correlation.resize(count, Vec::new());
+        for (i, row) in self.correlation.iter_mut().enumerate() {
+            row.resize(count, 0.0);
+            row[i] = 1.0;
+        }
+        Self { factor: Factor::new(&self.correlation, (0..count).collect()), ..self }
+    }
+
     /// Returns whether a correlation is not zero.
     pub(super) fn is_dependent(&self) -> bool {
         self.correlation.iter().enumerate().any(|(i, row)| row[..i].iter().any(|rho| *rho != 0.0))

@@ -16,6 +16,7 @@ mod surface;
 mod twin;
 mod usage;
 mod verdict;
+mod verdict_scan;
 mod vibration;
 mod vibration_curves;
 mod vibration_ensemble;

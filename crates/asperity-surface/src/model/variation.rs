@@ -14,6 +14,9 @@ pub struct Variation {
     pub correlation_length_m: Option<f64>,
     /// Skewness of the heights, which then have Johnson's distribution.
     pub skewness: Option<f64>,
+    /// Change of the skewness of measured heights, to first order. Standardised heights z of skewness g and kurtosis κ become
+    /// z + c (z² − 1 − gz) with c = change/(3 (κ − 1 − g²)). Other distributions ignore it.
+    pub skewness_change: Option<f64>,
 }
 
 impl SurfaceModel {
@@ -27,9 +30,12 @@ impl SurfaceModel {
     pub fn varied(&self, variation: &Variation) -> Result<Self, SurfaceModelError> {
         let law = &self.marginal;
         let std_m = variation.rms_height_m.unwrap_or(law.std());
-        let marginal = match variation.skewness {
-            None => law.standardised(0.0, std_m)?,
-            Some(skewness) => {
+        let marginal = match (variation.skewness, variation.skewness_change, law) {
+            (None, Some(change), Marginal::Empirical { sorted }) => {
+                skewed(sorted, law, change)?.standardised(0.0, std_m)?
+            }
+            (None, ..) => law.standardised(0.0, std_m)?,
+            (Some(skewness), ..) => {
                 let excess_kurtosis = law.excess_kurtosis() + skewness * skewness - law.skewness().powi(2);
                 Marginal::johnson_with_moments(0.0, std_m, skewness, excess_kurtosis)?
             }
@@ -42,6 +48,17 @@ impl SurfaceModel {
         }
         Ok(Self { marginal, texture })
     }
+}
+
+/// Returns the distribution of measured heights with another skewness.
+fn skewed(heights_m: &[f64], law: &Marginal, change: f64) -> Result<Marginal, SurfaceModelError> {
+    let (mean, std, skewness) = (law.mean(), law.std(), law.skewness());
+    let bend = change / (3.0 * (law.excess_kurtosis() + 2.0 - skewness * skewness));
+    let bent = heights_m.iter().map(|height_m| {
+        let z = (height_m - mean) / std;
+        z + bend * (z * z - 1.0 - skewness * z)
+    });
+    Ok(Marginal::empirical(bent.collect())?)
 }
 
 #[cfg(test)]
@@ -62,7 +79,8 @@ mod tests {
         let model = SurfaceModel { marginal: beta.clone(), texture };
         for skewness in [beta.skewness(), 0.0, 0.9, -1.5] {
             let (rms_height_m, correlation_length_m) = (Some(1.1e-6), Some(30e-6));
-            let variation = Variation { rms_height_m, correlation_length_m, skewness: Some(skewness) };
+            let variation =
+                Variation { rms_height_m, correlation_length_m, skewness: Some(skewness), ..Variation::default() };
             let found = model.varied(&variation).unwrap();
             assert!((found.marginal.std() / 1.1e-6 - 1.0).abs() < 1e-9);
             assert!((found.marginal.skewness() - skewness).abs() < 1e-6);
@@ -75,5 +93,25 @@ mod tests {
         // Without skewness the distribution keeps its shape.
         let found = model.varied(&Variation { rms_height_m: Some(2e-6), ..Variation::default() }).unwrap().marginal;
         assert!((found.quantile(0.9) / (2.0 * beta.quantile(0.9)) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn measured_heights_take_a_small_change_of_skewness_and_keep_their_standard_deviation() {
+        let beta = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
+        let heights: Vec<f64> = (0..20_000).map(|i| beta.quantile((f64::from(i) + 0.5) / 20_000.0)).collect();
+        let marginal = Marginal::empirical(heights).unwrap().standardised(0.0, 1e-6).unwrap();
+        let model = SurfaceModel { marginal, texture: Texture::WeierstrassMandelbrot { dimension: 2.3 } };
+        let skewness = model.marginal.skewness();
+        for change in [-0.05, -0.01, 0.0, 0.01, 0.05] {
+            let variation = Variation { skewness_change: Some(change), ..Variation::default() };
+            let found = model.varied(&variation).unwrap().marginal;
+            // The next term of the expansion is of the order of the square of the change.
+            assert!(
+                (found.skewness() - skewness - change).abs() <= 1e-9 + change * change,
+                "{change}: {}",
+                found.skewness()
+            );
+            assert!((found.std() / 1e-6 - 1.0).abs() < 1e-9 && found.mean().abs() < 1e-15);
+        }
     }
 }

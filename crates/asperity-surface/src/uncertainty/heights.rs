@@ -63,13 +63,15 @@ impl HeightSums {
         self.sq_influence().into_iter().enumerate().map(term).collect()
     }
 
+    /// Returns the relative influences on ⟨v²⟩ of the surface, with the variance removed with the form.
+    pub(super) fn restored_sq_influence(&self, removal: &Removal) -> Vec<f64> {
+        let inflated = 1.0 / (1.0 - removal.fraction);
+        self.sq_influence().iter().zip(&removal.influence).map(|(own, put)| own + inflated * put).collect()
+    }
+
     /// Estimates Sq. The mean of v² is linear in the map except for the form, whose variance is restored.
     pub(super) fn sq(&self, window: &Window, sq_m: f64, removal: &Removal, tail: f64) -> Option<Estimate> {
-        let inflated = 1.0 / (1.0 - removal.fraction);
-        let of_map = self.sq_influence();
-        let influence: Vec<f64> =
-            of_map.iter().zip(&removal.influence).map(|(own, put)| own + inflated * put).collect();
-        squared(window, &influence, sq_m, inflated, tail)
+        squared(window, &self.restored_sq_influence(removal), sq_m, 1.0 / (1.0 - removal.fraction), tail)
     }
 
     /// Estimates Sa, linear in the map except for the form.
@@ -109,7 +111,12 @@ impl HeightSums {
 }
 
 /// Estimates Sdq by forward differences, whose square is a mean over the map.
-pub(super) fn sdq(cells: &Cells, window: &Window, sdq: Option<f64>, tail: f64) -> Option<Estimate> {
+pub(super) fn sdq(window: &Window, influence: &[f64], sdq: Option<f64>, tail: f64) -> Option<Estimate> {
+    squared(window, influence, sdq?, 1.0, tail)
+}
+
+/// Returns the relative influences on the square of Sdq.
+pub(super) fn sdq_influence(cells: &Cells) -> Vec<f64> {
     let grid = cells.grid();
     let nx = grid.nx();
     let rows = 0..grid.ny() - 1;
@@ -125,8 +132,7 @@ pub(super) fn sdq(cells: &Cells, window: &Window, sdq: Option<f64>, tail: f64) -
     });
     let (sum, count) = slopes.iter().fold((0.0, 0.0), |(sum, count), s| (sum + s[0], count + s[1]));
     let mean = sum / count;
-    let influence: Vec<f64> = slopes.iter().map(|s| (s[0] - mean * s[1]) / sum).collect();
-    squared(window, &influence, sdq?, 1.0, tail)
+    slopes.iter().map(|s| (s[0] - mean * s[1]) / sum).collect()
 }
 
 /// Estimates a root of a mean from the relative influences on the mean; `inflated` restores the variance removed

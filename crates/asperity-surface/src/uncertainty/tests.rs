@@ -354,3 +354,37 @@ fn invalid_requests_are_refused() {
     assert!(matches!(of(1.0, 100), Err(UncertaintyError::Parameter { parameter: "confidence level", .. })));
     assert!(matches!(of(0.95, 1), Err(UncertaintyError::Parameter { parameter: "number of resamples", .. })));
 }
+
+#[test]
+fn joint_errors_of_height_slope_and_skewness_equal_their_scatter_over_maps() {
+    let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
+    let count = 80;
+    let mut errors = [[0.0; 3]; 3];
+    let mut statistics = Vec::new();
+    for map in maps(CorrelationModel::SquaredExponential, &marginal, 24, count) {
+        let values = Values { sdq: parameters(&map).unwrap().sdq, ..quick_values(&map) };
+        let joint = Uncertainty { resamples: 2, ..Uncertainty::default() }.of(&map, &values).unwrap().joint.unwrap();
+        for i in 0..3 {
+            for j in 0..3 {
+                errors[i][j] += joint[i][j] / count as f64;
+            }
+        }
+        statistics.push([values.sq_m.ln(), values.sdq.unwrap().ln(), values.ssk]);
+    }
+    let mean = |i: usize| statistics.iter().map(|s| s[i]).sum::<f64>() / count as f64;
+    let scatter = |i: usize, j: usize| {
+        statistics.iter().map(|s| (s[i] - mean(i)) * (s[j] - mean(j))).sum::<f64>() / (count as f64 - 1.0)
+    };
+    for i in 0..3 {
+        for j in 0..=i {
+            // The standard error of a covariance of normal errors.
+            let variance = scatter(i, i) * scatter(j, j) + scatter(i, j).powi(2);
+            let tolerance = 4.0 * (variance / (count as f64 - 1.0)).sqrt();
+            let (found, wanted) = (errors[i][j], scatter(i, j));
+            assert!((found - wanted).abs() < tolerance, "{i} {j}: {found:e} for {wanted:e} ± {tolerance:e}");
+            assert!((errors[i][j] - errors[j][i]).abs() < 1e-15);
+        }
+    }
+    // Heights and slopes of one map are high together.
+    assert!(errors[0][1] > 0.2 * (errors[0][0] * errors[1][1]).sqrt());
+}

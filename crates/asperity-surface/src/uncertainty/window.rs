@@ -111,6 +111,29 @@ impl Window {
         })
     }
 
+    /// Returns the covariance matrix of statistics from their influences ([`Window::spread`]). The correlation of two statistics a and b of
+    /// variance 1 is (var(a + b) − var(a − b))/(var(a + b) + var(a − b)), which lies in −1 … 1. `None` if a statistic has no variance.
+    pub(super) fn covariance<const K: usize>(&self, influences: &[Vec<f64>; K], fitted: f64) -> Option<[[f64; K]; K]> {
+        let mut std = [0.0; K];
+        for (std, influence) in std.iter_mut().zip(influences) {
+            *std = self.spread(influence, fitted)?.variance.sqrt();
+        }
+        let mut covariance = [[0.0; K]; K];
+        for i in 0..K {
+            covariance[i][i] = std[i] * std[i];
+            for j in 0..i {
+                let scaled = |sign: f64| -> Vec<f64> {
+                    influences[i].iter().zip(&influences[j]).map(|(a, b)| a / std[i] + sign * b / std[j]).collect()
+                };
+                let variance = |sign: f64| self.spread(&scaled(sign), fitted).map_or(0.0, |spread| spread.variance);
+                let correlation = (variance(1.0) - variance(-1.0)) / (variance(1.0) + variance(-1.0));
+                covariance[i][j] = correlation * std[i] * std[j];
+                covariance[j][i] = covariance[i][j];
+            }
+        }
+        Some(covariance)
+    }
+
     /// Returns the variance of the mean of the heights over the variance of the remaining heights, after `terms`
     /// orthogonal means were removed. `heights` are the sums of the scaled heights on the cells over the number of
     /// points. Also returns the contribution of each cell: its height times those of its neighbours under the window.

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use self::keys::UncertainKey;
+use self::keys::{LATENT, UncertainKey};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
@@ -69,6 +69,12 @@ impl Place {
         Some(Self { key: UncertainKey::find(section, key, value)?, element })
     }
 
+    /// Returns the place of a value that no study file states.
+    pub(super) fn latent(name: &str) -> Option<Self> {
+        let (section, key) = name.split_once('.')?;
+        Some(Self { key: LATENT.iter().find(|own| (own.section, own.name) == (section, key))?, element: None })
+    }
+
     pub(super) fn name(&self) -> String {
         let UncertainKey { section, name, .. } = self.key;
         self.element.map_or_else(|| format!("{section}.{name}"), |position| format!("{section}.{name}[{position}]"))
@@ -97,6 +103,25 @@ impl Place {
     pub(super) fn set(&self, table: &mut Table, value: f64) {
         if let Some(place) = self.find(table) {
             *place = self.key.show(value);
+        }
+    }
+}
+
+/// Adds the values that no study file states to a table, at their centres.
+pub(super) fn add_latent(table: &mut Table, places: &[Place]) {
+    for Place { key, .. } in places {
+        let section = table.entry(key.section).or_insert_with(|| Value::Table(Table::new()));
+        if let Value::Table(section) = section {
+            section.insert(key.name.into(), Value::Float(0.0));
+        }
+    }
+}
+
+/// Removes the values that no study file states from a table.
+pub(super) fn without_latent(table: &mut Table) {
+    for key in LATENT {
+        if let Some(Value::Table(section)) = table.get_mut(key.section) {
+            section.remove(key.name);
         }
     }
 }

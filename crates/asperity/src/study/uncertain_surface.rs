@@ -69,7 +69,8 @@ impl<'a> UncertainSurface<'a> {
         let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name() == name);
         let value = |name: &str| place(name).map(|place| values[place]);
         let (rms_height_m, correlation_length_m) = (value(RMS_HEIGHT), value(CORRELATION_LENGTH));
-        let variation = Variation { rms_height_m, correlation_length_m, skewness: value(SKEWNESS) };
+        let variation =
+            Variation { rms_height_m, correlation_length_m, skewness: value(SKEWNESS), ..Variation::default() };
         Ok(CompositeModel { surface: self.model.surface.varied(&variation)?, ..self.model.clone() })
     }
 }

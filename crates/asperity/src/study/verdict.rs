@@ -6,19 +6,23 @@ mod machines;
 mod remedies;
 mod responses;
 mod sampled;
+mod scan;
 mod vibrating;
+
+use std::borrow::Cow;
 
 use self::drivers::MarginModel;
 use self::machines::{Machine, Machines, NoAnswer};
-use self::responses::FrictionResponses;
+use self::responses::{ContactPoints, FrictionResponses};
 use self::sampled::{Evaluated, Sampled};
+use self::scan::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::chaos::rare::{self, RareError, SmallProbability, small_probability};
 use crate::friction::{RoughBody, WindowFriction};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95, quantile_sorted, wilson_interval};
 use crate::study::output::StageOutput;
-use crate::study::result::{MarginQuantile, NominalMachine, VerdictResult};
+use crate::study::result::{ErrorSource, MarginQuantile, NominalMachine, VerdictResult};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::vibration_stage::kind_result;
 use crate::study::{Study, StudyError, sentence};
@@ -57,13 +61,20 @@ pub(super) fn run(
 ) -> Result<Verdict, StudyError> {
     let Some(study) = &whole.verdict else { return Err(StudyError::NoStage("vibration")) };
     let (seed, mut output) = (whole.seed(), StageOutput::default());
-    let responses = match surface.filter(|_| window.computed) {
-        Some(surface) => FrictionResponses::learn(whole, study, surface, monitor, &mut output)?,
-        None => None,
-    };
-    if surface.is_some_and(|surface| surface.measured.is_some()) && window.computed {
-        output.assumptions.push("The verdict takes the statistics of the scan as exact.".into());
+    let mut study = Cow::Borrowed(study);
+    let mut responses = None;
+    if let Some(surface) = surface.filter(|_| window.computed) {
+        let central = study.central.clone();
+        let mut points =
+            ContactPoints { study: whole, surface, central: &central, scan: ScanErrors::default(), monitor };
+        if let Some(scan) = surface.measured.as_ref().filter(|_| study.scan_errors) {
+            points.scan = ScanErrors::new(&points, scan, &mut output)?;
+            let latent = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone()));
+            study = Cow::Owned(study.with_latent(latent.collect()));
+        }
+        responses = FrictionResponses::learn(&points, &study, window, monitor, &mut output)?;
     }
+    let study = &*study;
     if whole.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) && window.computed {
         output.warnings.push(
             "the probability of vibration leaves out that the friction of rough sliders differs from part to part; state \
@@ -143,19 +154,26 @@ pub(super) fn run(
     };
     let (probability, interval) =
         probability_of(|machine| machine.vibrates, |margins| margins.from_stick, !fluctuates)?;
-    let interval = match &responses {
-        Some(responses) => {
-            let shift = NORMAL_95 * responses.mean_error;
+    let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
+    let mut interval = interval;
+    if let Some(responses) = &responses {
+        for (name, error) in [("strips", responses.strips_error), ("expansion", responses.expansion_error)] {
+            let shift = NORMAL_95 * error;
             let shifted = |shift: f64| sampled.shifted(&machines.with_friction_factor(shift.exp()), monitor);
-            widened(interval, probability, [shifted(-shift)?, shifted(shift)?])
+            let shifted = [shifted(-shift)?, shifted(shift)?];
+            sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
+            interval = widened(interval, probability, shifted);
         }
-        None => interval,
-    };
+    }
+    sources.sort_by(|a, b| b.1.total_cmp(&a.1));
     let (from_sliding, sliding_interval) = probability_of(
         |machine| machine.margins.from_steady_sliding < 0.0,
         |margins| margins.from_steady_sliding,
         true,
     )?;
+    if 0.5 * (interval.high - interval.low) > study.half_width {
+        output.warnings.push(limit(sources[0].0, study.half_width));
+    }
     let mut margins: Vec<f64> = sampled.valid().map(|machine| machine.margins.from_stick).collect();
     margins.sort_by(f64::total_cmp);
     let margin_quantiles = MARGIN_PROBABILITIES
@@ -163,6 +181,8 @@ pub(super) fn run(
     let mut result = VerdictResult {
         probability,
         probability_interval: [interval.low, interval.high],
+        error_sources: error_sources(&sources),
+        friction: responses.as_ref().map(|responses| responses.learnt.clone()),
         probability_from_steady_sliding: from_sliding,
         probability_from_steady_sliding_interval: [sliding_interval.low, sliding_interval.high],
         evaluations,
@@ -219,6 +239,27 @@ fn widened(interval: Interval, probability: f64, shifted: [f64; 2]) -> Interval 
     let below = (probability - interval.low).hypot((probability - least).max(0.0));
     let above = (interval.high - probability).hypot((most - probability).max(0.0));
     Interval { low: (probability - below).max(0.0), high: (probability + above).min(1.0) }
+}
+
+/// Returns the parts of an interval; none of an exact probability.
+fn error_sources(sources: &[(&str, f64)]) -> Vec<ErrorSource> {
+    let stated = sources.iter().filter(|(_, half_width)| *half_width > 0.0);
+    stated.map(|&(source, half_width)| ErrorSource { source: source.into(), half_width }).collect()
+}
+
+/// Returns a warning which says what keeps the interval wider than was asked for.
+fn limit(source: &str, half_width: f64) -> String {
+    let (cause, remedy) = match source {
+        "machines" => ("the number of machines", "raise `evaluations` in [verdict]"),
+        "strips" => ("the number of strips", "raise `realisations` in [friction]"),
+        _ => {
+            ("the expansion of friction in the uncertain values", "state narrower distributions or ranges of remedies")
+        }
+    };
+    format!(
+        "the interval of the probability is wider than ± {} %, most of all because of {cause}; {remedy}",
+        sentence::digits(100.0 * half_width)
+    )
 }
 
 /// Returns the answer of the machine with all values at their centres.

@@ -6,7 +6,7 @@ use super::{InvalidValue, at_least, invalid, positive, within};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
 use crate::study::file::{Hold, RemedySection, VerdictSection};
-use crate::study::uncertain::{Place, UncertainValue};
+use crate::study::uncertain::{Place, UncertainValue, add_latent};
 
 const SECTION: &str = "verdict";
 const PROBABILITY: &str = "a probability strictly between 0 and 1";
@@ -22,6 +22,8 @@ pub(in crate::study) struct VerdictStudy {
     pub(in crate::study) inputs: UncertainInputs,
     /// Place of each uncertain value.
     pub(in crate::study) places: Vec<Place>,
+    /// Whether the verdict counts what the scans leave uncertain of the surface.
+    pub(in crate::study) scan_errors: bool,
     /// Duration T; `None` for the duration of the vibration stage.
     pub(in crate::study) duration_s: Option<f64>,
     pub(in crate::study) remedies: Vec<RemedyStudy>,
@@ -41,6 +43,18 @@ pub(in crate::study) struct RemedyStudy {
     pub(in crate::study) low: f64,
     pub(in crate::study) high: f64,
     pub(in crate::study) hold: Hold,
+}
+
+impl VerdictStudy {
+    /// Returns the study with more uncertain values, which no study file states and which are independent of all others.
+    pub(in crate::study) fn with_latent(&self, latent: Vec<(Place, UncertainInput)>) -> Self {
+        let (places, inputs): (Vec<Place>, Vec<UncertainInput>) = latent.into_iter().unzip();
+        let mut study = self.clone();
+        add_latent(&mut study.central, &places);
+        study.places.extend(places);
+        study.inputs = study.inputs.with_independent(inputs);
+        study
+    }
 }
 
 impl StudyFile {
@@ -70,6 +84,7 @@ impl StudyFile {
             central,
             inputs,
             places: self.uncertain.iter().map(UncertainValue::place).collect(),
+            scan_errors: self.uncertainty.as_ref().is_none_or(|section| section.surface),
             duration_s: duration.map(|duration| duration.0),
             remedies,
             targets,
@@ -82,10 +97,6 @@ impl StudyFile {
     fn joint_inputs(&self) -> Result<UncertainInputs, InvalidValue> {
         let inputs: Vec<UncertainInput> = self.uncertain.iter().map(|value| value.input().clone()).collect();
         let wrong = |message: String| invalid("uncertainty", "correlation", message);
-        if self.uncertainty.as_ref().is_some_and(|section| section.surface) {
-            let message = "the statistics of a scan count as exact; state `surface = false`, or uncertain values of a stated surface";
-            return Err(invalid("uncertainty", "surface", message));
-        }
         let stated = self.uncertainty.as_ref().map_or(&[][..], |section| &section.correlation[..]);
         let place = |name: &str| {
             inputs.iter().position(|input| input.name() == name).ok_or_else(|| {

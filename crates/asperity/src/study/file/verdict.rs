@@ -13,8 +13,8 @@ pub struct JointSection {
     /// Spearman's rank correlations of pairs of uncertain values, each named `section.key`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub correlation: Vec<(String, String, f64)>,
-    /// Whether statistics that the scan leaves uncertain are uncertain values, too. Only `false` is possible: they count as exact.
-    #[serde(default)]
+    /// Whether the verdict counts what the scans leave uncertain of the surface.
+    #[serde(default = "yes")]
     pub surface: bool,
 }
 
@@ -76,6 +76,9 @@ impl Default for VerdictSection {
     }
 }
 
+fn yes() -> bool {
+    true
+}
 fn targets() -> Vec<f64> {
     vec![0.05, 0.01]
 }

@@ -59,6 +59,14 @@ pub(super) const KEYS: &[UncertainKey] = &[
     key("vibration", "friction_correlation_length", "m", 0.0, UNBOUNDED),
 ];
 
+/// Standard normal values that no study file states: what the scans leave uncertain, differences between scans and between the parts of a
+/// rough slider.
+pub(super) const LATENT: &[UncertainKey] = &[
+    key("surface", "scan", "", -UNBOUNDED, UNBOUNDED),
+    key("surface", "between_scans", "", -UNBOUNDED, UNBOUNDED),
+    key("surface", "between_parts", "", -UNBOUNDED, UNBOUNDED),
+];
+
 impl UncertainKey {
     /// Returns the key; of a key that takes numbers and quantities, the form of `value`.
     pub(super) fn find(section: &str, name: &str, value: &Value) -> Option<&'static Self> {

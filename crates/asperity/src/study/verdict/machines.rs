@@ -11,7 +11,7 @@ use crate::random;
 use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
 use crate::study::file::Hold;
-use crate::study::uncertain::Place;
+use crate::study::uncertain::{Place, without_latent};
 use crate::vibration::Oscillator;
 
 /// Stream of the standard normal variables of the samples.
@@ -144,8 +144,13 @@ impl<'a> Machines<'a> {
         self.with_values(&self.inputs.values(variables))
     }
 
-    /// Returns the machine with these values in SI.
-    fn with_values(&self, values: &[f64]) -> Result<Machine, String> {
+    /// Returns the study file of independent standard normal variables.
+    pub(super) fn table_at(&self, variables: &[f64]) -> Table {
+        self.table_of(&self.inputs.values(variables)).0
+    }
+
+    /// Returns the study file of values in SI, and the unit of velocity over that of the central values.
+    fn table_of(&self, values: &[f64]) -> (Table, f64) {
         let mut table = self.central.clone();
         let before = damper(&table);
         self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut table, *value));
@@ -161,10 +166,17 @@ impl<'a> Machines<'a> {
         for (key, power) in DIMENSIONLESS {
             scale(&mut table, key, ratio.powi(power));
         }
+        (table, ratio)
+    }
+
+    /// Returns the machine with these values in SI.
+    fn with_values(&self, values: &[f64]) -> Result<Machine, String> {
+        let (mut table, ratio) = self.table_of(values);
         let mut window = match self.responses {
             Some(responses) => responses.at(&table, self.window),
             None => self.window.clone(),
         };
+        without_latent(&mut table);
         let file = StudyFile::deserialize(table).map_err(|error| error.message().to_owned())?;
         let study = file.check_vibration().map_err(|error| error.to_string())?.ok_or("no vibration")?;
         window.stribeck = window.stribeck.map(|rate| rate * ratio);

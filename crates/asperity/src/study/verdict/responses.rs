@@ -1,27 +1,33 @@
 //! Friction of the contact as a function of the uncertain values, learnt from solved strips.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+mod axis;
+mod points;
 
-use serde::Deserialize;
 use toml::Table;
 
-use crate::chaos::{Expansion, Observed, Parameter, Propagation, Resamples};
+use self::axis::Axis;
+pub(super) use self::points::ContactPoints;
+use super::machines::Machines;
+use crate::chaos::{Expansion, Observed, Propagation, Resamples};
+use crate::friction::WindowFriction;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
-use crate::friction::{LevelControl, OperatingLevel, WindowFriction};
-use crate::monitor::{Cancelled, Monitor, Quiet};
+use crate::monitor::Monitor;
+use crate::stats::{Moments, NORMAL_95, student_quantile};
 use crate::study::check::VerdictStudy;
-use crate::study::friction_stage;
 use crate::study::output::StageOutput;
-use crate::study::surface_stage::{self, SurfaceStage};
+use crate::study::result::LearntFriction;
 use crate::study::uncertain::Place;
-use crate::study::{Study, StudyError, StudyFile, sentence};
+use crate::study::{StudyError, sentence};
+use crate::vibration::DampingMargins;
 
-/// Probability of values below and above the range on which friction is learnt.
-const TAIL: f64 = 1e-3;
-/// Solved points per uncertain value and one.
-const POINTS_PER_VALUE: usize = 6;
-/// Smallest number of strips per point.
-const LEAST_STRIPS: usize = 4;
+/// Solved points per uncertain value and one, before any are solved near the limit of vibration.
+const POINTS_PER_VALUE: usize = 4;
+/// Largest number of rounds of points near the limit of vibration.
+const MOST_ROUNDS: usize = 4;
+/// Machines among which those near the limit of vibration are found.
+const CANDIDATES: usize = 512;
+/// Part of the half width of the probability's interval that the error of friction may take.
+const PART_OF_HALF_WIDTH: f64 = 0.5;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
 /// Places of the moments in [`LevelMoments::values`].
@@ -36,63 +42,23 @@ pub(super) struct FrictionResponses {
     axes: Vec<Axis>,
     /// Expansions of the logarithms of mean, standard deviation and correlation length: friction is nearly a product of powers.
     moments: [Option<Expansion>; 3],
-    /// Relative standard error of the mean: of the few strips, and of the expansion.
-    pub(super) mean_error: f64,
-}
-
-/// One value, on a linear or logarithmic scale.
-struct Axis {
-    place: Place,
-    low: f64,
-    high: f64,
-    logarithmic: bool,
-}
-
-impl Axis {
-    /// Returns the axis over the values of an input and of its remedies.
-    fn new(place: Place, study: &VerdictStudy) -> Option<Self> {
-        let mut ends = Vec::new();
-        if let Some(index) = study.places.iter().position(|own| *own == place) {
-            let input = &study.inputs.inputs()[index];
-            ends.extend([TAIL, 1.0 - TAIL].map(|probability| input.marginal().quantile(probability)));
-        }
-        for remedy in study.remedies.iter().filter(|remedy| remedy.place == place) {
-            ends.extend([remedy.low, remedy.high]);
-        }
-        let low = ends.iter().copied().reduce(f64::min)?;
-        let high = ends.into_iter().reduce(f64::max)?;
-        Some(Self { place, low, high, logarithmic: low > 0.0 })
-    }
-
-    fn scale(&self, value: f64) -> f64 {
-        if self.logarithmic { value.ln() } else { value }
-    }
-
-    /// Returns the value at a point of the scale.
-    fn value(&self, scaled: f64) -> f64 {
-        if self.logarithmic { scaled.exp() } else { scaled }
-    }
-
-    /// Returns the position of a value in −1 … 1; values beyond the ends count as the ends.
-    fn xi(&self, value: f64) -> f64 {
-        let [low, high] = [self.low, self.high].map(|end| self.scale(end));
-        (2.0 * (self.scale(value) - low) / (high - low) - 1.0).clamp(-1.0, 1.0)
-    }
-
-    fn parameter(&self) -> Result<Parameter, StudyError> {
-        Ok(Parameter::uniform(&self.place.name(), self.scale(self.low), self.scale(self.high))?)
-    }
+    /// Relative standard error of the mean that is due to the few strips.
+    pub(super) strips_error: f64,
+    /// Relative standard error of the mean near the limit of vibration that is due to the expansion.
+    pub(super) expansion_error: f64,
+    pub(super) learnt: LearntFriction,
 }
 
 impl FrictionResponses {
-    /// Solves strips at points of the values that change the contact; `None` if all of them are exact.
+    /// Solves strips at points of the values that change the contact, and at machines near the limit of vibration, until the error of
+    /// friction is a small part of the interval of the probability; `None` if all values are exact.
     ///
     /// # Errors
     /// A point has no answer, or the monitor cancelled.
     pub(super) fn learn(
-        study: &Study,
+        points: &ContactPoints<'_>,
         verdict: &VerdictStudy,
-        surface: &SurfaceStage,
+        window: &WindowFriction,
         monitor: &dyn Monitor,
         output: &mut StageOutput,
     ) -> Result<Option<Self>, StudyError> {
@@ -109,53 +75,111 @@ impl FrictionResponses {
         if places.is_empty() {
             return Ok(None);
         }
+        let seed = points.seed();
         let axes: Vec<Axis> = places.into_iter().filter_map(|place| Axis::new(place, verdict)).collect();
         let parameters = axes.iter().map(Axis::parameter).collect::<Result<Vec<_>, _>>()?;
-        let points = POINTS_PER_VALUE * (axes.len() + 1);
-        let propagation = Propagation::new(parameters, points, study.seed())?;
-        let done = AtomicUsize::new(0);
-        let mut found = Vec::with_capacity(points);
-        for index in 0..points {
-            monitor.progress("verdict: friction", done.fetch_add(1, Ordering::Relaxed), points);
-            if monitor.cancelled() {
-                return Err(Cancelled.into());
-            }
+        let round = axes.len() + 1;
+        let first = POINTS_PER_VALUE * round;
+        let mut propagation = Propagation::new(parameters, first, seed)?;
+        let mut found = Vec::with_capacity(first);
+        for index in 0..first {
+            monitor.progress("verdict: friction", index, first);
             let mut table = verdict.central.clone();
             for (axis, scaled) in axes.iter().zip(propagation.point(index)) {
                 axis.place.set(&mut table, axis.value(scaled));
             }
-            found.push(solve(study, table, surface, monitor)?);
+            found.push(points.solve(&table)?);
         }
-        monitor.progress("verdict: friction", points, points);
-        let mut responses = Vec::new();
-        for moment in [MEAN, STD, LENGTH] {
-            responses.push(learn_moment(&propagation, &found, moment, study.seed())?);
-        }
-        let mean_error = responses[0].as_ref().map_or(0.0, |(_, error)| *error);
-        if !axes.is_empty() {
-            let percent = 100.0 * mean_error;
-            output.assumptions.push(format!(
-                "The friction coefficient as a function of {} is expanded from {points} solved points; its standard error is {} %.",
-                axes.iter().map(|axis| axis.place.name()).collect::<Vec<_>>().join(", "),
-                sentence::digits(percent)
-            ));
-            if percent > LARGEST_PERCENT {
-                output.warnings.push(format!(
-                    "the friction coefficient as a function of the uncertain values has a standard error of {} %; raise `realisations` \
-                     in [friction]",
-                    sentence::digits(percent)
-                ));
+        monitor.progress("verdict: friction", first, first);
+        let mut responses = Self::fit(axes, &propagation, &found, seed)?;
+        for count in 1..=MOST_ROUNDS {
+            let machines = Machines::new(verdict, window, Some(&responses), seed);
+            let near = Near::new(&machines, round, (count - 1) * CANDIDATES, monitor);
+            let mut differences = Vec::new();
+            for (index, table) in near.tables.iter().enumerate() {
+                monitor.progress("verdict: friction near the limit", index, near.tables.len());
+                let solved = points.solve(table)?;
+                let predicted = responses.at(table, window).mean.ln();
+                differences.extend(solved.as_ref().map(|solved| solved.all.mean.ln() - predicted));
+                propagation.push(responses.axes.iter().map(|axis| axis.xi(table)).collect());
+                found.push(solved);
+            }
+            let difference = Moments::new(&differences);
+            let near_limit = responses.learnt.points_near_limit + near.tables.len();
+            responses = Self::fit(responses.axes, &propagation, &found, seed)?;
+            responses.learnt.points_near_limit = near_limit;
+            if differences.len() > 1 {
+                responses.expansion_error = difference.mean.hypot(difference.standard_error());
+                responses.learnt.difference_near_limit = Some(difference.mean.hypot(difference.std));
+            }
+            let error = responses.strips_error.hypot(responses.expansion_error);
+            if near.change(error) <= PART_OF_HALF_WIDTH * verdict.half_width
+                || responses.strips_error > responses.expansion_error
+            {
+                break;
             }
         }
-        let [mean, std, length] = <[_; 3]>::try_from(responses).unwrap_or_default();
-        let moments = [mean, std, length].map(|learnt| learnt.map(|(expansion, _)| expansion));
-        Ok(Some(Self { axes, moments, mean_error }))
+        responses.state(output);
+        Ok(Some(responses))
+    }
+
+    fn fit(
+        axes: Vec<Axis>,
+        propagation: &Propagation,
+        found: &[Option<MomentReplicates>],
+        seed: u64,
+    ) -> Result<Self, StudyError> {
+        let mut moments = [None, None, None];
+        let (mut strips_error, mut expansion_error) = (0.0, 0.0);
+        for (own, moment) in moments.iter_mut().zip([MEAN, STD, LENGTH]) {
+            if let Some((expansion, [noise, unexplained])) = learn_moment(propagation, found, moment, seed)? {
+                if moment == MEAN {
+                    (strips_error, expansion_error) = (noise, unexplained);
+                }
+                *own = Some(expansion);
+            }
+        }
+        let learnt = LearntFriction {
+            inputs: axes.iter().map(|axis| axis.place.name()).collect(),
+            points: found.len(),
+            points_near_limit: 0,
+            difference_near_limit: None,
+            standard_error: strips_error.hypot(expansion_error),
+        };
+        Ok(Self { axes, moments, strips_error, expansion_error, learnt })
+    }
+
+    /// States what was learnt, with its error.
+    fn state(&mut self, output: &mut StageOutput) {
+        let error = self.strips_error.hypot(self.expansion_error);
+        self.learnt.standard_error = error;
+        let percent = |share: f64| sentence::digits(100.0 * share);
+        let difference = self.learnt.difference_near_limit.map_or_else(String::new, |difference| {
+            format!(
+                "; before the {} points near the limit of vibration were added, it differed there from the solved coefficient by {} % \
+                 (root mean square)",
+                self.learnt.points_near_limit,
+                percent(difference)
+            )
+        });
+        output.assumptions.push(format!(
+            "The friction coefficient as a function of {} is expanded from {} solved points{difference}. Its standard error is {} %.",
+            self.learnt.inputs.join(", "),
+            self.learnt.points,
+            percent(error)
+        ));
+        if 100.0 * error > LARGEST_PERCENT {
+            output.warnings.push(format!(
+                "the friction coefficient as a function of the uncertain values has a standard error of {} %; raise `realisations` \
+                 in [friction]",
+                percent(error)
+            ));
+        }
     }
 
     /// Returns the friction of a study file's values, `window` being the friction at their centres.
     pub(super) fn at(&self, table: &Table, window: &WindowFriction) -> WindowFriction {
-        let xi: Vec<f64> =
-            self.axes.iter().map(|axis| axis.xi(axis.place.value_in(table).unwrap_or(axis.low))).collect();
+        let xi: Vec<f64> = self.axes.iter().map(|axis| axis.xi(table)).collect();
         let [mean, std, length] =
             [0, 1, 2].map(|moment| self.moments[moment].as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
         WindowFriction {
@@ -167,44 +191,58 @@ impl FrictionResponses {
     }
 }
 
-/// Solves the strips of one study file at its operating point.
-fn solve(
-    study: &Study,
-    mut table: Table,
-    surface: &SurfaceStage,
-    monitor: &dyn Monitor,
-) -> Result<Option<MomentReplicates>, StudyError> {
-    table.remove("verdict");
-    table.remove("uncertainty");
-    let file = StudyFile::deserialize(table).map_err(|error| StudyError::Verdict(error.message().to_owned()))?;
-    let own = file.check()?;
-    let (Some(friction), Some(vibration), Some(request)) = (&own.friction, &own.vibration, &own.surface) else {
-        return Ok(None);
-    };
-    let mut model = surface.model.clone();
-    if own.file().surface != study.file().surface
-        && let Some(section) = &own.file().surface
-    {
-        let output = &mut StageOutput::default();
-        model.surface = surface_stage::model_of(section, request.clone(), surface.measured.as_ref(), output)?.0;
-    }
-    let level = match own.operating_level() {
-        OperatingLevel::Percentile(percentile) => LevelControl::Percentile(percentile),
-        OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
-        OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
-    };
-    let realisations = LEAST_STRIPS.max(friction.realisations.div_ceil(2));
-    let solved = friction_stage::solve_level(friction, &model, level, realisations, own.seed(), &Quiet(monitor))?;
-    Ok(solved)
+/// Machines near the limit of vibration.
+struct Near {
+    /// Their study files.
+    tables: Vec<Table>,
+    /// Change of the margin over that of ln μ, and margin, of all candidates.
+    margins: Vec<(f64, f64)>,
 }
 
-/// Expands the logarithm of one moment, with its standard error; `None` for a moment that is undefined or zero.
+/// Relative change of friction for the slope of the margin.
+const CHANGE: f64 = 0.01;
+
+impl Near {
+    /// Finds the `count` machines with the smallest margins among samples from number `from` on.
+    fn new(machines: &Machines<'_>, count: usize, from: usize, monitor: &dyn Monitor) -> Self {
+        let changed = machines.with_friction_factor(CHANGE.exp());
+        let margin = |machines: &Machines<'_>, variables: &[f64]| {
+            let machine = machines.at(variables).ok()?;
+            Some(DampingMargins::new(&machine.oscillator).ok()?.from_stick)
+        };
+        let mut near = Vec::new();
+        for index in from..from + CANDIDATES {
+            if monitor.cancelled() {
+                break;
+            }
+            let variables = machines.variables_of(index);
+            if let Some((own, other)) = margin(machines, &variables).zip(margin(&changed, &variables)) {
+                near.push((own, (other - own) / CHANGE, variables));
+            }
+        }
+        // The distance in ln μ, not in damping: friction is what the points are to teach.
+        near.sort_by(|a, b| (a.0 / a.1).abs().total_cmp(&(b.0 / b.1).abs()));
+        let tables = near.iter().take(count).map(|(.., variables)| machines.table_at(variables)).collect();
+        Self { tables, margins: near.into_iter().map(|(margin, slope, _)| (margin, slope)).collect() }
+    }
+
+    /// Returns the half width of the probability's interval that a relative standard error of friction causes.
+    fn change(&self, error: f64) -> f64 {
+        let share = |sign: f64| {
+            let vibrates = |(margin, slope): &&(f64, f64)| margin + sign * NORMAL_95 * error * slope < 0.0;
+            self.margins.iter().filter(vibrates).count() as f64 / self.margins.len().max(1) as f64
+        };
+        0.5 * (share(1.0) - share(-1.0)).abs()
+    }
+}
+
+/// Expands the logarithm of one moment, with the standard errors due to the few strips and to the expansion; `None` for a moment that is undefined or zero.
 fn learn_moment(
     propagation: &Propagation,
     found: &[Option<MomentReplicates>],
     moment: usize,
     seed: u64,
-) -> Result<Option<(Expansion, f64)>, StudyError> {
+) -> Result<Option<(Expansion, [f64; 2])>, StudyError> {
     let strips = found.iter().flatten().map(|replicates| replicates.without.len()).max().unwrap_or(0);
     let of = |moments: &LevelMoments| moments.values()[moment].ln();
     let values: Vec<f64> = found.iter().map(|found| found.as_ref().map_or(f64::NAN, |r| of(&r.all))).collect();
@@ -221,7 +259,8 @@ fn learn_moment(
     }
     let observed = Observed { values: &values, without: &without, resolution: 0.0 };
     let propagated = propagation.respond(&observed, &Resamples { count: 20, ..Resamples::new(seed) })?;
-    let unexplained = propagated.leave_one_out * propagated.std.value.powi(2);
-    let error = (unexplained + propagated.noise.standard_error.powi(2)).sqrt();
-    Ok(Some((propagated.expansion, error)))
+    let unexplained = propagated.leave_one_out.sqrt() * propagated.std.value;
+    // A standard error of few strips follows Student's distribution.
+    let few = if strips > 1 { student_quantile(0.975, (strips - 1) as f64) / NORMAL_95 } else { 1.0 };
+    Ok(Some((propagated.expansion, [few * propagated.noise.standard_error, unexplained])))
 }

@@ -1,0 +1,104 @@
+//! Solved strips at the values of a study file.
+
+use serde::Deserialize;
+use toml::Table;
+
+use super::super::scan::{Measured, ScanErrors, StatisticErrors};
+use super::LevelMoments;
+use crate::friction::replicates::MomentReplicates;
+use crate::friction::{LevelControl, OperatingLevel};
+use crate::monitor::{Cancelled, Monitor, Quiet};
+use crate::study::friction_stage;
+use crate::study::output::StageOutput;
+use crate::study::surface_stage::{self, SurfaceStage};
+use crate::study::uncertain::without_latent;
+use crate::study::{Study, StudyError, StudyFile};
+use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest};
+
+/// Smallest number of strips per point.
+const LEAST_STRIPS: usize = 4;
+
+/// Strips of a study at other values, all drawn from the same random numbers.
+pub(in super::super) struct ContactPoints<'a> {
+    pub(in super::super) study: &'a Study,
+    pub(in super::super) surface: &'a SurfaceStage,
+    /// The study file with central values.
+    pub(in super::super) central: &'a Table,
+    /// Errors of the statistics of the scans.
+    pub(in super::super) scan: ScanErrors,
+    pub(in super::super) monitor: &'a dyn Monitor,
+}
+
+impl ContactPoints<'_> {
+    pub(super) fn seed(&self) -> u64 {
+        self.study.seed()
+    }
+
+    /// Solves the strips of one study file at its operating point.
+    pub(super) fn solve(&self, table: &Table) -> Result<Option<MomentReplicates>, StudyError> {
+        let mut errors = [0.0; 3];
+        for (place, _, unit) in &self.scan.inputs {
+            let normal = place.value_in(table).unwrap_or(0.0);
+            errors.iter_mut().zip(unit).for_each(|(error, unit)| *error += normal * unit);
+        }
+        self.solve_with_errors(table, errors)
+    }
+
+    /// Returns ln μ at the central values, of a surface whose scan had statistics with these errors.
+    pub(in super::super) fn ln_friction(&self, errors: StatisticErrors) -> Result<f64, StudyError> {
+        let solved = self.solve_with_errors(self.central, errors)?;
+        Ok(solved.map_or(LevelMoments::NONE, |solved| solved.all).mean.ln())
+    }
+
+    fn solve_with_errors(
+        &self,
+        table: &Table,
+        errors: StatisticErrors,
+    ) -> Result<Option<MomentReplicates>, StudyError> {
+        if self.monitor.cancelled() {
+            return Err(Cancelled.into());
+        }
+        let mut table = table.clone();
+        without_latent(&mut table);
+        table.remove("verdict");
+        table.remove("uncertainty");
+        let file = StudyFile::deserialize(table).map_err(|error| StudyError::Verdict(error.message().to_owned()))?;
+        let own = file.check()?;
+        let (Some(friction), Some(vibration), Some(request)) = (&own.friction, &own.vibration, &own.surface) else {
+            return Ok(None);
+        };
+        let mut model = self.surface.model.clone();
+        if own.file().surface != self.study.file().surface
+            && let Some(section) = &own.file().surface
+        {
+            let output = &mut StageOutput::default();
+            model.surface =
+                surface_stage::model_of(section, request.clone(), self.surface.measured.as_ref(), output)?.0;
+        }
+        if errors != [0.0; 3] {
+            model.surface = measured(request).with_errors(&model.surface, errors)?;
+        }
+        let level = match own.operating_level() {
+            OperatingLevel::Percentile(percentile) => LevelControl::Percentile(percentile),
+            OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
+            OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
+        };
+        let realisations = LEAST_STRIPS.max(friction.realisations.div_ceil(2));
+        let monitor = &Quiet(self.monitor);
+        friction_stage::solve_level(friction, &model, level, realisations, own.seed(), monitor)
+    }
+}
+
+/// Returns what a request measures on the scans.
+fn measured(request: &SurfaceRequest) -> Measured {
+    match request {
+        SurfaceRequest::Translated { rms_height_m, covariance, marginal, .. } => Measured {
+            rms_height: *rms_height_m == Measurable::Measured,
+            covariance: matches!(covariance, CovarianceRequest::Measured | CovarianceRequest::Empirical),
+            marginal: *marginal == Measurable::Measured,
+        },
+        SurfaceRequest::WeierstrassMandelbrot { rms_height_m, .. } => {
+            Measured { rms_height: *rms_height_m == Measurable::Measured, covariance: false, marginal: false }
+        }
+    }
+}
