@@ -235,7 +235,7 @@ fn wrong_uncertain_values_name_their_line() {
             14,
             "vibration.mass",
         ),
-        ("damping_ratio = 0.05\n[uncertainty]\nsurface = 1\n", 14, "expected a boolean"),
+        ("damping_ratio = 0.05\n[uncertainty]\nsurface = 1\n", 14, "is not true or false"),
     ] {
         let ended = run(&format!("{lines}{more}"));
         assert_eq!(ended.code, 2, "{more}: {ended:?}");

@@ -1,8 +1,8 @@
 //! An invented verdict.
 
 use asperity_results::{
-    Driver, Guess, KindResult, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, VerdictResult,
-    VibratingMachines,
+    Driver, ErrorSource, Guess, KindResult, LearntFriction, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy,
+    VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -24,6 +24,17 @@ pub(crate) fn verdict() -> VerdictResult {
         probability_from_steady_sliding: 0.12,
         probability_from_steady_sliding_interval: [0.1, 0.14],
         probability_over_unknowns: Some(Quantiles { q05: 0.22, q50: 0.66, q95: 0.91 }),
+        error_sources: vec![
+            ErrorSource { source: "machines".into(), half_width: 0.026 },
+            ErrorSource { source: "strips".into(), half_width: 0.014 },
+        ],
+        friction: Some(LearntFriction {
+            inputs: vec!["material.shear_strength".into(), "surface.scan".into()],
+            points: 18,
+            points_near_limit: 6,
+            difference_near_limit: Some(0.004),
+            standard_error: 0.006,
+        }),
         evaluations: 4096,
         failed_samples: 3,
         first_failure: Some("no fold of slip cycles found".into()),
