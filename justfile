@@ -32,6 +32,7 @@ validate:
     cargo run --release -p asperity-validation --bin validate_contact -- docs
     cargo run --release -p asperity-validation --bin validate_pressure > docs/validation/pressure.md
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
+    cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
 
 # Everything but the tests.
 lint: fmt clippy doc typos deny

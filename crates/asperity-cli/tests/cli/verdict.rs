@@ -189,24 +189,41 @@ fn dependent_values_have_shapley_effects_that_sum_to_one() {
     assert!((shapley(0) - wanted).abs() < 0.01, "{} instead of {wanted}", shapley(0));
 }
 
-#[test]
-fn the_shear_strength_of_plastic_contacts_decides_through_the_whole_chain() {
-    // Nearly rigid bodies touch at the hardness everywhere, so μ = τ/H. ζ = .2229535019 is the limit of μ = .2 (published), and the
-    // limit rises with μ: P = P[τ > 20 MPa] = Φ(½).
-    let study = "seed = 5\n[surface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
-                 correlation_length = \"20 um\"\ngenerator = \"spectral\"\n[material]\nyoungs_modulus = \"1e9 GPa\"\n\
-                 hardness = \"100 MPa\"\nshear_strength = \"21 ± 2 MPa\"\n[friction]\nstrip = [\"2 mm\", \"80 um\"]\n\
-                 points = [256, 16]\nwindow = \"200 um\"\nrealisations = 4\n[vibration]\nmass = \"1 kg\"\n\
-                 natural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\n\
-                 dimensionless_belt_velocity = 0.1\nstribeck = 4.2\ndamping_ratio = 0.22295350190250\n";
+/// Runs the verdict of nearly rigid bodies with this shear strength and Stribeck coefficient.
+fn plastic(shear_strength: &str, stribeck: &str) -> Value {
+    let study = format!(
+        "seed = 5\n[surface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+         correlation_length = \"20 um\"\ngenerator = \"spectral\"\n[material]\nyoungs_modulus = \"1e9 GPa\"\n\
+         hardness = \"100 MPa\"\nshear_strength = \"{shear_strength}\"\n[friction]\nstrip = [\"2 mm\", \"80 um\"]\n\
+         points = [256, 16]\nwindow = \"200 um\"\nrealisations = 4\n[vibration]\nmass = \"1 kg\"\n\
+         natural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\n\
+         dimensionless_belt_velocity = 0.1\nstribeck = {stribeck}\ndamping_ratio = 0.22295350190250\n"
+    );
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("study.toml"), study).unwrap();
     let ended = run_in(folder.path(), "verdict study.toml --json");
     assert_eq!(ended.code, 0, "{ended:?}");
-    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+#[test]
+fn the_shear_strength_of_plastic_contacts_decides_through_the_whole_chain() {
+    // Nearly rigid bodies touch at the hardness everywhere, so μ = τ/H. ζ = .2229535019 is the limit of μ = .2 (published), and the
+    // limit rises with μ: P = P[τ > 20 MPa] = Φ(½).
+    let found = plastic("21 ± 2 MPa", "4.2");
     contains(&found["probability_interval"], 0.691_462_5);
     assert_eq!(found["drivers"][0]["input"], "material.shear_strength");
     assert!(found["drivers"][0]["first_order"].as_f64().unwrap() > 0.999, "{found}");
+}
+
+#[test]
+fn an_uncertain_law_decides_over_computed_friction() {
+    // The limit rises with the Stribeck coefficient: P = P[a > 4.2] = Φ(½), in either unit. 1 m/s is mω₀/N = .1264 of the unit of velocity.
+    for stribeck in ["\"4.4 ± 0.4\"", "\"0.55616 ± 0.05056 s/m\""] {
+        let found = plastic("20 MPa", stribeck);
+        contains(&found["probability_interval"], 0.691_462_5);
+        assert_eq!(found["drivers"][0]["input"], "vibration.stribeck");
+    }
 }
 
 #[test]

@@ -53,6 +53,8 @@ pub(super) struct Machines<'a> {
     window: &'a WindowFriction,
     /// Friction as a function of the values that change the contact.
     responses: Option<&'a FrictionResponses>,
+    /// Whether the Stribeck coefficient is that of a friction process from a file, not that of the study.
+    process_has_stribeck: bool,
     /// Factor of the mean friction coefficient.
     friction_factor: f64,
     change: Option<Change>,
@@ -71,7 +73,9 @@ impl<'a> Machines<'a> {
             central.retain(|section, _| matches!(section, "seed" | "vibration"));
         }
         central.retain(|section, _| section != "verdict" && section != "uncertainty");
+        let stated = vibration_of(central.clone()).ok().and_then(|study| study.dimensionless_stribeck());
         Self {
+            process_has_stribeck: window.stribeck != stated,
             central,
             inputs: study.inputs.clone(),
             places: &study.places,
@@ -171,23 +175,31 @@ impl<'a> Machines<'a> {
 
     /// Returns the machine with these values in SI.
     fn with_values(&self, values: &[f64]) -> Result<Machine, String> {
-        let (mut table, ratio) = self.table_of(values);
+        let (table, ratio) = self.table_of(values);
         let mut window = match self.responses {
             Some(responses) => responses.at(&table, self.window),
             None => self.window.clone(),
         };
-        without_latent(&mut table);
-        let file = StudyFile::deserialize(table).map_err(|error| error.message().to_owned())?;
-        let study = file.check_vibration().map_err(|error| error.to_string())?.ok_or("no vibration")?;
-        window.stribeck = window.stribeck.map(|rate| rate * ratio);
+        let study = vibration_of(table)?;
+        window.stribeck = match &study.friction {
+            FrictionSource::File(_) if self.process_has_stribeck => window.stribeck.map(|rate| rate * ratio),
+            _ => study.dimensionless_stribeck(),
+        };
         if let FrictionSource::Stated(stated) = &study.friction {
             let area_m2 = study.nominal_contact().area_m2;
-            window = WindowFriction::from_statement(stated.clone(), area_m2, study.dimensionless_stribeck());
+            window = WindowFriction::from_statement(stated.clone(), area_m2, window.stribeck);
         }
         window.mean *= self.friction_factor;
         let oscillator = study.oscillator(window.mean, window.stribeck).map_err(|error| error.to_string())?;
         Ok(Machine { study, oscillator, window })
     }
+}
+
+/// Returns the machine of a study file.
+fn vibration_of(mut table: Table) -> Result<VibrationStudy, String> {
+    without_latent(&mut table);
+    let file = StudyFile::deserialize(table).map_err(|error| error.message().to_owned())?;
+    file.check_vibration().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
 }
 
 /// Returns a number of [vibration] in SI; 1 if the study does not state it.
