@@ -96,13 +96,14 @@ fn scans_of_different_slopes_differ_in_friction_beyond_their_errors() {
 }
 
 #[test]
-fn scans_count_as_exact_where_the_study_says_so() {
+fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[1.0]);
     let path = folder.path().join("study.toml");
     let study = fs::read_to_string(&path).unwrap();
     fs::write(&path, format!("{study}[uncertainty]\nsurface = false\n")).unwrap();
     let ended = run_in(folder.path(), "verdict study.toml --json");
+    assert_eq!(ended.stdout, run_in(folder.path(), "verdict study.toml --json --threads 1").stdout);
     let found: Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!(found["drivers"].as_array().unwrap().len(), 2, "{found}");
     assert!(found["probability_over_unknowns"].is_null());
