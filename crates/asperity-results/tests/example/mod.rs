@@ -402,6 +402,8 @@ fn friction() -> FrictionResult {
             mean_pressure_pa: 3e6,
             contact_fraction: 0.02,
             contact_fraction_interval: Some([0.019, 0.021]),
+            contact_stiffness_pa_per_m: Some(5.6e12),
+            contact_stiffness_pa_per_m_se: Some(1.2e11),
             mean: 0.2249,
             mean_interval: Some([0.2227, 0.2271]),
             std: 0.0058,

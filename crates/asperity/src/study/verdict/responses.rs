@@ -24,18 +24,18 @@ const POINTS_PER_VALUE: usize = 6;
 const LEAST_STRIPS: usize = 4;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
-/// Places of the moments in [`LevelMoments::values`].
+/// Learnt moments, the mean first.
+const MOMENTS: [fn(&LevelMoments) -> f64; 4] =
+    [|level| level.mean, |level| level.std, |level| level.correlation_length_m, |level| level.stiffness_pa_per_m];
 const MEAN: usize = 0;
-const STD: usize = 1;
-const LENGTH: usize = 3;
 /// Keys of [vibration] that change the pressure of the contact.
 const LOADS: [&str; 2] = ["normal_force", "nominal_area"];
 
 /// Friction learnt as a function of the values that change the contact.
 pub(super) struct FrictionResponses {
     axes: Vec<Axis>,
-    /// Expansions of the logarithms of mean, standard deviation and correlation length: friction is nearly a product of powers.
-    moments: [Option<Expansion>; 3],
+    /// Expansions of the logarithms of the moments, which are nearly products of powers.
+    moments: [Option<Expansion>; MOMENTS.len()],
     /// Relative standard error of the mean: of the few strips, and of the expansion.
     pub(super) mean_error: f64,
 }
@@ -128,10 +128,10 @@ impl FrictionResponses {
         }
         monitor.progress("verdict: friction", points, points);
         let mut responses = Vec::new();
-        for moment in [MEAN, STD, LENGTH] {
+        for moment in 0..MOMENTS.len() {
             responses.push(learn_moment(&propagation, &found, moment, study.seed())?);
         }
-        let mean_error = responses[0].as_ref().map_or(0.0, |(_, error)| *error);
+        let mean_error = responses[MEAN].as_ref().map_or(0.0, |(_, error)| *error);
         if !axes.is_empty() {
             let percent = 100.0 * mean_error;
             output.assumptions.push(format!(
@@ -147,8 +147,8 @@ impl FrictionResponses {
                 ));
             }
         }
-        let [mean, std, length] = <[_; 3]>::try_from(responses).unwrap_or_default();
-        let moments = [mean, std, length].map(|learnt| learnt.map(|(expansion, _)| expansion));
+        let learnt = <[_; MOMENTS.len()]>::try_from(responses).unwrap_or_default();
+        let moments = learnt.map(|learnt| learnt.map(|(expansion, _)| expansion));
         Ok(Some(Self { axes, moments, mean_error }))
     }
 
@@ -156,12 +156,13 @@ impl FrictionResponses {
     pub(super) fn at(&self, table: &Table, window: &WindowFriction) -> WindowFriction {
         let xi: Vec<f64> =
             self.axes.iter().map(|axis| axis.xi(axis.place.value_in(table).unwrap_or(axis.low))).collect();
-        let [mean, std, length] =
-            [0, 1, 2].map(|moment| self.moments[moment].as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
+        let [mean, std, length, stiffness] =
+            self.moments.each_ref().map(|moment| moment.as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
         WindowFriction {
             mean: mean.unwrap_or(window.mean),
             std: std.unwrap_or(window.std),
             length_m: length.unwrap_or(window.length_m),
+            stiffness_pa_per_m: stiffness.or(window.stiffness_pa_per_m),
             ..window.clone()
         }
     }
@@ -206,7 +207,7 @@ fn learn_moment(
     seed: u64,
 ) -> Result<Option<(Expansion, f64)>, StudyError> {
     let strips = found.iter().flatten().map(|replicates| replicates.without.len()).max().unwrap_or(0);
-    let of = |moments: &LevelMoments| moments.values()[moment].ln();
+    let of = |moments: &LevelMoments| MOMENTS[moment](moments).ln();
     let values: Vec<f64> = found.iter().map(|found| found.as_ref().map_or(f64::NAN, |r| of(&r.all))).collect();
     let without: Vec<Vec<f64>> = (0..strips)
         .map(|strip| {

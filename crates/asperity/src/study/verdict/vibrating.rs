@@ -64,7 +64,7 @@ pub(super) fn vibrating_machines(
 }
 
 /// Returns the first sampled machines: their kinds of motion without fluctuation of friction, uncertain values in SI, friction
-/// coefficients and margins.
+/// coefficients, stiffnesses of the computed contact over the nominal area, and margins.
 pub(super) fn samples_table(
     machines: &Machines<'_>,
     sampled: &Sampled,
@@ -82,6 +82,7 @@ pub(super) fn samples_table(
                 kind_result(kind).name().to_owned(),
                 machines.inputs().values(&variables),
                 machine.window.mean,
+                machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.study.nominal_area.0),
                 margin,
             ))
         })
@@ -91,7 +92,9 @@ pub(super) fn samples_table(
     let mut columns: Vec<(String, Vec<f64>)> = inputs
         .map(|(place, input)| (input.name().to_owned(), rows.iter().map(|(_, values, ..)| values[place]).collect()))
         .collect();
-    columns.push(("friction_coefficient".into(), rows.iter().map(|(.., friction, _)| *friction).collect()));
+    columns.push(("friction_coefficient".into(), rows.iter().map(|(_, _, friction, ..)| *friction).collect()));
+    let stiffnesses: Option<Vec<f64>> = rows.iter().map(|(.., stiffness, _)| *stiffness).collect();
+    columns.extend(stiffnesses.map(|stiffnesses| ("contact_stiffness_n_per_m".into(), stiffnesses)));
     columns.push(("damping_margin".into(), rows.iter().map(|(.., margin)| *margin).collect()));
     Ok(CsvTable::with_names(rows.into_iter().map(|(kind, ..)| kind).collect(), columns))
 }
