@@ -114,7 +114,7 @@ impl Study {
                 + levels as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
-        if let Some(v) = &self.vibration {
+        if let Some(v) = self.vibration.as_ref().filter(|v| v.coupled.is_none()) {
             // Both upscalings, and a map whose front is refined: a line of cells at each depth.
             let points = v.map.as_ref().map_or(0, |map| {
                 let (nx, ny) = (map.x.2, map.y.2);

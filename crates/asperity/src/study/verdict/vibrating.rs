@@ -10,8 +10,6 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::CsvTable;
 use crate::study::result::{Quantiles, VibratingMachines};
-use crate::study::vibration_stage::kind_result;
-use crate::vibration::limit_cycle;
 
 /// Largest number of rows of the table of machines.
 const MOST_ROWS: usize = 4096;
@@ -31,12 +29,7 @@ pub(super) fn vibrating_machines(
     let cycles: Vec<_> = blocks::map::<_, Result<Vec<_>, Cancelled>>(0..indices.len(), |place| {
         task.step(|| {
             let machine = machines.at(&machines.variables_of(indices[place])).ok()?;
-            let cycle = *limit_cycle(&machine.oscillator).ok()?.cycle()?;
-            let scales = machine.study.scales;
-            let hertz = 1.0 / (cycle.period * scales.time_s());
-            let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
-            let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
-            Some((kind_result(cycle.kind), [hertz, velocity, displacement]))
+            machine.dynamics.cycle(&machine.study.scales).ok()?
         })
     })?
     .into_iter()
@@ -77,9 +70,8 @@ pub(super) fn samples_table(
             let variables = machines.variables_of(index);
             let margin = sampled.machines[index].as_ref().ok()?.margins.from_stick;
             let machine = machines.at(&variables).ok()?;
-            let kind = limit_cycle(&machine.oscillator).ok()?.kind();
             Some((
-                kind_result(kind).name().to_owned(),
+                machine.dynamics.kind().ok()?.name().to_owned(),
                 machines.inputs().values(&variables),
                 machine.window.mean,
                 machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.study.nominal_area.0),
