@@ -8,15 +8,16 @@ use std::f64::consts::E;
 
 use asperity_results::{
     AreaScatter, AtMeanLoad, BandMethod, CoarseEntry, Companions, Comparison, CorrelationCurveResult,
-    CorrelationModelResult, CovarianceCandidateResult, CovarianceResult, CrossResult, CrossingResult, CurveComparison,
-    CoupledCycleResult, CoupledMotion, CutoffPoint, CutoffResult, CycleResult, DampingResult, EmpiricalCovariance, EnsembleResult, FailedPoint,
-    FrictionResult, GlobalExpansionEntry, GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry,
-    KarhunenLoeveResult, KindResult, LawResult, LevelResult, MapResolutionResult, MapResult, MapsEntry,
-    MeasuredSurface, MethodEntry, ModeCouplingResult, MotionResult, OperatingPoint, PaperScatter, ParameterIndexResult, PartStatistics,
-    PointsResult, PooledResult, Prescribed, PressureQuantile, PressureResult, RankedLawResult, Results,
-    ReturnLevelResult, RoughBodyResult, ScalarEntry, ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult,
-    StationarityResult, StatisticComparison, SurfaceResult, SurfaceStatistics, TailResult, TwinModel, UncertainLevel,
-    UncertainParameter, UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
+    CorrelationModelResult, CoupledCycleResult, CoupledMotion, CovarianceCandidateResult, CovarianceResult,
+    CrossResult, CrossingResult, CurveComparison, CutoffPoint, CutoffResult, CycleResult, DampingResult,
+    EmpiricalCovariance, EnsembleResult, FailedPoint, FrictionResult, GlobalExpansionEntry, GoodnessResult,
+    HalvedPitch, HomogeneityEntry, IndexEntry, KarhunenLoeveResult, KindResult, LawResult, LevelResult,
+    MapResolutionResult, MapResult, MapsEntry, MeasuredSurface, MethodEntry, ModeCouplingResult, MotionResult,
+    OperatingPoint, PaperScatter, ParameterIndexResult, PartStatistics, PointsResult, PooledResult, Prescribed,
+    PressureQuantile, PressureResult, RankedLawResult, Results, ReturnLevelResult, RoughBodyResult, ScalarEntry,
+    ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult, StationarityResult, StatisticComparison, SurfaceResult,
+    SurfaceStatistics, TailResult, TwinModel, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
+    UpscalingResult, VibrationResult,
 };
 
 /// Penetrations of the levels; the last one leads.

@@ -91,11 +91,7 @@ pub fn modes_table(scan: &EigenvalueScan) -> CsvTable {
 }
 
 /// Computes the stability of steady sliding and the vibration that follows. `model` is the machine with this friction.
-pub(super) fn run(
-    study: &VibrationStudy,
-    model: &Model,
-    window: &WindowFriction,
-) -> Result<CoupledStage, StudyError> {
+pub(super) fn run(study: &VibrationStudy, model: &Model, window: &WindowFriction) -> Result<CoupledStage, StudyError> {
     let (scales, friction) = (&study.scales, model.sliding_friction());
     let hertz = |frequency: f64| frequency / (std::f64::consts::TAU * scales.time_s());
     let critical = onset(model)?;

@@ -14,8 +14,8 @@ use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::{
-    Study, StudyError, counterface, coupled_stage, friction_process, friction_stage, implausible_friction, pressure_stage,
-    surface_stage, verdict, vibration_stage,
+    Study, StudyError, counterface, coupled_stage, friction_process, friction_stage, implausible_friction,
+    pressure_stage, surface_stage, verdict, vibration_stage,
 };
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.

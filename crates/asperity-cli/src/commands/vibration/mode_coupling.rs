@@ -9,8 +9,8 @@ use asperity::study::{CsvTable, implausible_damping, implausible_friction, modes
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
-    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point,
-    eigenvalue_scan, growth_rates, limit_cycle, modes,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point, eigenvalue_scan,
+    growth_rates, limit_cycle, modes,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;

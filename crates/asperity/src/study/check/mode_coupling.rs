@@ -59,7 +59,8 @@ impl StudyFile {
             ("springs", v.springs.is_some()),
             ("contact_spring", v.contact_spring.is_some()),
         ];
-        let requires = |key, model: MachineModel| Err(invalid(SECTION, key, format!("this key requires model = \"{model}\"")));
+        let requires =
+            |key, model: MachineModel| Err(invalid(SECTION, key, format!("this key requires model = \"{model}\"")));
         if v.model == MachineModel::StickSlip {
             return match own.into_iter().find(|(_, stated)| *stated) {
                 Some((key, _)) => requires(key, MachineModel::ModeCoupling),
@@ -83,7 +84,8 @@ impl StudyFile {
             (ContactSpring::Stated(stiffness), _) => within(SECTION, "contact_spring", stiffness, positive, POSITIVE)?,
             (ContactSpring::Surface, Some(friction)) if friction.boundary != BoundaryKind::Free => {}
             (ContactSpring::Surface, Some(_)) => {
-                let message = "the free boundary of [friction] has no contact stiffness; use the periodic one, or state a number";
+                let message =
+                    "the free boundary of [friction] has no contact stiffness; use the periodic one, or state a number";
                 return Err(invalid(SECTION, "contact_spring", message));
             }
             (ContactSpring::Surface, None) => {

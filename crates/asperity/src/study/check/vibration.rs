@@ -10,7 +10,9 @@ use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
 use crate::friction::{NominalContact, StatedFriction, Upscaling};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{MachineModel, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m};
+use crate::study::file::{
+    MachineModel, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m,
+};
 use crate::study::sentence;
 use crate::vibration::{
     Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VelocityLaw,

@@ -28,8 +28,7 @@ pub(super) fn vibrates(
     if model.std < CONSTANT_STD {
         return Ok(None);
     }
-    let process =
-        FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)).map_err(|e| e.to_string())?;
+    let process = FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)).map_err(|e| e.to_string())?;
     let duration = duration_s / study.scales.time_s();
     for (round, &trajectories) in TRAJECTORIES.iter().enumerate() {
         let settings = EnsembleSettings {
