@@ -65,7 +65,7 @@ pub struct Strips<'a> {
     pub realisations: usize,
     /// Seed of the strips.
     pub seed: u64,
-    /// Index of the level at which the contact stiffness is computed; each strip then costs about as much again as its contact.
+    /// Index of the level at which the contact stiffness is computed; each strip then costs up to half as much again.
     pub stiff_level: Option<usize>,
 }
 

@@ -308,6 +308,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         contact.is_some() || pressure.is_some(),
         coefficient.is_some() || friction.is_some(),
         motion.is_some() || vibration.is_some(),
+        coupled.is_some(),
     ];
     let inputs = "The study with all defaults.";
     let assumptions = "Conventions and defaults behind the results above.";

@@ -97,6 +97,8 @@ impl Study {
             let plan = cutoff::plan(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
+            // The strips of the operating level have a stiffness.
+            stage.core_seconds *= 1.0 + STIFFNESS_WORK * f.realisations as f64 / (solutions as f64 + others);
             // Each thread has a solver, normal variables, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
                 let cells = nx.saturating_mul(ny);

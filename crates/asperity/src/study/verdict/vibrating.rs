@@ -9,12 +9,13 @@ use super::sampled::Sampled;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::CsvTable;
-use crate::study::result::{Quantiles, VibratingMachines};
+use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
 const MOST_ROWS: usize = 4096;
-/// Largest number of machines whose cycles are computed.
+/// Largest number of machines whose cycles are computed; cycles of two coupled modes take longer.
 const MOST: usize = 1024;
+const MOST_COUPLED: usize = 128;
 
 /// Returns the kinds, frequencies and amplitudes of the machines that vibrate; `None` if there are none. Cycles are those without
 /// fluctuation of friction.
@@ -23,8 +24,12 @@ pub(super) fn vibrating_machines(
     sampled: &Sampled,
     monitor: &dyn Monitor,
 ) -> Result<Option<VibratingMachines>, Cancelled> {
+    let most = match machines.model() {
+        ModelResult::StickSlip => MOST,
+        ModelResult::ModeCoupling => MOST_COUPLED,
+    };
     let vibrates = |index: &usize| sampled.machines[*index].as_ref().is_ok_and(|m| m.margins.from_stick < 0.0);
-    let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(MOST).collect();
+    let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(most).collect();
     let task = Task::new(monitor, "verdict: cycles", indices.len());
     let cycles: Vec<_> = blocks::map::<_, Result<Vec<_>, Cancelled>>(0..indices.len(), |place| {
         task.step(|| {
