@@ -38,6 +38,13 @@ impl LevelControl {
         }
     }
 
+    /// Returns the prescribed number: per cent, pascal or metre.
+    pub fn value(self) -> f64 {
+        let (Self::Percentile(value) | Self::MeanPressure(value) | Self::Penetration(value) | Self::Nominal(value)) =
+            self;
+        value
+    }
+
     /// Returns a name for sentences.
     pub fn name(self) -> String {
         match self {

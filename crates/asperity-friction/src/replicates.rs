@@ -19,16 +19,23 @@ pub struct LevelMoments {
     pub coefficient_of_variation: f64,
     /// ℓ_μ in metre of the exponential fit; it contains the window.
     pub correlation_length_m: f64,
+    /// Contact stiffness over area in Pa/m, at the mean load; NaN at other levels than [`crate::strip::Strips::stiff_level`].
+    pub stiffness_pa_per_m: f64,
 }
 
 impl LevelMoments {
     /// Names in the order of [`LevelMoments::values`].
     pub const NAMES: [&'static str; 4] = ["mean", "std", "coefficient_of_variation", "correlation_length_m"];
     /// Moments of a level without a solution.
-    pub const NONE: Self =
-        Self { mean: f64::NAN, std: f64::NAN, coefficient_of_variation: f64::NAN, correlation_length_m: f64::NAN };
+    pub const NONE: Self = Self {
+        mean: f64::NAN,
+        std: f64::NAN,
+        coefficient_of_variation: f64::NAN,
+        correlation_length_m: f64::NAN,
+        stiffness_pa_per_m: f64::NAN,
+    };
 
-    /// Returns all moments.
+    /// Returns all moments of μ.
     pub fn values(&self) -> [f64; 4] {
         [self.mean, self.std, self.coefficient_of_variation, self.correlation_length_m]
     }
@@ -47,6 +54,7 @@ impl LevelMoments {
             std: moments.std,
             coefficient_of_variation: moments.std / moments.mean,
             correlation_length_m: correlate(records, tracks, step_m).map_or(f64::NAN, |c| c.exponential.length_m),
+            ..Self::NONE
         }
     }
 }
@@ -71,11 +79,21 @@ impl MomentReplicates {
 
     /// Computes the moments of windows at the mean load ([`Record::at_mean_load`]) of the remaining strips.
     pub fn from_mean_load(strips: &SolvedStrips, step_m: f64) -> Self {
-        Self::by(strips, |records| {
+        let mut replicates = Self::by(strips, |records| {
             let (mean, records) = Record::at_mean_load(records);
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
             LevelMoments { mean, ..LevelMoments::from_records(&series, strips.tracks, step_m) }
-        })
+        });
+        let stiffnesses = &strips.strip_stiffnesses_pa_per_m;
+        let all = Moments::new(stiffnesses).mean;
+        replicates.all.stiffness_pa_per_m = all;
+        replicates.without.iter_mut().for_each(|without| without.stiffness_pa_per_m = all);
+        let solved = (0..replicates.without.len()).filter(|index| strips.failures.iter().all(|f| f.index != *index));
+        for (index, own) in solved.zip(stiffnesses) {
+            let count = stiffnesses.len() as f64;
+            replicates.without[index].stiffness_pa_per_m = (count * all - own) / (count - 1.0);
+        }
+        replicates
     }
 
     fn by(strips: &SolvedStrips, moments: impl Fn(&[Record]) -> LevelMoments + Sync + Send) -> Self {

@@ -11,11 +11,16 @@ use asperity_base::blocks::{self, Task};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;
-use asperity_contact::{Boundary, ContactProblem, ContactWorkspace, Control, HalfSpace, Solution, Solver};
+use asperity_base::stats::Moments;
+use asperity_contact::{
+    Boundary, ContactProblem, ContactWorkspace, Control, HalfSpace, Motion, Solution, Solver, StiffnessSolver,
+};
 use asperity_surface::RandomSurface;
 
 /// Least fraction of strips that must converge at a level.
 const LEAST_VALID_FRACTION: f64 = 0.95;
+/// Tolerance of the contact stiffness; the relative error of the stiffness is of the order of its square.
+const STIFFNESS_TOLERANCE: f64 = 1e-3;
 
 /// Contact problem, window and friction law of strips, without their random surface.
 #[derive(Debug)]
@@ -45,7 +50,7 @@ impl StripProblem {
 
     /// Returns a number of strips of a random surface on the grid of the problem.
     pub fn strips<'a>(&'a self, surface: &'a dyn RandomSurface, realisations: usize, seed: u64) -> Strips<'a> {
-        Strips { problem: self, surface, realisations, seed }
+        Strips { problem: self, surface, realisations, seed, stiff_level: None }
     }
 }
 
@@ -60,6 +65,8 @@ pub struct Strips<'a> {
     pub realisations: usize,
     /// Seed of the strips.
     pub seed: u64,
+    /// Index of the level at which the contact stiffness is computed; each strip then costs up to half as much again.
+    pub stiff_level: Option<usize>,
 }
 
 /// μ(s) of one strip, or of one track on it.
@@ -142,6 +149,9 @@ pub struct SolvedStrips {
     pub mean_pressure_pa: f64,
     /// Mean pressure of every strip in pascal, failed ones left out.
     pub strip_pressures_pa: Vec<f64>,
+    /// Contact stiffness of every strip over its area in Pa/m, failed strips left out. Empty at other levels than
+    /// [`Strips::stiff_level`] and on free strips.
+    pub strip_stiffnesses_pa_per_m: Vec<f64>,
     /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
     pub contact_fraction: f64,
     /// Fraction of the contact cells with p = H.
@@ -159,10 +169,20 @@ struct StripResult {
     narrower: Vec<Vec<Record>>,
     penetration_m: f64,
     mean_pressure_pa: f64,
+    stiffness_pa_per_m: Option<f64>,
     contact_fraction: f64,
     contact_cells: f64,
     plastic_cells: f64,
     pressure_pa: Option<Array2<f64>>,
+}
+
+impl SolvedStrips {
+    /// Returns the mean contact stiffness over the strips in Pa/m and its standard error; `None` if it was not computed or is unknown.
+    /// The standard error is NaN for a single strip.
+    pub fn stiffness_pa_per_m(&self) -> Option<(f64, f64)> {
+        let moments = Moments::new(&self.strip_stiffnesses_pa_per_m);
+        moments.mean.is_finite().then(|| (moments.mean, moments.standard_error()))
+    }
 }
 
 impl Strips<'_> {
@@ -206,11 +226,16 @@ impl Strips<'_> {
         workspace: &mut ContactWorkspace,
     ) -> Result<StripBlock, Cancelled> {
         let map = self.map(index);
-        let mut solve = |control: &Control| {
+        let mut solve = |level: usize| {
             let heights_m = map.complete_heights_m().map_err(|error| error.to_string())?;
-            self.solve_one(heights_m, *control, index == 0, workspace)
+            let solution = self.solution(heights_m, levels[level], None, workspace)?;
+            let stiffness_pa_per_m = match self.stiff_level {
+                Some(stiff) if stiff == level => self.stiffness_pa_per_m(&solution, workspace)?,
+                _ => None,
+            };
+            Ok(self.evaluate(heights_m, &solution, stiffness_pa_per_m, index == 0))
         };
-        levels.iter().map(|control| task.step(|| solve(control))).collect()
+        (0..levels.len()).map(|level| task.step(|| solve(level))).collect()
     }
 
     /// Generates the map of strip number `index`.
@@ -238,32 +263,51 @@ impl Strips<'_> {
         Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"))
     }
 
-    fn solve_one(
+    /// Returns the contact stiffness k = −dp̄/dḡ of a periodic strip in Pa/m, with the mean gap ḡ.
+    ///
+    /// It is the stiffness against unloading and against small vibration: plastic cells move elastically too. The mean compliance
+    /// is not part of it. A free strip is a punch, whose approach contains the compliance of its whole area; it has no such
+    /// stiffness.
+    fn stiffness_pa_per_m(&self, solution: &Solution, workspace: &mut ContactWorkspace) -> Result<Option<f64>, String> {
+        if !self.problem.is_periodic() {
+            return Ok(None);
+        }
+        let solver =
+            StiffnessSolver { motion: Motion::Unloading, tolerance: STIFFNESS_TOLERANCE, ..StiffnessSolver::default() };
+        let stiffness = solver
+            .solve_in(&self.problem.half_space, solution, workspace, &Silent)
+            .map_err(|error| error.to_string())?;
+        // Without convergence, and in complete contact, the stiffness is unknown.
+        Ok(Some(if stiffness.converged { stiffness.pascal_per_m } else { f64::NAN }))
+    }
+
+    /// Evaluates the windows of a solved strip.
+    fn evaluate(
         &self,
         heights_m: &Array2<f64>,
-        control: Control,
+        solution: &Solution,
+        stiffness_pa_per_m: Option<f64>,
         keep: bool,
-        workspace: &mut ContactWorkspace,
-    ) -> Result<StripResult, String> {
-        let solution = self.solution(heights_m, control, None, workspace)?;
+    ) -> StripResult {
         let StripProblem { window, law, .. } = self.problem;
         let narrower = window.narrower();
         let windows: Vec<&Window> = std::iter::once(window).chain(&narrower).collect();
-        let contacts = window_contacts(&solution, &windows, law.ploughs().then_some(heights_m));
+        let contacts = window_contacts(solution, &windows, law.ploughs().then_some(heights_m));
         let mut records = contacts.iter().map(|tracks| -> Vec<Record> {
             tracks.iter().map(|track| Record::from_contacts(track, law.as_ref())).collect()
         });
         let points = heights_m.len() as f64;
-        Ok(StripResult {
+        StripResult {
             records: records.next().unwrap_or_default(),
             narrower: records.collect(),
             penetration_m: solution.penetration_m(),
             mean_pressure_pa: solution.mean_pressure_pa(),
+            stiffness_pa_per_m,
             contact_fraction: solution.corrected_contact_fraction(),
             contact_cells: solution.contact_fraction() * points,
             plastic_cells: solution.plastic_fraction() * points,
             pressure_pa: keep.then(|| solution.pressure_pa().clone()),
-        })
+        }
     }
 
     /// Reduces the results of all strips at one level, in the order of the strips.
@@ -279,6 +323,7 @@ impl Strips<'_> {
             penetration_m: 0.0,
             mean_pressure_pa: 0.0,
             strip_pressures_pa: Vec::new(),
+            strip_stiffnesses_pa_per_m: Vec::new(),
             contact_fraction: 0.0,
             plastic_fraction: 0.0,
             sample_pressure_pa: None,
@@ -290,6 +335,7 @@ impl Strips<'_> {
                     level.penetration_m += strip.penetration_m;
                     level.mean_pressure_pa += strip.mean_pressure_pa;
                     level.strip_pressures_pa.push(strip.mean_pressure_pa);
+                    level.strip_stiffnesses_pa_per_m.extend(strip.stiffness_pa_per_m);
                     level.contact_fraction += strip.contact_fraction;
                     contact_cells += strip.contact_cells;
                     plastic_cells += strip.plastic_cells;

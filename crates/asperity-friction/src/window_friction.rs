@@ -62,6 +62,8 @@ pub struct WindowFriction {
     pub level_mean_pressure_pa: Option<f64>,
     /// Variance over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
+    /// Stiffness of the contact over the nominal area in Pa/m; `None` is unknown.
+    pub stiffness_pa_per_m: Option<f64>,
     /// Whether the friction was computed from solved strips.
     pub computed: bool,
     /// Origin of the friction, for sentences.
@@ -125,6 +127,7 @@ impl WindowFriction {
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
             variance_reduction: level.variance_reduction(nominal.area_m2),
+            stiffness_pa_per_m: level.strips.stiffness_pa_per_m().map(|(mean, _)| mean),
             computed: true,
             origin,
             warnings,
@@ -148,6 +151,7 @@ impl WindowFriction {
             level_percentile: None,
             level_mean_pressure_pa: None,
             variance_reduction: variance_reduction(window_m, width_m, nominal_area_m2, &exponential(length_m)),
+            stiffness_pa_per_m: None,
             computed: false,
             origin: format!(
                 "stated, taken for that of a window of {} whose correlation is not the window's",
@@ -216,6 +220,7 @@ impl WindowFriction {
             level_percentile: None,
             level_mean_pressure_pa: process.mean_pressure_pa,
             variance_reduction,
+            stiffness_pa_per_m: None,
             computed: false,
             origin: format!("from {file}: {described}"),
             warnings,

@@ -4,6 +4,7 @@ pub(crate) mod answers;
 mod cells;
 mod cutoff;
 mod friction;
+mod mode_coupling;
 mod parameters;
 mod provenance;
 mod random_surface;
@@ -288,11 +289,17 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         vibration.map_or_else(Vec::new, vibration::tables),
         figures::vibration::figures(run)?,
     );
+    let coupled = Section::new(
+        "mode-coupling",
+        "Mode coupling",
+        "Stability of steady sliding of a mass with two modes that friction couples, and the vibration that follows.",
+        results.mode_coupling.as_ref().map_or_else(Vec::new, mode_coupling::tables),
+        figures::vibration::coupled_figures(run),
+    );
     let judged = Section::new(
         "verdict",
         "Verdict",
-        "How probable vibration is over the uncertain values of the study, what decides it, and what changes it. A machine vibrates if \
-         its damping ratio ζ is below the limit ζ_v.",
+        verdict::lead(results.verdict.as_ref().map(|verdict| verdict.model).unwrap_or_default()),
         results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
         Vec::new(),
     );
@@ -301,6 +308,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         contact.is_some() || pressure.is_some(),
         coefficient.is_some() || friction.is_some(),
         motion.is_some() || vibration.is_some(),
+        coupled.is_some(),
     ];
     let inputs = "The study with all defaults.";
     let assumptions = "Conventions and defaults behind the results above.";
@@ -311,6 +319,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         coefficient,
         quotient,
         motion,
+        coupled,
         Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
         Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
         Section::provenance(run.provenance.as_ref()),

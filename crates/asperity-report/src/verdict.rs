@@ -1,6 +1,6 @@
 //! The verdict in words.
 
-use asperity_results::VerdictResult;
+use asperity_results::{ModelResult, VerdictResult};
 
 use crate::format::{Dimension, significant};
 
@@ -15,17 +15,19 @@ pub fn verdict_sentence(verdict: &VerdictResult) -> String {
         .as_ref()
         .and_then(|machines| machines.kinds.iter().max_by(|a, b| a.1.total_cmp(b.1)))
         .map_or(nominal.kind.name(), |(name, _)| name.as_str());
-    let noun = noun(kind);
+    let coupled = verdict.model == ModelResult::ModeCoupling;
+    let noun = if coupled { "Squeal by mode coupling" } else { noun(kind) };
     if verdict.evaluations <= 1 {
-        return exact(verdict, noun);
+        return if coupled { exact_coupled(verdict) } else { exact(verdict, noun) };
     }
+    let event = if coupled { "flutter" } else { "vibrate, once started from standstill" };
     let [low, high] = verdict.probability_interval;
     let p = verdict.probability;
     let sliding = verdict.probability_from_steady_sliding;
     // A wide interval of a small probability reaches above it.
     if high < RARE {
         return format!(
-            "{noun} is very improbable: fewer than 1 in 1,000 machines like this one vibrate, once started from standstill; the number \
+            "{noun} is very improbable: fewer than 1 in 1,000 machines like this one {event}; the number \
              rests on the assumed tails."
         );
     }
@@ -36,19 +38,35 @@ pub fn verdict_sentence(verdict: &VerdictResult) -> String {
         p if p < 0.95 => "likely",
         _ => "almost certain",
     };
+    // Coupled modes flutter however their motion begins.
+    let from_sliding = if coupled { String::new() } else { format!("; {} from steady sliding", percent(sliding)) };
     format!(
-        "{noun} is {word}: {} ({} to {}) of machines like this one vibrate, once started from standstill; {} from steady sliding.",
+        "{noun} is {word}: {} ({} to {}) of machines like this one {event}{from_sliding}.",
         percent(p),
         percent(low),
-        percent(high),
-        percent(sliding)
+        percent(high)
     )
+}
+
+/// Returns the verdict on a machine of two coupled modes whose values are all exact.
+fn exact_coupled(verdict: &VerdictResult) -> String {
+    let margin = verdict.nominal.damping_margin;
+    let distance = significant(margin.abs(), 3);
+    if verdict.nominal.vibrates {
+        format!(
+            "The machine squeals by mode coupling: its friction coefficient is {distance} above the critical one. No value is uncertain."
+        )
+    } else {
+        format!(
+            "The machine does not squeal by mode coupling: its friction coefficient is {distance} below the critical one."
+        )
+    }
 }
 
 /// Returns the verdict on a machine whose values are all exact.
 fn exact(verdict: &VerdictResult, noun: &str) -> String {
     let nominal = &verdict.nominal;
-    let limit = significant(nominal.limit_damping_ratio, 3);
+    let limit = nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
     if !nominal.vibrates {
         return format!("The machine does not vibrate: its damping ratio is above the limit of {limit}.");
     }

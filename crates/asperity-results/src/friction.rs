@@ -67,6 +67,13 @@ pub struct OperatingPoint {
     pub contact_fraction: f64,
     /// 95 % interval of `contact_fraction`; `null` if the strips contain too few correlation lengths.
     pub contact_fraction_interval: Option<Pair>,
+    /// Contact stiffness −dp̄/dḡ over the nominal area, with the mean gap ḡ, against unloading and small vibration: plastic cells
+    /// move elastically too, and the mean compliance is not part of it. `null` on free strips.
+    #[serde(default)]
+    pub contact_stiffness_pa_per_m: Option<f64>,
+    /// Standard error of `contact_stiffness_pa_per_m` over the strips.
+    #[serde(default)]
+    pub contact_stiffness_pa_per_m_se: Option<f64>,
     /// The friction coefficient μ̄ = ΣF/ΣN.
     pub mean: f64,
     /// 95 % interval of `mean`; `null` if the strips contain too few correlation lengths.

@@ -8,6 +8,7 @@ mod companions;
 mod comparison;
 mod cutoff;
 mod friction;
+mod mode_coupling;
 mod pressure;
 mod provenance;
 mod surface;
@@ -27,6 +28,7 @@ pub use friction::{
     GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, RoughBodyResult,
     StationarityResult, TailResult, UpscalingResult,
 };
+pub use mode_coupling::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, ModelResult};
 pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
     PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
@@ -74,6 +76,9 @@ pub struct Results {
     /// The vibration stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationResult>,
+    /// The machine of two modes that friction couples, in place of `vibration`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mode_coupling: Option<ModeCouplingResult>,
     /// The probability of vibration over uncertain values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verdict: Option<VerdictResult>,
@@ -93,6 +98,7 @@ impl Default for Results {
             pressure: None,
             friction: None,
             vibration: None,
+            mode_coupling: None,
             verdict: None,
             assumptions: Vec::new(),
             warnings: Vec::new(),

@@ -4,13 +4,17 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{KindResult, Pair};
+use crate::{KindResult, ModelResult, Pair};
 
 /// Probability of vibration over the uncertain values of a study, what decides it and what changes it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictResult {
-    /// Probability that a machine vibrates whose motion begins in stick.
+    /// Model of the machine. It decides what a margin is.
+    #[serde(default)]
+    pub model: ModelResult,
+    /// Probability that a machine vibrates whose motion begins in stick. With mode coupling, the probability that steady sliding is
+    /// unstable.
     pub probability: f64,
     /// Its 95 % interval: the error of the computation.
     pub probability_interval: Pair,
@@ -37,7 +41,7 @@ pub struct VerdictResult {
     pub nominal: NominalMachine,
     /// The vibration of machines that vibrate; `null` if no sampled machine does.
     pub if_vibrating: Option<VibratingMachines>,
-    /// Quantiles of the margin ζ − ζ_v.
+    /// Quantiles of the margin.
     pub margin_quantiles: Vec<MarginQuantile>,
     /// Sensitivity of the margin.
     pub drivers: Vec<Driver>,
@@ -100,9 +104,10 @@ pub struct NominalMachine {
     pub steady_sliding_unstable: bool,
     /// Smallest change of velocity after which it vibrates from steady sliding; `null` if none is needed or none suffices.
     pub kick_m_per_s: Option<f64>,
-    /// Damping ratio ζ_v above which no vibration persists.
-    pub limit_damping_ratio: f64,
-    /// Margin ζ − ζ_v.
+    /// Damping ratio ζ_v above which no vibration persists; with mode coupling the one that just keeps steady sliding stable, `null`
+    /// if none does.
+    pub limit_damping_ratio: Option<f64>,
+    /// Margin ζ − ζ_v; with mode coupling the margin of the friction coefficient, μ_c − μ.
     pub damping_margin: f64,
 }
 
@@ -126,7 +131,7 @@ pub struct VibratingMachines {
 pub struct MarginQuantile {
     /// Probability of a smaller margin.
     pub probability: f64,
-    /// Margin ζ − ζ_v.
+    /// Margin ζ − ζ_v; with mode coupling the margin of the friction coefficient, μ_c − μ.
     pub damping_margin: f64,
 }
 

@@ -16,6 +16,10 @@ pub enum KindResult {
     Overtaking,
     /// The mass stays slower than the belt throughout the period.
     SlipCycle,
+    /// Two modes that friction couples grow to a vibration.
+    Flutter,
+    /// Friction pulls the mass away without vibration.
+    Divergence,
     /// Steady sliding.
     #[default]
     None,
@@ -28,6 +32,8 @@ impl KindResult {
             Self::StickSlip => "stick_slip",
             Self::Overtaking => "overtaking",
             Self::SlipCycle => "slip_cycle",
+            Self::Flutter => "flutter",
+            Self::Divergence => "divergence",
             Self::None => "none",
         }
     }

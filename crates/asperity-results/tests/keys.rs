@@ -16,6 +16,7 @@ fn both() -> [Results; 2] {
     two.surface.as_mut().unwrap().measured = example::part(scans.into());
     two.friction.as_mut().unwrap().uncertainty = Some(example::uncertainty(6));
     two.verdict = Some(example::verdict::verdict());
+    two.mode_coupling = Some(example::mode_coupling());
     two.counterface = Some(SurfaceResult {
         marginal: LawResult { name: "normal".into(), ..LawResult::default() },
         ..SurfaceResult::default()

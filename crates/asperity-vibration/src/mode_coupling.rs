@@ -20,6 +20,7 @@
 mod cycle;
 mod ensemble;
 mod growth;
+mod limit;
 mod model;
 mod motion;
 mod roots;

@@ -6,6 +6,7 @@
 mod check;
 mod contact_check;
 mod counterface;
+mod coupled_stage;
 mod error;
 mod estimate;
 pub mod file;
@@ -38,6 +39,7 @@ mod write_run;
 use asperity_base::sentence;
 
 pub use check::{InvalidValue, Study};
+pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
 pub use file::StudyFile;

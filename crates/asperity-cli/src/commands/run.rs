@@ -150,5 +150,12 @@ fn headline(results: &Results, folder: &Path) -> Answer {
     } else if let Some(point) = point {
         show("friction_std", point.std.into());
     }
+    if let Some(coupled) = &results.mode_coupling {
+        show("friction", coupled.friction.into());
+        show("critical_friction", coupled.critical_friction.into());
+        show("limit_damping_ratio", coupled.limit_damping_ratio.into());
+        show("kind", coupled.kind.name().into());
+        show("frequency_hz", coupled.cycle.map(|cycle| cycle.frequency_hz).into());
+    }
     answer.with("folder", folder.display().to_string())
 }

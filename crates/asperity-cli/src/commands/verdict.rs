@@ -22,7 +22,8 @@ pub(crate) struct Verdict {
     /// Seed to use instead of the study's.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
-    /// CSV file for the sampled machines: kind of motion, uncertain values in SI, friction coefficient, margin ζ − ζ_v.
+    /// CSV file for the sampled machines: kind of motion, uncertain values in SI, friction coefficient, margin (ζ − ζ_v; with mode
+    /// coupling μ_c − μ), and the stiffness of a computed contact.
     #[arg(long, value_name = "FILE")]
     export_samples: Option<PathBuf>,
     /// Print one JSON object.

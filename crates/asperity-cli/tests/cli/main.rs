@@ -9,6 +9,7 @@ mod folders;
 mod formats;
 mod friction;
 mod headlines;
+mod mode_coupling;
 mod outputs;
 mod study;
 mod support;

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
 
+mod stiffness;
 mod strips;
 mod tracks;
 mod windows;

@@ -32,6 +32,12 @@ pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     Ok(figures.chain(stability_map::of_run(run)?).collect())
 }
 
+/// Draws the modes of a run over the friction coefficient.
+pub(crate) fn coupled_figures(run: &Run) -> Vec<CaptionedFigure> {
+    let answer = run.results.mode_coupling.as_ref().and_then(|result| serde_json::to_value(result).ok());
+    answer.and_then(|answer| modes::over_friction(&answer, &run.tables)).into_iter().collect()
+}
+
 /// Draws the answer of a vibration command from its JSON object, as `--json` prints it, and its tables. It is a pure function. The
 /// names of the tables determine the figures:
 ///

@@ -6,8 +6,8 @@ use asperity_results::{
 
 use super::cells::shown;
 use super::friction::place;
-use super::verdict;
 use super::vibration::difference;
+use super::{mode_coupling, verdict};
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
 use crate::markup::{Html, html};
@@ -54,6 +54,7 @@ pub(super) fn answers(run: &Run) -> Vec<Answer> {
         vibration.map(vibrates),
         vibration.and_then(damping),
         vibration.and_then(roughness),
+        results.mode_coupling.as_ref().map(mode_coupling::answer),
     ]
     .into_iter()
     .flatten()
@@ -150,7 +151,7 @@ fn vibrates(vibration: &VibrationResult) -> Answer {
         KindResult::StickSlip => " The motion is stick–slip: the mass sticks to the belt in every period.",
         KindResult::Overtaking => " The mass overtakes the belt in every period and never sticks.",
         KindResult::SlipCycle => " The mass stays slower than the belt and never sticks.",
-        KindResult::None => "",
+        KindResult::Flutter | KindResult::Divergence | KindResult::None => "",
     };
     let period = vibration.cycle.period.map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
     let detail = format!(

@@ -1,10 +1,10 @@
 //! References for the stages.
 
 /// Returns the references of the stages surface, pressure, friction and vibration that are present; the paper comes first, always.
-pub(super) fn references(present: [bool; 4]) -> Vec<&'static str> {
+pub(super) fn references(present: [bool; 5]) -> Vec<&'static str> {
     const PAPER: &str = "N. Gaus, C. Proppe, C. Zaccardi: Influence of surface roughness on friction induced vibrations. \
                          Meccanica dei Materiali e delle Strutture VI (2016) 1, 115–122.";
-    const STAGES: [&[&str]; 4] = [
+    const STAGES: [&[&str]; 5] = [
         &[
             "ISO 25178-2:2021, Geometrical product specifications (GPS), Surface texture: Areal, Part 2: Terms, \
              definitions and surface texture parameters.",
@@ -25,6 +25,11 @@ pub(super) fn references(present: [bool; 4]) -> Vec<&'static str> {
         ],
         &["E. Vanmarcke: Random Fields: Analysis and Synthesis. MIT Press, 1983 (the variance function behind \
            the upscaling “area”)."],
+        &[
+            "N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul: A minimal model for studying properties of the mode-coupling type \
+           instability in friction induced oscillations. Mechanics Research Communications 29 (2002) 197–205. \
+           doi:10.1016/S0093-6413(02)00254-9",
+        ],
     ];
     let stages = STAGES.iter().zip(present).filter(|(_, present)| *present);
     std::iter::once(PAPER).chain(stages.flat_map(|(works, _)| works.iter().copied())).collect()

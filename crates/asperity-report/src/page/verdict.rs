@@ -1,6 +1,6 @@
 //! The verdict: its answer and its tables.
 
-use asperity_results::{Driver, Guess, Quantiles, Reach, Remedy, VerdictResult};
+use asperity_results::{Driver, Guess, ModelResult, Quantiles, Reach, Remedy, VerdictResult};
 
 use super::cells::{percent, plain, shown};
 use super::{Answer, DataTable};
@@ -64,8 +64,10 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             SOURCE,
         ),
         drivers(
-            "Sensitivity of the margin ζ − ζ_v: fractions of its variance, and how much the 5–95 % range narrows once the value is \
-             known",
+            &format!(
+                "Sensitivity of the margin {}: fractions of its variance, and how much the 5–95 % range narrows once the value is known",
+                margin(verdict.model)
+            ),
             &verdict.drivers,
         ),
         drivers("Sensitivity of the event that a machine vibrates", &verdict.event_drivers),
@@ -94,6 +96,25 @@ fn remedy(remedy: &Remedy) -> Vec<Vec<String>> {
         ]
     };
     remedy.reach.iter().map(row).collect()
+}
+
+/// Returns the formula of the margin.
+fn margin(model: ModelResult) -> &'static str {
+    match model {
+        ModelResult::StickSlip => "ζ − ζ_v",
+        ModelResult::ModeCoupling => "μ_c − μ",
+    }
+}
+
+/// Returns the section's first sentences.
+pub(super) fn lead(model: ModelResult) -> String {
+    let event = match model {
+        ModelResult::StickSlip => "A machine vibrates if its damping ratio ζ is below the limit ζ_v.",
+        ModelResult::ModeCoupling => "A machine flutters if its friction coefficient μ is above the critical one μ_c.",
+    };
+    format!(
+        "How probable vibration is over the uncertain values of the study, what decides it, and what changes it. {event}"
+    )
 }
 
 /// Returns the dimension of an SI unit.

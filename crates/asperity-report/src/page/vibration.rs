@@ -61,11 +61,13 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
 }
 
 /// Returns the name of a kind of motion for readers.
-fn kind_in_words(kind: KindResult) -> &'static str {
+pub(super) fn kind_in_words(kind: KindResult) -> &'static str {
     match kind {
         KindResult::StickSlip => "stick–slip",
         KindResult::Overtaking => "overtaking",
         KindResult::SlipCycle => "slip cycle",
+        KindResult::Flutter => "flutter",
+        KindResult::Divergence => "divergence",
         KindResult::None => "steady sliding",
     }
 }

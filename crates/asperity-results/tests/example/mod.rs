@@ -8,15 +8,16 @@ use std::f64::consts::E;
 
 use asperity_results::{
     AreaScatter, AtMeanLoad, BandMethod, CoarseEntry, Companions, Comparison, CorrelationCurveResult,
-    CorrelationModelResult, CovarianceCandidateResult, CovarianceResult, CrossResult, CrossingResult, CurveComparison,
-    CutoffPoint, CutoffResult, CycleResult, DampingResult, EmpiricalCovariance, EnsembleResult, FailedPoint,
-    FrictionResult, GlobalExpansionEntry, GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry,
-    KarhunenLoeveResult, KindResult, LawResult, LevelResult, MapResolutionResult, MapResult, MapsEntry,
-    MeasuredSurface, MethodEntry, MotionResult, OperatingPoint, PaperScatter, ParameterIndexResult, PartStatistics,
-    PointsResult, PooledResult, Prescribed, PressureQuantile, PressureResult, RankedLawResult, Results,
-    ReturnLevelResult, RoughBodyResult, ScalarEntry, ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult,
-    StationarityResult, StatisticComparison, SurfaceResult, SurfaceStatistics, TailResult, TwinModel, UncertainLevel,
-    UncertainParameter, UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
+    CorrelationModelResult, CoupledCycleResult, CoupledMotion, CovarianceCandidateResult, CovarianceResult,
+    CrossResult, CrossingResult, CurveComparison, CutoffPoint, CutoffResult, CycleResult, DampingResult,
+    EmpiricalCovariance, EnsembleResult, FailedPoint, FrictionResult, GlobalExpansionEntry, GoodnessResult,
+    HalvedPitch, HomogeneityEntry, IndexEntry, KarhunenLoeveResult, KindResult, LawResult, LevelResult,
+    MapResolutionResult, MapResult, MapsEntry, MeasuredSurface, MethodEntry, ModeCouplingResult, MotionResult,
+    OperatingPoint, PaperScatter, ParameterIndexResult, PartStatistics, PointsResult, PooledResult, Prescribed,
+    PressureQuantile, PressureResult, RankedLawResult, Results, ReturnLevelResult, RoughBodyResult, ScalarEntry,
+    ScalarQuantile, ScanOfPart, SensitivityEntry, SpreadResult, StationarityResult, StatisticComparison, SurfaceResult,
+    SurfaceStatistics, TailResult, TwinModel, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
+    UpscalingResult, VibrationResult,
 };
 
 /// Penetrations of the levels; the last one leads.
@@ -72,6 +73,36 @@ pub(crate) fn results() -> Results {
             "At the level of 3 MPa the windows hold 21 contact cells on average; about 30 are needed.".into(),
         ],
         ..Results::default()
+    }
+}
+
+/// A machine that flutters.
+pub(crate) fn mode_coupling() -> ModeCouplingResult {
+    ModeCouplingResult {
+        damping_ratio: 0.05,
+        belt_velocity: 0.5,
+        friction: 0.8,
+        stiffness: [2.0, 1.0, 2.0],
+        contact_spring: 4.0 / 3.0,
+        contact_stiffness_n_per_m: 1.3e8,
+        coalescence: Some(0.75),
+        critical_friction: Some(0.765),
+        friction_margin: Some(-0.035),
+        limit_damping_ratio: Some(0.0913),
+        steady_sliding_unstable: true,
+        kind: KindResult::Flutter,
+        onset_frequency_hz: Some(2250.0),
+        mode_frequencies_hz: [2240.0, 2260.0],
+        mode_growth_rates_per_s: [41.0, -1041.0],
+        motion: Some(CoupledMotion::Cycle),
+        cycle: Some(CoupledCycleResult {
+            frequency_hz: 2190.0,
+            velocity_amplitude_m_per_s: 0.12,
+            displacement_amplitude_m: 8.5e-6,
+            normal_amplitude_m: 7.9e-6,
+            stick_share: 0.1,
+            flight_share: 0.0,
+        }),
     }
 }
 
@@ -402,6 +433,8 @@ fn friction() -> FrictionResult {
             mean_pressure_pa: 3e6,
             contact_fraction: 0.02,
             contact_fraction_interval: Some([0.019, 0.021]),
+            contact_stiffness_pa_per_m: Some(5.6e12),
+            contact_stiffness_pa_per_m_se: Some(1.2e11),
             mean: 0.2249,
             mean_interval: Some([0.2227, 0.2271]),
             std: 0.0058,

@@ -1,8 +1,8 @@
 //! An invented verdict.
 
 use asperity_results::{
-    Driver, ErrorSource, Guess, KindResult, LearntFriction, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy,
-    VerdictResult, VibratingMachines,
+    Driver, ErrorSource, Guess, KindResult, LearntFriction, MarginQuantile, ModelResult, NominalMachine, Quantiles,
+    Reach, Remedy, VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -19,6 +19,7 @@ pub(crate) fn verdict() -> VerdictResult {
     };
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
+        model: ModelResult::StickSlip,
         probability: 0.64,
         probability_interval: [0.61, 0.67],
         probability_from_steady_sliding: 0.12,
@@ -44,7 +45,7 @@ pub(crate) fn verdict() -> VerdictResult {
             kind: KindResult::StickSlip,
             steady_sliding_unstable: false,
             kick_m_per_s: Some(0.013),
-            limit_damping_ratio: 0.018,
+            limit_damping_ratio: Some(0.018),
             damping_margin: -0.0025,
         },
         if_vibrating: Some(VibratingMachines {

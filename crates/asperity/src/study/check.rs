@@ -3,6 +3,7 @@
 mod counterface;
 mod friction;
 mod keys_without_effect;
+mod mode_coupling;
 mod pressure;
 mod surface;
 mod verdict;
@@ -120,6 +121,11 @@ impl StudyFile {
         }
         if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
             section.stribeck = study.stribeck;
+            if let Some(coupled) = study.coupled {
+                section.spring_angles = Some(coupled.angles_deg);
+                section.springs = Some(coupled.springs);
+                section.contact_spring = Some(coupled.contact_spring);
+            }
         }
         let verdict = self.check_verdict()?;
         Ok(Study { file: self, surface, counterface, pressure, friction, vibration, verdict })

@@ -97,6 +97,8 @@ impl Study {
             let plan = cutoff::plan(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
+            // The strips of the operating level have a stiffness.
+            stage.core_seconds *= 1.0 + STIFFNESS_WORK * f.realisations as f64 / (solutions as f64 + others);
             // Each thread has a solver, normal variables, a map and its transform.
             let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
                 let cells = nx.saturating_mul(ny);
@@ -114,7 +116,7 @@ impl Study {
                 + levels as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
-        if let Some(v) = &self.vibration {
+        if let Some(v) = self.vibration.as_ref().filter(|v| v.coupled.is_none()) {
             // Both upscalings, and a map whose front is refined: a line of cells at each depth.
             let points = v.map.as_ref().map_or(0, |map| {
                 let (nx, ny) = (map.x.2, map.y.2);

@@ -5,6 +5,7 @@
 mod counterface;
 mod fixed_list;
 mod friction;
+mod mode_coupling;
 mod pressure;
 mod surface;
 mod verdict;
@@ -19,6 +20,7 @@ pub use counterface::CounterfaceSection;
 pub(super) use fixed_list::fixed_list;
 pub(super) use friction::usual_window_m;
 pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
+pub use mode_coupling::{ContactSpring, MachineModel};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
 pub use verdict::{Hold, JointSection, RemedySection, VerdictSection};
@@ -45,7 +47,7 @@ pub struct StudyFile {
     /// Friction coefficient as a process.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionSection>,
-    /// Stick-slip of a mass on a belt.
+    /// Stick-slip or mode coupling of a mass on a belt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationSection>,
     /// Dependence of uncertain values.

@@ -11,7 +11,7 @@ pub(super) use self::words::no_variance;
 
 use crate::contact::{Control, Solver};
 use crate::friction::replicates::MomentReplicates;
-use crate::friction::strip::StripProblem;
+use crate::friction::strip::{StripProblem, Strips};
 use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
@@ -90,7 +90,7 @@ pub(super) fn solve_level(
 ) -> Result<Option<MomentReplicates>, StudyError> {
     let (problem, _) = strip_problem(study)?;
     let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
-    let strips = problem.strips(generated.surface.as_ref(), realisations, seed);
+    let strips = Strips { stiff_level: Some(0), ..problem.strips(generated.surface.as_ref(), realisations, seed) };
     let solved = strips.solve(&[level.contact(|probability| model.height_quantile_m(probability))], monitor)?;
     let step_m = problem.window.step_m();
     Ok(solved.into_iter().flatten().next().map(|level| MomentReplicates::from_mean_load(&level, step_m)))
@@ -108,12 +108,17 @@ pub(super) fn run(
     let (problem, mean_compliance_m_per_pa) = strip_problem(study)?;
     let grid = problem.grid();
     let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
-    let strips = problem.strips(generated.surface.as_ref(), study.realisations, seed);
     let nominal = match operating {
         OperatingLevel::NominalPressure(pascal) => Some(LevelControl::Nominal(pascal)),
         OperatingLevel::Deepest | OperatingLevel::Percentile(_) => None,
     };
     let stated: Vec<LevelControl> = study.levels.iter().copied().chain(nominal).collect();
+    // Pressures rise with every prescribed quantity.
+    let rising: Vec<_> = stated.iter().map(|level| (*level, level.value())).collect();
+    let strips = Strips {
+        stiff_level: Some(operating.index_in(&rising)),
+        ..problem.strips(generated.surface.as_ref(), study.realisations, seed)
+    };
     let controls: Vec<Control> =
         stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };

@@ -14,8 +14,8 @@ use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::{
-    Study, StudyError, counterface, friction_process, friction_stage, implausible_friction, pressure_stage,
-    surface_stage, verdict, vibration_stage,
+    Study, StudyError, counterface, coupled_stage, friction_process, friction_stage, implausible_friction,
+    pressure_stage, surface_stage, verdict, vibration_stage,
 };
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
@@ -30,7 +30,7 @@ choice! {
         Pressure = "pressure",
         /// Friction as a process.
         Friction = "friction",
-        /// Stick-slip.
+        /// Stick-slip, or mode coupling.
         Vibration = "vibration",
         /// Probability of vibration over uncertain values.
         Verdict = "verdict",
@@ -103,7 +103,9 @@ impl Study {
     fn known_warnings(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
         let mut warnings = self.warnings();
         if let (Some(section), Some(known)) = (&self.vibration, known) {
-            vibration_stage::refuse_clipping(section, known)?;
+            if section.coupled.is_none() {
+                vibration_stage::refuse_clipping(section, known)?;
+            }
             warnings.append(&mut known.warnings);
         }
         Ok(warnings)
@@ -199,7 +201,13 @@ impl Study {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
             let computed = friction.map(|(level, body)| WindowFriction::from_level(&level, body, nominal, stribeck));
             let window = known.or(computed);
-            if let (Some(window), true) = (&window, wants(Stage::Vibration)) {
+            let wanted = window.as_ref().filter(|_| wants(Stage::Vibration));
+            let coupled = wanted.and_then(|window| study.coupled_model(window.mean, window.stiffness_pa_per_m));
+            if let (Some(window), Some(model)) = (wanted, coupled) {
+                let stage = coupled_stage::run(study, &model?, window)?;
+                gathered.add(stage.output);
+                gathered.results.mode_coupling = Some(stage.result);
+            } else if let Some(window) = wanted {
                 let mut stage = vibration_stage::run(study, window, self.seed(), monitor)?;
                 // The friction of a part of a rough slider has no course along the path.
                 if self.friction.as_ref().is_some_and(|friction| friction.body != RoughBody::Track) {

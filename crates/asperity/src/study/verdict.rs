@@ -1,6 +1,7 @@
 //! The verdict: how probable vibration is over the uncertain values of a study, what decides it, and what changes it.
 
 mod drivers;
+mod dynamics;
 mod fluctuating;
 mod machines;
 mod remedies;
@@ -12,6 +13,7 @@ mod vibrating;
 use std::borrow::Cow;
 
 use self::drivers::MarginModel;
+use self::dynamics::{Dynamics, Margins};
 use self::machines::{Machine, Machines, NoAnswer};
 use self::responses::{ContactPoints, FrictionResponses};
 use self::sampled::{Evaluated, Sampled};
@@ -22,11 +24,9 @@ use crate::friction::{RoughBody, WindowFriction};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95, quantile_sorted, wilson_interval};
 use crate::study::output::StageOutput;
-use crate::study::result::{ErrorSource, MarginQuantile, NominalMachine, VerdictResult};
+use crate::study::result::{ErrorSource, MarginQuantile, ModelResult, VerdictResult};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::vibration_stage::kind_result;
 use crate::study::{Study, StudyError, sentence};
-use crate::vibration::{DampingMargins, limit_cycle, limit_damping, smallest_kick};
 
 /// Probabilities of the quantiles of the margin.
 const MARGIN_PROBABILITIES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
@@ -84,11 +84,21 @@ pub(super) fn run(
     }
     let machines = Machines::new(study, window, responses.as_ref(), seed);
     let nominal = machines.nominal().map_err(StudyError::Verdict)?;
-    if nominal.oscillator.forcing().is_some() {
+    if let Dynamics::StickSlip(oscillator) = &nominal.dynamics
+        && oscillator.forcing().is_some()
+    {
         return Err(StudyError::ForcedVerdict);
     }
+    let model = nominal.dynamics.model();
     let duration_s = study.duration_s.unwrap_or(nominal.study.duration * nominal.study.scales.time_s());
-    let fluctuates = window.std > NEGLIGIBLE_STD * window.mean;
+    let fluctuates = window.std > NEGLIGIBLE_STD * window.mean && model == ModelResult::StickSlip;
+    if model == ModelResult::ModeCoupling {
+        output.assumptions.push(
+            "The verdict on mode coupling counts a machine as vibrating if its steady sliding is unstable at the mean friction coefficient, \
+             however its motion begins; the margin is μ_c − μ."
+                .into(),
+        );
+    }
     let evaluate = |machine: &Machine, index: usize| {
         let mut evaluated = Evaluated::constant_friction(machine)?;
         if fluctuates {
@@ -116,7 +126,7 @@ pub(super) fn run(
         output.warnings.push(format!("{machines} no answer and are left out; the first because {reason}"));
     }
     let mut evaluations = sampled.machines.len();
-    let mut probability_of = |vibrates: fn(&Evaluated) -> bool, margin: fn(&DampingMargins) -> f64, exact: bool| {
+    let mut probability_of = |vibrates: fn(&Evaluated) -> bool, margin: fn(&Margins) -> f64, exact: bool| {
         let (vibrating, all) = sampled.count(vibrates);
         let share = vibrating as f64 / all as f64;
         if machines.variables() == 0 {
@@ -178,7 +188,9 @@ pub(super) fn run(
     margins.sort_by(f64::total_cmp);
     let margin_quantiles = MARGIN_PROBABILITIES
         .map(|probability| MarginQuantile { probability, damping_margin: quantile_sorted(&margins, probability) });
+    let vibrates = evaluate(&nominal, 0).map_err(StudyError::Verdict)?.vibrates;
     let mut result = VerdictResult {
+        model,
         probability,
         probability_interval: [interval.low, interval.high],
         error_sources: error_sources(&sources),
@@ -189,7 +201,7 @@ pub(super) fn run(
         failed_samples: failed,
         first_failure,
         duration_s,
-        nominal: nominal_machine(&nominal, evaluate(&nominal, 0).map_err(StudyError::Verdict)?.vibrates)?,
+        nominal: nominal.dynamics.nominal(vibrates, &nominal.study.scales)?,
         if_vibrating: vibrating_machines(&machines, &sampled, monitor)?,
         margin_quantiles: margin_quantiles.to_vec(),
         remedies: remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?,
@@ -260,19 +272,4 @@ fn limit(source: &str, half_width: f64) -> String {
         "the interval of the probability is wider than ± {} %, most of all because of {cause}; {remedy}",
         sentence::digits(100.0 * half_width)
     )
-}
-
-/// Returns the answer of the machine with all values at their centres.
-fn nominal_machine(machine: &Machine, vibrates: bool) -> Result<NominalMachine, StudyError> {
-    let oscillator = &machine.oscillator;
-    let limit_damping_ratio = limit_damping(oscillator)?;
-    let velocity_scale = machine.study.scales.velocity_m_per_s();
-    Ok(NominalMachine {
-        vibrates,
-        kind: kind_result(limit_cycle(oscillator)?.kind()),
-        steady_sliding_unstable: oscillator.sliding_is_unstable(),
-        kick_m_per_s: smallest_kick(oscillator)?.map(|kick| kick * velocity_scale),
-        limit_damping_ratio,
-        damping_margin: oscillator.damping_ratio() - limit_damping_ratio,
-    })
 }

@@ -5,12 +5,12 @@ mod answer;
 use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
-use asperity::study::{CsvTable, implausible_damping, implausible_friction};
+use asperity::study::{CsvTable, implausible_damping, implausible_friction, modes_table};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
-    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Mode, Model, Point,
-    eigenvalue_scan, growth_rates, limit_cycle, modes,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point, eigenvalue_scan,
+    growth_rates, limit_cycle, modes,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -246,17 +246,7 @@ impl Noise {
 /// Returns the tables: the modes over friction, and the cycle.
 fn tables(found: &Found) -> Result<Vec<(&'static str, CsvTable)>, VibrationError> {
     let scan = &found.scan;
-    let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();
-    let mut tables = vec![(
-        "modes_over_friction",
-        CsvTable::new([
-            ("friction", scan.friction.clone()),
-            ("growth_1", of(&|modes| modes[0].growth)),
-            ("frequency_1", of(&|modes| modes[0].frequency)),
-            ("growth_2", of(&|modes| modes[1].growth)),
-            ("frequency_2", of(&|modes| modes[1].frequency)),
-        ]),
-    )];
+    let mut tables = vec![("modes_over_friction", modes_table(scan))];
     if let Some(cycle) = found.regime.cycle() {
         let settings = CoupledTrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
         let points = CoupledTrajectory::portrait(&found.model, Steady, &settings, 0.0, CYCLE_POINTS)?;

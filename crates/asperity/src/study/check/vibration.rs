@@ -4,19 +4,22 @@ use std::path::PathBuf;
 
 use asperity_base::choice::ByName;
 
+use super::mode_coupling::{CoupledStudy, check_springs};
 use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
 use crate::friction::{NominalContact, StatedFriction, Upscaling};
 use crate::quantity::{Area, Force, Length};
-use crate::study::file::{MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m};
+use crate::study::file::{
+    MachineModel, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m,
+};
 use crate::study::sentence;
 use crate::vibration::{
     Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VelocityLaw,
     VibrationError,
 };
 
-const SECTION: &str = "vibration";
+pub(super) const SECTION: &str = "vibration";
 /// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
 const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
@@ -29,9 +32,11 @@ fn ratio(value: f64) -> bool {
     value > 0.0 && value <= 1.0
 }
 
-/// Settings of the vibration stage: stick-slip of a mass on a belt.
+/// Settings of the vibration stage: a mass on a belt.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct VibrationStudy {
+    /// Springs of two coupled modes; `None` for stick-slip of a mass with one degree of freedom.
+    pub(in crate::study) coupled: Option<CoupledStudy>,
     pub(in crate::study) scales: Scales,
     pub(in crate::study) normal_force: Force,
     pub(in crate::study) nominal_area: Area,
@@ -160,6 +165,7 @@ impl StudyFile {
             }
         };
         within(SECTION, "kinetic_share", v.kinetic_share, ratio, RATIO)?;
+        let coupled = self.check_coupled(v)?;
         let (velocity_law, stribeck) = velocity_law(v, &scales)?;
         let forcing = forcing(v)?;
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
@@ -178,6 +184,7 @@ impl StudyFile {
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
         let study = VibrationStudy {
+            coupled,
             scales,
             normal_force: v.normal_force,
             nominal_area: v.nominal_area,
@@ -198,8 +205,10 @@ impl StudyFile {
             duration: v.duration,
             map: v.map.clone(),
         };
-        if let FrictionSource::Stated(friction) = &study.friction {
-            check_motion(v, &study, friction)?;
+        match &study.friction {
+            _ if study.coupled.is_some() => check_springs(&study)?,
+            FrictionSource::Stated(friction) => check_motion(v, &study, friction)?,
+            FrictionSource::Computed(_) | FrictionSource::File(_) => {}
         }
         Ok(Some(study))
     }
@@ -333,6 +342,7 @@ fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, O
     }
     let missing = |key| invalid(SECTION, key, format!("velocity_law = \"{}\" requires this key", v.velocity_law));
     match v.velocity_law {
+        _ if v.model == MachineModel::ModeCoupling => Ok((VelocityLaw::Coulomb { kinetic: 1.0 }, None)),
         VelocityLawKind::Stribeck => {
             let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
             within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;

@@ -7,7 +7,8 @@ use asperity_base::choice;
 use asperity_base::choice::ByName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::fixed_list;
+use super::fixed_list::{fixed_list, optional_fixed_list};
+use super::mode_coupling::{ContactSpring, MachineModel};
 use crate::friction::Upscaling;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
@@ -136,6 +137,9 @@ pub struct MapSection {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationSection {
+    /// Model of the machine.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub model: MachineModel,
     /// Mass m.
     pub mass: Mass,
     /// Natural angular frequency ω₀ = √(c/m).
@@ -152,6 +156,15 @@ pub struct VibrationSection {
     /// Velocity of the belt as V = v_b m ω₀/N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimensionless_belt_velocity: Option<f64>,
+    /// Directions of the two inclined springs of `mode_coupling` in degrees, from the belt's velocity towards the belt.
+    #[serde(default, deserialize_with = "optional_fixed_list", skip_serializing_if = "Option::is_none")]
+    pub spring_angles: Option<[f64; 2]>,
+    /// Stiffnesses of these springs in units of mω₀².
+    #[serde(default, deserialize_with = "optional_fixed_list", skip_serializing_if = "Option::is_none")]
+    pub springs: Option<[f64; 2]>,
+    /// Stiffness of the contact spring of `mode_coupling` in units of mω₀², or `"surface"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_spring: Option<ContactSpring>,
     /// Harmonic force on the mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forcing: Option<Force>,
@@ -224,6 +237,35 @@ pub struct VibrationSection {
     /// Marginal distribution of the friction coefficient, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_marginal: Option<String>,
+}
+
+fn is_usual(model: &MachineModel) -> bool {
+    *model == MachineModel::default()
+}
+
+impl VibrationSection {
+    /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name.
+    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 17] {
+        [
+            ("velocity_law", self.velocity_law == VelocityLawKind::default()),
+            ("stribeck", self.stribeck.is_none()),
+            ("linear_weakening", self.linear_weakening.is_none()),
+            ("stribeck_velocity", self.stribeck_velocity.is_none()),
+            ("high_speed_share", self.high_speed_share.is_none()),
+            ("kinetic_share", self.kinetic_share == one()),
+            ("forcing", self.forcing.is_none()),
+            ("forcing_frequency", self.forcing_frequency.is_none()),
+            ("generator", self.generator.is_none()),
+            ("drive", self.drive == Drive::default()),
+            ("integrator", self.integrator == ByName::default()),
+            ("upscaling", self.upscaling == Upscaling::default()),
+            ("allow_clipping", !self.allow_clipping),
+            ("damping_sweep", self.damping_sweep == damping_sweep()),
+            ("trajectories", self.trajectories == trajectories()),
+            ("duration", self.duration == duration()),
+            ("map", self.map.is_none()),
+        ]
+    }
 }
 
 fn map_depth() -> u32 {

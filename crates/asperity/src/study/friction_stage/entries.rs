@@ -133,6 +133,7 @@ fn any_level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelRe
 pub(super) fn operating_point(solved: &SolvedLevel, nominal_area_m2: f64) -> OperatingPoint {
     let process = &solved.process;
     let (contact_fraction, contact_interval) = solved.contact_fraction;
+    let stiffness = solved.strips.stiffness_pa_per_m();
     OperatingPoint {
         level: solved.control.name(),
         percentile: solved.control.percentile(),
@@ -140,6 +141,8 @@ pub(super) fn operating_point(solved: &SolvedLevel, nominal_area_m2: f64) -> Ope
         mean_pressure_pa: solved.strips.mean_pressure_pa,
         contact_fraction,
         contact_fraction_interval: contact_interval.map(pair),
+        contact_stiffness_pa_per_m: stiffness.map(|(mean, _)| mean),
+        contact_stiffness_pa_per_m_se: stiffness.and_then(|(_, standard_error)| finite(standard_error)),
         mean: solved.mean,
         mean_interval: interval(process.estimates.mean),
         std: process.moments.std,

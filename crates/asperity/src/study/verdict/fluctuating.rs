@@ -4,6 +4,7 @@ use crate::friction::process::FrictionProcess;
 use crate::monitor::{Monitor, Quiet};
 use crate::vibration::{Ensemble, EnsembleSettings, VibrationError, clipped_to_positive};
 
+use super::dynamics::Dynamics;
 use super::machines::Machine;
 
 /// Numbers of trajectories after which a decision is tried.
@@ -14,7 +15,7 @@ const STANDARD_ERRORS: f64 = 3.0;
 const CONSTANT_STD: f64 = 1e-12;
 
 /// Returns whether a machine whose motion begins in stick vibrates for at least half of the second half of the duration, in the
-/// mean over the realisations of friction; `None` if its friction does not fluctuate.
+/// mean over the realisations of friction; `None` if its friction does not fluctuate, and for coupled modes.
 pub(super) fn vibrates(
     machine: &Machine,
     duration_s: f64,
@@ -22,12 +23,12 @@ pub(super) fn vibrates(
     monitor: &dyn Monitor,
 ) -> Result<Option<bool>, String> {
     let (study, window) = (&machine.study, &machine.window);
+    let Dynamics::StickSlip(oscillator) = &machine.dynamics else { return Ok(None) };
     let model = window.process_model(study.upscaling, study.generator, study.scales.length_m());
     if model.std < CONSTANT_STD {
         return Ok(None);
     }
-    let process =
-        FrictionProcess::new(clipped_to_positive(&machine.oscillator, model, 1.0)).map_err(|e| e.to_string())?;
+    let process = FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)).map_err(|e| e.to_string())?;
     let duration = duration_s / study.scales.time_s();
     for (round, &trajectories) in TRAJECTORIES.iter().enumerate() {
         let settings = EnsembleSettings {
@@ -36,7 +37,7 @@ pub(super) fn vibrates(
             sample_capacity: 0,
             ..EnsembleSettings::new(trajectories, duration, seed)
         };
-        let ensemble = Ensemble::simulate(&machine.oscillator, &process, &settings, &Quiet(monitor));
+        let ensemble = Ensemble::simulate(oscillator, &process, &settings, &Quiet(monitor));
         let fraction = ensemble.map_err(|error: VibrationError| error.to_string())?.passages.late_share;
         let distance = (fraction.mean - 0.5).abs();
         if distance > STANDARD_ERRORS * fraction.se || round + 1 == TRAJECTORIES.len() {

@@ -4,15 +4,16 @@ use serde::Deserialize;
 use thiserror::Error;
 use toml::{Table, Value};
 
+use super::dynamics::Dynamics;
 use super::responses::FrictionResponses;
 use crate::chaos::UncertainInputs;
 use crate::friction::WindowFriction;
 use crate::random;
 use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
-use crate::study::file::Hold;
+use crate::study::file::{Hold, MachineModel};
+use crate::study::result::ModelResult;
 use crate::study::uncertain::{Place, without_latent};
-use crate::vibration::Oscillator;
 
 /// Stream of the standard normal variables of the samples.
 const STREAM: &str = "study/verdict";
@@ -29,7 +30,7 @@ pub(super) struct NoAnswer(pub(super) String);
 #[derive(Debug, Clone)]
 pub(super) struct Machine {
     pub(super) study: VibrationStudy,
-    pub(super) oscillator: Oscillator,
+    pub(super) dynamics: Dynamics,
     /// Friction of one window.
     pub(super) window: WindowFriction,
 }
@@ -84,6 +85,14 @@ impl<'a> Machines<'a> {
             friction_factor: 1.0,
             change: None,
             seed,
+        }
+    }
+
+    /// Returns the model of all machines.
+    pub(super) fn model(&self) -> ModelResult {
+        match self.central.get("vibration").and_then(|section| section.get("model")) {
+            Some(Value::String(model)) if model == MachineModel::ModeCoupling.name() => ModelResult::ModeCoupling,
+            _ => ModelResult::StickSlip,
         }
     }
 
@@ -190,8 +199,8 @@ impl<'a> Machines<'a> {
             window = WindowFriction::from_statement(stated.clone(), area_m2, window.stribeck);
         }
         window.mean *= self.friction_factor;
-        let oscillator = study.oscillator(window.mean, window.stribeck).map_err(|error| error.to_string())?;
-        Ok(Machine { study, oscillator, window })
+        let dynamics = Dynamics::new(&study, &window).map_err(|error| error.to_string())?;
+        Ok(Machine { study, dynamics, window })
     }
 }
 

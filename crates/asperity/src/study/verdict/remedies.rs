@@ -12,7 +12,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
 use crate::study::StudyError;
 use crate::study::check::{RemedyStudy, VerdictStudy};
-use crate::study::result::{Reach, Remedy};
+use crate::study::result::{ModelResult, Reach, Remedy};
 
 /// Randomisations of the Sobol' points.
 const REPLICATES: usize = 8;
@@ -185,7 +185,7 @@ impl Changed<'_> {
 
     /// Evaluates `count` machines at one central value. A value with which a machine has no answer counts as vibrating.
     fn margins(&self, value: f64, count: usize) -> Result<Margins, Cancelled> {
-        if self.remedy.place.name() == DAMPING && !self.fluctuates {
+        if self.remedy.place.name() == DAMPING && !self.fluctuates && self.machines.model() == ModelResult::StickSlip {
             return self.damping_margins(value, count);
         }
         let machines = self.moved(value);

@@ -18,7 +18,6 @@ use crate::study::output::StageOutput;
 use crate::study::result::LearntFriction;
 use crate::study::uncertain::Place;
 use crate::study::{StudyError, sentence};
-use crate::vibration::DampingMargins;
 
 /// Solved points per uncertain value and one, before any are solved near the limit of vibration.
 const POINTS_PER_VALUE: usize = 4;
@@ -30,18 +29,18 @@ const CANDIDATES: usize = 512;
 const PART_OF_HALF_WIDTH: f64 = 0.5;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
-/// Places of the moments in [`LevelMoments::values`].
+/// Learnt moments, the mean first.
+const MOMENTS: [fn(&LevelMoments) -> f64; 4] =
+    [|level| level.mean, |level| level.std, |level| level.correlation_length_m, |level| level.stiffness_pa_per_m];
 const MEAN: usize = 0;
-const STD: usize = 1;
-const LENGTH: usize = 3;
 /// Keys of [vibration] that change the pressure of the contact.
 const LOADS: [&str; 2] = ["normal_force", "nominal_area"];
 
 /// Friction learnt as a function of the values that change the contact.
 pub(super) struct FrictionResponses {
     axes: Vec<Axis>,
-    /// Expansions of the logarithms of mean, standard deviation and correlation length: friction is nearly a product of powers.
-    moments: [Option<Expansion>; 3],
+    /// Expansions of the logarithms of the moments, which are nearly products of powers.
+    moments: [Option<Expansion>; MOMENTS.len()],
     /// Relative standard error of the mean that is due to the few strips.
     pub(super) strips_error: f64,
     /// Relative standard error of the mean near the limit of vibration that is due to the expansion.
@@ -129,9 +128,9 @@ impl FrictionResponses {
         found: &[Option<MomentReplicates>],
         seed: u64,
     ) -> Result<Self, StudyError> {
-        let mut moments = [None, None, None];
+        let mut moments = [const { None }; MOMENTS.len()];
         let (mut strips_error, mut expansion_error) = (0.0, 0.0);
-        for (own, moment) in moments.iter_mut().zip([MEAN, STD, LENGTH]) {
+        for (own, moment) in moments.iter_mut().zip(0..) {
             if let Some((expansion, [noise, unexplained])) = learn_moment(propagation, found, moment, seed)? {
                 if moment == MEAN {
                     (strips_error, expansion_error) = (noise, unexplained);
@@ -180,12 +179,13 @@ impl FrictionResponses {
     /// Returns the friction of a study file's values, `window` being the friction at their centres.
     pub(super) fn at(&self, table: &Table, window: &WindowFriction) -> WindowFriction {
         let xi: Vec<f64> = self.axes.iter().map(|axis| axis.xi(table)).collect();
-        let [mean, std, length] =
-            [0, 1, 2].map(|moment| self.moments[moment].as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
+        let [mean, std, length, stiffness] =
+            self.moments.each_ref().map(|moment| moment.as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
         WindowFriction {
             mean: mean.unwrap_or(window.mean),
             std: std.unwrap_or(window.std),
             length_m: length.unwrap_or(window.length_m),
+            stiffness_pa_per_m: stiffness.or(window.stiffness_pa_per_m),
             ..window.clone()
         }
     }
@@ -208,7 +208,7 @@ impl Near {
         let changed = machines.with_friction_factor(CHANGE.exp());
         let margin = |machines: &Machines<'_>, variables: &[f64]| {
             let machine = machines.at(variables).ok()?;
-            Some(DampingMargins::new(&machine.oscillator).ok()?.from_stick)
+            Some(machine.dynamics.margins().ok()?.from_stick)
         };
         let mut near = Vec::new();
         for index in from..from + CANDIDATES {
@@ -244,7 +244,7 @@ fn learn_moment(
     seed: u64,
 ) -> Result<Option<(Expansion, [f64; 2])>, StudyError> {
     let strips = found.iter().flatten().map(|replicates| replicates.without.len()).max().unwrap_or(0);
-    let of = |moments: &LevelMoments| moments.values()[moment].ln();
+    let of = |moments: &LevelMoments| MOMENTS[moment](moments).ln();
     let values: Vec<f64> = found.iter().map(|found| found.as_ref().map_or(f64::NAN, |r| of(&r.all))).collect();
     let without: Vec<Vec<f64>> = (0..strips)
         .map(|strip| {

@@ -2,10 +2,10 @@
 
 use asperity_base::blocks::{self, Task};
 
+use super::dynamics::Margins;
 use super::machines::{Machine, Machines};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95, wilson_interval};
-use crate::vibration::DampingMargins;
 
 /// Number of machines of the first round; each further round doubles the number.
 const FIRST_ROUND: usize = 2048;
@@ -18,7 +18,7 @@ const SHIFTED: usize = 4096;
 /// Evaluated machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Evaluated {
-    pub(super) margins: DampingMargins,
+    pub(super) margins: Margins,
     /// Whether it vibrates if its motion begins in stick.
     pub(super) vibrates: bool,
 }
@@ -26,7 +26,7 @@ pub(super) struct Evaluated {
 impl Evaluated {
     /// Returns the machine's answer without fluctuation of friction.
     pub(super) fn constant_friction(machine: &Machine) -> Result<Self, String> {
-        let margins = DampingMargins::new(&machine.oscillator).map_err(|error| error.to_string())?;
+        let margins = machine.dynamics.margins().map_err(|error| error.to_string())?;
         Ok(Self { margins, vibrates: margins.from_stick < 0.0 })
     }
 }

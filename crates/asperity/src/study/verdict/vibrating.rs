@@ -9,14 +9,13 @@ use super::sampled::Sampled;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::CsvTable;
-use crate::study::result::{Quantiles, VibratingMachines};
-use crate::study::vibration_stage::kind_result;
-use crate::vibration::limit_cycle;
+use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
 const MOST_ROWS: usize = 4096;
-/// Largest number of machines whose cycles are computed.
+/// Largest number of machines whose cycles are computed; cycles of two coupled modes take longer.
 const MOST: usize = 1024;
+const MOST_COUPLED: usize = 128;
 
 /// Returns the kinds, frequencies and amplitudes of the machines that vibrate; `None` if there are none. Cycles are those without
 /// fluctuation of friction.
@@ -25,18 +24,17 @@ pub(super) fn vibrating_machines(
     sampled: &Sampled,
     monitor: &dyn Monitor,
 ) -> Result<Option<VibratingMachines>, Cancelled> {
+    let most = match machines.model() {
+        ModelResult::StickSlip => MOST,
+        ModelResult::ModeCoupling => MOST_COUPLED,
+    };
     let vibrates = |index: &usize| sampled.machines[*index].as_ref().is_ok_and(|m| m.margins.from_stick < 0.0);
-    let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(MOST).collect();
+    let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(most).collect();
     let task = Task::new(monitor, "verdict: cycles", indices.len());
     let cycles: Vec<_> = blocks::map::<_, Result<Vec<_>, Cancelled>>(0..indices.len(), |place| {
         task.step(|| {
             let machine = machines.at(&machines.variables_of(indices[place])).ok()?;
-            let cycle = *limit_cycle(&machine.oscillator).ok()?.cycle()?;
-            let scales = machine.study.scales;
-            let hertz = 1.0 / (cycle.period * scales.time_s());
-            let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
-            let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
-            Some((kind_result(cycle.kind), [hertz, velocity, displacement]))
+            machine.dynamics.cycle(&machine.study.scales).ok()?
         })
     })?
     .into_iter()
@@ -64,7 +62,7 @@ pub(super) fn vibrating_machines(
 }
 
 /// Returns the first sampled machines: their kinds of motion without fluctuation of friction, uncertain values in SI, friction
-/// coefficients and margins.
+/// coefficients, stiffnesses of the computed contact over the nominal area, and margins.
 pub(super) fn samples_table(
     machines: &Machines<'_>,
     sampled: &Sampled,
@@ -77,11 +75,11 @@ pub(super) fn samples_table(
             let variables = machines.variables_of(index);
             let margin = sampled.machines[index].as_ref().ok()?.margins.from_stick;
             let machine = machines.at(&variables).ok()?;
-            let kind = limit_cycle(&machine.oscillator).ok()?.kind();
             Some((
-                kind_result(kind).name().to_owned(),
+                machine.dynamics.kind().ok()?.name().to_owned(),
                 machines.inputs().values(&variables),
                 machine.window.mean,
+                machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.study.nominal_area.0),
                 margin,
             ))
         })
@@ -91,7 +89,9 @@ pub(super) fn samples_table(
     let mut columns: Vec<(String, Vec<f64>)> = inputs
         .map(|(place, input)| (input.name().to_owned(), rows.iter().map(|(_, values, ..)| values[place]).collect()))
         .collect();
-    columns.push(("friction_coefficient".into(), rows.iter().map(|(.., friction, _)| *friction).collect()));
+    columns.push(("friction_coefficient".into(), rows.iter().map(|(_, _, friction, ..)| *friction).collect()));
+    let stiffnesses: Option<Vec<f64>> = rows.iter().map(|(.., stiffness, _)| *stiffness).collect();
+    columns.extend(stiffnesses.map(|stiffnesses| ("contact_stiffness_n_per_m".into(), stiffnesses)));
     columns.push(("damping_margin".into(), rows.iter().map(|(.., margin)| *margin).collect()));
     Ok(CsvTable::with_names(rows.into_iter().map(|(kind, ..)| kind).collect(), columns))
 }

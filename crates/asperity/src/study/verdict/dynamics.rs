@@ -1,0 +1,114 @@
+//! Answers of one machine of either model, with constant friction.
+
+use crate::friction::WindowFriction;
+use crate::study::check::VibrationStudy;
+use crate::study::coupled_stage;
+use crate::study::result::{KindResult, ModelResult, NominalMachine};
+use crate::study::vibration_stage::kind_result;
+use crate::vibration::mode_coupling::Model;
+use crate::vibration::{DampingMargins, Oscillator, Scales, VibrationError, limit_cycle, limit_damping, smallest_kick};
+
+/// Machine of either model.
+#[derive(Debug, Clone)]
+pub(super) enum Dynamics {
+    /// One degree of freedom.
+    StickSlip(Oscillator),
+    /// Two coupled modes.
+    ModeCoupling(Model),
+}
+
+/// Margins of a machine; it vibrates if its margin is negative.
+///
+/// With one degree of freedom they are margins of the damping ratio ([`DampingMargins`]). Coupled modes have one margin of the
+/// friction coefficient, μ_c − μ: a machine counts as vibrating if its steady sliding is unstable, however its motion begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Margins {
+    pub(super) from_stick: f64,
+    pub(super) from_steady_sliding: f64,
+}
+
+impl Dynamics {
+    /// Returns the machine of a study with this friction.
+    pub(super) fn new(study: &VibrationStudy, window: &WindowFriction) -> Result<Self, VibrationError> {
+        match study.coupled_model(window.mean, window.stiffness_pa_per_m) {
+            Some(model) => model.map(Self::ModeCoupling),
+            None => study.oscillator(window.mean, window.stribeck).map(Self::StickSlip),
+        }
+    }
+
+    pub(super) fn model(&self) -> ModelResult {
+        match self {
+            Self::StickSlip(_) => ModelResult::StickSlip,
+            Self::ModeCoupling(_) => ModelResult::ModeCoupling,
+        }
+    }
+
+    pub(super) fn margins(&self) -> Result<Margins, VibrationError> {
+        match self {
+            Self::StickSlip(oscillator) => {
+                let DampingMargins { from_stick, from_steady_sliding } = DampingMargins::new(oscillator)?;
+                Ok(Margins { from_stick, from_steady_sliding })
+            }
+            Self::ModeCoupling(model) => {
+                let margin = coupled_stage::margin(model)?;
+                Ok(Margins { from_stick: margin, from_steady_sliding: margin })
+            }
+        }
+    }
+
+    /// Returns the kind of motion.
+    pub(super) fn kind(&self) -> Result<KindResult, VibrationError> {
+        match self {
+            Self::StickSlip(oscillator) => Ok(kind_result(limit_cycle(oscillator)?.kind())),
+            Self::ModeCoupling(model) => coupled_stage::kind(model),
+        }
+    }
+
+    /// Returns the kind of motion, frequency in Hz, and amplitudes of the velocity in m/s and of the displacement in metre along the
+    /// belt; `None` without a cycle.
+    pub(super) fn cycle(&self, scales: &Scales) -> Result<Option<(KindResult, [f64; 3])>, VibrationError> {
+        match self {
+            Self::StickSlip(oscillator) => Ok(limit_cycle(oscillator)?.cycle().map(|cycle| {
+                let hertz = 1.0 / (cycle.period * scales.time_s());
+                let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
+                let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
+                (kind_result(cycle.kind), [hertz, velocity, displacement])
+            })),
+            Self::ModeCoupling(model) => {
+                let kind = coupled_stage::kind(model)?;
+                Ok(coupled_stage::motion(model, scales)?.1.map(|cycle| {
+                    let amplitudes = [cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m];
+                    (kind, [cycle.frequency_hz, amplitudes[0], amplitudes[1]])
+                }))
+            }
+        }
+    }
+
+    /// Returns the answer of the machine with all values at their centres.
+    pub(super) fn nominal(&self, vibrates: bool, scales: &Scales) -> Result<NominalMachine, VibrationError> {
+        match self {
+            Self::StickSlip(oscillator) => {
+                let limit_damping_ratio = limit_damping(oscillator)?;
+                Ok(NominalMachine {
+                    vibrates,
+                    kind: self.kind()?,
+                    steady_sliding_unstable: oscillator.sliding_is_unstable(),
+                    kick_m_per_s: smallest_kick(oscillator)?.map(|kick| kick * scales.velocity_m_per_s()),
+                    limit_damping_ratio: Some(limit_damping_ratio),
+                    damping_margin: oscillator.damping_ratio() - limit_damping_ratio,
+                })
+            }
+            Self::ModeCoupling(model) => {
+                let margin = coupled_stage::margin(model)?;
+                Ok(NominalMachine {
+                    vibrates,
+                    kind: self.kind()?,
+                    steady_sliding_unstable: margin < 0.0,
+                    kick_m_per_s: None,
+                    limit_damping_ratio: model.limit_damping_ratio(model.sliding_friction()),
+                    damping_margin: margin,
+                })
+            }
+        }
+    }
+}
