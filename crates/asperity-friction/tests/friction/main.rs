@@ -4,4 +4,5 @@
 
 mod strips;
 mod tracks;
+mod two_bodies;
 mod windows;
