@@ -16,7 +16,7 @@ use asperity_surface::model::{CompositeModel, SurfaceCovariance, SurfaceModel, T
 
 const MODULUS_PA: f64 = 230e9;
 const LENGTH_M: f64 = 12e-6;
-const STRIPS: usize = 12;
+const STRIPS: usize = 8;
 
 fn body(std_m: f64) -> SurfaceModel {
     let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, std_m, LENGTH_M).unwrap();
@@ -33,12 +33,12 @@ fn body(std_m: f64) -> SurfaceModel {
 /// Friction of a track and a slider with these standard deviations of their heights, under a mean pressure. The half-space is
 /// periodic or free.
 fn slide(std_m: [f64; 2], pressure_pa: f64, periodic: bool) -> (SolvedLevel, Option<TwoBodyFriction>) {
-    let grid = Grid::new(640, 16, 2e-6, 2e-6).unwrap();
+    let grid = Grid::new(512, 8, 2e-6, 2e-6).unwrap();
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
     let boundary = if periodic { Boundary::Periodic { mean_compliance_m_per_pa } } else { Boundary::Free };
     let problem = StripProblem {
         half_space: HalfSpace::new(grid, MODULUS_PA, boundary).unwrap(),
-        window: Window::new(60e-6, grid).unwrap(),
+        window: Window::new(48e-6, grid).unwrap(),
         law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),
         hardness_pa: None,
         solver: Solver { tolerance: 1e-6, ..Solver::default() },
@@ -101,6 +101,6 @@ fn in_full_contact_variances_are_those_of_the_bodies() {
 }
 
 #[test]
-fn free_strips_and_one_rough_body_are_not_separated() {
+fn the_track_of_a_free_strip_cannot_move() {
     assert_eq!(slide([0.5e-6, 0.5e-6], 1e9, false).1, None);
 }
