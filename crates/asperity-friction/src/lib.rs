@@ -3,7 +3,8 @@
 //! [`strip::Strips`] solves long strips at several levels of contact. A [`window::Window`] slides along each solution, and a
 //! [`law::WindowLaw`] computes μ(s) from the contact in the window. [`load_curve::LoadCurve`] relates load and depth.
 //! [`statistics::FrictionStatistics`] estimates the statistics of the process μ(s), and [`window_study::WindowStudy`] separates
-//! its correlation from the effect of the window. [`replicates`] provides the jackknife over strips. [`upscaling`]
+//! its correlation from the effect of the window. [`TwoBodyFriction`] separates differences between parts from the
+//! fluctuation along the path if both bodies are rough. [`replicates`] provides the jackknife over strips. [`upscaling`]
 //! converts the variance of one window to the variance of the nominal area. [`WindowFriction`] is the friction of one window,
 //! computed, fitted or stated. [`process`] simulates the process, and
 //! [`measured`] fits it to a tribometer record.
@@ -20,6 +21,7 @@ mod rough_body;
 mod solved_level;
 pub mod statistics;
 pub mod strip;
+mod two_bodies;
 pub mod uncertain;
 pub mod upscaling;
 pub mod window;
@@ -32,6 +34,7 @@ pub use asperity_process::{diagnostics, measured};
 pub use level_control::{LevelControl, OperatingLevel};
 pub use rough_body::RoughBody;
 pub use solved_level::SolvedLevel;
+pub use two_bodies::{DISTANCES, TwoBodyFriction};
 pub use upscaling::Upscaling;
 pub use window_contact::{WindowContact, window_contacts};
 pub use window_friction::{NominalContact, StatedFriction, WindowFriction};

@@ -10,6 +10,7 @@ use crate::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::level_control::LevelControl;
 use crate::statistics::{FrictionStatistics, HeavyTail};
 use crate::strip::{Record, SolvedStrips, StripProblem};
+use crate::two_bodies::TwoBodyFriction;
 use crate::upscaling::variance_reduction;
 use crate::window::Window;
 use crate::window_study::WindowStudy;
@@ -39,6 +40,8 @@ pub struct SolvedLevel {
     pub analysis: ProcessAnalysis,
     /// Correlation without the effect of the window; `None` if friction does not vary.
     pub window_study: Option<WindowStudy>,
+    /// Friction between two rough bodies; `None` unless [`TwoBodyFriction::solve`] computed it.
+    pub two_bodies: Option<TwoBodyFriction>,
 }
 
 impl SolvedLevel {
@@ -84,6 +87,7 @@ impl SolvedLevel {
             process,
             analysis,
             window_study,
+            two_bodies: None,
         })
     }
 

@@ -88,7 +88,7 @@ pub struct Record {
 
 impl Record {
     /// Computes the record of the windows of one track.
-    fn from_contacts(windows: &[WindowContact], law: &dyn WindowLaw) -> Self {
+    pub(super) fn from_contacts(windows: &[WindowContact], law: &dyn WindowLaw) -> Self {
         Self {
             position_m: windows.iter().map(|w| w.position_m).collect(),
             friction: windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect(),
@@ -240,8 +240,13 @@ impl Strips<'_> {
 
     /// Generates the map of strip number `index`.
     pub fn map(&self, index: usize) -> HeightMap {
+        self.surface.generate(&self.normal_variables(index))
+    }
+
+    /// Draws the normal variables of strip number `index`.
+    pub(super) fn normal_variables(&self, index: usize) -> Vec<f64> {
         let mut stream = random::stream(self.seed, "friction/strip", index as u64);
-        self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()))
+        random::standard_normal(&mut stream, self.surface.xi_len())
     }
 
     /// Returns the converged solution of one strip, or the reason why there is none.
@@ -350,16 +355,22 @@ impl Strips<'_> {
                 Err(reason) => level.failures.push(FailedStrip { index, reason }),
             }
         }
-        let (valid, total) = (self.realisations - level.failures.len(), self.realisations);
-        if (valid as f64) < LEAST_VALID_FRACTION * total as f64 {
-            let first = level.failures.first().map_or_else(String::new, |failure| failure.reason.clone());
-            return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_FRACTION, first });
-        }
-        let count = valid as f64;
+        check_valid(&level.failures, self.realisations)?;
+        let count = (self.realisations - level.failures.len()) as f64;
         level.penetration_m /= count;
         level.mean_pressure_pa /= count;
         level.contact_fraction /= count;
         level.plastic_fraction = if contact_cells > 0.0 { plastic_cells / contact_cells } else { 0.0 };
         Ok(level)
     }
+}
+
+/// Returns an error if too few of `total` strips converged.
+pub(super) fn check_valid(failures: &[FailedStrip], total: usize) -> Result<(), FrictionError> {
+    let valid = total - failures.len();
+    if (valid as f64) < LEAST_VALID_FRACTION * total as f64 {
+        let first = failures.first().map_or_else(String::new, |failure| failure.reason.clone());
+        return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_FRACTION, first });
+    }
+    Ok(())
 }

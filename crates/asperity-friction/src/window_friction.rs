@@ -40,8 +40,10 @@ pub struct StatedFriction {
 pub struct WindowFriction {
     /// Mean friction coefficient.
     pub mean: f64,
-    /// Standard deviation.
+    /// Standard deviation along the path.
     pub std: f64,
+    /// Standard deviation between parts with a window of their own; 0 if friction is that of a rough track, stated or fitted.
+    pub between_parts_std: f64,
     /// Shape of the correlation; its window is in metre.
     pub shape: CorrelationShape,
     /// Correlation length in metre; it contains the effect of the window unless the shape does.
@@ -75,19 +77,23 @@ pub struct WindowFriction {
 impl WindowFriction {
     /// Returns the friction of the window of a level at the mean load; `stribeck` is per unit of dimensionless velocity.
     ///
-    /// It fluctuates along the path if the track is the rough body. A rough slider has the constant friction of a mean part.
+    /// It fluctuates along the path if the track is rough; between two rough bodies as [`SolvedLevel::two_bodies`] states. A rough
+    /// slider has the constant friction of a mean part.
     pub fn from_level(level: &SolvedLevel, body: RoughBody, nominal: NominalContact, stribeck: Option<f64>) -> Self {
         let (process, window) = (&level.process, &level.window);
         let mut warnings = Vec::new();
-        let std = match body {
-            RoughBody::Track => process.moments.std,
-            RoughBody::Slider | RoughBody::Both => 0.0,
+        let two_bodies = level.two_bodies.filter(|_| body == RoughBody::Both);
+        let (std, between_parts_std) = match (body, two_bodies) {
+            (RoughBody::Track, _) => (process.moments.std, 0.0),
+            (_, Some(found)) => (found.path_std, found.between_parts_std),
+            (_, None) => (0.0, process.moments.std),
         };
         let varies = std > 0.0;
         // Constant friction has neither correlation nor distribution; the values are not used.
-        let length_m = match &process.correlation {
-            Ok(correlation) => correlation.exponential.length_m,
-            Err(error) => {
+        let length_m = match (two_bodies, &process.correlation) {
+            (Some(found), _) => found.path_length_m,
+            (None, Ok(correlation)) => correlation.exponential.length_m,
+            (None, Err(error)) => {
                 if varies {
                     warnings
                         .push(format!("friction has no correlation ({error}); the window's length is taken for it"));
@@ -111,12 +117,14 @@ impl WindowFriction {
             }
         };
         let origin = match body {
-            RoughBody::Track | RoughBody::Both => origin,
+            RoughBody::Track => origin,
             RoughBody::Slider => format!("{origin}; a rough slider carries its contacts along"),
+            RoughBody::Both => format!("{origin}; that of a mean part of the rough slider"),
         };
         Self {
             mean: level.mean,
             std,
+            between_parts_std,
             shape: CorrelationShape::Exponential,
             length_m,
             correlation: TranslationKind::Corrected,
@@ -141,6 +149,7 @@ impl WindowFriction {
         Self {
             mean,
             std,
+            between_parts_std: 0.0,
             shape: CorrelationShape::Exponential,
             length_m,
             correlation: TranslationKind::Plain,
@@ -210,6 +219,7 @@ impl WindowFriction {
         Self {
             mean: process.mean,
             std: process.std,
+            between_parts_std: 0.0,
             shape,
             length_m,
             correlation: TranslationKind::Corrected,

@@ -10,7 +10,7 @@ use crate::{CutoffResult, LawResult, Pair, Prescribed, UncertaintyResult};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionResult {
-    /// Body that is rough. Unless it is the track alone, friction has no known course along a path: correlation lengths, drifts and
+    /// Body that is rough. Unless it is the track alone, windows along the strips are no path: correlation lengths, drifts and
     /// return levels are `null` or empty, and standard deviations are those between windows of different parts.
     #[serde(default)]
     pub body: RoughBodyResult,
@@ -45,7 +45,7 @@ pub enum RoughBodyResult {
     Track,
     /// Slider: friction is constant for each part.
     Slider,
-    /// Both: differences between parts and along the path are not separated.
+    /// Both: friction differs between parts and fluctuates along the path.
     Both,
 }
 
@@ -156,6 +156,12 @@ pub struct LevelResult {
     pub beta: Option<LawResult>,
     /// Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if it has one.
     pub no_variance: Option<String>,
+    /// Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs from the mean by a
+    /// constant. `null` for a smooth slider and, if both bodies are rough, at other levels than the operating point and for free
+    /// strips. The fluctuation along the path has the rest of the variance of `at_mean_load`.
+    pub between_parts_std: Option<f64>,
+    /// 95 % interval of `between_parts_std`; `null` with fewer than four strips.
+    pub between_parts_std_interval: Option<Pair>,
     /// Windows without contact, left out.
     pub empty_windows: usize,
     /// Friction of a body that rests on many windows.

@@ -59,6 +59,10 @@ fn a_rough_slider_has_the_windows_of_a_rough_track_but_constant_friction() {
         }
         assert!(along["correlation_length_m"].is_number() && carried["correlation_length_m"].is_null());
         assert!(of_slider["correlation_length_m"].is_null());
+        assert!(of_track["between_parts_std"].is_null() && of_track["between_parts_std_interval"].is_null());
+        for key in ["std", "std_interval"] {
+            assert_eq!(of_slider[&format!("between_parts_{key}")], carried[key]);
+        }
         assert_eq!(carried["correlation_models"], Value::Array(Vec::new()));
         for key in ["correlation_length_without_window_m", "window_only", "stationarity"] {
             assert!(!of_track[key].is_null() && of_slider[key].is_null(), "{key}: {of_slider}");
@@ -174,6 +178,34 @@ fn the_friction_of_two_bodies_of_half_the_variance_has_the_moments_of_one_and_no
 }
 
 #[test]
+fn two_rough_bodies_drive_the_vibration_by_the_fluctuation_along_the_path() {
+    let folder = TempDir::new().unwrap();
+    let friction = FRICTION.replace("percentiles = [50.0]", "percentiles = [30.0, 50.0]");
+    let text = [&halved(), MATERIAL, &friction, VIBRATION, "level = 50.0\n"].concat();
+    let (_, results) = run(folder.path(), "both", &text);
+    assert_eq!(results["friction"]["body"], "both");
+    let levels = results["friction"]["levels"].as_array().unwrap();
+    let (other, lead) = (&levels[0], &levels[1]);
+    assert!(other["between_parts_std"].is_null() && lead["leading"] == true);
+    let between_parts = number(lead, "between_parts_std");
+    let ends = [0, 1].map(|end| lead["between_parts_std_interval"][end].as_f64().unwrap());
+    assert!((0.0..=between_parts).contains(&ends[0]) && ends[1] > between_parts, "{ends:?} {between_parts}");
+    // Parts and path share the variance of all windows, and the machine has that of the path.
+    let vibration = &results["vibration"];
+    let along = number(&vibration["paper"], "friction_std");
+    assert!(along > 0.0);
+    close(along.hypot(between_parts), number(&lead["at_mean_load"], "std"), 1e-9);
+    let area = number(&vibration["area"], "friction_std") / along;
+    close(area * area, number(vibration, "variance_reduction"), 1e-9);
+    // The contacts of two bodies change within the window.
+    let length_m = number(vibration, "friction_correlation_length_m");
+    assert!(length_m > 1e-6 && length_m < 60e-6, "{length_m}");
+    assert!(lead["at_mean_load"]["correlation_length_m"].is_null());
+    let page = fs::read_to_string(folder.path().join("both/report.html")).unwrap();
+    assert!(page.contains("Both bodies are rough: the counterface is the slider"));
+}
+
+#[test]
 fn a_study_presses_a_scanned_counterface_as_asperity_contact_does() {
     let folder = TempDir::new().unwrap();
     let drawn = SURFACE.replace("[surface]", "size = [\"64 um\", \"64 um\"]\npoints = [32, 32]\n[surface]");
@@ -228,6 +260,7 @@ fn an_unsuitable_counterface_or_body_is_refused_with_its_line() {
     let slider = |body: &str, counterface: &str| {
         format!("{whole}{counterface}").replace("[surface]\n", &format!("[surface]\nbody = \"{body}\"\n"))
     };
+    let free = [SURFACE, "[counterface]\n", rough, MATERIAL, FRICTION, "boundary = \"free\"\n", VIBRATION].concat();
     let line_of = |text: &str, key: &str| {
         let section = text.find(if key.starts_with("body") { "[surface]" } else { "[counterface]" }).unwrap_or(0);
         text[..section + text[section..].find(key).unwrap()].lines().count() + 1
@@ -241,7 +274,7 @@ fn an_unsuitable_counterface_or_body_is_refused_with_its_line() {
         (with(&rough.replace("rms_height = \"1 um\"\n", "")), 2, "[counterface]", "rms_height"),
         (with(&rough.replace("\"1 um\"", "\"-1 um\"")), 2, "rms_height", "[counterface] rms_height"),
         (with("file = []\n"), 2, "file", "the list of scans is empty"),
-        (with(&format!("{rough}{VIBRATION}")), 2, "rms_height", "two rough bodies"),
+        (free, 2, "boundary", "two rough bodies requires strips along which the track can move"),
         (slider("both", ""), 2, "body", "the counterface is smooth"),
         (slider("slider", &format!("[counterface]\n{rough}")), 2, "body", "[counterface] is rough too"),
         (slider("belt", ""), 2, "body", "known: track, slider, both"),

@@ -5,4 +5,5 @@
 mod stiffness;
 mod strips;
 mod tracks;
+mod two_bodies;
 mod windows;

@@ -1,6 +1,7 @@
 //! Rough cost of a study before it is run.
 
 use crate::contact::memory_bytes;
+use crate::friction::DISTANCES;
 use crate::friction::cutoff::STRIPS;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, FrictionStudy};
@@ -93,7 +94,10 @@ impl Study {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.friction == FrictionSource::Computed(None));
             let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * u.realisations);
             let levels = f.levels.len() + usize::from(nominal);
-            let solutions = levels * (f.realisations + uncertain);
+            // Two rough bodies are solved again after several sliding distances, at one level.
+            let slides = self.counterface.is_some() && f.boundary == BoundaryKind::Periodic;
+            let slid = if slides { DISTANCES * f.realisations } else { 0 };
+            let solutions = levels * (f.realisations + uncertain) + slid;
             let plan = cutoff::plan(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
@@ -234,6 +238,11 @@ trajectories = 50
         let uncertain =
             text.replace("[vibration]", "[friction.uncertainty]\nrms_height = \"5 %\"\npoints = 12\n[vibration]");
         assert_eq!(estimate(&uncertain)[1].contact_solutions, 3 * (20 + 12 * 10));
+        // Two rough bodies at seven more sliding distances.
+        let rough = "[counterface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                     correlation_length = \"20 um\"\n[vibration]";
+        let both = text.replace("[vibration]", rough);
+        assert_eq!(estimate(&both)[1].contact_solutions, 60 + 7 * 20);
         // An ensemble stores a bounded number of values, however long its trajectories are.
         let long = |duration: &str| {
             estimate(&text.replace("trajectories = 50", &format!("trajectories = 50\nduration = {duration}")))

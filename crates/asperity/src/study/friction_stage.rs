@@ -12,7 +12,7 @@ pub(super) use self::words::no_variance;
 use crate::contact::{Control, Solver};
 use crate::friction::replicates::MomentReplicates;
 use crate::friction::strip::{StripProblem, Strips};
-use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel};
+use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel, TwoBodyFriction};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
 use crate::study::friction_uncertainty;
@@ -132,6 +132,11 @@ pub(super) fn run(
     }
     let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.strips.mean_pressure_pa)).collect();
     let lead = operating.index_in(&pressures);
+    if study.body == RoughBody::Both {
+        let found = TwoBodyFriction::solve(&strips, &levels[lead], controls[lead], monitor);
+        levels[lead].two_bodies =
+            found.map_err(|error| StudyError::Friction { level: levels[lead].control.name(), error })?;
+    }
     let uncertain = friction_uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
     let window = &problem.window;

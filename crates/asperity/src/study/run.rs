@@ -189,7 +189,7 @@ impl Study {
                 .vibration
                 .as_ref()
                 .and_then(|vibration| Some(vibration.stribeck?.s_per_m(vibration.scales.velocity_m_per_s())));
-            // Only friction along the track is a process.
+            // The file of a process cannot state differences between parts.
             let process = (study.body == RoughBody::Track).then(|| stage.level.fitted_process(stribeck_s_per_m));
             match process.transpose() {
                 Ok(process) => gathered.friction_process = process,
@@ -209,8 +209,8 @@ impl Study {
                 gathered.results.mode_coupling = Some(stage.result);
             } else if let Some(window) = wanted {
                 let mut stage = vibration_stage::run(study, window, self.seed(), monitor)?;
-                // The friction of a part of a rough slider has no course along the path.
-                if self.friction.as_ref().is_some_and(|friction| friction.body != RoughBody::Track) {
+                // The friction of a part of a rough slider on a smooth track has no course along the path.
+                if self.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) {
                     (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
                 }
                 gathered.add(stage.output);

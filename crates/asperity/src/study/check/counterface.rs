@@ -2,6 +2,7 @@
 
 use super::{InvalidValue, POSITIVE, invalid, positive, within};
 use crate::friction::RoughBody;
+use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection, WindowLawKind};
 use crate::surface::model::SurfaceRequest;
@@ -39,10 +40,10 @@ impl StudyFile {
     /// Returns which bodies are rough.
     ///
     /// # Errors
-    /// The study states another body, or computes friction that two rough bodies do not determine.
+    /// The study states another body, or needs friction of two rough bodies that its strips do not determine.
     pub(super) fn check_body(&self, vibration: Option<&VibrationStudy>) -> Result<RoughBody, InvalidValue> {
         let stated = self.surface.as_ref().and_then(|surface| surface.body);
-        let Some(key) = self.counterface.as_ref().and_then(CounterfaceSection::roughness_key) else {
+        if self.counterface.as_ref().and_then(CounterfaceSection::roughness_key).is_none() {
             return match stated {
                 Some(RoughBody::Both) => {
                     let message = "found \"both\", but the counterface is smooth; state its roughness in [counterface]";
@@ -50,7 +51,7 @@ impl StudyFile {
                 }
                 stated => Ok(stated.unwrap_or_default()),
             };
-        };
+        }
         if let Some(body @ (RoughBody::Track | RoughBody::Slider)) = stated {
             let message = format!("found \"{body}\", but [counterface] is rough too; state \"both\" or remove the key");
             return Err(invalid("surface", "body", message));
@@ -59,11 +60,11 @@ impl StudyFile {
             let message = "law = \"adhesion_ploughing\" requires a smooth counterface: the slopes of the harder body alone plough";
             return Err(invalid("friction", "law", message));
         }
-        if vibration.is_some_and(|vibration| matches!(vibration.friction, FrictionSource::Computed(_))) {
-            let message = "with two rough bodies [friction] cannot tell the fluctuation of friction along the path, which \
-                           [vibration] needs, from differences between parts; remove the roughness of one body, or state the \
-                           friction in a study with [vibration] alone";
-            return Err(invalid(SECTION, key, message));
+        let computed = vibration.is_some_and(|vibration| matches!(vibration.friction, FrictionSource::Computed(_)));
+        if computed && self.friction.as_ref().is_some_and(|friction| friction.boundary == BoundaryKind::Free) {
+            let message = "found \"free\", but [vibration] with two rough bodies requires strips along which the track can move: \
+                           state boundary = \"periodic\"";
+            return Err(invalid("friction", "boundary", message));
         }
         Ok(RoughBody::Both)
     }

@@ -18,7 +18,13 @@ use crate::study::result::{
 
 /// Returns the entry of a level; without the track as the only rough body, friction has no known course along the path.
 pub(super) fn level_result(solved: &SolvedLevel, body: RoughBody, upscaling: UpscalingResult) -> LevelResult {
-    let level = any_level_result(solved, upscaling);
+    let process = &solved.process;
+    let (between_parts_std, between_parts_std_interval) = match (body, &solved.two_bodies) {
+        (RoughBody::Track, _) | (RoughBody::Both, None) => (None, None),
+        (RoughBody::Slider, _) => (Some(process.moments.std), interval(process.estimates.std)),
+        (RoughBody::Both, Some(found)) => (Some(found.between_parts_std), found.between_parts_interval.map(pair)),
+    };
+    let level = LevelResult { between_parts_std, between_parts_std_interval, ..any_level_result(solved, upscaling) };
     match body {
         RoughBody::Track => level,
         RoughBody::Slider | RoughBody::Both => without_path(level),
@@ -96,6 +102,8 @@ fn any_level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelRe
         tail: statistics.tail.as_ref().map(tail),
         beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| law_result(&fit.marginal)),
         no_variance: solved.heavy_tail.as_ref().map(no_variance),
+        between_parts_std: None,
+        between_parts_std_interval: None,
         at_mean_load: AtMeanLoad {
             mean: solved.mean,
             mean_interval: self::interval(process.estimates.mean),

@@ -2,7 +2,8 @@
 
 use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
-use crate::friction::{LevelControl, RoughBody, SolvedLevel};
+use crate::friction::{DISTANCES, LevelControl, RoughBody, SolvedLevel, TwoBodyFriction};
+use crate::stats::Interval;
 use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
 use crate::study::sentence;
@@ -63,7 +64,7 @@ pub(super) fn sentences(
         "The friction coefficient is that at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries; the \
          plain quotient F/N of each window has a section of its own."
             .into(),
-        body_sentence(study.body).into(),
+        body_sentence(study.body, lead),
     ];
     sentences.extend(correlation);
     if study.levels.iter().any(|level| matches!(level, LevelControl::Penetration(_))) {
@@ -77,20 +78,43 @@ pub(super) fn sentences(
 }
 
 /// Returns a sentence on the rough body, and on what the windows vary over.
-fn body_sentence(body: RoughBody) -> &'static str {
-    match body {
+fn body_sentence(body: RoughBody, lead: &SolvedLevel) -> String {
+    let sentence = match body {
         RoughBody::Track => "The track is rough and the slider smooth: friction fluctuates along the path.",
         RoughBody::Slider => {
             "The slider is rough and the track smooth. A part carries its contacts along, so its friction coefficient is constant; \
              the standard deviation between windows is that between parts. Friction has no correlation along the path, vibrations \
              see the constant mean, and friction_process.json is not written."
         }
-        RoughBody::Both => {
-            "Both bodies are rough. The standard deviation between windows contains differences between parts and the fluctuation \
-             along the path, which strips pressed at one place do not separate. Friction therefore has no known correlation along \
-             the path, and friction_process.json is not written."
-        }
-    }
+        RoughBody::Both => match &lead.two_bodies {
+            Some(found) => return two_bodies_sentence(found, &lead.control.name()),
+            None => {
+                "Both bodies are rough. The standard deviation between windows contains differences between parts and the \
+                 fluctuation along the path, which free strips do not separate. Friction therefore has no known correlation along \
+                 the path, and friction_process.json is not written."
+            }
+        },
+    };
+    sentence.into()
+}
+
+fn two_bodies_sentence(found: &TwoBodyFriction, name: &str) -> String {
+    let within = |interval: Option<Interval>, shown: &dyn Fn(f64) -> String| {
+        interval.map_or_else(String::new, |i| format!(" (95 %: {} to {})", shown(i.low), shown(i.high)))
+    };
+    let metre = |length_m: f64| sentence::si(length_m, "m");
+    format!(
+        "Both bodies are rough: the counterface is the slider, the surface the track. At {name} the strips were solved again after up \
+         to {DISTANCES} sliding distances. The friction of a window differs between parts by a standard deviation of {}{} and \
+         fluctuates along the path with a standard deviation of {} and a correlation length of {}{}. The standard deviation between \
+         windows contains both, and the correlation along the strips is not that along the path. friction_process.json, which cannot \
+         state differences between parts, is not written.",
+        sentence::digits(found.between_parts_std),
+        within(found.between_parts_interval, &sentence::digits),
+        sentence::digits(found.path_std),
+        metre(found.path_length_m),
+        within(found.path_length_interval_m, &metre),
+    )
 }
 
 pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
