@@ -60,6 +60,8 @@ pub struct WindowFriction {
     pub level_percentile: Option<f64>,
     /// Mean pressure of the level in pascal; `None` is unknown.
     pub level_mean_pressure_pa: Option<f64>,
+    /// Fraction of the contact cells at the hardness; `None` if the friction is not computed.
+    pub plastic_fraction: Option<f64>,
     /// Variance over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Whether the friction was computed from solved strips.
@@ -124,6 +126,7 @@ impl WindowFriction {
             stribeck,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
+            plastic_fraction: Some(level.strips.plastic_fraction),
             variance_reduction: level.variance_reduction(nominal.area_m2),
             computed: true,
             origin,
@@ -147,6 +150,7 @@ impl WindowFriction {
             stribeck,
             level_percentile: None,
             level_mean_pressure_pa: None,
+            plastic_fraction: None,
             variance_reduction: variance_reduction(window_m, width_m, nominal_area_m2, &exponential(length_m)),
             computed: false,
             origin: format!(
@@ -215,6 +219,7 @@ impl WindowFriction {
             stribeck,
             level_percentile: None,
             level_mean_pressure_pa: process.mean_pressure_pa,
+            plastic_fraction: None,
             variance_reduction,
             computed: false,
             origin: format!("from {file}: {described}"),

@@ -13,6 +13,7 @@ mod provenance;
 mod surface;
 mod uncertainty;
 mod verdict;
+mod verdict_tables;
 mod vibration;
 
 use std::collections::BTreeMap;
@@ -42,6 +43,7 @@ pub use uncertainty::{
 pub use verdict::{
     Driver, Guess, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, VerdictResult, VibratingMachines,
 };
+pub use verdict_tables::{AreaAsOne, ProbabilityMap, ProbabilityMapAxis};
 pub use vibration::{
     CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,
     MotionResult, PointsResult, VibrationResult,

@@ -1,8 +1,11 @@
 //! The verdict: how probable vibration is over the uncertain values of a study, what decides it, and what changes it.
 
+pub(super) mod area;
 mod drivers;
 mod fluctuating;
 mod machines;
+pub(super) mod map;
+mod plastic;
 mod remedies;
 mod responses;
 mod sampled;
@@ -193,6 +196,15 @@ pub(super) fn run(
             ));
         }
     }
+    if fluctuates {
+        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, monitor)?;
+        output.tables.extend(result.area_as_one.as_deref().map(area::table));
+    }
+    let constant = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+    if let Some(map) = map::map(&machines, study, &constant, fluctuates, seed, monitor)? {
+        result.map = Some(map.result);
+        output.tables.push(map.contours);
+    }
     if let Some(model) = MarginModel::new(&machines, &sampled, fluctuates)? {
         result.drivers = model.margin_drivers(&machines, seed)?;
         if EVENT_RANGE.contains(&probability) {
@@ -209,6 +221,9 @@ pub(super) fn run(
             ));
         }
     }
+    let friction = whole.friction.as_ref().filter(|_| window.computed);
+    output.assumptions.extend(friction.and_then(|friction| plastic::plastic_sentence(friction, window)));
+    result.assumptions.clone_from(&output.assumptions);
     Ok(Verdict { result, output })
 }
 

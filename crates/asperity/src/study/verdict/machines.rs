@@ -55,7 +55,7 @@ pub(super) struct Machines<'a> {
     responses: Option<&'a FrictionResponses>,
     /// Factor of the mean friction coefficient.
     friction_factor: f64,
-    change: Option<Change>,
+    changes: Vec<Change>,
     seed: u64,
 }
 
@@ -78,7 +78,7 @@ impl<'a> Machines<'a> {
             window,
             responses,
             friction_factor: 1.0,
-            change: None,
+            changes: Vec::new(),
             seed,
         }
     }
@@ -106,11 +106,11 @@ impl<'a> Machines<'a> {
 
     /// Returns the value of a number or quantity at a point of the standard normal variables.
     pub(super) fn value_of(&self, place: Place, variables: &[f64]) -> f64 {
-        match (self.places.iter().position(|uncertain| *uncertain == place), &self.change) {
-            (Some(input), _) => self.inputs.values(variables)[input],
-            (None, Some(change)) if change.place == place => change.value,
-            (None, _) => place.value_in(&self.central).unwrap_or(f64::NAN),
+        if let Some(input) = self.places.iter().position(|uncertain| *uncertain == place) {
+            return self.inputs.values(variables)[input];
         }
+        let changed = self.changes.iter().find(|change| change.place == place).map(|change| change.value);
+        changed.or_else(|| place.value_in(&self.central)).unwrap_or(f64::NAN)
     }
 
     /// Returns the same machines with other distributions of their values.
@@ -123,9 +123,9 @@ impl<'a> Machines<'a> {
         Self { friction_factor, ..self.clone() }
     }
 
-    /// Returns the same machines with one exact value changed.
-    pub(super) fn with_change(&self, change: Change) -> Self {
-        Self { change: Some(change), ..self.clone() }
+    /// Returns the same machines with exact values changed.
+    pub(super) fn with_changes(&self, changes: Vec<Change>) -> Self {
+        Self { changes, ..self.clone() }
     }
 
     /// Returns the independent standard normal variables of sample `index`.
@@ -147,15 +147,16 @@ impl<'a> Machines<'a> {
     /// Returns the machine with these values in SI.
     fn with_values(&self, values: &[f64]) -> Result<Machine, String> {
         let mut table = self.central.clone();
-        let before = damper(&table);
+        let mut before = damper(&table);
         self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut table, *value));
-        if let Some(change) = &self.change {
+        for change in &self.changes {
             change.place.set(&mut table, change.value);
+            let after = damper(&table);
             if change.hold == Hold::Damper {
                 // c = 2ζmω₀ stays.
-                let ratio = before / damper(&table);
-                scale(&mut table, "damping_ratio", ratio);
+                scale(&mut table, "damping_ratio", before / after);
             }
+            before = after;
         }
         let ratio = velocity_unit(&table) / velocity_unit(&self.central);
         for (key, power) in DIMENSIONLESS {
