@@ -17,8 +17,11 @@ pub(crate) fn verdict() -> VerdictResult {
         shapley_interval: Some([share - 0.02, share + 0.02]),
         range_reduction: reduction,
     };
-    let axis =
-        |input: &str, unit: &str, values: &[f64]| ProbabilityMapAxis { input: input.into(), unit: unit.into(), values: values.into() };
+    let axis = |input: &str, unit: &str, values: &[f64]| ProbabilityMapAxis {
+        input: input.into(),
+        unit: unit.into(),
+        values: values.into(),
+    };
     let row = |windows: f64, friction_std: f64, probability: f64| AreaAsOne {
         windows,
         friction_std,

@@ -6,9 +6,9 @@ mod fluctuating;
 mod machines;
 pub(super) mod map;
 mod plastic;
-mod remedies;
-mod responses;
-mod sampled;
+pub(super) mod remedies;
+pub(super) mod responses;
+pub(super) mod sampled;
 mod vibrating;
 
 use self::drivers::MarginModel;

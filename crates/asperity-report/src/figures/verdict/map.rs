@@ -4,12 +4,10 @@ use asperity_results::{ProbabilityMap, ProbabilityMapAxis, VerdictResult};
 
 use super::CaptionedFigure;
 use crate::figures::present;
-use crate::figures::vibration::stability_map::{lines, with_colour_bar};
 use crate::figures::vibration::outlined;
+use crate::figures::vibration::stability_map::{lines, with_colour_bar};
 use crate::page::{dimension, percent, words};
-use crate::plot::{
-    Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade,
-};
+use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
 use crate::{ReportError, Run};
 
 const CONTOURS: &str = "verdict_map_contours";
@@ -113,9 +111,8 @@ fn interpolated(map: &ProbabilityMap, [x, y]: [f64; 2]) -> f64 {
 fn image(map: &ProbabilityMap) -> Result<String, ReportError> {
     let [nx, ny] = [&map.x, &map.y].map(|axis| PIXELS * (axis.values.len() - 1));
     let place = |pixel: usize| (pixel as f64 + 0.5) / PIXELS as f64;
-    let indices: Vec<u8> = (0..nx * ny)
-        .map(|pixel| shade(interpolated(map, [place(pixel % nx), place(ny - 1 - pixel / nx)])))
-        .collect();
+    let indices: Vec<u8> =
+        (0..nx * ny).map(|pixel| shade(interpolated(map, [place(pixel % nx), place(ny - 1 - pixel / nx)]))).collect();
     indexed(nx, ny, &indices, scale_palette())
 }
 

@@ -100,11 +100,7 @@ pub(in crate::figures) fn with_colour_bar(
 }
 
 /// Returns the lines of a table, of one level if stated; `None` without points.
-pub(in crate::figures) fn lines(
-    table: &Table,
-    [x, y]: [&str; 2],
-    level: Option<f64>,
-) -> Option<(Vec<f64>, Vec<f64>)> {
+pub(in crate::figures) fn lines(table: &Table, [x, y]: [&str; 2], level: Option<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
     let [line, x, y] = columns(table, ["line", x, y])?;
     let levels = table.column("level");
     let wanted = |i: &usize| level.is_none_or(|level| levels.is_some_and(|l| (l[*i] - level).abs() < 1e-9));

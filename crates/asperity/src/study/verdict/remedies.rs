@@ -15,17 +15,17 @@ use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::result::{Reach, Remedy};
 
 /// Randomisations of the Sobol' points.
-const REPLICATES: usize = 8;
+pub(in crate::study) const REPLICATES: usize = 8;
 /// Points of each randomisation; fewer where friction fluctuates, because each machine then costs an ensemble.
-const POINTS: usize = 512;
-const FLUCTUATING_POINTS: usize = 64;
+pub(in crate::study) const POINTS: usize = 512;
+pub(in crate::study) const FLUCTUATING_POINTS: usize = 64;
 /// Steps from the present value to each end of the range in the search for the nearest value.
-const STEPS: usize = 8;
+pub(in crate::study) const STEPS: usize = 8;
 /// Tolerance of a value, relative to the range, and the distance within which the values of one replicate and of all differ.
 const TOLERANCE: f64 = 1e-5;
 const NEAR: f64 = 0.01;
 /// Name of the damping ratio.
-pub(super) const DAMPING: &str = "vibration.damping_ratio";
+pub(in crate::study) const DAMPING: &str = "vibration.damping_ratio";
 /// Stream of the points.
 const STREAM: &str = "study/verdict/remedies";
 

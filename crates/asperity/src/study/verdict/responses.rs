@@ -96,22 +96,13 @@ impl FrictionResponses {
         monitor: &dyn Monitor,
         output: &mut StageOutput,
     ) -> Result<Option<Self>, StudyError> {
-        let changes_contact = |place: &Place| {
-            let key = place.key();
-            key.section != "vibration" || LOADS.contains(&key.name)
-        };
-        let mut places: Vec<Place> = Vec::new();
-        for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
-            if changes_contact(&place) && !places.contains(&place) {
-                places.push(place);
-            }
-        }
+        let places = contact_places(verdict);
         if places.is_empty() {
             return Ok(None);
         }
         let axes: Vec<Axis> = places.into_iter().filter_map(|place| Axis::new(place, verdict)).collect();
         let parameters = axes.iter().map(Axis::parameter).collect::<Result<Vec<_>, _>>()?;
-        let points = POINTS_PER_VALUE * (axes.len() + 1);
+        let points = solved_points(axes.len());
         let propagation = Propagation::new(parameters, points, study.seed())?;
         let done = AtomicUsize::new(0);
         let mut found = Vec::with_capacity(points);
@@ -167,6 +158,31 @@ impl FrictionResponses {
     }
 }
 
+/// Returns the values that change the contact, uncertain ones and those of remedies.
+pub(in crate::study) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
+    let changes_contact = |place: &Place| {
+        let key = place.key();
+        key.section != "vibration" || LOADS.contains(&key.name)
+    };
+    let mut places: Vec<Place> = Vec::new();
+    for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
+        if changes_contact(&place) && !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    places
+}
+
+/// Returns the number of points at which friction is solved for a number of values.
+pub(in crate::study) fn solved_points(values: usize) -> usize {
+    POINTS_PER_VALUE * (values + 1)
+}
+
+/// Returns the number of strips at each point.
+pub(in crate::study) fn strips_per_point(realisations: usize) -> usize {
+    LEAST_STRIPS.max(realisations.div_ceil(2))
+}
+
 /// Solves the strips of one study file at its operating point.
 fn solve(
     study: &Study,
@@ -193,7 +209,7 @@ fn solve(
         OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
         OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
     };
-    let realisations = LEAST_STRIPS.max(friction.realisations.div_ceil(2));
+    let realisations = strips_per_point(friction.realisations);
     let solved = friction_stage::solve_level(friction, &model, level, realisations, own.seed(), &Quiet(monitor))?;
     Ok(solved)
 }
