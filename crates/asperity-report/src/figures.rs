@@ -3,6 +3,7 @@
 pub(crate) mod friction;
 pub(crate) mod pressure;
 pub(crate) mod surface;
+pub(crate) mod verdict;
 pub(crate) mod vibration;
 
 use crate::plot::{Align, Canvas, Chart, Kind, LABEL, Raster, Rect, WIDTH, draw, figure};

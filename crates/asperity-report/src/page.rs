@@ -19,10 +19,11 @@ use crate::figures::{self, CaptionedFigure};
 use crate::markup::{Html, html};
 use crate::{Figure, Report, ReportError, Run};
 pub(crate) use answers::Answer;
-pub(crate) use cells::{DASH, shown};
+pub(crate) use cells::{DASH, percent, shown};
 pub(crate) use friction::{conditions, distribution_name, operating_level};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
+pub(crate) use verdict::{dimension, words};
 
 const STYLE: &str = include_str!("page/style.css");
 
@@ -301,7 +302,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         "Verdict",
         verdict::lead(results.verdict.as_ref().map(|verdict| verdict.model).unwrap_or_default()),
         results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
-        Vec::new(),
+        figures::verdict::figures(run)?,
     );
     let stages = [
         surface.is_some() || results.surface.is_some(),

@@ -14,6 +14,7 @@ mod provenance;
 mod surface;
 mod uncertainty;
 mod verdict;
+mod verdict_tables;
 mod vibration;
 
 use std::collections::BTreeMap;
@@ -45,6 +46,7 @@ pub use verdict::{
     Driver, ErrorSource, Guess, LearntFriction, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy,
     VerdictResult, VibratingMachines,
 };
+pub use verdict_tables::{AreaAsOne, ProbabilityMap, ProbabilityMapAxis};
 pub use vibration::{
     CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,
     MotionResult, PointsResult, VibrationResult,

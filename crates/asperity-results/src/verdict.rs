@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{KindResult, ModelResult, Pair};
+use crate::{AreaAsOne, KindResult, ModelResult, Pair, ProbabilityMap};
 
 /// Probability of vibration over the uncertain values of a study, what decides it and what changes it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -51,6 +51,13 @@ pub struct VerdictResult {
     pub guesses: Vec<Guess>,
     /// Changes that reach the target probabilities.
     pub remedies: Vec<Remedy>,
+    /// Probability over the central values of the first two remedies; `null` with fewer remedies.
+    pub map: Option<ProbabilityMap>,
+    /// Probability against the number of windows that share the load; `null` if friction does not fluctuate or is averaged over an
+    /// unknown area.
+    pub area_as_one: Option<Vec<AreaAsOne>>,
+    /// Assumptions of the verdict, in sentences.
+    pub assumptions: Vec<String>,
 }
 
 /// Cause of a part of the interval of the probability.

@@ -78,6 +78,8 @@ pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Integrator;
 pub use sample_distribution::SampleDistribution;
 pub use sound::{Sound, SoundSettings};
+#[doc(hidden)]
+pub use stability_map::grid_contour;
 pub use stability_map::{
     FluctuatingOscillator, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap,
     stability_map,

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::contour::grid_contour;
 use self::contour::{boundary, contour};
 use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, limit_cycle, limit_damping};
 use asperity_base::blocks::{self, Task};

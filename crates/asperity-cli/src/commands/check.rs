@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity::study::{StageEstimate, Study};
+use asperity::study::{Stage, StageEstimate, Study};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -101,14 +101,26 @@ fn as_json(stage: &StageEstimate, threads: usize) -> Value {
         "contact_solutions": stage.contact_solutions,
         "coarse_solutions": stage.coarse_solutions,
         "trajectories": stage.trajectories,
+        "machines": stage.machines,
         "core_s": stage.core_seconds,
         "memory_bytes": stage.memory_bytes,
         "threads": threads,
     })
 }
 
+/// Describes the work of the verdict.
+fn verdict_work(solutions: usize, trajectories: usize, machines: usize) -> String {
+    let parts = [(machines, "machines"), (trajectories, "trajectories"), (solutions, "contact solutions")];
+    let parts: Vec<String> =
+        parts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("about {count} {name}")).collect();
+    parts.join(", ")
+}
+
 fn describe(stage: &StageEstimate, threads: usize) -> String {
     let work = match (stage.contact_solutions, stage.trajectories) {
+        (solutions, trajectories) if stage.stage == Stage::Verdict => {
+            verdict_work(solutions, trajectories, stage.machines)
+        }
         (solutions, 0) if stage.coarse_solutions > 0.0 => format!(
             "{solutions} contact solutions, and solutions on other grids that cost up to {:.0} more",
             stage.coarse_solutions.ceil()

@@ -59,6 +59,8 @@ impl Verdict {
             replace_file(file, |out| out.write_all(text.as_bytes()))?;
             monitor.note(&format!("{verb} {}", file.display()));
         }
-        Answer::default().with("sentence", verdict_sentence(verdict)).and(Answer::new(verdict)?).print(self.json)
+        let answer = Answer::default().with("sentence", verdict_sentence(verdict)).and(Answer::new(verdict)?);
+        // The map is a table of numbers for programs and figures.
+        if self.json { answer } else { answer.without("map") }.print(self.json)
     }
 }

@@ -40,7 +40,13 @@ fn write(folder: &Path, factors: &[f64]) {
 fn changes(folder: &Path, input: &str) -> (f64, f64, Value) {
     let ended = run_in(folder, "verdict study.toml --export-samples samples.csv --json");
     assert_eq!(ended.code, 0, "{ended:?}");
-    let text = fs::read_to_string(folder.join("samples.csv")).unwrap();
+    let (own, load) = changes_in(&folder.join("samples.csv"), input);
+    (own, load, serde_json::from_str(&ended.stdout).unwrap())
+}
+
+/// Returns the changes of ln μ per standard deviation of an uncertain value and of the logarithm of the load, from a table of samples.
+fn changes_in(samples: &Path, input: &str) -> (f64, f64) {
+    let text = fs::read_to_string(samples).unwrap();
     let mut rows = text.lines();
     let header: Vec<&str> = rows.next().unwrap().split(',').collect();
     let place = |name: &str| header.iter().position(|own| *own == name).unwrap_or_else(|| panic!("{name}: {header:?}"));
@@ -60,7 +66,7 @@ fn changes(folder: &Path, input: &str) -> (f64, f64, Value) {
     let determinant = moment(0, 0) * moment(1, 1) - moment(0, 1).powi(2);
     let own = (moment(0, 2) * moment(1, 1) - moment(1, 2) * moment(0, 1)) / determinant;
     let load = (moment(1, 2) * moment(0, 0) - moment(0, 2) * moment(0, 1)) / determinant;
-    (own, load, serde_json::from_str(&ended.stdout).unwrap())
+    (own, load)
 }
 
 #[test]
@@ -90,7 +96,16 @@ fn scans_of_different_slopes_differ_in_friction_beyond_their_errors() {
     assert!((change.abs() / wanted - 1.0).abs() < 0.15, "{change} for {wanted}");
     let drivers: Vec<&str> =
         found["drivers"].as_array().unwrap().iter().map(|driver| driver["input"].as_str().unwrap()).collect();
-    assert_eq!(drivers, ["vibration.damping_ratio", "vibration.normal_force", "surface.scan", "surface.between_scans"]);
+    assert_eq!(
+        drivers,
+        [
+            "vibration.damping_ratio",
+            "vibration.normal_force",
+            "surface.scan",
+            "surface.between_scans",
+            "surface.between_parts"
+        ]
+    );
     // Only the error of both scans together is unknown; the differences vary from part to part.
     assert_eq!(found["guesses"].as_array().unwrap().len(), 1);
 }
@@ -105,6 +120,28 @@ fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads()
     let ended = run_in(folder.path(), "verdict study.toml --json");
     assert_eq!(ended.stdout, run_in(folder.path(), "verdict study.toml --json --threads 1").stdout);
     let found: Value = serde_json::from_str(&ended.stdout).unwrap();
-    assert_eq!(found["drivers"].as_array().unwrap().len(), 2, "{found}");
+    assert_eq!(found["drivers"].as_array().unwrap().len(), 3, "{found}");
     assert!(found["probability_over_unknowns"].is_null());
+}
+
+#[test]
+fn parts_of_a_rough_slider_differ_as_its_windows_do_over_the_area() {
+    for (upscaling, key) in [("paper", "paper"), ("area", "area")] {
+        let folder = TempDir::new().unwrap();
+        write(folder.path(), &[1.0]);
+        let path = folder.path().join("study.toml");
+        let study = fs::read_to_string(&path).unwrap();
+        let study = format!("{study}upscaling = \"{upscaling}\"\n[uncertainty]\nsurface = false\n");
+        fs::write(&path, study).unwrap();
+        assert_eq!(run_in(folder.path(), "run study.toml --only verdict --out run").code, 0);
+        let results = fs::read_to_string(folder.path().join("run/results.json")).unwrap();
+        let results: Value = serde_json::from_str(&results).unwrap();
+        let levels = results["friction"]["levels"].as_array().unwrap();
+        let level = levels.iter().find(|level| level["leading"] == true).unwrap();
+        let operating = &results["friction"]["operating_point"];
+        let std = level["upscaling"][key]["std"].as_f64().unwrap();
+        let wanted = (std / operating["mean"].as_f64().unwrap()).powi(2).ln_1p().sqrt();
+        let (change, _) = changes_in(&folder.path().join("run/tables/verdict_samples.csv"), "surface.between_parts");
+        assert!((change / wanted - 1.0).abs() < 0.1, "{upscaling}: {change} for {wanted}");
+    }
 }

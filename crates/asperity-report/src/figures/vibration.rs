@@ -8,7 +8,7 @@ mod modes;
 mod points;
 mod portrait;
 mod sound;
-mod stability_map;
+pub(super) mod stability_map;
 mod survival;
 
 use std::collections::BTreeMap;
@@ -103,7 +103,7 @@ fn separated(curve: &[f64], x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Draws a line with a white halo, which is visible on every colour.
-fn outlined(chart: &mut Chart, name: &str, x: &[f64], y: &[f64], pen: Pen) {
+pub(super) fn outlined(chart: &mut Chart, name: &str, x: &[f64], y: &[f64], pen: Pen) {
     chart.line("", x, y, Pen { opacity: 0.85, ..Pen::new(WHITE, pen.width + 2.6, Dash::Solid) });
     chart.line(name, x, y, pen);
 }

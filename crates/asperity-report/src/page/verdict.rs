@@ -118,7 +118,7 @@ pub(super) fn lead(model: ModelResult) -> String {
 }
 
 /// Returns the dimension of an SI unit.
-fn dimension(unit: &str) -> Dimension {
+pub(crate) fn dimension(unit: &str) -> Dimension {
     match unit {
         "m" => Dimension::Length,
         "m^2" => Dimension::Area,
@@ -133,6 +133,6 @@ fn dimension(unit: &str) -> Dimension {
 }
 
 /// Returns the words of a value's name, `vibration.damping_ratio`.
-fn words(input: &str) -> String {
+pub(crate) fn words(input: &str) -> String {
     input.rsplit_once('.').map_or(input, |(_, key)| key).replace('_', " ")
 }

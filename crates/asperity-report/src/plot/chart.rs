@@ -8,7 +8,7 @@ pub(crate) use self::frame::{draw_x_ticks, label_x_axis};
 pub(crate) use self::layout::{WIDTH, figure, stacked};
 use self::legend::Legend;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, THIN, text_width};
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, THIN, WHITE, text_width};
 use crate::plot::polyline::{clipped, simplified};
 use crate::plot::symbol::Shape;
 
@@ -285,7 +285,8 @@ impl Chart {
         }
     }
 
-    /// Writes the notes above or below their points. A note that would overlap another one is left out.
+    /// Writes the notes above or below their points, over an image on a white ground at the points. A note that would overlap another
+    /// one is left out.
     fn draw_notes(&self, canvas: &mut Canvas, plot: Rect) {
         let mut taken: Vec<Rect> = Vec::new();
         for series in &self.series {
@@ -293,11 +294,15 @@ impl Chart {
             let Some(&(x, y)) = self.visible(plot, &[*x], &[*y]).first() else { continue };
             let (width, height) = (text_width(text, SMALL) + 4.0, SMALL + 2.0);
             let left = (x - 0.5 * width).clamp(plot.left + 2.0, (plot.right - width - 2.0).max(plot.left + 2.0));
-            let places = [-14.0, 14.0, -27.0].map(|shift| Rect::new(left, y + shift - 0.5 * height, width, height));
+            let shifts = if self.backdrop.is_some() { [0.0, -14.0, 14.0] } else { [-14.0, 14.0, -27.0] };
+            let places = shifts.map(|shift| Rect::new(left, y + shift - 0.5 * height, width, height));
             let free = |place: &&Rect| {
                 place.top > plot.top && place.bottom < plot.bottom && taken.iter().all(|other| !place.overlaps(other))
             };
             if let Some(place) = places.iter().find(free).copied() {
+                if self.backdrop.is_some() {
+                    canvas.fill(place, WHITE, 0.85);
+                }
                 canvas.text(place.centre(), text, SMALL, Align::Middle);
                 taken.push(place);
             }

@@ -45,3 +45,28 @@ fn the_verdict_is_the_first_answer_and_the_first_section() {
         place(words);
     }
 }
+
+#[test]
+fn the_verdict_has_figures_of_its_map_and_of_the_windows_that_share_the_load() {
+    let mut run = Run { name: "brake".into(), results: example::results(), ..Run::default() };
+    run.results.verdict = Some(example::verdict::verdict());
+    let caption = |run: &Run| text(&render(run).unwrap().html);
+    let shown = caption(&run);
+    for words in [
+        "Probability of vibration over two inputs",
+        "Friction has its mean value: the map leaves out its fluctuation",
+        "The answer depends on how much of the area acts as one: vibration has the probability 30 % with 1 and 64 %",
+    ] {
+        assert!(shown.contains(words), "`{words}` is missing");
+    }
+    let verdict = run.results.verdict.as_mut().unwrap();
+    verdict.area_as_one.as_mut().unwrap()[0].probability_interval = [0.1, 0.6];
+    verdict.map.as_mut().unwrap().leaves_out_fluctuation = false;
+    let shown = caption(&run);
+    assert!(shown.contains("does not depend on how much of the area acts as one: the probability stays between 30 %"));
+    assert!(!shown.contains("Friction has its mean value"));
+    let verdict = run.results.verdict.as_mut().unwrap();
+    (verdict.map, verdict.area_as_one) = (None, None);
+    let shown = caption(&run);
+    assert!(!shown.contains("Probability of vibration over two inputs") && !shown.contains("acts as one"));
+}

@@ -1,8 +1,8 @@
 //! An invented verdict.
 
 use asperity_results::{
-    Driver, ErrorSource, Guess, KindResult, LearntFriction, MarginQuantile, ModelResult, NominalMachine, Quantiles,
-    Reach, Remedy, VerdictResult, VibratingMachines,
+    AreaAsOne, Driver, ErrorSource, Guess, KindResult, LearntFriction, MarginQuantile, ModelResult, NominalMachine,
+    ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -16,6 +16,17 @@ pub(crate) fn verdict() -> VerdictResult {
         shapley: Some(share),
         shapley_interval: Some([share - 0.02, share + 0.02]),
         range_reduction: reduction,
+    };
+    let axis = |input: &str, unit: &str, values: &[f64]| ProbabilityMapAxis {
+        input: input.into(),
+        unit: unit.into(),
+        values: values.into(),
+    };
+    let row = |windows: f64, friction_std: f64, probability: f64| AreaAsOne {
+        windows,
+        friction_std,
+        probability,
+        probability_interval: [probability - 0.05, probability + 0.05],
     };
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
@@ -77,5 +88,13 @@ pub(crate) fn verdict() -> VerdictResult {
                 Reach { probability: 0.01, ..Reach::default() },
             ],
         }],
+        map: Some(ProbabilityMap {
+            x: axis("vibration.damping_ratio", "", &[0.01, 0.02, 0.03]),
+            y: axis("vibration.normal_force", "N", &[5e3, 10e3]),
+            probability: vec![vec![0.9, 0.3, 0.05], vec![0.95, 0.5, 0.1]],
+            leaves_out_fluctuation: true,
+        }),
+        area_as_one: Some(vec![row(1.0, 0.02, 0.3), row(100.0, 0.002, 0.6), row(18_500.0, 0.0002, 0.64)]),
+        assumptions: vec!["The verdict takes the statistics of the scan as exact.".into()],
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{MapPoint, Place, Square};
+use super::{Place, Square};
 
 /// Vertex of the triangles: a point of a grid with half the finest spacing, so that centres of squares are grid points.
 type Vertex = (usize, usize);
@@ -13,10 +13,10 @@ type Vertex = (usize, usize);
 /// Each square is a fan of triangles about its centre, whose value is the mean of the values at the corners. All points
 /// on its sides are vertices, so lines continue without gaps between squares of different sizes. The value is linear in
 /// each triangle.
-pub(super) fn contour(
+pub(super) fn contour<P>(
     squares: &[Square],
-    points: &BTreeMap<Place, MapPoint>,
-    value: &dyn Fn(&MapPoint) -> Option<f64>,
+    points: &BTreeMap<Place, P>,
+    value: &dyn Fn(&P) -> Option<f64>,
     place: &dyn Fn(Place) -> [f64; 2],
 ) -> Vec<Vec<[f64; 2]>> {
     let mut segments: Vec<[Crossing; 2]> = Vec::new();
@@ -50,8 +50,18 @@ pub(super) fn contour(
     joined(&segments)
 }
 
+/// Returns lines on which a function is zero; `values[j][i]` is its value at `x[i]`, `y[j]`. Cells with an undefined value at a corner
+/// have no lines.
+pub fn grid_contour(x: &[f64], y: &[f64], values: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
+    let places = |nx: usize, ny: usize| (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j)));
+    let points: BTreeMap<Place, f64> = places(x.len(), y.len()).map(|(i, j)| ((i, j), values[j][i])).collect();
+    let cells = places(x.len().saturating_sub(1), y.len().saturating_sub(1));
+    let squares: Vec<Square> = cells.map(|corner| Square { corner, side: 1 }).collect();
+    contour(&squares, &points, &|value| Some(*value), &|(i, j)| [x[i], y[j]])
+}
+
 /// Returns all points on the sides of a square, in order around it.
-pub(super) fn boundary(square: &Square, points: &BTreeMap<Place, MapPoint>) -> Vec<Place> {
+pub(super) fn boundary<P>(square: &Square, points: &BTreeMap<Place, P>) -> Vec<Place> {
     let ((i, j), side) = (square.corner, square.side);
     let around = (0..side)
         .map(|k| (i + k, j))
@@ -123,4 +133,25 @@ fn joined(segments: &[[Crossing; 2]]) -> Vec<Vec<[f64; 2]>> {
         }
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_contour_of_a_plane_is_its_line_and_undefined_values_interrupt_it() {
+        let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.0, 10.0, 30.0]);
+        let plane = |x: f64, y: f64| x + 0.1 * y - 2.25;
+        let mut values: Vec<Vec<f64>> = y.iter().map(|y| x.iter().map(|x| plane(*x, *y)).collect()).collect();
+        let lines = grid_contour(&x, &y, &values);
+        assert_eq!(lines.len(), 1);
+        assert!(lines[0].iter().all(|[x, y]| plane(*x, *y).abs() < 1e-12), "{lines:?}");
+        let mut ends = [lines[0][0], lines[0][lines[0].len() - 1]];
+        ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        assert!((ends[0][1] - 22.5).abs() < 1e-12 && (ends[1][0] - 2.25).abs() < 1e-12, "{ends:?}");
+        // The line crosses the cell of this corner.
+        values[0][3] = f64::NAN;
+        assert!(grid_contour(&x, &y, &values).concat().iter().all(|[x, _]| *x <= 2.0));
+    }
 }

@@ -1,10 +1,12 @@
 //! Rough cost of a study before it is run.
 
+mod verdict;
+
 use crate::contact::memory_bytes;
 use crate::friction::DISTANCES;
 use crate::friction::cutoff::STRIPS;
 use crate::map::BoundaryKind;
-use crate::study::check::{FrictionSource, FrictionStudy};
+use crate::study::check::{FrictionSource, FrictionStudy, VibrationStudy};
 use crate::study::friction_stage::cutoff;
 use crate::study::{Stage, Study};
 use crate::surface::model::MOST_MODES;
@@ -50,6 +52,8 @@ pub struct StageEstimate {
     pub coarse_solutions: f64,
     /// Number of trajectories to simulate.
     pub trajectories: usize,
+    /// Number of machines to evaluate without fluctuation of friction, for the verdict.
+    pub machines: usize,
     /// Time on one core in second.
     pub core_seconds: f64,
     /// Memory in byte with the given number of threads.
@@ -67,6 +71,7 @@ impl Study {
                 contact_solutions: solutions,
                 coarse_solutions: coarse,
                 trajectories: 0,
+                machines: 0,
                 core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
                 memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
                     + DOUBLE_BYTES * xi_len as f64 * (cells + solutions as f64),
@@ -129,24 +134,32 @@ impl Study {
             let map = v.map.as_ref().map_or(0, |map| points.saturating_mul(map.trajectories));
             let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
             let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
-            // Friction that a study computes is correlated over at least one window.
-            let length_m = match &v.friction {
-                FrictionSource::Stated(friction) => Some(friction.length_m),
-                FrictionSource::Computed(_) | FrictionSource::File(_) => self.friction.as_ref().map(|f| f.window_m[0]),
-            };
-            let values = length_m.map_or(0.0, |length_m| FLUCTUATION_VALUES * v.sliding_distance_m() / length_m);
-            let seconds = TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values;
             stages.push(StageEstimate {
                 stage: Stage::Vibration,
                 contact_solutions: 0,
                 coarse_solutions: 0.0,
                 trajectories,
-                core_seconds: trajectories as f64 * seconds,
+                machines: 0,
+                core_seconds: trajectories as f64 * self.trajectory_seconds(v),
                 memory_bytes: EnsembleSettings::new(v.trajectories, v.duration, self.seed()).memory_bytes(threads)
                     + points as f64 * MAP_POINT_BYTES,
             });
         }
+        if self.states_verdict() {
+            stages.extend(self.verdict_estimate(threads));
+        }
         stages
+    }
+
+    /// Returns the seconds of one trajectory of the vibration stage.
+    fn trajectory_seconds(&self, v: &VibrationStudy) -> f64 {
+        // Friction that a study computes is correlated over at least one window.
+        let length_m = match &v.friction {
+            FrictionSource::Stated(friction) => Some(friction.length_m),
+            FrictionSource::Computed(_) | FrictionSource::File(_) => self.friction.as_ref().map(|f| f.window_m[0]),
+        };
+        let values = length_m.map_or(0.0, |length_m| FLUCTUATION_VALUES * v.sliding_distance_m() / length_m);
+        TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values
     }
 
     /// Returns the rough disk space of the run folder in byte, without the heights of scans. Reads and computes

@@ -75,7 +75,7 @@ impl Study {
     }
 
     /// Returns whether a run computes the verdict: the study has its section, or uncertain values.
-    fn states_verdict(&self) -> bool {
+    pub(super) fn states_verdict(&self) -> bool {
         let file = self.file();
         self.verdict.is_some() && (file.verdict.is_some() || !file.uncertain.is_empty())
     }

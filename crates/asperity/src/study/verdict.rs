@@ -1,13 +1,16 @@
 //! The verdict: how probable vibration is over the uncertain values of a study, what decides it, and what changes it.
 
+pub(super) mod area;
 mod drivers;
 mod dynamics;
 mod fluctuating;
 mod machines;
-mod remedies;
-mod responses;
-mod sampled;
-mod scan;
+pub(super) mod map;
+mod plastic;
+pub(super) mod remedies;
+pub(super) mod responses;
+pub(super) mod sampled;
+pub(super) mod scan;
 mod vibrating;
 
 use std::borrow::Cow;
@@ -20,7 +23,7 @@ use self::sampled::{Evaluated, Sampled};
 use self::scan::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::chaos::rare::{self, RareError, SmallProbability, small_probability};
-use crate::friction::{RoughBody, WindowFriction};
+use crate::friction::WindowFriction;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95, quantile_sorted, wilson_interval};
 use crate::study::output::StageOutput;
@@ -69,19 +72,13 @@ pub(super) fn run(
             ContactPoints { study: whole, surface, central: &central, scan: ScanErrors::default(), monitor };
         if let Some(scan) = surface.measured.as_ref().filter(|_| study.scan_errors) {
             points.scan = ScanErrors::new(&points, scan, &mut output)?;
-            let latent = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone()));
-            study = Cow::Owned(study.with_latent(latent.collect()));
         }
+        let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
+        latent.extend(machines::between_parts(window).map_err(|error| StudyError::Verdict(error.to_string()))?);
+        study = Cow::Owned(study.with_latent(latent));
         responses = FrictionResponses::learn(&points, &study, window, monitor, &mut output)?;
     }
     let study = &*study;
-    if whole.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) && window.computed {
-        output.warnings.push(
-            "the probability of vibration leaves out that the friction of rough sliders differs from part to part; state \
-             `static_friction` with this standard deviation in a study with [vibration] alone"
-                .into(),
-        );
-    }
     let machines = Machines::new(study, window, responses.as_ref(), seed);
     let nominal = machines.nominal().map_err(StudyError::Verdict)?;
     if let Dynamics::StickSlip(oscillator) = &nominal.dynamics
@@ -225,6 +222,15 @@ pub(super) fn run(
             ));
         }
     }
+    if fluctuates {
+        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, monitor)?;
+        output.tables.extend(result.area_as_one.as_deref().map(area::table));
+    }
+    let constant = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+    if let Some(map) = map::map(&machines, study, &constant, fluctuates, seed, monitor)? {
+        result.map = Some(map.result);
+        output.tables.push(map.contours);
+    }
     if let Some(model) = MarginModel::new(&machines, &sampled, fluctuates)? {
         result.drivers = model.margin_drivers(&machines, seed)?;
         if EVENT_RANGE.contains(&probability) {
@@ -241,6 +247,9 @@ pub(super) fn run(
             ));
         }
     }
+    let friction = whole.friction.as_ref().filter(|_| window.computed);
+    output.assumptions.extend(friction.and_then(|friction| plastic::plastic_sentence(friction, window)));
+    result.assumptions.clone_from(&output.assumptions);
     Ok(Verdict { result, output })
 }
 

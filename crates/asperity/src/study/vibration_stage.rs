@@ -9,6 +9,7 @@ pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
 pub(super) use self::entries::kind_result;
 use self::entries::{crossing_result, cycle_result, damping_result, motion_result, points_result};
+pub(super) use self::map::lines;
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};

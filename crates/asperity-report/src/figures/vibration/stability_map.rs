@@ -75,19 +75,32 @@ fn drawn(map: &MapResult, tables: &Tables) -> Result<Option<CaptionedFigure>, Re
             outlined(&mut chart, name, &x, &y, pen);
         }
     }
-    let bar = ColourBar::new(Axis::linear(TITLE, Unit::none(), (0.0, 1.0)))?;
+    with_colour_bar("stability_map", TITLE, caption(resolution), &chart, TITLE).map(Some)
+}
+
+/// Draws a chart over an image of probabilities, with the bar of its colours.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub(in crate::figures) fn with_colour_bar(
+    name: &'static str,
+    title: &str,
+    caption: String,
+    chart: &Chart,
+    quantity: &str,
+) -> Result<CaptionedFigure, ReportError> {
+    let bar = ColourBar::new(Axis::linear(quantity, Unit::none(), (0.0, 1.0)))?;
     let legend = chart.legend_height(WIDTH - 76.0);
     let size = (WIDTH, legend + HEIGHT);
-    let figure = CaptionedFigure::from_drawing("stability_map", TITLE, caption(resolution), size, |canvas| {
+    Ok(CaptionedFigure::from_drawing(name, title, caption, size, |canvas| {
         chart.draw_with_legend(canvas, Rect::new(0.0, 0.0, WIDTH - BAR + 10.0, size.1), WIDTH - 76.0);
         // The bar is as high as the chart between its margins.
         bar.draw(canvas, Rect::new(WIDTH - BAR + 4.0, legend + 8.0, 16.0, HEIGHT - 58.0));
-    });
-    Ok(Some(figure))
+    }))
 }
 
 /// Returns the lines of a table, of one level if stated; `None` without points.
-fn lines(table: &Table, [x, y]: [&str; 2], level: Option<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
+pub(in crate::figures) fn lines(table: &Table, [x, y]: [&str; 2], level: Option<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
     let [line, x, y] = columns(table, ["line", x, y])?;
     let levels = table.column("level");
     let wanted = |i: &usize| level.is_none_or(|level| levels.is_some_and(|l| (l[*i] - level).abs() < 1e-9));

@@ -1,20 +1,26 @@
 //! Machines of sampled values.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 use thiserror::Error;
 use toml::{Table, Value};
 
 use super::dynamics::Dynamics;
 use super::responses::FrictionResponses;
-use crate::chaos::UncertainInputs;
-use crate::friction::WindowFriction;
-use crate::random;
+use crate::chaos::{Design, InputError, SamplingMethod, UncertainInput, UncertainInputs};
+use crate::distribution::Marginal;
+use crate::friction::{Upscaling, WindowFriction};
 use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
 use crate::study::file::{Hold, MachineModel};
 use crate::study::result::ModelResult;
 use crate::study::uncertain::{Place, without_latent};
 
+/// Name of the differences between the parts of a rough slider.
+pub(super) const BETWEEN_PARTS: &str = "surface.between_parts";
+/// Number of samples that can be drawn.
+const MOST_SAMPLES: usize = u32::MAX as usize;
 /// Stream of the standard normal variables of the samples.
 const STREAM: &str = "study/verdict";
 /// Coefficients of the friction law per unit of dimensionless velocity, and the dimensionless velocity of the belt, with the
@@ -56,10 +62,13 @@ pub(super) struct Machines<'a> {
     responses: Option<&'a FrictionResponses>,
     /// Whether the Stribeck coefficient is that of a friction process from a file, not that of the study.
     process_has_stribeck: bool,
+    /// Place of the differences between the parts of a rough slider.
+    between_parts: Option<Place>,
     /// Factor of the mean friction coefficient.
     friction_factor: f64,
-    change: Option<Change>,
-    seed: u64,
+    changes: Vec<Change>,
+    /// Scrambled Sobol' points of the samples; `None` if no value is uncertain.
+    design: Option<Arc<Design>>,
 }
 
 impl<'a> Machines<'a> {
@@ -82,9 +91,12 @@ impl<'a> Machines<'a> {
             places: &study.places,
             window,
             responses,
+            between_parts: study.places.iter().copied().find(|place| place.name() == BETWEEN_PARTS),
             friction_factor: 1.0,
-            change: None,
-            seed,
+            changes: Vec::new(),
+            design: Design::new(SamplingMethod::Sobol, seed, STREAM, MOST_SAMPLES, study.places.len())
+                .ok()
+                .map(Arc::new),
         }
     }
 
@@ -119,11 +131,11 @@ impl<'a> Machines<'a> {
 
     /// Returns the value of a number or quantity at a point of the standard normal variables.
     pub(super) fn value_of(&self, place: Place, variables: &[f64]) -> f64 {
-        match (self.places.iter().position(|uncertain| *uncertain == place), &self.change) {
-            (Some(input), _) => self.inputs.values(variables)[input],
-            (None, Some(change)) if change.place == place => change.value,
-            (None, _) => place.value_in(&self.central).unwrap_or(f64::NAN),
+        if let Some(input) = self.places.iter().position(|uncertain| *uncertain == place) {
+            return self.inputs.values(variables)[input];
         }
+        let changed = self.changes.iter().find(|change| change.place == place).map(|change| change.value);
+        changed.or_else(|| place.value_in(&self.central)).unwrap_or(f64::NAN)
     }
 
     /// Returns the same machines with other distributions of their values.
@@ -136,14 +148,14 @@ impl<'a> Machines<'a> {
         Self { friction_factor, ..self.clone() }
     }
 
-    /// Returns the same machines with one exact value changed.
-    pub(super) fn with_change(&self, change: Change) -> Self {
-        Self { change: Some(change), ..self.clone() }
+    /// Returns the same machines with exact values changed.
+    pub(super) fn with_changes(&self, changes: Vec<Change>) -> Self {
+        Self { changes, ..self.clone() }
     }
 
     /// Returns the independent standard normal variables of sample `index`.
     pub(super) fn variables_of(&self, index: usize) -> Vec<f64> {
-        random::standard_normal(&mut random::stream(self.seed, STREAM, index as u64), self.variables())
+        self.design.as_ref().map_or_else(Vec::new, |design| design.xi(index))
     }
 
     /// Returns the machine with all values at their centres.
@@ -165,15 +177,16 @@ impl<'a> Machines<'a> {
     /// Returns the study file of values in SI, and the unit of velocity over that of the central values.
     fn table_of(&self, values: &[f64]) -> (Table, f64) {
         let mut table = self.central.clone();
-        let before = damper(&table);
+        let mut before = damper(&table);
         self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut table, *value));
-        if let Some(change) = &self.change {
+        for change in &self.changes {
             change.place.set(&mut table, change.value);
+            let after = damper(&table);
             if change.hold == Hold::Damper {
                 // c = 2ζmω₀ stays.
-                let ratio = before / damper(&table);
-                scale(&mut table, "damping_ratio", ratio);
+                scale(&mut table, "damping_ratio", before / after);
             }
+            before = after;
         }
         let ratio = velocity_unit(&table) / velocity_unit(&self.central);
         for (key, power) in DIMENSIONLESS {
@@ -189,6 +202,7 @@ impl<'a> Machines<'a> {
             Some(responses) => responses.at(&table, self.window),
             None => self.window.clone(),
         };
+        let part = self.between_parts.and_then(|place| place.value_in(&table));
         let study = vibration_of(table)?;
         window.stribeck = match &study.friction {
             FrictionSource::File(_) if self.process_has_stribeck => window.stribeck.map(|rate| rate * ratio),
@@ -198,10 +212,22 @@ impl<'a> Machines<'a> {
             let area_m2 = study.nominal_contact().area_m2;
             window = WindowFriction::from_statement(stated.clone(), area_m2, window.stribeck);
         }
+        if let Some(normal) = part {
+            // A lognormal factor of mean 1.
+            let reduction = if study.upscaling == Upscaling::Area { window.variance_reduction } else { 1.0 };
+            let std = (window.between_parts_std / window.mean).powi(2).mul_add(reduction, 1.0).ln().sqrt();
+            window.mean *= (std * normal - 0.5 * std * std).exp();
+        }
         window.mean *= self.friction_factor;
         let dynamics = Dynamics::new(&study, &window).map_err(|error| error.to_string())?;
         Ok(Machine { study, dynamics, window })
     }
+}
+
+/// Returns the standard normal value that stands for the differences between the parts of a rough slider; `None` if it has none.
+pub(super) fn between_parts(window: &WindowFriction) -> Result<Option<(Place, UncertainInput)>, InputError> {
+    let place = Place::latent(BETWEEN_PARTS).filter(|_| window.between_parts_std > 0.0);
+    place.map(|place| Ok((place, UncertainInput::new(BETWEEN_PARTS, Marginal::STANDARD_NORMAL, false)?))).transpose()
 }
 
 /// Returns the machine of a study file.

@@ -15,22 +15,22 @@ use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::result::{ModelResult, Reach, Remedy};
 
 /// Randomisations of the Sobol' points.
-const REPLICATES: usize = 8;
+pub(in crate::study) const REPLICATES: usize = 8;
 /// Points of each randomisation; fewer where friction fluctuates, because each machine then costs an ensemble.
-const POINTS: usize = 512;
-const FLUCTUATING_POINTS: usize = 64;
+pub(in crate::study) const POINTS: usize = 512;
+pub(in crate::study) const FLUCTUATING_POINTS: usize = 64;
 /// Steps from the present value to each end of the range in the search for the nearest value.
-const STEPS: usize = 8;
+pub(in crate::study) const STEPS: usize = 8;
 /// Tolerance of a value, relative to the range, and the distance within which the values of one replicate and of all differ.
 const TOLERANCE: f64 = 1e-5;
 const NEAR: f64 = 0.01;
 /// Name of the damping ratio.
-const DAMPING: &str = "vibration.damping_ratio";
+pub(in crate::study) const DAMPING: &str = "vibration.damping_ratio";
 /// Stream of the points.
 const STREAM: &str = "study/verdict/remedies";
 
 /// Evaluates a machine, given its index in the sample.
-type Evaluate<'a> = dyn Fn(&Machine, usize) -> Result<Evaluated, String> + Sync + 'a;
+pub(super) type Evaluate<'a> = dyn Fn(&Machine, usize) -> Result<Evaluated, String> + Sync + 'a;
 
 /// Returns the remedies of a study.
 pub(super) fn remedies(
@@ -50,7 +50,7 @@ pub(super) fn remedies(
 }
 
 /// Returns the standard normal variables of all replicates with `count` points each.
-fn points(variables: usize, count: usize, seed: u64) -> Result<Vec<Vec<f64>>, SamplingError> {
+pub(super) fn points(variables: usize, count: usize, seed: u64) -> Result<Vec<Vec<f64>>, SamplingError> {
     if variables == 0 {
         return Ok(vec![Vec::new()]);
     }
@@ -61,6 +61,18 @@ fn points(variables: usize, count: usize, seed: u64) -> Result<Vec<Vec<f64>>, Sa
         points.extend((0..count).map(|index| design.xi(index)));
     }
     Ok(points)
+}
+
+/// Returns the machines with other central values.
+pub(super) fn moved<'a>(machines: &Machines<'a>, changes: &[Change]) -> Result<Machines<'a>, String> {
+    let (mut inputs, mut exact) = (machines.inputs().clone(), Vec::new());
+    for change in changes {
+        match machines.places().iter().position(|uncertain| *uncertain == change.place) {
+            Some(input) => inputs = inputs.with_moved(input, change.value).map_err(|error| error.to_string())?,
+            None => exact.push(*change),
+        }
+    }
+    Ok(machines.with_inputs(inputs).with_changes(exact))
 }
 
 /// Machines under a change of one central value.
@@ -110,7 +122,8 @@ impl Margins {
     }
 }
 
-fn fraction_below_zero(margins: &[f64]) -> f64 {
+/// Returns the fraction of negative margins.
+pub(super) fn fraction_below_zero(margins: &[f64]) -> f64 {
     margins.iter().filter(|margin| **margin < 0.0).count() as f64 / margins.len() as f64
 }
 
@@ -142,14 +155,8 @@ impl Changed<'_> {
 
     /// Returns the machines with another central value.
     fn moved(&self, value: f64) -> Result<Machines<'_>, String> {
-        let place = self.remedy.place;
-        match self.machines.places().iter().position(|uncertain| *uncertain == place) {
-            Some(input) => {
-                let inputs = self.machines.inputs().with_moved(input, value).map_err(|error| error.to_string())?;
-                Ok(self.machines.with_inputs(inputs))
-            }
-            None => Ok(self.machines.with_change(Change { place, value, hold: self.remedy.hold })),
-        }
+        let RemedyStudy { place, hold, .. } = *self.remedy;
+        moved(self.machines, &[Change { place, value, hold }])
     }
 
     /// Returns the friction coefficient of the machine with all values at their centres.

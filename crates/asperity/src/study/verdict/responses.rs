@@ -7,7 +7,7 @@ use toml::Table;
 
 use self::axis::Axis;
 pub(super) use self::points::ContactPoints;
-use super::machines::Machines;
+use super::machines::{BETWEEN_PARTS, Machines};
 use crate::chaos::{Expansion, Observed, Propagation, Resamples};
 use crate::friction::WindowFriction;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
@@ -19,6 +19,8 @@ use crate::study::result::LearntFriction;
 use crate::study::uncertain::Place;
 use crate::study::{StudyError, sentence};
 
+/// Smallest number of strips per point.
+const LEAST_STRIPS: usize = 4;
 /// Solved points per uncertain value and one, before any are solved near the limit of vibration.
 const POINTS_PER_VALUE: usize = 4;
 /// Largest number of rounds of points near the limit of vibration.
@@ -61,16 +63,7 @@ impl FrictionResponses {
         monitor: &dyn Monitor,
         output: &mut StageOutput,
     ) -> Result<Option<Self>, StudyError> {
-        let changes_contact = |place: &Place| {
-            let key = place.key();
-            key.section != "vibration" || LOADS.contains(&key.name)
-        };
-        let mut places: Vec<Place> = Vec::new();
-        for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
-            if changes_contact(&place) && !places.contains(&place) {
-                places.push(place);
-            }
-        }
+        let places = contact_places(verdict);
         if places.is_empty() {
             return Ok(None);
         }
@@ -181,14 +174,44 @@ impl FrictionResponses {
         let xi: Vec<f64> = self.axes.iter().map(|axis| axis.xi(table)).collect();
         let [mean, std, length, stiffness] =
             self.moments.each_ref().map(|moment| moment.as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
+        // The standard deviation of a point is that of all windows; its fractions along the path and between parts are those of
+        // `window`. Only the windows of a smooth slider have the correlation of the strips along the path.
+        let all = window.std.hypot(window.between_parts_std);
+        let fractions = if all > 0.0 { [window.std / all, window.between_parts_std / all] } else { [1.0, 0.0] };
         WindowFriction {
             mean: mean.unwrap_or(window.mean),
-            std: std.unwrap_or(window.std),
-            length_m: length.unwrap_or(window.length_m),
+            std: std.map_or(window.std, |std| std * fractions[0]),
+            between_parts_std: std.map_or(window.between_parts_std, |std| std * fractions[1]),
+            length_m: length.filter(|_| window.between_parts_std == 0.0).unwrap_or(window.length_m),
             stiffness_pa_per_m: stiffness.or(window.stiffness_pa_per_m),
             ..window.clone()
         }
     }
+}
+
+/// Returns the values that change the contact, uncertain ones and those of remedies.
+pub(in crate::study) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
+    let changes_contact = |place: &Place| {
+        let key = place.key();
+        (key.section != "vibration" || LOADS.contains(&key.name)) && place.name() != BETWEEN_PARTS
+    };
+    let mut places: Vec<Place> = Vec::new();
+    for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
+        if changes_contact(&place) && !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    places
+}
+
+/// Returns the number of points at which friction is usually solved for a number of values.
+pub(in crate::study) fn solved_points(values: usize) -> usize {
+    (POINTS_PER_VALUE + 1) * (values + 1)
+}
+
+/// Returns the number of strips at each point.
+pub(in crate::study) fn strips_per_point(realisations: usize) -> usize {
+    LEAST_STRIPS.max(realisations.div_ceil(2))
 }
 
 /// Machines near the limit of vibration.

@@ -11,7 +11,7 @@ use crate::stats::{Interval, NORMAL_95, wilson_interval};
 const FIRST_ROUND: usize = 2048;
 
 /// Largest number of machines that are followed for a longer time.
-const LATER: usize = 256;
+pub(in crate::study) const LATER: usize = 256;
 /// Largest number of machines that are evaluated with another friction.
 const SHIFTED: usize = 4096;
 
@@ -34,6 +34,16 @@ impl Evaluated {
 /// Returns the number of machines after the round that begins with number `from`.
 fn end_of_round(from: usize, most: usize) -> usize {
     FIRST_ROUND.max(2 * from).min(most)
+}
+
+/// Returns the largest number of machines that the interval of a probability may need.
+pub(in crate::study) fn largest_number(half_width: f64, most: usize) -> usize {
+    let widest = (0.5 * NORMAL_95 / half_width).powi(2);
+    let mut number = end_of_round(0, most);
+    while number < most && (number as f64) < widest {
+        number = end_of_round(number, most);
+    }
+    number
 }
 
 /// Returns whether the interval of `all` machines has the half width for every probability in it. If the fraction itself decided,

@@ -20,6 +20,8 @@ use crate::surface::uncertainty::{Estimate, JointErrors};
 pub(super) const SCAN: &str = "surface.scan";
 /// Name of the differences between scans.
 pub(super) const BETWEEN_SCANS: &str = "surface.between_scans";
+/// Solved points of the gradient of friction.
+pub(in crate::study) const POINTS: usize = 6;
 /// Change of ln μ below which an uncertain value has no effect.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Confidence level of the pooled change, of which only the standard errors are used.

@@ -76,7 +76,11 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
 }
 
 /// Returns the points of numbered lines, with the level of each if lines have levels.
-fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> CsvTable {
+pub(in crate::study) fn lines<'a>(
+    [x, y]: [&str; 2],
+    lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>,
+    levels: bool,
+) -> CsvTable {
     let mut columns = [(); 4].map(|()| Vec::new());
     for (number, (level, line)) in lines.enumerate() {
         for place in line {

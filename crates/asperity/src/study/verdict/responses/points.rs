@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::super::scan::{Measured, ScanErrors, StatisticErrors};
-use super::LevelMoments;
+use super::{LevelMoments, strips_per_point};
 use crate::friction::replicates::MomentReplicates;
 use crate::friction::{LevelControl, OperatingLevel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
@@ -14,9 +14,6 @@ use crate::study::surface_stage::{self, SurfaceStage};
 use crate::study::uncertain::without_latent;
 use crate::study::{Study, StudyError, StudyFile};
 use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest};
-
-/// Smallest number of strips per point.
-const LEAST_STRIPS: usize = 4;
 
 /// Strips of a study at other values, all drawn from the same random numbers.
 pub(in super::super) struct ContactPoints<'a> {
@@ -83,7 +80,7 @@ impl ContactPoints<'_> {
             OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
             OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
         };
-        let realisations = LEAST_STRIPS.max(friction.realisations.div_ceil(2));
+        let realisations = strips_per_point(friction.realisations);
         let monitor = &Quiet(self.monitor);
         friction_stage::solve_level(friction, &model, level, realisations, own.seed(), monitor)
     }

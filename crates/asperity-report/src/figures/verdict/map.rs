@@ -1,0 +1,139 @@
+//! The probability of vibration over the central values of two inputs.
+
+use asperity_results::{ProbabilityMap, ProbabilityMapAxis, VerdictResult};
+
+use super::CaptionedFigure;
+use crate::figures::present;
+use crate::figures::vibration::outlined;
+use crate::figures::vibration::stability_map::{lines, with_colour_bar};
+use crate::page::{dimension, percent, words};
+use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
+use crate::{ReportError, Run};
+
+const CONTOURS: &str = "verdict_map_contours";
+const TITLE: &str = "Probability of vibration over two inputs";
+const BAR: &str = "Probability of vibration";
+/// Pixels of the image between two central values.
+const PIXELS: usize = 8;
+/// Dashes of the contours; that of 50 % is solid.
+const DASHES: [Dash; 4] = [Dash::Dashed, Dash::Dotted, Dash::Alternating, Dash::Short];
+const EVEN: f64 = 0.5;
+
+/// Draws the map of a run.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> {
+    let Some(verdict) = &run.results.verdict else { return Ok(None) };
+    let Some(map) = verdict.map.as_ref() else { return Ok(None) };
+    let (Some(x), Some(y)) = (range(&map.x.values), range(&map.y.values)) else { return Ok(None) };
+    let mut chart = Chart::new(axis(&map.x, x), axis(&map.y, y));
+    chart.backdrop = Some(Backdrop { data_uri: image(map)?, x, y });
+    let table = run.tables.get(CONTOURS);
+    let mut levels: Vec<f64> = table.and_then(|table| table.column("level")).map_or_else(Vec::new, <[f64]>::to_vec);
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let mut dashes = DASHES.into_iter().cycle();
+    for level in levels {
+        let dash = if level == EVEN { Dash::Solid } else { dashes.next().unwrap_or(Dash::Dashed) };
+        let found = table.and_then(|table| lines(table, [&map.x.input, &map.y.input], Some(level)));
+        let Some((x, y)) = found else { continue };
+        let name = percent(level, 2);
+        outlined(&mut chart, &name, &x, &y, Pen::new(BLACK, 2.0, dash));
+        let longest = x.split(|x| x.is_nan()).map(<[f64]>::len).max().unwrap_or(0);
+        let ends = x.split(|x| x.is_nan()).scan(0, |start, line| {
+            let own = *start;
+            *start += line.len() + 1;
+            Some((own, line.len()))
+        });
+        if let Some((start, count)) = ends.into_iter().find(|(_, count)| *count == longest) {
+            let middle = start + count / 2;
+            chart.note(x[middle], y[middle], name);
+        }
+    }
+    let now = |axis: &ProbabilityMapAxis| verdict.remedies.iter().find(|r| r.input == axis.input).map(|r| r.now);
+    if let (Some(x), Some(y)) = (now(&map.x), now(&map.y)) {
+        chart.add("", Mark::Symbol { x, y, shape: Shape::Disc, colour: WHITE });
+        chart.add("now", Mark::Symbol { x, y, shape: Shape::Ring, colour: BLACK });
+    }
+    let figure = with_colour_bar("verdict_map", TITLE, caption(verdict, map), &chart, BAR)?;
+    let mut figure = figure.with_tables(&present(run, &[CONTOURS]));
+    figure.sources.insert(0, "results.json".into());
+    Ok(Some(figure))
+}
+
+fn axis(axis: &ProbabilityMapAxis, ends: (f64, f64)) -> Axis {
+    let mut label = words(&axis.input);
+    if let Some(first) = label.get(..1) {
+        label = format!("{}{}, central value", first.to_uppercase(), &label[1..]);
+    }
+    Axis::linear(&label, dimension(&axis.unit).unit(ends.1), ends)
+}
+
+fn caption(verdict: &VerdictResult, map: &ProbabilityMap) -> String {
+    let now = |axis: &ProbabilityMapAxis| verdict.remedies.iter().find(|r| r.input == axis.input).map(|r| r.now);
+    let place = |axis: &ProbabilityMapAxis, value: f64| axis_position(&axis.values, value);
+    let here = now(&map.x).zip(now(&map.y)).and_then(|(x, y)| Some([place(&map.x, x)?, place(&map.y, y)?]));
+    let here = here.map_or_else(String::new, |at| {
+        format!(" At the present values it is {} here.", percent(interpolated(map, at), 2))
+    });
+    let constant = if map.leaves_out_fluctuation {
+        " Friction has its mean value: the map leaves out its fluctuation along the path, which the verdict includes."
+    } else {
+        ""
+    };
+    format!(
+        "Colours and lines: probability that a machine vibrates whose motion begins in stick, if two central values change and the \
+         variability of all values stays.{here}{constant}"
+    )
+}
+
+/// Returns the place of a value among rising ones: the index before it and the fraction of the step; `None` outside.
+fn axis_position(values: &[f64], value: f64) -> Option<f64> {
+    let after = values.partition_point(|own| *own <= value).min(values.len().checked_sub(1)?);
+    let before = after.checked_sub(1)?;
+    let fraction = (value - values[before]) / (values[after] - values[before]);
+    (0.0..=1.0).contains(&fraction).then_some(before as f64 + fraction)
+}
+
+/// Interpolates the probability linearly at a place [x, y] between the central values.
+fn interpolated(map: &ProbabilityMap, [x, y]: [f64; 2]) -> f64 {
+    let near = |place: f64, count: usize| {
+        let index = (place as usize).min(count.saturating_sub(2));
+        (index, place - index as f64)
+    };
+    let ((i, right), (j, up)) = (near(x, map.x.values.len()), near(y, map.y.values.len()));
+    let row = |j: usize| (1.0 - right) * map.probability[j][i] + right * map.probability[j][i + 1];
+    (1.0 - up) * row(j) + up * row(j + 1)
+}
+
+/// Encodes the image of the probability, from the top.
+fn image(map: &ProbabilityMap) -> Result<String, ReportError> {
+    let [nx, ny] = [&map.x, &map.y].map(|axis| PIXELS * (axis.values.len() - 1));
+    let place = |pixel: usize| (pixel as f64 + 0.5) / PIXELS as f64;
+    let indices: Vec<u8> =
+        (0..nx * ny).map(|pixel| shade(interpolated(map, [place(pixel % nx), place(ny - 1 - pixel / nx)]))).collect();
+    indexed(nx, ny, &indices, scale_palette())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_are_linear_between_central_values() {
+        let axis = |values: &[f64]| ProbabilityMapAxis { values: values.into(), ..ProbabilityMapAxis::default() };
+        let map = ProbabilityMap {
+            x: axis(&[1.0, 2.0, 4.0]),
+            y: axis(&[10.0, 20.0]),
+            probability: vec![vec![0.0, 0.2, 0.4], vec![0.4, 0.6, 0.8]],
+            leaves_out_fluctuation: false,
+        };
+        for (x, y, wanted) in [(1.0, 10.0, 0.0), (4.0, 20.0, 0.8), (3.0, 10.0, 0.3), (1.5, 15.0, 0.3)] {
+            let at = [axis_position(&map.x.values, x), axis_position(&map.y.values, y)].map(Option::unwrap);
+            assert!((interpolated(&map, at) - wanted).abs() < 1e-12, "{x}, {y}");
+        }
+        assert_eq!(axis_position(&map.x.values, 0.9), None);
+        assert_eq!(axis_position(&map.x.values, 4.1), None);
+    }
+}

@@ -1,0 +1,92 @@
+//! Rough cost of the verdict.
+
+use super::{FREE_SECONDS, ITERATIONS, PERIODIC_SECONDS, StageEstimate};
+use crate::contact::memory_bytes;
+use crate::friction::RoughBody;
+use crate::map::BoundaryKind;
+use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
+use crate::study::verdict::scan::POINTS as SCAN_POINTS;
+use crate::study::verdict::{area, map, remedies, responses, sampled};
+use crate::study::{Stage, Study};
+
+/// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
+const MACHINE_SECONDS: f64 = 0.2e-3;
+/// Trajectories that decide a typical machine whose friction fluctuates.
+const TRAJECTORIES: usize = 12;
+/// Evaluations of all machines of a remedy per target, in the search for its value.
+const EVALUATIONS_PER_TARGET: usize = 15;
+/// Limit cycles of sampled machines, in machines: those of the samples' table and of the machines that vibrate.
+const CYCLES: usize = 4096 + 1024;
+/// Factor of the duration of the machines that are followed for a longer time.
+const LATER_FACTOR: usize = 4;
+
+impl Study {
+    /// Returns the rough cost of the verdict beyond that of the stages that it needs; `None` for a study without vibration.
+    pub(super) fn verdict_estimate(&self, threads: usize) -> Option<StageEstimate> {
+        let (study, vibration) = (self.verdict.as_ref()?, self.vibration.as_ref()?);
+        let friction = self.friction.as_ref().filter(|_| matches!(vibration.friction, FrictionSource::Computed(_)));
+        let fluctuates = match &vibration.friction {
+            FrictionSource::Stated(stated) => stated.std > 0.0,
+            FrictionSource::File(_) => true,
+            FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
+        };
+        // What a scan leaves uncertain is one more value, whose effect takes solved points of its own.
+        let is_scanned = self.file().surface.as_ref().is_some_and(|surface| surface.file.is_some());
+        let scan = usize::from(friction.is_some() && study.scan_errors && is_scanned);
+        let samples = match study.places.len() + scan {
+            0 => 1,
+            _ => sampled::largest_number(study.half_width, study.evaluations),
+        };
+        let of_remedies: usize = study.remedies.iter().map(|remedy| evaluations(remedy, study, fluctuates)).sum();
+        // Remedies follow the fluctuation, and so do the samples, their longer paths and the windows that share the load.
+        let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study), 0);
+        if fluctuates {
+            let followed = samples + LATER_FACTOR * samples.min(sampled::LATER) + area::ROWS * samples.min(area::MOST);
+            paths = TRAJECTORIES * (followed + of_remedies);
+        } else {
+            machines += of_remedies;
+        }
+        let values = responses::contact_places(study).len() + scan;
+        let contact = friction.filter(|_| values > 0);
+        let solutions = contact.map_or(0, |friction| {
+            (responses::solved_points(values) + scan * SCAN_POINTS) * responses::strips_per_point(friction.realisations)
+        });
+        let cells = contact.map_or(0, |friction| friction.points[0].saturating_mul(friction.points[1]));
+        let free = contact.is_some_and(|friction| friction.boundary == BoundaryKind::Free);
+        let per_cell = if free { FREE_SECONDS } else { PERIODIC_SECONDS };
+        let longer = study.duration_s.map_or(1.0, |s| s / (vibration.duration * vibration.scales.time_s()));
+        Some(StageEstimate {
+            stage: Stage::Verdict,
+            contact_solutions: solutions,
+            coarse_solutions: 0.0,
+            trajectories: paths,
+            machines,
+            core_seconds: solutions as f64 * cells as f64 * ITERATIONS * per_cell
+                + machines as f64 * MACHINE_SECONDS
+                + paths as f64 * self.trajectory_seconds(vibration) * longer,
+            memory_bytes: if cells > 0 { threads as f64 * memory_bytes(cells) } else { 0.0 },
+        })
+    }
+}
+
+/// Returns the number of machines that are evaluated for a remedy.
+fn evaluations(remedy: &RemedyStudy, study: &VerdictStudy, fluctuates: bool) -> usize {
+    let points = match (study.places.len(), fluctuates) {
+        (0, _) => 1,
+        (_, true) => remedies::FLUCTUATING_POINTS,
+        (_, false) => remedies::POINTS,
+    };
+    let all = remedies::REPLICATES * points;
+    if remedy.place.name() == remedies::DAMPING && !fluctuates {
+        return all;
+    }
+    (remedies::STEPS + 1) * points + EVALUATIONS_PER_TARGET * study.targets.len() * all
+}
+
+/// Returns the number of machines of the map.
+fn map_machines(study: &VerdictStudy) -> usize {
+    let [x, y, ..] = &study.remedies[..] else { return 0 };
+    let points = if study.places.is_empty() { 1 } else { remedies::REPLICATES * map::POINTS };
+    let is_damping = [x, y].iter().any(|remedy| remedy.place.name() == remedies::DAMPING);
+    map::VALUES * points * if is_damping { 1 } else { map::VALUES }
+}
