@@ -27,7 +27,7 @@ mod roots;
 mod spectrum;
 mod trajectory;
 
-pub use cycle::{CoupledCycle, CoupledRegime, limit_cycle};
+pub use cycle::{CoupledCycle, CoupledRegime, limit_cycle, limit_cycle_within};
 pub use ensemble::{CoupledEnsemble, CoupledEnsembleSettings, CoupledOutcome};
 pub use growth::{GrowthRates, GrowthSettings, growth_rates};
 pub use model::{CoupledParameters, Damping, Model, SteadySliding};

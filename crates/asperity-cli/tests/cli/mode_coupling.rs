@@ -58,7 +58,7 @@ fn undamped_modes_flutter_with_the_probability_that_friction_exceeds_the_coalesc
     // The median of at least 2,048 margins has a standard error of at most .05·1.25/√2048.
     let median = found["margin_quantiles"].as_array().unwrap().iter().find(|q| q["probability"] == 0.5).unwrap();
     assert!((median["damping_margin"].as_f64().unwrap() - 0.05).abs() < 4.0 * 0.0014, "{median}");
-    assert_eq!(found["if_vibrating"]["kinds"]["flutter"], 1.0);
+    assert!((found["if_vibrating"]["kinds"]["flutter"].as_f64().unwrap() - 1.0).abs() < 1e-12);
     // Large vibration leaves the belt, so its frequency lies between the slowest mode in flight and the fastest in contact.
     let hertz = found["if_vibrating"]["frequency_hz"]["q50"].as_f64().unwrap();
     let unit = 316.0 / std::f64::consts::TAU;
@@ -146,7 +146,7 @@ fn keys_of_the_other_model_are_errors_with_their_name() {
         ("contact_spring = \"surface\"", "[friction]"),
         ("contact_spring = \"pad\"", "surface"),
         ("contact_spring = 0", "contact_spring"),
-        ("springs = [1.0]", "springs"),
+        ("springs = [1.0]", "found 1 value, expected 2"),
         ("springs = [0.0, 0.0]", "springs do not hold the mass"),
     ] {
         let ended = run("0.7", &format!("damping_ratio = 0.05\n{line}\n"));
@@ -165,10 +165,10 @@ fn keys_of_the_other_model_are_errors_with_their_name() {
 fn springs_and_angles_may_be_uncertain() {
     // μ_c = ((k₁₁ − k₂₂)² + 4k₁₂²)/(4k₁₂k₃) = 1/k₃ + …; with the default springs k₂₂ = ⅔ + k₃, k₁₁ = 2 and k₁₂ = 1.
     let found =
-        verdict("0.72", "damping_ratio = 0\ncontact_spring = \"1.4 ± 0.05\"\nspring_angles = [150, \"30 ± 0.5\"]\n");
+        verdict("0.6", "damping_ratio = 0\ncontact_spring = \"1.4 ± 0.05\"\nspring_angles = [150, \"30 ± 0.5\"]\n");
     let k3 = 1.4;
     let critical = ((2.0_f64 - 2.0 / 3.0 - k3).powi(2) + 4.0) / (4.0 * k3);
-    assert!((found["nominal"]["damping_margin"].as_f64().unwrap() - (critical - 0.72)).abs() < 1e-12, "{found}");
+    assert!((found["nominal"]["damping_margin"].as_f64().unwrap() - (critical - 0.6)).abs() < 1e-12, "{found}");
     let names: Vec<&str> =
         found["drivers"].as_array().unwrap().iter().map(|driver| driver["input"].as_str().unwrap()).collect();
     assert_eq!(names, ["vibration.contact_spring", "vibration.spring_angles[1]"]);
@@ -181,7 +181,7 @@ fn the_contact_spring_of_the_surface_is_the_computed_stiffness_over_the_nominal_
                 covariance = \"exponential\"\nmarginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
                 shear_strength = \"385 MPa\"\n[friction]\nstrip = [\"600 um\", \"40 um\"]\npoints = [256, 16]\n\
                 window = \"60 um\"\npercentiles = [25.0]\nrealisations = 8\n[vibration]\nmodel = \"mode_coupling\"\n\
-                mass = \"1 kg\"\nnatural_frequency = \"60000 rad/s\"\nnormal_force = \"2.5 kN\"\nnominal_area = \"83 mm^2\"\n\
+                mass = \"1 kg\"\nnatural_frequency = \"60000 rad/s\"\nnormal_force = \"2.5 kN\"\nnominal_area = \"1 mm^2\"\n\
                 belt_velocity = \"1 m/s\"\ndamping_ratio = 0.02\ncontact_spring = \"surface\"\n";
     fs::write(folder.path().join("study.toml"), text).unwrap();
     let ended = run_in(folder.path(), "run study.toml --out run");
@@ -193,9 +193,9 @@ fn the_contact_spring_of_the_surface_is_the_computed_stiffness_over_the_nominal_
     assert!(error > 0.0 && error < 0.2 * stiffness, "{point}");
     let found = &results["mode_coupling"];
     let newton = found["contact_stiffness_n_per_m"].as_f64().unwrap();
-    assert!((newton / (stiffness * 83e-6) - 1.0).abs() < 1e-12, "{found}");
+    assert!((newton / (stiffness * 1e-6) - 1.0).abs() < 1e-12, "{found}");
     assert!((found["contact_spring"].as_f64().unwrap() / (newton / 60_000_f64.powi(2)) - 1.0).abs() < 1e-12);
-    // The samples have the stiffness of their own surface, which falls as 1/h_rms at a light load.
+    // The samples have the stiffness of their own surface, which falls about as 1/h_rms.
     let table = fs::read_to_string(folder.path().join("run/tables/verdict_samples.csv")).unwrap();
     let mut rows = table.lines();
     let names: Vec<&str> = rows.next().unwrap().split(',').collect();

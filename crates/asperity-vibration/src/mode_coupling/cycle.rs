@@ -106,13 +106,20 @@ impl Maximum {
 /// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, or if
 /// the mass does not return.
 pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<CoupledRegime, VibrationError> {
+    limit_cycle_within(model, start, MAX_MAXIMA)
+}
+
+/// Follows the motion like [`limit_cycle`], and counts it as irregular if it has not repeated after `maxima` maxima of x.
+///
+/// Fails like [`limit_cycle`].
+pub fn limit_cycle_within(model: &Model, start: Option<State>, maxima: usize) -> Result<CoupledRegime, VibrationError> {
     let start = start.map_or_else(|| default_start(model), Ok)?;
     let mut motion = Motion::new(model, process::Steady, start)?;
     let mut summits: VecDeque<Maximum> = VecDeque::with_capacity(MAX_MULTIPLICITY);
     // A single small wave may belong to an irregular motion.
     let mut small = 0;
     let mut spiral = 0;
-    for _ in 0..MAX_MAXIMA {
+    for _ in 0..maxima {
         let Some(summit) = next_maximum(&mut motion, |_, _| {})? else {
             let Now { x, u, y, v, .. } = motion.now;
             return if u.abs() + v.abs() <= SETTLED * (x.abs() + y.abs()) {

@@ -9,7 +9,7 @@ use crate::study::result::{CoupledCycleResult, CoupledMotion, KindResult, ModeCo
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::mode_coupling::{
     CoupledCycle, CoupledRegime, CoupledTrajectory, CoupledTrajectorySettings, Critical, EigenvalueScan, Instability,
-    Mode, Model, critical_friction, eigenvalue_scan, limit_cycle, modes,
+    Mode, Model, critical_friction, eigenvalue_scan, limit_cycle, limit_cycle_within, modes,
 };
 use crate::vibration::{Scales, VibrationError};
 
@@ -17,6 +17,8 @@ use crate::vibration::{Scales, VibrationError};
 const LARGEST_FRICTION: f64 = 1e3;
 /// Points of one period from which the velocity amplitude is read.
 const PERIOD_POINTS: usize = 1024;
+/// Number of waves after which the motion of a sampled machine counts as irregular.
+const MOST_WAVES: usize = 2_000;
 /// Friction coefficients of the table of modes, and its end relative to the largest coefficient of interest.
 const SCAN_POINTS: usize = 401;
 const SCAN_MARGIN: f64 = 1.25;
@@ -48,12 +50,13 @@ pub(super) fn kind(model: &Model) -> Result<KindResult, VibrationError> {
     })
 }
 
-/// Returns the long-term motion, started 1 % away from steady sliding, with its cycle in SI.
-pub(super) fn motion(
+/// Returns the long-term motion with its cycle in SI.
+fn motion(
     model: &Model,
+    regime: CoupledRegime,
     scales: &Scales,
 ) -> Result<(CoupledMotion, Option<CoupledCycleResult>), VibrationError> {
-    Ok(match limit_cycle(model, None)? {
+    Ok(match regime {
         CoupledRegime::Cycle(cycle) => (CoupledMotion::Cycle, Some(in_si(model, &cycle, scales)?)),
         CoupledRegime::Steady => (CoupledMotion::Steady, None),
         CoupledRegime::Locked => (CoupledMotion::Locked, None),
@@ -78,6 +81,11 @@ fn in_si(model: &Model, cycle: &CoupledCycle, scales: &Scales) -> Result<Coupled
     })
 }
 
+/// Returns the cycle of the motion, started 1 % away from steady sliding, in SI; `None` if it has not repeated after 2,000 waves.
+pub(super) fn cycle(model: &Model, scales: &Scales) -> Result<Option<CoupledCycleResult>, VibrationError> {
+    Ok(motion(model, limit_cycle_within(model, None, MOST_WAVES)?, scales)?.1)
+}
+
 /// Returns a table of the modes over the friction coefficient.
 pub fn modes_table(scan: &EigenvalueScan) -> CsvTable {
     let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();
@@ -99,7 +107,11 @@ pub(super) fn run(study: &VibrationStudy, model: &Model, window: &WindowFriction
     let found = modes(model, friction);
     // Without damping a motion about stable steady sliding goes on for ever.
     let neutral = model.damping() == [0.0; 3] && kind == KindResult::None;
-    let motion = if neutral || model.steady(friction).is_none() { None } else { Some(motion(model, scales)?) };
+    let motion = if neutral || model.steady(friction).is_none() {
+        None
+    } else {
+        Some(motion(model, limit_cycle(model, None)?, scales)?)
+    };
     let contact_spring = model.parameters().contact_stiffness;
     let result = ModeCouplingResult {
         damping_ratio: study.damping_ratio,

@@ -76,7 +76,7 @@ impl Dynamics {
             })),
             Self::ModeCoupling(model) => {
                 let kind = coupled_stage::kind(model)?;
-                Ok(coupled_stage::motion(model, scales)?.1.map(|cycle| {
+                Ok(coupled_stage::cycle(model, scales)?.map(|cycle| {
                     let amplitudes = [cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m];
                     (kind, [cycle.frequency_hz, amplitudes[0], amplitudes[1]])
                 }))

@@ -15,7 +15,7 @@ use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
 const MOST_ROWS: usize = 4096;
 /// Largest number of machines whose cycles are computed; cycles of two coupled modes take longer.
 const MOST: usize = 1024;
-const MOST_COUPLED: usize = 128;
+const MOST_COUPLED: usize = 64;
 
 /// Returns the kinds, frequencies and amplitudes of the machines that vibrate; `None` if there are none. Cycles are those without
 /// fluctuation of friction.
