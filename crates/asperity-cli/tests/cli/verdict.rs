@@ -117,6 +117,29 @@ fn a_jump_and_a_falling_law_separate_stick_from_steady_sliding() {
 }
 
 #[test]
+fn slip_cycles_of_a_table_end_at_the_loss_of_stability() {
+    // μ = .3 + .1 exp(−(v/.08)²) at V = .056: the grazing point .418 is below ζ_H = .536 (published), and slip cycles last to about there.
+    // Coefficients count relative to the first, .4, and static friction is .3: limits are three quarters of these.
+    let unit_m_per_s = 2500.0 / 316.0;
+    let points: Vec<String> = (0..=80)
+        .map(|k| f64::from(k) * 0.005)
+        .map(|v| format!("[\"{:?} m/s\", {:?}]", v * unit_m_per_s, 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp()))
+        .collect();
+    let found = verdict(&format!(
+        "dimensionless_belt_velocity = 0.056\nvelocity_law = \"table\"\nfriction_table = [{}]\n\
+         damping_ratio = \"0.375 ± 0.027\"\n",
+        points.join(", ")
+    ));
+    let limit = found["nominal"]["limit_damping_ratio"].as_f64().unwrap();
+    assert!((0.4012..0.405).contains(&limit), "{limit}");
+    // P[ζ < .402] = Φ(1).
+    for key in ["probability_interval", "probability_from_steady_sliding_interval"] {
+        contains(&found[key], 0.8413);
+    }
+    assert!(found["if_vibrating"]["kinds"]["slip_cycle"].as_f64().unwrap() > 0.5, "{found}");
+}
+
+#[test]
 fn samples_are_exported_with_their_kind_and_margin() {
     let folder = TempDir::new().unwrap();
     let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\

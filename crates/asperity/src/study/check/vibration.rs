@@ -9,14 +9,14 @@ use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::process::{Generator, Steady};
 use crate::friction::{NominalContact, StatedFriction, Upscaling};
-use crate::quantity::{Area, Force, Length};
+use crate::quantity::{Area, Force, Length, Velocity};
 use crate::study::file::{
     MachineModel, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m,
 };
 use crate::study::sentence;
 use crate::vibration::{
-    Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings, VelocityLaw,
-    VibrationError,
+    Drive, Forcing, FrictionTable, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
+    VelocityLaw, VibrationError,
 };
 
 pub(super) const SECTION: &str = "vibration";
@@ -291,6 +291,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         VelocityLawKind::Stribeck => "stribeck",
         VelocityLawKind::Linear => "linear_weakening",
         VelocityLawKind::Exponential => "stribeck_velocity",
+        VelocityLawKind::Table => "friction_table",
     };
     let of_key = |error: VibrationError| match error {
         VibrationError::Parameter { parameter, .. } => {
@@ -336,6 +337,7 @@ fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, O
         ("linear_weakening", v.linear_weakening.is_some(), VelocityLawKind::Linear),
         ("stribeck_velocity", v.stribeck_velocity.is_some(), VelocityLawKind::Exponential),
         ("high_speed_share", v.high_speed_share.is_some(), VelocityLawKind::Exponential),
+        ("friction_table", v.friction_table.is_some(), VelocityLawKind::Table),
     ];
     if let Some((key, _, law)) = keys.into_iter().find(|(_, stated, law)| *stated && *law != v.velocity_law) {
         return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
@@ -361,6 +363,16 @@ fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, O
             within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             let stribeck_velocity = velocity.0 / scales.velocity_m_per_s();
             Ok((VelocityLaw::Exponential { kinetic: 1.0, high_speed: high_speed_share, stribeck_velocity }, None))
+        }
+        VelocityLawKind::Table => {
+            let points = v.friction_table.as_deref().ok_or_else(|| missing("friction_table"))?;
+            let kinetic = points.first().map_or(1.0, |(_, coefficient)| *coefficient);
+            let share = |(velocity, coefficient): &(Velocity, f64)| {
+                [velocity.0 / scales.velocity_m_per_s(), coefficient / kinetic]
+            };
+            let table = FrictionTable::new(&points.iter().map(share).collect::<Vec<_>>());
+            let table = table.map_err(|error| invalid(SECTION, "friction_table", error.to_string()))?;
+            Ok((VelocityLaw::Tabulated(table), None))
         }
     }
 }

@@ -110,6 +110,8 @@ choice! {
         Linear = "linear",
         /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
         Exponential = "exponential",
+        /// Monotone cubics between the points of `friction_table`.
+        Table = "table",
     }
 }
 
@@ -189,6 +191,10 @@ pub struct VibrationSection {
     /// Ratio of the friction coefficient at high velocity to the kinetic one, for the exponential law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub high_speed_share: Option<f64>,
+    /// Points (velocity, coefficient) of a friction law, from velocity 0 on; constant beyond the last. Coefficients count relative to the
+    /// first, which stands for the kinetic friction coefficient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_table: Option<Vec<(Velocity, f64)>>,
     /// Generator of the fluctuation. When left out, the generator of the fitted process, or else the recursion if it
     /// reproduces the correlation.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -245,13 +251,14 @@ fn is_usual(model: &MachineModel) -> bool {
 
 impl VibrationSection {
     /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name.
-    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 17] {
+    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 18] {
         [
             ("velocity_law", self.velocity_law == VelocityLawKind::default()),
             ("stribeck", self.stribeck.is_none()),
             ("linear_weakening", self.linear_weakening.is_none()),
             ("stribeck_velocity", self.stribeck_velocity.is_none()),
             ("high_speed_share", self.high_speed_share.is_none()),
+            ("friction_table", self.friction_table.is_none()),
             ("kinetic_share", self.kinetic_share == one()),
             ("forcing", self.forcing.is_none()),
             ("forcing_frequency", self.forcing_frequency.is_none()),
