@@ -348,9 +348,9 @@ fn the_map_of_two_inputs_and_its_contours_are_the_closed_form() {
         for (column, damping) in damping.iter().enumerate() {
             let probability = map["probability"][row][column].as_f64().unwrap();
             let wanted = asperity::distribution::standard_normal_cdf((0.5 * weakening - damping) / std);
-            // Half of the largest standard error of 512 independent machines, which Sobol' points undercut.
+            // The largest standard error of 512 independent machines, which Sobol' points undercut.
             assert!(
-                (probability - wanted).abs() < 0.011,
+                (probability - wanted).abs() < 0.022,
                 "{probability} instead of {wanted} at {damping}, {weakening}"
             );
         }
@@ -401,13 +401,13 @@ fn one_remedy_gives_no_map_and_constant_friction_no_windows() {
     assert!(found["map"].is_null() && found["area_as_one"].is_null(), "{found}");
 }
 
-/// The paper's machine with fluctuating friction.
+/// The paper's machine with friction that fluctuates three times as much.
 fn fluctuating(damping: &str, upscaling: &str, verdict: &str) -> Value {
     let folder = TempDir::new().unwrap();
     let study = format!(
         "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
          nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
-         friction_std = 0.001\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
+         friction_std = 0.003\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
          damping_ratio = {damping}\nupscaling = \"{upscaling}\"\n[verdict]\nduration = \"0.6 s\"\n{verdict}"
     );
     fs::write(folder.path().join("study.toml"), study).unwrap();
@@ -418,22 +418,22 @@ fn fluctuating(damping: &str, upscaling: &str, verdict: &str) -> Value {
 
 #[test]
 fn one_window_is_the_papers_verdict_and_the_nominal_area_that_of_the_area() {
-    // Without fluctuation the machine vibrates below ζ = .2048301505845 (published); that of one window ends it earlier.
-    let [paper, area] = ["paper", "area"].map(|upscaling| fluctuating("0.2045", upscaling, ""));
+    // Without fluctuation the machine vibrates below ζ = .2048301505845 (published); the fluctuation of one window makes it vibrate above.
+    let [paper, area] = ["paper", "area"].map(|upscaling| fluctuating("0.23", upscaling, ""));
     let rows = area["area_as_one"].as_array().unwrap();
     assert_eq!(Some(rows), paper["area_as_one"].as_array());
     assert_eq!((&rows[0]["probability"], &rows[7]["probability"]), (&paper["probability"], &area["probability"]));
-    assert_eq!((&paper["probability"], &area["probability"]), (&0.0.into(), &1.0.into()));
+    assert_eq!((&paper["probability"], &area["probability"]), (&1.0.into(), &0.0.into()));
     let number = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
     // The window is 75 µm × 600 µm.
     assert_eq!(number(0, "windows"), 1.0);
     assert!((number(7, "windows") - 833e-6 / (75e-6 * 600e-6)).abs() < 1e-6, "{rows:?}");
     for row in 0..7 {
         let std = number(row, "friction_std") * number(row, "windows").sqrt();
-        assert!((std - 0.001).abs() < 1e-15, "{rows:?}");
+        assert!((std - 0.003).abs() < 1e-15, "{rows:?}");
     }
     // Windows that depend on each other average less.
-    assert!(number(7, "friction_std") * number(7, "windows").sqrt() > 0.001);
+    assert!(number(7, "friction_std") * number(7, "windows").sqrt() > 0.003);
 }
 
 #[test]
