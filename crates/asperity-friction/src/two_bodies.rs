@@ -38,7 +38,7 @@ pub struct TwoBodyFriction {
     /// Standard deviation of the fluctuation along the path.
     pub path_std: f64,
     /// Correlation length in metre of e^{−h/ℓ} fitted to the correlation of the fluctuation over the sliding distance; it contains
-    /// the effect of the window. The length of the window if nothing fluctuates.
+    /// the effect of the window. At least half of the shortest distance, and the length of the window if nothing fluctuates.
     pub path_length_m: f64,
     /// 95 % interval of `path_length_m` by the jackknife over strips; `None` with fewer than four strips.
     pub path_length_interval_m: Option<Interval>,

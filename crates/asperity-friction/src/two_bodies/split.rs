@@ -120,7 +120,9 @@ impl Sums {
             mean: 0.0,
             variance: self.far,
         };
-        fit_record(&record, RecordModel::Exponential).ok().map(|fit| fit.length_m)
+        // A correlation that falls to zero within one step, linearly, has the integral of e^{−h/ℓ} with half a step.
+        let least_m = 0.5 * record.step_m;
+        fit_record(&record, RecordModel::Exponential).ok().map(|fit| fit.length_m.max(least_m))
     }
 }
 
@@ -201,6 +203,11 @@ mod tests {
         let of = |std: [f64; 2]| split(&strips(std, 10, 0), &distances(), 1.0, 20e-6);
         let slider = of([0.0, 1.0]);
         assert_eq!([slider.between_parts_std, slider.path_std], [1.0, 0.0]);
+        // Windows that have nothing in common after a cell have a length of half a cell.
+        let noise = |stream: u64| random::standard_normal(&mut random::stream(6, "two bodies", stream), CELLS);
+        let white: Vec<Vec<Vec<f64>>> = (0..10).map(|strip| (0..8).map(|s| noise(8 * strip + s)).collect()).collect();
+        let found = split(&white, &distances(), 1.0, 20e-6);
+        assert!(found.path_std > 0.95 && (found.path_length_m - 0.5e-6).abs() < 0.1e-6, "{found:?}");
         let track = of([1.0, 0.0]);
         assert!(track.between_parts_interval.unwrap().low == 0.0 && track.path_std > 0.9, "{track:?}");
     }
