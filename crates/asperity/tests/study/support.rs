@@ -140,10 +140,11 @@ const VARIANCES: [&str; 6] =
     ["std", "coefficient_of_variation", "skewness", "excess_kurtosis", "correlation_length_m", "marginal"];
 
 /// Returns whether an undefined number belongs to an interval of friction: small strips have too few correlation
-/// lengths for intervals of moments, lengths and distributions, and constant friction has none.
+/// lengths for intervals of moments, lengths and distributions, and constant friction has none. Only a rough slider has parts.
 fn interval_of_friction(path: &str) -> bool {
     path.starts_with("/friction/")
         && (path.ends_with("/no_variance")
+            || path.ends_with("/between_parts_std")
             || path.ends_with("_interval")
             || path.contains("/gof")
             || path.contains("/marginal_parameter_intervals/"))
