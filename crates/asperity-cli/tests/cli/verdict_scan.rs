@@ -13,7 +13,7 @@ const STUDY: &str = "seed = 5\n[surface]\nfile = FILES\nlevel = \"none\"\ncovari
                      body = \"slider\"\n[material]\nyoungs_modulus = \"10 GPa\"\npoisson_ratio = 0.25\n\
                      shear_strength = \"40 MPa\"\n[friction]\nstrip = [\"1.28 mm\", \"64 um\"]\npoints = [1280, 64]\n\
                      window = \"128 um\"\nrealisations = 4\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
-                     normal_force = \"2.5 ± 0.125 kN\"\nnominal_area = \"500 mm^2\"\ndimensionless_belt_velocity = 0.1\n\
+                     normal_force = { lognormal = [\"2.5 kN\", 0.2] }\nnominal_area = \"500 mm^2\"\ndimensionless_belt_velocity = 0.1\n\
                      stribeck = 4.2\ndamping_ratio = \"0.15 ± 0.03\"\n";
 
 /// Writes a study of these scans, each a map of the same random surface times a factor, in a folder.
@@ -126,22 +126,30 @@ fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads()
 
 #[test]
 fn parts_of_a_rough_slider_differ_as_its_windows_do_over_the_area() {
-    for (upscaling, key) in [("paper", "paper"), ("area", "area")] {
-        let folder = TempDir::new().unwrap();
-        write(folder.path(), &[1.0]);
-        let path = folder.path().join("study.toml");
-        let study = fs::read_to_string(&path).unwrap();
-        let study = format!("{study}upscaling = \"{upscaling}\"\n[uncertainty]\nsurface = false\n");
-        fs::write(&path, study).unwrap();
-        assert_eq!(run_in(folder.path(), "run study.toml --only verdict --out run").code, 0);
-        let results = fs::read_to_string(folder.path().join("run/results.json")).unwrap();
+    let folder = TempDir::new().unwrap();
+    write(folder.path(), &[1.0]);
+    let path = folder.path().join("study.toml");
+    let study = fs::read_to_string(&path).unwrap().replace("{ lognormal = [\"2.5 kN\", 0.2] }", "\"2.5 kN\"");
+    for upscaling in ["paper", "area"] {
+        fs::write(&path, format!("{study}upscaling = \"{upscaling}\"\n[uncertainty]\nsurface = false\n")).unwrap();
+        assert_eq!(run_in(folder.path(), &format!("run study.toml --only verdict --out {upscaling}")).code, 0);
+        let results = fs::read_to_string(folder.path().join(upscaling).join("results.json")).unwrap();
         let results: Value = serde_json::from_str(&results).unwrap();
         let levels = results["friction"]["levels"].as_array().unwrap();
         let level = levels.iter().find(|level| level["leading"] == true).unwrap();
-        let operating = &results["friction"]["operating_point"];
-        let std = level["upscaling"][key]["std"].as_f64().unwrap();
-        let wanted = (std / operating["mean"].as_f64().unwrap()).powi(2).ln_1p().sqrt();
-        let (change, _) = changes_in(&folder.path().join("run/tables/verdict_samples.csv"), "surface.between_parts");
-        assert!((change / wanted - 1.0).abs() < 0.1, "{upscaling}: {change} for {wanted}");
+        let std = level["upscaling"][upscaling]["std"].as_f64().unwrap();
+        let mean = results["friction"]["operating_point"]["mean"].as_f64().unwrap();
+        // The factor of a part is lognormal with mean 1.
+        let wanted = (std / mean).powi(2).ln_1p().sqrt();
+        let samples = fs::read_to_string(folder.path().join(upscaling).join("tables/verdict_samples.csv")).unwrap();
+        let mut rows = samples.lines().map(|row| row.split(',').collect::<Vec<_>>());
+        let header = rows.next().unwrap();
+        let place = |name: &str| header.iter().position(|own| *own == name).unwrap();
+        let (normal, friction) = (place("surface.between_parts"), place("friction_coefficient"));
+        for row in rows {
+            let [normal, friction] = [normal, friction].map(|place: usize| row[place].parse::<f64>().unwrap());
+            let factor = (wanted * normal - 0.5 * wanted * wanted).exp();
+            assert!((friction / (mean * factor) - 1.0).abs() < 1e-9, "{upscaling}: {friction} at {normal}");
+        }
     }
 }
