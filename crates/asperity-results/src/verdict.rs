@@ -125,11 +125,11 @@ pub struct VibratingMachines {
     /// Fraction of each kind of motion.
     pub kinds: BTreeMap<String, f64>,
     /// Frequency.
-    pub frequency_hz: Quantiles,
+    pub frequency_hz: Option<Quantiles>,
     /// Half the difference of the largest and the smallest velocity.
-    pub velocity_amplitude_m_per_s: Quantiles,
+    pub velocity_amplitude_m_per_s: Option<Quantiles>,
     /// Half the difference of the largest and the smallest displacement.
-    pub displacement_amplitude_m: Quantiles,
+    pub displacement_amplitude_m: Option<Quantiles>,
 }
 
 /// Quantile of the margin.

@@ -5,7 +5,7 @@ use crate::study::check::VibrationStudy;
 use crate::study::coupled_stage;
 use crate::study::result::{KindResult, ModelResult, NominalMachine};
 use crate::study::vibration_stage::kind_result;
-use crate::vibration::mode_coupling::Model;
+use crate::vibration::mode_coupling::{Model, modes};
 use crate::vibration::{DampingMargins, Oscillator, Scales, VibrationError, limit_cycle, limit_damping, smallest_kick};
 
 /// Machine of either model.
@@ -65,7 +65,7 @@ impl Dynamics {
     }
 
     /// Returns the kind of motion, frequency in Hz, and amplitudes of the velocity in m/s and of the displacement in metre along the
-    /// belt; `None` without a cycle.
+    /// belt, NaN if unknown; `None` without vibration.
     pub(super) fn cycle(&self, scales: &Scales) -> Result<Option<(KindResult, [f64; 3])>, VibrationError> {
         match self {
             Self::StickSlip(oscillator) => Ok(limit_cycle(oscillator)?.cycle().map(|cycle| {
@@ -76,10 +76,18 @@ impl Dynamics {
             })),
             Self::ModeCoupling(model) => {
                 let kind = coupled_stage::kind(model)?;
-                Ok(coupled_stage::cycle(model, scales)?.map(|cycle| {
-                    let amplitudes = [cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m];
-                    (kind, [cycle.frequency_hz, amplitudes[0], amplitudes[1]])
-                }))
+                if kind == KindResult::None {
+                    return Ok(None);
+                }
+                let found = coupled_stage::cycle(model, scales)?;
+                // A motion that does not repeat has the frequency of the growing mode, and no amplitude.
+                let [first, second] = modes(model, model.sliding_friction());
+                let growing = if first.growth > second.growth { first } else { second };
+                let numbers = found.map_or(
+                    [growing.frequency / (std::f64::consts::TAU * scales.time_s()), f64::NAN, f64::NAN],
+                    |cycle| [cycle.frequency_hz, cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m],
+                );
+                Ok(Some((kind, numbers)))
             }
         }
     }

@@ -48,10 +48,11 @@ pub(super) fn vibrating_machines(
         *kinds.entry(kind.name().to_owned()).or_insert(0.0) += 1.0 / cycles.len() as f64;
     }
     let quantiles = |which: usize| {
-        let mut sorted: Vec<f64> = cycles.iter().map(|(_, numbers)| numbers[which]).collect();
+        let mut sorted: Vec<f64> =
+            cycles.iter().map(|(_, numbers)| numbers[which]).filter(|number| number.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|probability| quantile_sorted(&sorted, probability));
-        Quantiles { q05, q50, q95 }
+        (!sorted.is_empty()).then_some(Quantiles { q05, q50, q95 })
     };
     Ok(Some(VibratingMachines {
         kinds,
