@@ -40,7 +40,8 @@ pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
 pub use verdict::{
-    Driver, Guess, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, VerdictResult, VibratingMachines,
+    Driver, Guess, InputKind, InputValue, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, RestsOn,
+    VerdictResult, VibratingMachines,
 };
 pub use vibration::{
     CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,

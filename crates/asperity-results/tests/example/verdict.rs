@@ -1,8 +1,8 @@
 //! An invented verdict.
 
 use asperity_results::{
-    Driver, Guess, KindResult, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, VerdictResult,
-    VibratingMachines,
+    Driver, Guess, InputKind, InputValue, KindResult, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, RestsOn,
+    VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -16,6 +16,12 @@ pub(crate) fn verdict() -> VerdictResult {
         shapley: Some(share),
         shapley_interval: Some([share - 0.02, share + 0.02]),
         range_reduction: reduction,
+    };
+    let number = |input: &str, value: f64, unit: &str, kind: InputKind| RestsOn {
+        input: input.into(),
+        value: InputValue::Number(value),
+        unit: unit.into(),
+        kind,
     };
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
@@ -65,5 +71,18 @@ pub(crate) fn verdict() -> VerdictResult {
                 Reach { probability: 0.01, ..Reach::default() },
             ],
         }],
+        rests_on: vec![
+            number("surface.file", 3.0, "", InputKind::Measured),
+            number("material.shear_strength", 4e7, "Pa", InputKind::Unknown),
+            number("vibration.normal_force", 2e3, "N", InputKind::Stated),
+            number("vibration.damping_ratio", 0.0155, "", InputKind::Uncertain),
+            number("vibration.stribeck", 4.2, "", InputKind::Default),
+            RestsOn {
+                input: "vibration.velocity_law".into(),
+                value: InputValue::Name("stribeck".into()),
+                unit: String::new(),
+                kind: InputKind::Default,
+            },
+        ],
     }
 }

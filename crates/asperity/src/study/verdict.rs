@@ -5,6 +5,7 @@ mod fluctuating;
 mod machines;
 mod remedies;
 mod responses;
+mod rests_on;
 mod sampled;
 mod vibrating;
 
@@ -173,6 +174,7 @@ pub(super) fn run(
         if_vibrating: vibrating_machines(&machines, &sampled, monitor)?,
         margin_quantiles: margin_quantiles.to_vec(),
         remedies: remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?,
+        rests_on: rests_on::rests_on(whole, study, window, fluctuates),
         ..VerdictResult::default()
     };
     output.tables.push((VERDICT_SAMPLES, samples_table(&machines, &sampled, monitor)?));
