@@ -1,7 +1,10 @@
-//! The HTML page: headline answers, sections with tables and figures, inputs, assumptions, provenance, references.
+//! The HTML page: the verdict or headline answers, sections with tables and figures, inputs, assumptions, provenance, references, and
+//! an appendix.
 
 pub(crate) mod answers;
+mod appendix;
 mod cells;
+mod chain;
 mod cutoff;
 mod friction;
 mod parameters;
@@ -29,18 +32,27 @@ const STYLE: &str = include_str!("page/style.css");
 pub(crate) struct Page<'a> {
     pub(crate) title: String,
     pub(crate) intro: &'static str,
+    /// The first screen of a run with a verdict; it takes the place of the introduction.
+    pub(crate) first_screen: Option<Html>,
     pub(crate) answers: Vec<Answer>,
     pub(crate) warnings: &'a [String],
     pub(crate) sections: Vec<Section>,
+    pub(crate) appendix: Vec<Section>,
 }
 
 impl Page<'_> {
     /// Renders the page. Figures are numbered through all sections.
     pub(crate) fn render(self) -> Report {
-        let Self { title, intro, answers, warnings, sections } = self;
+        let Self { title, intro, first_screen, answers, warnings, sections, appendix } = self;
         let links = answers.first().map(|_| ("answers", "Answers")).into_iter();
-        let nav = links.chain(sections.iter().map(|section| (section.id, section.title)));
-        let nav = nav.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
+        let links = links.chain(sections.iter().map(|section| (section.id, section.title)));
+        let links = links.chain(appendix.first().map(|_| ("appendix", "Appendix")));
+        let links = links.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
+        let nav = html!("<nav aria-label=\"Sections\"><ul>\n{}</ul></nav>\n", links.collect::<Html>());
+        let (opening, first_screen) = match first_screen {
+            Some(screen) => (Html::default(), html!("{}{}", screen, nav)),
+            None => (html!("<p>{}</p>\n{}", intro, nav), Html::default()),
+        };
         let warnings = match warnings {
             [] => Html::default(),
             _ => html!(
@@ -53,13 +65,14 @@ impl Page<'_> {
             include_str!("page/skeleton.html"),
             title = title,
             style = Html::from_markup(STYLE.to_owned()),
-            intro = intro,
-            nav = nav.collect::<Html>(),
+            opening = opening,
+            first_screen = first_screen,
             answers = answers::list(&answers),
             warnings = warnings,
             sections = sections.iter().map(|section| section.html(&mut number)).collect::<Html>(),
+            appendix = appendix::html(&appendix, &mut number),
         );
-        let figures = sections.into_iter().flat_map(|section| section.figures).map(Figure::from);
+        let figures = sections.into_iter().chain(appendix).flat_map(|section| section.figures).map(Figure::from);
         Report { html: html.into_string(), figures: figures.collect() }
     }
 }
@@ -73,6 +86,8 @@ pub(crate) struct Section {
     tables: Vec<DataTable>,
     figures: Vec<CaptionedFigure>,
     list: Html,
+    /// Id and title of the entry of the appendix with further tables and figures.
+    further: Option<(&'static str, &'static str)>,
 }
 
 impl Section {
@@ -107,7 +122,18 @@ impl Section {
         Self::new("provenance", "Provenance", "", tables, Vec::new())
     }
 
+    /// Names the entry of the appendix that belongs to the section, if there is one.
+    fn with_further(self, entry: Option<&Self>) -> Self {
+        Self { further: entry.map(|entry| (entry.id, entry.title)), ..self }
+    }
+
     fn html(&self, number: &mut usize) -> Html {
+        let content = self.content(number);
+        html!("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", self.id, self.title, content)
+    }
+
+    /// Returns everything below the title.
+    fn content(&self, number: &mut usize) -> Html {
         let lead = match self.lead.as_str() {
             "" => Html::default(),
             lead => html!("<p class=\"lead\">{}</p>\n", lead),
@@ -116,14 +142,16 @@ impl Section {
             *number += 1;
             figure_html(*number, figure)
         });
+        let further = self.further.map_or_else(Html::default, |(id, title)| {
+            html!("<p class=\"further\">In the appendix: <a href=\"#{}\">{}</a></p>\n", id, title)
+        });
         html!(
-            "<section id=\"{}\">\n<h2>{}</h2>\n{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}</section>\n",
-            self.id,
-            self.title,
+            "{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}{}",
             lead,
             self.tables.iter().map(DataTable::html).collect::<Html>(),
             figures.collect::<Html>(),
             &self.list,
+            further,
         )
     }
 }
@@ -248,6 +276,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let results = &run.results;
     let (pressure, friction, vibration) =
         (results.pressure.as_ref(), results.friction.as_ref(), results.vibration.as_ref());
+    let [heights, methods, models] = appendix::entries(run)?;
     let surface = Section::new(
         "surface",
         "Surface",
@@ -255,7 +284,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
          between field size and pixel size.",
         tables::surface(run),
         figures::surface::figures(run)?,
-    );
+    )
+    .map(|section| section.with_further(heights.as_ref()));
     let contact = Section::new(
         "pressure",
         "Contact pressure",
@@ -263,16 +293,18 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
             "Probability that a point of the surface is in contact, and distribution of the pressure there, by independent methods. {}",
             pressure.map_or_else(String::new, tables::refused_methods)
         ),
-        pressure.map_or_else(Vec::new, |pressure| tables::pressure(run, pressure)),
-        figures::pressure::figures(run)?,
-    );
+        pressure.map(tables::scalars).into_iter().collect(),
+        appendix::without_moved(figures::pressure::figures(run)?),
+    )
+    .map(|section| section.with_further(methods.as_ref()));
     let coefficient = Section::new(
         "friction",
         "Friction coefficient",
         friction::lead(friction),
         friction.map_or_else(Vec::new, friction::tables),
-        figures::friction::figures(run),
-    );
+        appendix::without_moved(figures::friction::figures(run)),
+    )
+    .map(|section| section.with_further(models.as_ref()));
     let quotient = Section::new(
         "quotient",
         "Quotient F/N of single windows",
@@ -290,9 +322,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     );
     let judged = Section::new(
         "verdict",
-        "Verdict",
-        "How probable vibration is over the uncertain values of the study, what decides it, and what changes it. A machine vibrates if \
-         its damping ratio ζ is below the limit ζ_v.",
+        "Behind the verdict",
+        "How much each uncertain value decides, and every input. A machine vibrates if its damping ratio ζ is below the limit ζ_v.",
         results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
         Vec::new(),
     );
@@ -316,11 +347,17 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         Section::provenance(run.provenance.as_ref()),
         Some(Section::references(&references::references(stages))),
     ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    let ids: Vec<&str> = sections.iter().map(|section| section.id).collect();
+    let first_screen =
+        results.verdict.as_ref().map(|verdict| verdict::first_screen(run, verdict, &chain::strip(run, &ids)));
     Ok(Page {
         title: run.name.clone(),
         intro: "From the rough surface to friction and vibration: report of a study by asperity.",
+        first_screen,
         answers: answers::answers(run),
         warnings: &results.warnings,
-        sections: sections.into_iter().flatten().collect(),
+        sections,
+        appendix: [heights, methods, models].into_iter().flatten().collect(),
     })
 }

@@ -6,7 +6,6 @@ use asperity_results::{
 
 use super::cells::shown;
 use super::friction::place;
-use super::verdict;
 use super::vibration::difference;
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
@@ -48,7 +47,6 @@ pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
     let vibration = results.vibration.as_ref();
     [
-        results.verdict.as_ref().map(verdict::answer),
         contact(run),
         results.friction.as_ref().map(friction),
         vibration.map(vibrates),

@@ -1,8 +1,8 @@
 //! An invented verdict.
 
 use asperity_results::{
-    Driver, Guess, InputKind, InputValue, KindResult, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy, RestsOn,
-    VerdictResult, VibratingMachines,
+    Driver, Guess, InputKind, InputValue, KindResult, MarginQuantile, NominalMachine, Quantiles, Reach, Remedy,
+    RestsOn, VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.

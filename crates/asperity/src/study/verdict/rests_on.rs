@@ -62,7 +62,8 @@ impl StudyFile {
     pub(in crate::study) fn with_defaults_of(mut self, written: &Table) -> Result<Self, String> {
         let known = defaults();
         let name = |(section, key, _): &(&str, &str, Value)| format!("{section}.{key}");
-        if let Some(other) = self.defaults.iter().find(|listed| !known.iter().any(|default| name(default) == **listed)) {
+        if let Some(other) = self.defaults.iter().find(|listed| !known.iter().any(|default| name(default) == **listed))
+        {
             let known = known.iter().map(name).collect::<Vec<_>>().join(", ");
             return Err(format!("defaults: `{other}` has no default that is listed here (known: {known})"));
         }
@@ -70,7 +71,9 @@ impl StudyFile {
             let (section, key, value) = *default;
             let Some(section) = written.get(*section) else { return false };
             match section.get(key) {
-                None => *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck")),
+                None => {
+                    *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
+                }
                 Some(stated) => stated == value && self.defaults.contains(&name(default)),
             }
         };
@@ -80,12 +83,7 @@ impl StudyFile {
 }
 
 /// Returns the inputs of the verdict. `window` is the friction of the machine with all values at their centres.
-pub(super) fn rests_on(
-    whole: &Study,
-    study: &VerdictStudy,
-    window: &WindowFriction,
-    fluctuates: bool,
-) -> Vec<RestsOn> {
+pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFriction, fluctuates: bool) -> Vec<RestsOn> {
     let file = whole.file();
     let mut inputs = Vec::new();
     if window.computed {
@@ -142,11 +140,14 @@ fn entry(name: &str, value: InputValue, unit: &str, kind: InputKind) -> RestsOn 
 
 /// Returns the uncertain values of a key: one, or one for each element of a list.
 fn uncertain<'a>(study: &'a VerdictStudy, name: &'a str) -> impl Iterator<Item = RestsOn> + 'a {
-    let of_key = move |found: &str| found.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
-    study.inputs.inputs().iter().zip(&study.places).filter(move |(input, _)| of_key(input.name())).map(|(input, place)| {
-        let kind = if input.is_unknown() { InputKind::Unknown } else { InputKind::Uncertain };
-        entry(input.name(), InputValue::Number(input.central()), place.key().unit, kind)
-    })
+    let of_key =
+        move |found: &str| found.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
+    study.inputs.inputs().iter().zip(&study.places).filter(move |(input, _)| of_key(input.name())).map(
+        |(input, place)| {
+            let kind = if input.is_unknown() { InputKind::Unknown } else { InputKind::Uncertain };
+            entry(input.name(), InputValue::Number(input.central()), place.key().unit, kind)
+        },
+    )
 }
 
 /// Returns a number or quantity of a study file.
