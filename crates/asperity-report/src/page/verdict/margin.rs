@@ -61,8 +61,10 @@ impl Limits {
         let mut sorted: Vec<f64> = margins.iter().map(|margin| central - margin).collect();
         sorted.sort_by(f64::total_cmp);
         let name = "vibration.damping_ratio";
-        let uncertain_damping = verdict.drivers.iter().any(|driver| driver.input == name)
-            || table.is_some_and(|table| table.column(name).is_some());
+        let uncertain_damping = match table {
+            Some(table) => table.column(name).is_some(),
+            None => verdict.drivers.iter().any(|driver| driver.input == name),
+        };
         let mut limits = Self { central, sorted, split: central, samples, uncertain_damping };
         let n = limits.sorted.len();
         if n > 0 && !limits.agrees_with(verdict) {

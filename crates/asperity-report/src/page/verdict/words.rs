@@ -69,7 +69,7 @@ mod tests {
         assert_eq!(named("vibration.damping_ratio"), "damping ratio");
         assert_eq!(named("surface.correlation_length[0]"), "correlation length along x");
         assert_eq!(named("counterface.youngs_modulus"), "Young’s modulus of the counterface");
-        let hertz = Quantiles { q05: 1298.0, q50: 1312.4, q95: 1325.0 };
+        let hertz = Quantiles { q05: 1298.0, q50: 1312.4, q95: 1326.0 };
         let spaced = |(middle, range): (String, String)| format!("{middle}{range}").replace('\u{a0}', " ");
         assert_eq!(spaced(between(Dimension::Frequency, hertz)), "1.31 kHz (1.30–1.33)");
         let exact = Quantiles { q05: 2.34e-5, q50: 2.34e-5, q95: 2.34e-5 };
