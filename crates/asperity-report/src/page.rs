@@ -50,8 +50,8 @@ impl Page<'_> {
         let links = links.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
         let nav = html!("<nav aria-label=\"Sections\"><ul>\n{}</ul></nav>\n", links.collect::<Html>());
         let (opening, first_screen) = match first_screen {
-            Some(screen) => (Html::default(), html!("{}{}", screen, nav)),
-            None => (html!("<p>{}</p>\n{}", intro, nav), Html::default()),
+            Some(screen) => (html!("<h1 class=\"small\">{}</h1>\n", &title), html!("{}{}", screen, nav)),
+            None => (html!("<h1>{}</h1>\n<p>{}</p>\n{}", &title, intro, nav), Html::default()),
         };
         let warnings = match warnings {
             [] => Html::default(),

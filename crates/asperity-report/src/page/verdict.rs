@@ -32,15 +32,16 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
     };
     html!(
         "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"{}\">{}</strong>{}</p>\n\
-         <p class=\"sub\">{}</p>\n<div class=\"cards\">\n{}{}{}{}</div>\n{}</section>\n",
+         <p class=\"sub\">{}</p>\n<div class=\"cards\">\n<div class=\"column\">\n{}{}</div>\n<div class=\"column\">\n{}{}</div>\n\
+         </div>\n{}</section>\n",
         before,
         class,
         unbroken(&answer),
         after,
         numbers(verdict),
         card("Damping: what the machine has and what it needs", &limits.picture(verdict)),
-        card("What decides it", &drivers::card(verdict)),
         card("What would stop it", &remedies::card(verdict, &limits)),
+        card("What decides it", &drivers::card(verdict)),
         card("What it rests on", &rests_on::card(&verdict.rests_on)),
         chain,
     )
@@ -86,9 +87,14 @@ fn numbers(verdict: &VerdictResult) -> Html {
             between(Dimension::Length, machines.displacement_amplitude_m),
         ];
         let [velocity, displacement] = rest.map(|(middle, range)| format!("{middle}{range}"));
-        let ranges = if is_exact(verdict) { "" } else { "; ranges hold 90 % of these machines" };
+        let (when, ranges) = if is_exact(verdict) {
+            ("It vibrates at", "")
+        } else {
+            ("If it vibrates:", "; ranges hold 90 % of these machines")
+        };
         sentences.push(html!(
-            "If it vibrates: <strong>{}</strong>{}, {}, {}{}.",
+            "{} <strong>{}</strong>{}, with amplitudes of {} and {}{}.",
+            when,
             hertz,
             wide,
             velocity,
@@ -112,7 +118,9 @@ fn computed_to(verdict: &VerdictResult) -> String {
     if symmetric && (0.05..0.95).contains(&p) {
         format!("Computed to ±{} percentage points.", significant(100.0 * below.max(above), 2))
     } else {
-        format!("The computation leaves {} to {}.", percent(low), percent(high))
+        // Two digits do not separate the ends near 1.
+        let end = |p: f64| if p > 0.9 && p < 0.999 { format!("{} %", significant(100.0 * p, 3)) } else { percent(p) };
+        format!("Computed to between {} and {}.", end(low), end(high))
     }
 }
 

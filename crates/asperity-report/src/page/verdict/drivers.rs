@@ -54,7 +54,7 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
         _ => String::new(),
     };
     html!(
-        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin ζ − ζ_v: fractions of its variance{}.</p>\n",
+        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, damping ratio − limit: fractions of its variance{}.</p>\n",
         bars.collect::<Html>(),
         next(&drivers),
         measure,

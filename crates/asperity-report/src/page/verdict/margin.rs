@@ -26,6 +26,9 @@ const LEFT: f64 = 16.0;
 const RIGHT: f64 = 584.0;
 const TOP: f64 = 62.0;
 const BASE: f64 = 164.0;
+/// Rows of the texts above the drawing.
+const UPPER: f64 = 22.0;
+const LOWER: f64 = 50.0;
 
 /// Limits of the damping ratio, moved such that a machine vibrates if its limit exceeds the central damping ratio: ζ_c − M for the
 /// central damping ratio ζ_c and the margin M.
@@ -156,21 +159,22 @@ impl Limits {
         );
         let areas = html!(
             "<path class=\"area quiet\" d=\"{}\"/>\n<path class=\"area vibrates\" d=\"{}\"/>\n\
-             <text class=\"quiet\" x=\"16\" y=\"52\">quiet {}</text>\n\
-             <text class=\"vibrates\" x=\"584\" y=\"52\" text-anchor=\"end\">vibrates {}</text>\n",
+             <text class=\"quiet\" x=\"16\" y=\"22\">quiet {}</text>\n\
+             <text class=\"vibrates\" x=\"584\" y=\"22\" text-anchor=\"end\">vibrates {}</text>\n",
             outline(&quiet),
             outline(&vibrating),
             &shares[0],
             &shares[1],
         );
-        let damping = mark(x(self.central), "", &format!("damping ratio {}", significant(self.central, 3)), 24.0);
+        let damping = mark(x(self.central), "", &format!("damping ratio {}", significant(self.central, 3)), LOWER);
         picture(&label, &[areas, damping, scale(&axis)].into_iter().collect(), &self.caption(verdict))
     }
 
     /// Draws the damping ratio and its limit for exact values.
     fn marks(&self, verdict: &VerdictResult) -> Html {
         let (damping, limit) = (self.central, verdict.nominal.limit_damping_ratio);
-        let high = 1.25 * damping.max(limit).max(f64::MIN_POSITIVE);
+        // The text beside the larger of both has room on its right.
+        let high = 1.6 * damping.max(limit).max(f64::MIN_POSITIVE);
         let axis = Axis::linear("damping ratio ζ", Unit::none(), (0.0, high));
         let x = |ratio: f64| LEFT + (RIGHT - LEFT) * (ratio / high).clamp(0.0, 1.0);
         let texts = [significant(damping, 3), significant(limit, 3)];
@@ -183,25 +187,24 @@ impl Limits {
             format!("{BASE}"),
             format!("{RIGHT}"),
         );
+        // The line of the smaller one starts in the upper row, to the left of the text in the lower row.
+        let (upper, lower) = if damping < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
         let marks = [
             ranges,
-            mark(x(damping), "", &format!("the machine has {}", texts[0]), 24.0),
-            mark(x(limit), " limit", &format!("the limit is {}", texts[1]), 52.0),
+            mark(x(damping), "", &format!("the machine has {}", texts[0]), upper),
+            mark(x(limit), " limit", &format!("the limit is {}", texts[1]), lower),
             scale(&axis),
         ];
-        picture(
-            &label,
-            &marks.into_iter().collect(),
-            "Below the limit the machine vibrates once started from standstill; above it, it stays quiet.",
-        )
+        let caption = "Below the limit the machine vibrates once started from standstill; above it, it stays quiet.";
+        picture(&label, &marks.into_iter().collect(), caption)
     }
 
     fn caption(&self, verdict: &VerdictResult) -> String {
         let drawn = if self.uncertain_damping {
-            "The damping is uncertain, too: drawn is ζ_c − M for the central damping ratio ζ_c and the margin M = ζ − ζ_v, so that the \
-             areas are the probabilities."
+            "The damping is uncertain, too: drawn is the central damping ratio minus the margin, damping ratio − limit, of each machine, \
+             so that the areas are the probabilities."
         } else {
-            "A machine vibrates if its limit ζ_v lies above its damping ratio."
+            "A machine vibrates if its limit lies above its damping ratio."
         };
         let fluctuates = if self.sign_decides() {
             ""
@@ -211,7 +214,8 @@ impl Limits {
         };
         let of = match self.samples {
             0 => "From the quantiles of the margin.".to_owned(),
-            count => format!("{count} sampled machines."),
+            count if count < 1000 => format!("{count} sampled machines."),
+            count => format!("{},{:03} sampled machines.", count / 1000, count % 1000),
         };
         let fewer = if verdict.probability > 0.0 && self.sorted.last().is_some_and(|limit| *limit <= self.split) {
             " None of them vibrates: the small probability has its own samples."
@@ -240,7 +244,7 @@ fn from_quantiles(verdict: &VerdictResult) -> Vec<f64> {
 
 /// Draws a vertical line with a text beside its upper end.
 fn mark(x: f64, class: &str, text: &str, y: f64) -> Html {
-    let (anchor, beside) = if x < 0.5 * WIDTH { ("start", x + 6.0) } else { ("end", x - 6.0) };
+    let (anchor, beside) = if x < 0.65 * WIDTH { ("start", x + 6.0) } else { ("end", x - 6.0) };
     html!(
         "<line class=\"mark{}\" x1=\"{2}\" x2=\"{2}\" y1=\"{3}\" y2=\"{4}\"/>\n<text class=\"mark{0}\" x=\"{5}\" y=\"{6}\" \
          text-anchor=\"{1}\">{7}</text>\n",
