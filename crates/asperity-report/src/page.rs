@@ -49,6 +49,7 @@ impl Page<'_> {
         let links = links.chain(appendix.first().map(|_| ("appendix", "Appendix")));
         let links = links.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
         let nav = html!("<nav aria-label=\"Sections\"><ul>\n{}</ul></nav>\n", links.collect::<Html>());
+        let values = first_screen.as_ref().map(|_| "The chain with all values at their centres:");
         let (opening, first_screen) = match first_screen {
             Some(screen) => (html!("<h1 class=\"small\">{}</h1>\n", &title), html!("{}{}", screen, nav)),
             None => (html!("<h1>{}</h1>\n<p>{}</p>\n{}", &title, intro, nav), Html::default()),
@@ -67,7 +68,7 @@ impl Page<'_> {
             style = Html::from_markup(STYLE.to_owned()),
             opening = opening,
             first_screen = first_screen,
-            answers = answers::list(&answers),
+            answers = answers::list(&answers, values),
             warnings = warnings,
             sections = sections.iter().map(|section| section.html(&mut number)).collect::<Html>(),
             appendix = appendix::html(&appendix, &mut number),

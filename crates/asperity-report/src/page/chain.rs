@@ -112,11 +112,10 @@ fn friction(run: &Run) -> Option<Link> {
         let mu = column.filter(|name| name.starts_with("mu")).find_map(|name| table.column(name))?;
         curve(table.column("position_m")?, mu)
     });
-    let [window, area] = [point.std, point.std_nominal_area].map(|std| significant(std, 2));
     Some(Link {
         section: "friction",
         number: number(point.mean),
-        words: format!("varies by {window} in one window, by {area} over the area"),
+        words: format!("± {} from window to window", significant(point.std, 2)),
         picture,
     })
 }

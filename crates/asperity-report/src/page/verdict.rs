@@ -87,11 +87,8 @@ fn numbers(verdict: &VerdictResult) -> Html {
             between(Dimension::Length, machines.displacement_amplitude_m),
         ];
         let [velocity, displacement] = rest.map(|(middle, range)| format!("{middle}{range}"));
-        let (when, ranges) = if is_exact(verdict) {
-            ("It vibrates at", "")
-        } else {
-            ("If it vibrates:", "; ranges hold 90 % of these machines")
-        };
+        let (when, ranges) =
+            if is_exact(verdict) { ("It vibrates at", "") } else { ("If it vibrates:", "; ranges hold 90 %") };
         sentences.push(html!(
             "{} <strong>{}</strong>{}, with amplitudes of {} and {}{}.",
             when,

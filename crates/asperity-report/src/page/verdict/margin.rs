@@ -174,7 +174,7 @@ impl Limits {
     fn marks(&self, verdict: &VerdictResult) -> Html {
         let (damping, limit) = (self.central, verdict.nominal.limit_damping_ratio);
         // The text beside the larger of both has room on its right.
-        let high = 1.6 * damping.max(limit).max(f64::MIN_POSITIVE);
+        let high = 2.0 * damping.max(limit).max(f64::MIN_POSITIVE);
         let axis = Axis::linear("damping ratio ζ", Unit::none(), (0.0, high));
         let x = |ratio: f64| LEFT + (RIGHT - LEFT) * (ratio / high).clamp(0.0, 1.0);
         let texts = [significant(damping, 3), significant(limit, 3)];
@@ -244,7 +244,7 @@ fn from_quantiles(verdict: &VerdictResult) -> Vec<f64> {
 
 /// Draws a vertical line with a text beside its upper end.
 fn mark(x: f64, class: &str, text: &str, y: f64) -> Html {
-    let (anchor, beside) = if x < 0.65 * WIDTH { ("start", x + 6.0) } else { ("end", x - 6.0) };
+    let (anchor, beside) = if x < 0.58 * WIDTH { ("start", x + 6.0) } else { ("end", x - 6.0) };
     html!(
         "<line class=\"mark{}\" x1=\"{2}\" x2=\"{2}\" y1=\"{3}\" y2=\"{4}\"/>\n<text class=\"mark{0}\" x=\"{5}\" y=\"{6}\" \
          text-anchor=\"{1}\">{7}</text>\n",
