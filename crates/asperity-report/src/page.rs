@@ -1,7 +1,10 @@
-//! The HTML page: headline answers, sections with tables and figures, inputs, assumptions, provenance, references.
+//! The HTML page: the verdict or headline answers, sections with tables and figures, inputs, assumptions, provenance, references, and
+//! an appendix.
 
 pub(crate) mod answers;
+mod appendix;
 mod cells;
+mod chain;
 mod cutoff;
 mod friction;
 mod mode_coupling;
@@ -23,7 +26,7 @@ pub(crate) use cells::{DASH, percent, shown};
 pub(crate) use friction::{conditions, distribution_name, operating_level};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
-pub(crate) use verdict::{dimension, words};
+pub(crate) use verdict::{dimension, named};
 
 const STYLE: &str = include_str!("page/style.css");
 
@@ -31,18 +34,28 @@ const STYLE: &str = include_str!("page/style.css");
 pub(crate) struct Page<'a> {
     pub(crate) title: String,
     pub(crate) intro: &'static str,
+    /// The first screen of a run with a verdict; it takes the place of the introduction.
+    pub(crate) first_screen: Option<Html>,
     pub(crate) answers: Vec<Answer>,
     pub(crate) warnings: &'a [String],
     pub(crate) sections: Vec<Section>,
+    pub(crate) appendix: Vec<Section>,
 }
 
 impl Page<'_> {
     /// Renders the page. Figures are numbered through all sections.
     pub(crate) fn render(self) -> Report {
-        let Self { title, intro, answers, warnings, sections } = self;
+        let Self { title, intro, first_screen, answers, warnings, sections, appendix } = self;
         let links = answers.first().map(|_| ("answers", "Answers")).into_iter();
-        let nav = links.chain(sections.iter().map(|section| (section.id, section.title)));
-        let nav = nav.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
+        let links = links.chain(sections.iter().map(|section| (section.id, section.title)));
+        let links = links.chain(appendix.first().map(|_| ("appendix", "Appendix")));
+        let links = links.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
+        let nav = html!("<nav aria-label=\"Sections\"><ul>\n{}</ul></nav>\n", links.collect::<Html>());
+        let values = first_screen.as_ref().map(|_| "The chain with all values at their centres:");
+        let (opening, first_screen) = match first_screen {
+            Some(screen) => (html!("<h1 class=\"small\">{}</h1>\n", &title), html!("{}{}", screen, nav)),
+            None => (html!("<h1>{}</h1>\n<p>{}</p>\n{}", &title, intro, nav), Html::default()),
+        };
         let warnings = match warnings {
             [] => Html::default(),
             _ => html!(
@@ -55,13 +68,14 @@ impl Page<'_> {
             include_str!("page/skeleton.html"),
             title = title,
             style = Html::from_markup(STYLE.to_owned()),
-            intro = intro,
-            nav = nav.collect::<Html>(),
-            answers = answers::list(&answers),
+            opening = opening,
+            first_screen = first_screen,
+            answers = answers::list(&answers, values),
             warnings = warnings,
             sections = sections.iter().map(|section| section.html(&mut number)).collect::<Html>(),
+            appendix = appendix::html(&appendix, &mut number),
         );
-        let figures = sections.into_iter().flat_map(|section| section.figures).map(Figure::from);
+        let figures = sections.into_iter().chain(appendix).flat_map(|section| section.figures).map(Figure::from);
         Report { html: html.into_string(), figures: figures.collect() }
     }
 }
@@ -75,6 +89,8 @@ pub(crate) struct Section {
     tables: Vec<DataTable>,
     figures: Vec<CaptionedFigure>,
     list: Html,
+    /// Id and title of the entry of the appendix with further tables and figures.
+    further: Option<(&'static str, &'static str)>,
 }
 
 impl Section {
@@ -109,7 +125,18 @@ impl Section {
         Self::new("provenance", "Provenance", "", tables, Vec::new())
     }
 
+    /// Names the entry of the appendix that belongs to the section, if there is one.
+    fn with_further(self, entry: Option<&Self>) -> Self {
+        Self { further: entry.map(|entry| (entry.id, entry.title)), ..self }
+    }
+
     fn html(&self, number: &mut usize) -> Html {
+        let content = self.content(number);
+        html!("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", self.id, self.title, content)
+    }
+
+    /// Returns everything below the title.
+    fn content(&self, number: &mut usize) -> Html {
         let lead = match self.lead.as_str() {
             "" => Html::default(),
             lead => html!("<p class=\"lead\">{}</p>\n", lead),
@@ -118,14 +145,16 @@ impl Section {
             *number += 1;
             figure_html(*number, figure)
         });
+        let further = self.further.map_or_else(Html::default, |(id, title)| {
+            html!("<p class=\"further\">In the appendix: <a href=\"#{}\">{}</a></p>\n", id, title)
+        });
         html!(
-            "<section id=\"{}\">\n<h2>{}</h2>\n{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}</section>\n",
-            self.id,
-            self.title,
+            "{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}{}",
             lead,
             self.tables.iter().map(DataTable::html).collect::<Html>(),
             figures.collect::<Html>(),
             &self.list,
+            further,
         )
     }
 }
@@ -250,6 +279,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let results = &run.results;
     let (pressure, friction, vibration) =
         (results.pressure.as_ref(), results.friction.as_ref(), results.vibration.as_ref());
+    let [heights, methods, models] = appendix::entries(run)?;
     let surface = Section::new(
         "surface",
         "Surface",
@@ -257,7 +287,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
          between field size and pixel size.",
         tables::surface(run),
         figures::surface::figures(run)?,
-    );
+    )
+    .map(|section| section.with_further(heights.as_ref()));
     let contact = Section::new(
         "pressure",
         "Contact pressure",
@@ -265,16 +296,18 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
             "Probability that a point of the surface is in contact, and distribution of the pressure there, by independent methods. {}",
             pressure.map_or_else(String::new, tables::refused_methods)
         ),
-        pressure.map_or_else(Vec::new, |pressure| tables::pressure(run, pressure)),
-        figures::pressure::figures(run)?,
-    );
+        pressure.map(tables::scalars).into_iter().collect(),
+        appendix::without_moved(figures::pressure::figures(run)?),
+    )
+    .map(|section| section.with_further(methods.as_ref()));
     let coefficient = Section::new(
         "friction",
         "Friction coefficient",
         friction::lead(friction),
         friction.map_or_else(Vec::new, friction::tables),
-        figures::friction::figures(run),
-    );
+        appendix::without_moved(figures::friction::figures(run)),
+    )
+    .map(|section| section.with_further(models.as_ref()));
     let quotient = Section::new(
         "quotient",
         "Quotient F/N of single windows",
@@ -299,7 +332,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     );
     let judged = Section::new(
         "verdict",
-        "Verdict",
+        "Behind the verdict",
         verdict::lead(results.verdict.as_ref().map(|verdict| verdict.model).unwrap_or_default()),
         results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
         figures::verdict::figures(run)?,
@@ -326,11 +359,17 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         Section::provenance(run.provenance.as_ref()),
         Some(Section::references(&references::references(stages))),
     ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    let ids: Vec<&str> = sections.iter().map(|section| section.id).collect();
+    let first_screen =
+        results.verdict.as_ref().map(|verdict| verdict::first_screen(run, verdict, &chain::strip(run, &ids)));
     Ok(Page {
         title: run.name.clone(),
         intro: "From the rough surface to friction and vibration: report of a study by asperity.",
+        first_screen,
         answers: answers::answers(run),
         warnings: &results.warnings,
-        sections: sections.into_iter().flatten().collect(),
+        sections,
+        appendix: [heights, methods, models].into_iter().flatten().collect(),
     })
 }

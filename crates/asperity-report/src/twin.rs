@@ -63,9 +63,11 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
     let page = Page {
         title: format!("Twins of {}", run.name),
         intro: "Random maps with the same statistics as a measured one, compared with it.",
+        first_screen: None,
         answers: [likeness(comparison), model(comparison), draws(comparison)].into_iter().flatten().collect(),
         warnings: &comparison.warnings,
         sections: sections.into_iter().flatten().collect(),
+        appendix: Vec::new(),
     };
     Ok(page.render())
 }

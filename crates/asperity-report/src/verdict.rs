@@ -7,84 +7,112 @@ use crate::format::{Dimension, significant};
 /// Probability below which a number rests on the tails of the assumed distributions.
 const RARE: f64 = 1e-3;
 
+/// The verdict in one sentence of three parts.
+pub(crate) struct Headline {
+    pub(crate) before: String,
+    /// The answer.
+    pub(crate) answer: String,
+    pub(crate) after: String,
+}
+
+impl Headline {
+    /// Returns the verdict without the errors of its numbers.
+    pub(crate) fn new(verdict: &VerdictResult) -> Self {
+        let (noun, p) = (noun(verdict), verdict.probability);
+        let part = str::to_owned;
+        let coupled = verdict.model == ModelResult::ModeCoupling;
+        if is_exact(verdict) && coupled {
+            let distance = significant(verdict.nominal.damping_margin.abs(), 3);
+            let (answer, side) =
+                if verdict.nominal.vibrates { ("squeals", "above") } else { ("does not squeal", "below") };
+            let after = format!(" by mode coupling: its friction coefficient is {distance} {side} the critical one.");
+            return Self { before: part("The machine "), answer: part(answer), after };
+        }
+        if is_exact(verdict) {
+            return if verdict.nominal.vibrates {
+                let after = format!(" ({}), once started from standstill.", noun.to_lowercase());
+                Self { before: part("The machine "), answer: part("vibrates"), after }
+            } else {
+                let limit = verdict.nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
+                let after = format!(": its damping ratio is above the limit of {limit}.");
+                Self { before: part("The machine "), answer: part("does not vibrate"), after }
+            };
+        }
+        let before = format!("{noun} is ");
+        let event = if coupled { "flutter" } else { "vibrate, once started from standstill" };
+        // A wide interval of a small probability reaches above it.
+        if verdict.probability_interval[1] < RARE {
+            let after = format!(
+                ": fewer than 1 in 1,000 machines like this one {event}; the number rests on the assumed tails."
+            );
+            return Self { before, answer: part("very improbable"), after };
+        }
+        let word = match p {
+            p if p < 0.05 => "improbable",
+            p if p < 0.35 => "unlikely",
+            p if p < 0.65 => "as likely as not",
+            p if p < 0.95 => "likely",
+            _ => "almost certain",
+        };
+        let after = format!(" of machines like this one {event}.");
+        Self { before, answer: format!("{word}: {}", percent(p)), after }
+    }
+}
+
+/// Returns whether no value of the study is uncertain.
+pub(crate) fn is_exact(verdict: &VerdictResult) -> bool {
+    verdict.evaluations <= 1
+}
+
 /// Returns the verdict in one sentence.
 pub fn verdict_sentence(verdict: &VerdictResult) -> String {
+    let Headline { before, answer, after } = Headline::new(verdict);
+    let sentence = format!("{before}{answer}{after}");
+    if is_exact(verdict) {
+        return match steady_sliding(verdict) {
+            Some(sliding) => format!("{}; {sliding}. No value is uncertain.", sentence.trim_end_matches('.')),
+            None if verdict.nominal.vibrates => format!("{sentence} No value is uncertain."),
+            None => sentence,
+        };
+    }
+    let [low, high] = verdict.probability_interval;
+    if high < RARE {
+        return sentence;
+    }
+    if verdict.model == ModelResult::ModeCoupling {
+        // Coupled modes flutter however their motion begins.
+        return format!("{before}{answer} ({} to {}){after}", percent(low), percent(high));
+    }
+    let after = after.trim_end_matches('.');
+    let sliding = percent(verdict.probability_from_steady_sliding);
+    format!("{before}{answer} ({} to {}){after}; {sliding} from steady sliding.", percent(low), percent(high))
+}
+
+/// Returns what becomes of steady sliding in a machine of exact values that vibrates; `None` for a quiet machine.
+pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
     let nominal = &verdict.nominal;
+    if !nominal.vibrates || verdict.model == ModelResult::ModeCoupling {
+        return None;
+    }
+    if nominal.steady_sliding_unstable {
+        return Some("from steady sliding, too".into());
+    }
+    let kick = nominal
+        .kick_m_per_s
+        .map_or_else(String::new, |kick| format!(", unless a kick of {} starts it", Dimension::Velocity.show(kick)));
+    Some(format!("steady sliding stays quiet{kick}"))
+}
+
+/// Returns the noun for the most frequent kind of vibration.
+pub(crate) fn noun(verdict: &VerdictResult) -> &'static str {
+    if verdict.model == ModelResult::ModeCoupling {
+        return "Squeal by mode coupling";
+    }
     let kind = verdict
         .if_vibrating
         .as_ref()
         .and_then(|machines| machines.kinds.iter().max_by(|a, b| a.1.total_cmp(b.1)))
-        .map_or(nominal.kind.name(), |(name, _)| name.as_str());
-    let coupled = verdict.model == ModelResult::ModeCoupling;
-    let noun = if coupled { "Squeal by mode coupling" } else { noun(kind) };
-    if verdict.evaluations <= 1 {
-        return if coupled { exact_coupled(verdict) } else { exact(verdict, noun) };
-    }
-    let event = if coupled { "flutter" } else { "vibrate, once started from standstill" };
-    let [low, high] = verdict.probability_interval;
-    let p = verdict.probability;
-    let sliding = verdict.probability_from_steady_sliding;
-    // A wide interval of a small probability reaches above it.
-    if high < RARE {
-        return format!(
-            "{noun} is very improbable: fewer than 1 in 1,000 machines like this one {event}; the number \
-             rests on the assumed tails."
-        );
-    }
-    let word = match p {
-        p if p < 0.05 => "improbable",
-        p if p < 0.35 => "unlikely",
-        p if p < 0.65 => "as likely as not",
-        p if p < 0.95 => "likely",
-        _ => "almost certain",
-    };
-    // Coupled modes flutter however their motion begins.
-    let from_sliding = if coupled { String::new() } else { format!("; {} from steady sliding", percent(sliding)) };
-    format!(
-        "{noun} is {word}: {} ({} to {}) of machines like this one {event}{from_sliding}.",
-        percent(p),
-        percent(low),
-        percent(high)
-    )
-}
-
-/// Returns the verdict on a machine of two coupled modes whose values are all exact.
-fn exact_coupled(verdict: &VerdictResult) -> String {
-    let margin = verdict.nominal.damping_margin;
-    let distance = significant(margin.abs(), 3);
-    if verdict.nominal.vibrates {
-        format!(
-            "The machine squeals by mode coupling: its friction coefficient is {distance} above the critical one. No value is uncertain."
-        )
-    } else {
-        format!(
-            "The machine does not squeal by mode coupling: its friction coefficient is {distance} below the critical one."
-        )
-    }
-}
-
-/// Returns the verdict on a machine whose values are all exact.
-fn exact(verdict: &VerdictResult, noun: &str) -> String {
-    let nominal = &verdict.nominal;
-    let limit = nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
-    if !nominal.vibrates {
-        return format!("The machine does not vibrate: its damping ratio is above the limit of {limit}.");
-    }
-    let sliding = if nominal.steady_sliding_unstable {
-        "from steady sliding, too".to_owned()
-    } else {
-        let kick = nominal.kick_m_per_s.map_or_else(String::new, |kick| {
-            format!(", unless a kick of {} starts it", Dimension::Velocity.show(kick))
-        });
-        format!("steady sliding stays quiet{kick}")
-    };
-    format!(
-        "The machine vibrates ({}), once started from standstill; {sliding}. No value is uncertain.",
-        noun.to_lowercase()
-    )
-}
-
-fn noun(kind: &str) -> &'static str {
+        .map_or(verdict.nominal.kind.name(), |(name, _)| name.as_str());
     match kind {
         "overtaking" => "Vibration faster than the belt",
         "slip_cycle" => "Vibration without stick",
@@ -93,7 +121,8 @@ fn noun(kind: &str) -> &'static str {
     }
 }
 
-fn percent(probability: f64) -> String {
+/// Formats a probability as a percentage.
+pub(crate) fn percent(probability: f64) -> String {
     if probability <= 0.0 {
         return "0 %".into();
     }

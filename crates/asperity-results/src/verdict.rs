@@ -58,6 +58,9 @@ pub struct VerdictResult {
     pub area_as_one: Option<Vec<AreaAsOne>>,
     /// Assumptions of the verdict, in sentences.
     pub assumptions: Vec<String>,
+    /// Inputs of the verdict with their origin; empty in results of earlier versions.
+    #[serde(default)]
+    pub rests_on: Vec<RestsOn>,
 }
 
 /// Cause of a part of the interval of the probability.
@@ -85,6 +88,46 @@ pub struct LearntFriction {
     pub difference_near_limit: Option<f64>,
     /// Relative standard error of the mean friction coefficient.
     pub standard_error: f64,
+}
+
+/// Input of the verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RestsOn {
+    /// Name of the input, `section.key`.
+    pub input: String,
+    /// Central value; of `surface.file` and `counterface.file` the number of scans.
+    pub value: InputValue,
+    /// SI unit of the value; empty for a number or a name.
+    pub unit: String,
+    /// Origin of the value.
+    pub kind: InputKind,
+}
+
+/// Value of an input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum InputValue {
+    /// Number in SI.
+    Number(f64),
+    /// Name of a choice, such as `stribeck`.
+    Name(String),
+}
+
+/// Origin of the value of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InputKind {
+    /// Scan of the surface.
+    Measured,
+    /// Exact value of the study file.
+    Stated,
+    /// Distribution over the parts, of the study file.
+    Uncertain,
+    /// Distribution of one value that is not known, of the study file.
+    Unknown,
+    /// Default of asperity; the study file leaves the key out.
+    Default,
 }
 
 /// Quantiles of a distribution.

@@ -6,8 +6,8 @@ use asperity_results::{
 
 use super::cells::shown;
 use super::friction::place;
+use super::mode_coupling;
 use super::vibration::difference;
-use super::{mode_coupling, verdict};
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
 use crate::markup::{Html, html};
@@ -27,8 +27,9 @@ pub(crate) struct Answer {
     pub(crate) detail: String,
 }
 
-/// Returns the answers as HTML.
-pub(super) fn list(answers: &[Answer]) -> Html {
+/// Returns the answers as HTML, below a sentence on the values that they hold for, if there is one.
+pub(super) fn list(answers: &[Answer], lead: Option<&str>) -> Html {
+    let lead = lead.map_or_else(Html::default, |lead| html!("<p class=\"lead\">{}</p>\n", lead));
     let items = answers.iter().map(|Answer { question, answer, detail }| {
         let template =
             html!("<dt>{}</dt><dd class=\"answer\">{}</dd><dd class=\"detail\">{}</dd>", question, answer, detail);
@@ -37,7 +38,8 @@ pub(super) fn list(answers: &[Answer]) -> Html {
     match answers {
         [] => Html::default(),
         _ => html!(
-            "<section id=\"answers\" aria-label=\"Answers\">\n<dl class=\"answers\">\n{}</dl>\n</section>\n",
+            "<section id=\"answers\" aria-label=\"Answers\">\n{}<dl class=\"answers\">\n{}</dl>\n</section>\n",
+            lead,
             items.collect::<Html>()
         ),
     }
@@ -48,7 +50,6 @@ pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
     let vibration = results.vibration.as_ref();
     [
-        results.verdict.as_ref().map(verdict::answer),
         contact(run),
         results.friction.as_ref().map(friction),
         vibration.map(vibrates),

@@ -93,24 +93,27 @@ pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     lead
 }
 
-/// Returns the tables of `friction`: process and drifts by level; then distribution and correlation at the operating point.
+/// Returns the tables of `friction`: process and drifts by level, the cut-off, and uncertain surfaces.
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let mut tables: Vec<DataTable> = [process, drifts].map(|table| table(friction)).into();
-    if let Some(level) = operating_level(friction) {
-        let process = &level.at_mean_load;
-        let found = Distribution {
-            of: "at the mean load",
-            marginal: process.marginal.as_ref(),
-            intervals: &process.marginal_parameter_intervals,
-            gof: process.gof.as_ref(),
-            ranked: &process.laws,
-            return_levels: &[],
-        };
-        tables.extend([found.table(level), correlation_models(level)]);
-    }
     tables.extend(friction.cutoff.as_ref().and_then(cutoff::table));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
     tables
+}
+
+/// Returns the distributions and the correlation models fitted at the operating point.
+pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
+    let Some(level) = operating_level(friction) else { return Vec::new() };
+    let process = &level.at_mean_load;
+    let found = Distribution {
+        of: "at the mean load",
+        marginal: process.marginal.as_ref(),
+        intervals: &process.marginal_parameter_intervals,
+        gof: process.gof.as_ref(),
+        ranked: &process.laws,
+        return_levels: &[],
+    };
+    vec![found.table(level), correlation_models(level)]
 }
 
 /// Returns the moments of F/N by level, and its distribution at the operating point.

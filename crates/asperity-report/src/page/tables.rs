@@ -7,13 +7,12 @@ use super::{DataTable, method_name, parameters, random_surface};
 use crate::format::{Dimension, with_error};
 use crate::{Input, Run};
 
-/// Returns the tables of `surface`: parameters with their meaning, the distributions of the heights, then the random surface.
+/// Returns the tables of `surface`: parameters with their meaning, then the random surface.
 pub(super) fn surface(run: &Run) -> Vec<DataTable> {
     let surface = run.results.surface.as_ref();
     [
         surface.map(|surface| parameters::table(&surface.measured)),
         surface.and_then(parameters::scans),
-        parameters::distributions(run),
         surface.map(random_surface::table),
     ]
     .into_iter()
@@ -30,8 +29,8 @@ pub(super) fn refused_methods(pressure: &PressureResult) -> String {
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }
 
-/// Returns the tables of `pressure`: one row per method with an estimate, then one per property of the whole contact.
-pub(super) fn pressure(run: &Run, pressure: &PressureResult) -> Vec<DataTable> {
+/// Returns one row per method with an estimate.
+pub(super) fn methods(run: &Run, pressure: &PressureResult) -> DataTable {
     let rows = pressure.methods.iter().filter(|method| method.failure.is_none()).map(|method| {
         let probability = match (method.contact_probability, method.contact_probability_se) {
             (Some(value), Some(error)) => with_error(value, error),
@@ -64,8 +63,7 @@ pub(super) fn pressure(run: &Run, pressure: &PressureResult) -> Vec<DataTable> {
         "KS distance",
         "W₁ / std",
     ];
-    let methods = DataTable::new(&caption, &headers, rows.collect(), "tables/pressure_methods.csv");
-    [methods.without_empty_columns(), scalars(pressure)].into()
+    DataTable::new(&caption, &headers, rows.collect(), "tables/pressure_methods.csv").without_empty_columns()
 }
 
 /// Formats the contact solves on coarser grids.
@@ -89,7 +87,7 @@ fn seconds(run: &Run, method: &str) -> Option<f64> {
 }
 
 /// Returns one row per property of the whole contact.
-fn scalars(pressure: &PressureResult) -> DataTable {
+pub(super) fn scalars(pressure: &PressureResult) -> DataTable {
     let rows = pressure.scalars.iter().map(|scalar| {
         let (name, dimension) = Dimension::of_key(&scalar.name);
         let quantile = |probability: f64| {

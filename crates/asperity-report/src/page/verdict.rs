@@ -1,52 +1,138 @@
-//! The verdict: its answer and its tables.
+//! The verdict: the first screen of a page and the tables of its section.
 
-use asperity_results::{Driver, Guess, ModelResult, Quantiles, Reach, Remedy, VerdictResult};
+mod drivers;
+mod margin;
+mod remedies;
+mod rests_on;
+mod words;
 
-use super::cells::{percent, plain, shown};
-use super::{Answer, DataTable};
-use crate::format::Dimension;
-use crate::verdict_sentence;
+use asperity_results::{Driver, ModelResult, Quantiles, VerdictResult};
+
+use self::margin::Limits;
+pub(super) use self::words::between;
+pub(crate) use self::words::{dimension, named};
+use super::DataTable;
+use super::cells::{percent as table_percent, shown};
+use crate::Run;
+use crate::format::{Dimension, significant};
+use crate::markup::{Html, html};
+pub(super) use crate::verdict::noun as kind_of_motion;
+use crate::verdict::{Headline, is_exact, percent, steady_sliding};
 
 const SOURCE: &str = "results.json";
 
-/// Returns the headline answer.
-pub(super) fn answer(verdict: &VerdictResult) -> Answer {
-    let mut detail = String::new();
-    if let Some(Quantiles { q05, q95, .. }) = verdict.probability_over_unknowns {
-        detail += &format!("With the unknown values, it lies between {} and {}. ", percent(q05, 2), percent(q95, 2));
+/// Returns the first screen: the verdict in one sentence, its numbers, and four cards. `chain` is shown below them.
+pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> Html {
+    let limits = Limits::new(run, verdict);
+    let Headline { before, answer, after } = Headline::new(verdict);
+    let class = match verdict.probability {
+        p if p < 0.05 => "quiet",
+        p if p < 0.35 => "unlikely",
+        _ => "vibrates",
+    };
+    html!(
+        "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"{}\">{}</strong>{}</p>\n\
+         <p class=\"sub\">{}</p>\n<div class=\"cards\">\n<div class=\"column\">\n{}{}</div>\n<div class=\"column\">\n{}{}</div>\n\
+         </div>\n{}</section>\n",
+        before,
+        class,
+        unbroken(&answer),
+        after,
+        numbers(verdict),
+        card(limits.title(), &limits.picture(verdict)),
+        card("What would stop it", &remedies::card(verdict, &limits)),
+        card("What decides it", &drivers::card(verdict)),
+        card("What it rests on", &rests_on::card(&verdict.rests_on)),
+        chain,
+    )
+}
+
+fn card(title: &str, content: &Html) -> Html {
+    html!("<section class=\"card\">\n<h2>{}</h2>\n{}</section>\n", title, content)
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Keeps numbers and percent signs on one line.
+fn unbroken(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
+}
+
+/// Returns the sentences below the headline: errors of the probability, steady sliding, and the vibration.
+fn numbers(verdict: &VerdictResult) -> Html {
+    let mut sentences = Vec::new();
+    let text = |text: String| Html::from(unbroken(&text));
+    if is_exact(verdict) {
+        sentences.push(text("No value of the study is uncertain.".into()));
+        sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(&sliding)))));
+    } else {
+        sentences.push(text(computed_to(verdict)));
+        if let Some(Quantiles { q05, q95, .. }) = verdict.probability_over_unknowns {
+            let over = match verdict.guesses.as_slice() {
+                [guess] => format!("Over the unknown {}", named(&guess.input)),
+                guesses => format!("Over the {} unknown values", guesses.len()),
+            };
+            let ends = format!("{} and {}", percent(q05), percent(q95));
+            sentences.push(html!("{} it lies between <strong>{}</strong>.", over, unbroken(&ends)));
+        }
+        if verdict.model == ModelResult::StickSlip {
+            let sliding = percent(verdict.probability_from_steady_sliding);
+            sentences.push(text(format!("From steady sliding {sliding}.")));
+        }
     }
     if let Some(machines) = &verdict.if_vibrating {
-        let between =
-            |Quantiles { q05, q50, q95 }: Quantiles, dimension: Dimension| shown(dimension, q50, Some([q05, q95]));
-        detail += &format!(
-            "Machines that vibrate: {} Hz, {}, {} (medians; brackets hold 90 % of them). ",
-            between(machines.frequency_hz, Dimension::None),
-            between(machines.velocity_amplitude_m_per_s, Dimension::Velocity),
-            between(machines.displacement_amplitude_m, Dimension::Length),
-        );
+        let shown = |dimension, quantiles: Option<Quantiles>| quantiles.map(|quantiles| between(dimension, quantiles));
+        let (hertz, wide) = shown(Dimension::Frequency, machines.frequency_hz).unwrap_or_default();
+        let amplitudes: Vec<String> = [
+            shown(Dimension::Velocity, machines.velocity_amplitude_m_per_s),
+            shown(Dimension::Length, machines.displacement_amplitude_m),
+        ]
+        .into_iter()
+        .flatten()
+        .map(|(middle, range)| format!("{middle}{range}"))
+        .collect();
+        let amplitudes = match amplitudes.is_empty() {
+            true => String::new(),
+            false => format!(", with amplitudes of {}", amplitudes.join(" and ")),
+        };
+        let (when, ranges) =
+            if is_exact(verdict) { ("It vibrates at", "") } else { ("If it vibrates:", "; ranges hold 90 %") };
+        sentences.push(html!("{} <strong>{}</strong>{}{}{}.", when, hertz, wide, amplitudes, unbroken(ranges)));
     }
-    if let Some(driver) = verdict.drivers.iter().max_by(|a, b| a.total.total_cmp(&b.total)) {
-        detail += &format!("What decides it most: {}. ", words(&driver.input));
-    }
-    if let Some(Guess { input, .. }) = verdict.guesses.first() {
-        detail += &format!("It rests on {}, which is unknown.", words(input));
-    }
-    Answer {
-        question: "Does a machine like this one vibrate?",
-        answer: verdict_sentence(verdict).replace(" %", "\u{a0}%"),
-        detail,
+    let count = sentences.len();
+    let spaced = sentences
+        .into_iter()
+        .enumerate()
+        .map(|(place, sentence)| html!("{}{}", sentence, if place + 1 < count { " " } else { "" }));
+    spaced.collect()
+}
+
+/// Returns the error of the computation in a sentence: half the width of a symmetric interval, or the interval.
+fn computed_to(verdict: &VerdictResult) -> String {
+    let ([low, high], p) = (verdict.probability_interval, verdict.probability);
+    let (below, above) = (p - low, high - p);
+    let symmetric = below.min(above) > 0.7 * below.max(above);
+    if symmetric && (0.05..0.95).contains(&p) {
+        format!("Computed to ±{} percentage points.", significant(100.0 * below.max(above), 2))
+    } else {
+        // Two digits do not separate the ends near 1.
+        let end = |p: f64| if p > 0.9 && p < 0.999 { format!("{} %", significant(100.0 * p, 3)) } else { percent(p) };
+        format!("Computed to between {} and {}.", end(low), end(high))
     }
 }
 
-/// Returns the tables.
+/// Returns the tables of the section.
 pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
     let driver = |driver: &Driver| {
         vec![
-            words(&driver.input),
+            named(&driver.input),
             shown(Dimension::None, driver.first_order, Some(driver.first_order_interval)),
             shown(Dimension::None, driver.total, Some(driver.total_interval)),
             shown(Dimension::None, driver.shapley, driver.shapley_interval),
-            percent(driver.range_reduction, 2),
+            table_percent(driver.range_reduction, 2),
         ]
     };
     let headers = ["Value", "First order", "Total", "Shapley effect", "Range narrows by"];
@@ -54,19 +140,17 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
         DataTable::new(caption, &headers, drivers.iter().map(driver).collect(), SOURCE).without_empty_columns()
     };
     let guesses = verdict.guesses.iter().map(|guess| {
-        vec![words(&guess.input), percent(guess.probability_at_q05, 2), percent(guess.probability_at_q95, 2)]
+        vec![
+            named(&guess.input),
+            table_percent(guess.probability_at_q05, 2),
+            table_percent(guess.probability_at_q95, 2),
+        ]
     });
     vec![
-        DataTable::new(
-            "Changes after which vibration is improbable; brackets are the 95 % interval of the computation",
-            &["Change", "Now", "Probability", "Value", "Friction coefficient left"],
-            verdict.remedies.iter().flat_map(remedy).collect(),
-            SOURCE,
-        ),
         drivers(
             &format!(
                 "Sensitivity of the margin {}: fractions of its variance, and how much the 5–95 % range narrows once the value is known",
-                margin(verdict.model)
+                margin_of(verdict.model)
             ),
             &verdict.drivers,
         ),
@@ -77,29 +161,12 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             guesses.collect(),
             SOURCE,
         ),
+        rests_on::table(&verdict.rests_on),
     ]
 }
 
-fn remedy(remedy: &Remedy) -> Vec<Vec<String>> {
-    let dimension = dimension(&remedy.unit);
-    let row = |reach: &Reach| {
-        vec![
-            words(&remedy.input),
-            shown(dimension, remedy.now, None),
-            percent(reach.probability, 2),
-            if reach.value.is_some() {
-                shown(dimension, reach.value, reach.value_interval)
-            } else {
-                "not in the range".into()
-            },
-            plain(reach.friction_coefficient, 3),
-        ]
-    };
-    remedy.reach.iter().map(row).collect()
-}
-
 /// Returns the formula of the margin.
-fn margin(model: ModelResult) -> &'static str {
+fn margin_of(model: ModelResult) -> &'static str {
     match model {
         ModelResult::StickSlip => "ζ − ζ_v",
         ModelResult::ModeCoupling => "μ_c − μ",
@@ -107,32 +174,14 @@ fn margin(model: ModelResult) -> &'static str {
 }
 
 /// Returns the section's first sentences.
-pub(super) fn lead(model: ModelResult) -> String {
-    let event = match model {
-        ModelResult::StickSlip => "A machine vibrates if its damping ratio ζ is below the limit ζ_v.",
-        ModelResult::ModeCoupling => "A machine flutters if its friction coefficient μ is above the critical one μ_c.",
-    };
-    format!(
-        "How probable vibration is over the uncertain values of the study, what decides it, and what changes it. {event}"
-    )
-}
-
-/// Returns the dimension of an SI unit.
-pub(crate) fn dimension(unit: &str) -> Dimension {
-    match unit {
-        "m" => Dimension::Length,
-        "m^2" => Dimension::Area,
-        "Pa" => Dimension::Pressure,
-        "kg" => Dimension::Mass,
-        "N" => Dimension::Force,
-        "m/s" => Dimension::Velocity,
-        "rad/s" => Dimension::AngularFrequency,
-        "s/m" => Dimension::Other("s/m"),
-        _ => Dimension::None,
+pub(super) fn lead(model: ModelResult) -> &'static str {
+    match model {
+        ModelResult::StickSlip => {
+            "How much each uncertain value decides, and every input. A machine vibrates if its damping ratio ζ is below the limit ζ_v."
+        }
+        ModelResult::ModeCoupling => {
+            "How much each uncertain value decides, and every input. A machine flutters if its friction coefficient μ is above the \
+             critical one μ_c."
+        }
     }
-}
-
-/// Returns the words of a value's name, `vibration.damping_ratio`.
-pub(crate) fn words(input: &str) -> String {
-    input.rsplit_once('.').map_or(input, |(_, key)| key).replace('_', " ")
 }

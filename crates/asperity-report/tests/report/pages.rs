@@ -21,17 +21,12 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "pressure_sample",
         "contact_probability",
         "pressure_quantiles",
-        "expansion_error",
         "pressure_cdf",
-        "pressure_intervals",
-        "pressure_accuracy",
         "pressure_scalars",
         "pressure_sensitivities",
         "friction_load_curve",
         "friction_cutoff",
         "friction_histogram",
-        "friction_pit",
-        "friction_qq",
         "friction_acf",
         "friction_windows",
         "friction_spectrum",
@@ -44,6 +39,11 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "cycles_over_damping",
         "sustained_over_damping",
         "survival",
+        "expansion_error",
+        "pressure_intervals",
+        "pressure_accuracy",
+        "friction_pit",
+        "friction_qq",
     ];
     assert_eq!(names, wanted);
     for id in [
@@ -57,6 +57,7 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "assumptions",
         "provenance",
         "references",
+        "appendix",
     ] {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
     }
@@ -75,6 +76,25 @@ fn a_complete_run_has_every_figure_and_every_section() {
     ] {
         assert!(html.contains(wanted), "{wanted:?} is on the page");
     }
+}
+
+#[test]
+fn the_comparison_of_methods_and_the_checks_of_models_are_in_the_appendix() {
+    let html = render(&full_run()).unwrap().html;
+    let place = |words: &str| html.find(words).unwrap_or_else(|| panic!("{words}"));
+    let appendix = place("<section id=\"appendix\">");
+    assert!(place("<section id=\"references\">") < appendix);
+    for (entry, contents) in [
+        ("appendix-surface", &["Distributions fitted to the heights"][..]),
+        ("appendix-pressure", &["Methods for the distribution of the pressure", "figure-pressure_accuracy"]),
+        ("appendix-friction", &["Models of the correlation", "figure-friction_pit", "figure-friction_qq"]),
+    ] {
+        let link = place(&format!("<a href=\"#{entry}\">"));
+        assert!(link < appendix && appendix < place(&format!("<details id=\"{entry}\">")), "{entry}");
+        contents.iter().for_each(|words| assert!(html.rfind(words).unwrap() > appendix, "{words}"));
+    }
+    // The distribution of the pressure itself stays in its section.
+    assert!(place("figure-pressure_cdf") < appendix);
 }
 
 #[test]

@@ -1,9 +1,54 @@
 //! The verdict in words and on the page.
 
-use asperity_report::{Run, render, verdict_sentence};
+use asperity_report::{Run, Table, render, verdict_sentence};
+use asperity_results::{InputKind, InputValue, RestsOn, VerdictResult};
 
-use crate::documents::text;
-use crate::synthetic::example;
+use crate::documents::{elements, resources, text};
+use crate::synthetic::{example, full_run};
+
+/// Returns the page of a run with this verdict, with plain spaces.
+fn page(verdict: VerdictResult) -> String {
+    let mut run = Run { name: "brake".into(), results: example::results(), ..Run::default() };
+    run.results.verdict = Some(verdict);
+    text(&render(&run).unwrap().html)
+}
+
+/// Returns the text of a page without its elements.
+fn plain(html: &str) -> String {
+    html.split('<').filter_map(|piece| piece.split_once('>')).map(|(_, text)| text).collect()
+}
+
+/// Returns the points of the outline of an area of the margin.
+fn outline(html: &str, class: &str) -> Vec<(f64, f64)> {
+    let path = html.split(&format!("<path class=\"area {class}\" d=\"")).nth(1).unwrap().split('"').next().unwrap();
+    let points = path.trim_end_matches('Z').split(['M', 'L']).filter(|point| !point.is_empty());
+    points.map(|point| point.split_once(' ').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).unwrap()).collect()
+}
+
+/// Returns the area inside an outline.
+fn area(points: &[(f64, f64)]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    0.5 * points.iter().zip(next).map(|((x0, y0), (x1, y1))| x0 * y1 - x1 * y0).sum::<f64>().abs()
+}
+
+/// Returns the fraction of the areas that vibrates.
+fn vibrating(html: &str) -> f64 {
+    let [quiet, vibrates] = ["quiet", "vibrates"].map(|class| area(&outline(html, class)));
+    vibrates / (quiet + vibrates)
+}
+
+/// Returns a page with 1,000 sampled machines, whose margins are uniform between the ends.
+fn sampled(probability: f64, low: f64, high: f64) -> String {
+    let mut run = Run { results: example::results(), ..Run::default() };
+    let half = 0.5 * 0.02;
+    let interval = [probability - half, probability + half];
+    let verdict = VerdictResult { probability, probability_interval: interval, ..example::verdict::verdict() };
+    run.results.verdict = Some(verdict);
+    let margins = (0..1000).map(|i| low + (high - low) * (f64::from(i) + 0.5) / 1000.0).collect();
+    let columns = vec![("vibration.stribeck".to_owned(), vec![4.2; 1000]), ("damping_margin".to_owned(), margins)];
+    run.tables.insert("verdict_samples".into(), Table { columns });
+    text(&render(&run).unwrap().html)
+}
 
 #[test]
 fn the_sentence_states_the_probability_with_its_interval() {
@@ -33,16 +78,35 @@ fn the_sentence_states_the_probability_with_its_interval() {
 }
 
 #[test]
-fn the_verdict_is_the_first_answer_and_the_first_section() {
-    let mut run = Run { name: "brake".into(), results: example::results(), ..Run::default() };
-    run.results.verdict = Some(example::verdict::verdict());
-    let html = render(&run).unwrap().html;
-    let shown = text(&html);
-    let place = |words: &str| shown.find(words).unwrap_or_else(|| panic!("`{words}` is missing"));
-    assert!(place("Does a machine like this one vibrate?") < place("How likely is contact at a point?"));
-    assert!(html.find("<section id=\"verdict\">").unwrap() < html.find("<section id=\"surface\">").unwrap());
-    for words in ["between 22 % and 91 %", "not in the range", "0.026", "shear strength", "312", "23 µm"] {
-        place(words);
+fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
+    let html = page(example::verdict::verdict());
+    let place = |words: &str| html.find(words).unwrap_or_else(|| panic!("`{words}` is missing"));
+    assert!(place("<section id=\"answer\"") < place("<nav aria-label=\"Sections\""));
+    assert!(place("<nav class=\"chain\"") < place("<section id=\"answers\""));
+    assert!(place("<section id=\"answers\"") < place("<section id=\"verdict\">"));
+    assert!(place("<section id=\"verdict\">") < place("<section id=\"surface\">"));
+    assert_eq!(html.matches("<section class=\"card\">").count(), 4);
+    assert_eq!(html.matches("<li><span>").count(), 3, "three drivers");
+    let words = plain(&html);
+    for wanted in [
+        "Stick–slip is as likely as not: 64 % of machines like this one vibrate, once started from standstill.",
+        "Computed to ±3 percentage points. Over the unknown Stribeck coefficient it lies between 22 % and 91 %. From steady sliding \
+         12 %. If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
+        "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
+        "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
+        "not in the range",
+        "surface: 3 scans",
+        "stated: normal force",
+        "shear strength 40 MPa: unknown",
+        "damping ratio 0.0155: uncertain",
+        "Stribeck coefficient 4.2: the paper’s value, not measured",
+        "Squeal by mode coupling is another machine.",
+    ] {
+        assert!(words.contains(wanted), "{wanted}");
+    }
+    for resource in resources(&html) {
+        assert!(resource.starts_with('#'), "{resource}");
+        assert!(html.contains(&format!("id=\"{}\"", &resource[1..])), "{resource} leads nowhere");
     }
 }
 
@@ -69,4 +133,88 @@ fn the_verdict_has_figures_of_its_map_and_of_the_windows_that_share_the_load() {
     (verdict.map, verdict.area_as_one) = (None, None);
     let shown = caption(&run);
     assert!(!shown.contains("Probability of vibration over two inputs") && !shown.contains("acts as one"));
+}
+
+#[test]
+fn the_areas_of_the_margin_are_the_probabilities() {
+    for (probability, low, high) in [(0.64, -0.0064, 0.0036), (0.25, -0.01, 0.03), (0.03, -0.0003, 0.0097)] {
+        let html = sampled(probability, low, high);
+        assert!((vibrating(&html) - probability).abs() < 0.002, "{} for {probability}", vibrating(&html));
+        // The colours change at the damping ratio.
+        let mark = html.split("<line class=\"mark\" x1=\"").nth(1).unwrap().split('"').next().unwrap();
+        let first = outline(&html, "vibrates")[0].0;
+        assert!((mark.parse::<f64>().unwrap() - first).abs() < 0.1, "{mark} and {first}");
+        assert!(html.contains("A machine vibrates if its limit lies above its damping ratio."));
+    }
+    let html = sampled(0.64, -0.0064, 0.0036);
+    assert!(html.contains(">quiet 36 %<") && html.contains(">vibrates 64 %<"));
+    // Without samples the quantiles of the margin are drawn; here the damping ratio is uncertain.
+    let html = page(example::verdict::verdict());
+    assert!((vibrating(&html) - 0.64).abs() < 0.002, "{}", vibrating(&html));
+    assert!(html.contains("the central damping ratio minus the margin"));
+    let svg = html.split("<svg class=\"margin\"").nth(1).unwrap().split("</svg>").next().unwrap();
+    assert!(elements(&format!("<svg{svg}</svg>")) > 8 && svg.contains("aria-label=\"Distribution of the limit"));
+}
+
+#[test]
+fn with_fluctuating_friction_the_sign_of_the_margin_does_not_decide() {
+    // A third of the margins is negative, but half of the machines vibrate.
+    let html = sampled(0.5, -0.01, 0.02);
+    assert!((vibrating(&html) - 0.5).abs() < 0.002, "{}", vibrating(&html));
+    assert!(html.contains("Friction fluctuates, so machines near the limit"));
+    let mut verdict = VerdictResult { remedies: Vec::new(), ..example::verdict::verdict() };
+    // The 5 % quantile of the margin is −0.008.
+    assert!(
+        plain(&page(verdict.clone()))
+            .contains("Raise the damping ratio from 0.0155 to 0.0235: vibration is then 5 % probable.")
+    );
+    (verdict.probability, verdict.probability_interval) = (0.3, [0.29, 0.31]);
+    assert!(plain(&page(verdict)).contains("the margin alone does not tell how much damping is needed"));
+}
+
+#[test]
+fn exact_values_are_two_marks_on_an_axis() {
+    let verdict = VerdictResult {
+        evaluations: 1,
+        probability: 1.0,
+        drivers: Vec::new(),
+        remedies: Vec::new(),
+        ..example::verdict::verdict()
+    };
+    let html = page(verdict);
+    let words = plain(&html);
+    for wanted in [
+        "The machine vibrates (stick–slip), once started from standstill.",
+        "Steady sliding stays quiet, unless a kick of 13 mm/s starts it.",
+        "the machine has 0.0155",
+        "the limit is 0.018",
+        "A damping ratio above 0.018 instead of 0.0155.",
+    ] {
+        assert!(words.contains(wanted), "{wanted}");
+    }
+    let marks: Vec<f64> = html
+        .split("<line class=\"mark")
+        .skip(1)
+        .map(|mark| mark.split("x1=\"").nth(1).unwrap())
+        .map(|mark| mark.split('"').next().unwrap().parse().unwrap())
+        .collect();
+    assert!(marks.len() == 2 && marks[0] < marks[1], "{marks:?}");
+}
+
+#[test]
+fn names_and_values_of_inputs_are_escaped() {
+    const EVIL: &str = "vibration.\"><script>alert(1)</script>&'";
+    let mut verdict = example::verdict::verdict();
+    verdict.drivers[0].input = EVIL.into();
+    verdict.remedies[0].input = EVIL.into();
+    verdict.guesses[0].input = EVIL.into();
+    for kind in [InputKind::Measured, InputKind::Stated, InputKind::Uncertain, InputKind::Unknown, InputKind::Default] {
+        let value = InputValue::Name(EVIL.into());
+        verdict.rests_on.push(RestsOn { input: EVIL.into(), value, unit: EVIL.into(), kind });
+    }
+    let mut run = full_run();
+    run.results.verdict = Some(verdict);
+    let html = render(&run).unwrap().html;
+    assert!(!html.contains("<script"));
+    assert!(html.matches("&lt;script&gt;").count() >= 10);
 }

@@ -1,8 +1,9 @@
 //! An invented verdict.
 
 use asperity_results::{
-    AreaAsOne, Driver, ErrorSource, Guess, KindResult, LearntFriction, MarginQuantile, ModelResult, NominalMachine,
-    ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, VerdictResult, VibratingMachines,
+    AreaAsOne, Driver, ErrorSource, Guess, InputKind, InputValue, KindResult, LearntFriction, MarginQuantile,
+    ModelResult, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn, VerdictResult,
+    VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -27,6 +28,12 @@ pub(crate) fn verdict() -> VerdictResult {
         friction_std,
         probability,
         probability_interval: [probability - 0.05, probability + 0.05],
+    };
+    let number = |input: &str, value: f64, unit: &str, kind: InputKind| RestsOn {
+        input: input.into(),
+        value: InputValue::Number(value),
+        unit: unit.into(),
+        kind,
     };
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
@@ -61,9 +68,9 @@ pub(crate) fn verdict() -> VerdictResult {
         },
         if_vibrating: Some(VibratingMachines {
             kinds: [("stick_slip".to_owned(), 0.97), ("slip_cycle".to_owned(), 0.03)].into(),
-            frequency_hz: Quantiles { q05: 298.0, q50: 312.0, q95: 325.0 },
-            velocity_amplitude_m_per_s: Quantiles { q05: 0.031, q50: 0.046, q95: 0.06 },
-            displacement_amplitude_m: Quantiles { q05: 1.6e-5, q50: 2.3e-5, q95: 3.1e-5 },
+            frequency_hz: Some(Quantiles { q05: 298.0, q50: 312.0, q95: 325.0 }),
+            velocity_amplitude_m_per_s: Some(Quantiles { q05: 0.031, q50: 0.046, q95: 0.06 }),
+            displacement_amplitude_m: Some(Quantiles { q05: 1.6e-5, q50: 2.3e-5, q95: 3.1e-5 }),
         }),
         margin_quantiles: vec![
             MarginQuantile { probability: 0.05, damping_margin: -0.008 },
@@ -96,5 +103,18 @@ pub(crate) fn verdict() -> VerdictResult {
         }),
         area_as_one: Some(vec![row(1.0, 0.02, 0.3), row(100.0, 0.002, 0.6), row(18_500.0, 0.0002, 0.64)]),
         assumptions: vec!["The verdict takes the statistics of the scan as exact.".into()],
+        rests_on: vec![
+            number("surface.file", 3.0, "", InputKind::Measured),
+            number("material.shear_strength", 4e7, "Pa", InputKind::Unknown),
+            number("vibration.normal_force", 2e3, "N", InputKind::Stated),
+            number("vibration.damping_ratio", 0.0155, "", InputKind::Uncertain),
+            number("vibration.stribeck", 4.2, "", InputKind::Default),
+            RestsOn {
+                input: "vibration.velocity_law".into(),
+                value: InputValue::Name("stribeck".into()),
+                unit: String::new(),
+                kind: InputKind::Default,
+            },
+        ],
     }
 }

@@ -34,7 +34,12 @@ impl StudyFile {
     /// # Errors
     /// A key, type or unit is wrong.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        uncertain::read(text, file)
+        let study = uncertain::read(text, file)?;
+        let written = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+        study.with_defaults_of(&written).map_err(|message| {
+            let line = line_of_key(text, "", "defaults");
+            StudyFileError { file: file.into(), line, message }
+        })
     }
 }
 

@@ -9,6 +9,7 @@ pub(super) mod map;
 mod plastic;
 pub(super) mod remedies;
 pub(super) mod responses;
+mod rests_on;
 pub(super) mod sampled;
 pub(super) mod scan;
 mod vibrating;
@@ -202,6 +203,7 @@ pub(super) fn run(
         if_vibrating: vibrating_machines(&machines, &sampled, monitor)?,
         margin_quantiles: margin_quantiles.to_vec(),
         remedies: remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?,
+        rests_on: rests_on::rests_on(whole, study, window, fluctuates),
         ..VerdictResult::default()
     };
     output.tables.push((VERDICT_SAMPLES, samples_table(&machines, &sampled, monitor)?));

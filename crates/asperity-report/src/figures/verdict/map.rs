@@ -6,7 +6,7 @@ use super::CaptionedFigure;
 use crate::figures::present;
 use crate::figures::vibration::outlined;
 use crate::figures::vibration::stability_map::{lines, with_colour_bar};
-use crate::page::{dimension, percent, words};
+use crate::page::{dimension, named, percent};
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
 use crate::{ReportError, Run};
 
@@ -63,7 +63,7 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
 }
 
 fn axis(axis: &ProbabilityMapAxis, ends: (f64, f64)) -> Axis {
-    let mut label = words(&axis.input);
+    let mut label = named(&axis.input);
     if let Some(first) = label.get(..1) {
         label = format!("{}{}, central value", first.to_uppercase(), &label[1..]);
     }

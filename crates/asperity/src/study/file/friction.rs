@@ -76,7 +76,7 @@ pub struct FrictionSection {
     #[serde(default, skip_serializing_if = "is_default")]
     pub window_shape: WindowShape,
     /// Friction law. Its τ_max is `shear_strength` of `[material]`.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default)]
     pub law: WindowLawKind,
     /// Coefficient α of the pressure-dependent law.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,0 +1,76 @@
+//! The card of the values that decide the verdict.
+
+use asperity_results::{Driver, VerdictResult};
+
+use super::unbroken;
+use super::words::named;
+use crate::format::significant;
+use crate::markup::{Html, html};
+use crate::verdict::is_exact;
+
+/// Number of values on the card.
+const SHOWN: usize = 3;
+/// Fraction below which no single measurement narrows the margin.
+const LITTLE: f64 = 0.01;
+
+/// Returns a fraction of the variance of the margin: the Shapley effect if values depend on each other, or the total index.
+fn fraction(driver: &Driver) -> f64 {
+    driver.shapley.unwrap_or(driver.total).clamp(0.0, 1.0)
+}
+
+/// Formats a fraction as a percentage.
+fn percent(fraction: f64) -> String {
+    unbroken(&format!("{} %", significant(100.0 * fraction, if fraction < 0.01 { 1 } else { 2 })))
+}
+
+/// Returns the three largest drivers as bars, and the value to measure next.
+pub(super) fn card(verdict: &VerdictResult) -> Html {
+    let mut drivers: Vec<&Driver> = verdict.drivers.iter().collect();
+    if drivers.is_empty() {
+        let reason = if is_exact(verdict) {
+            "No value is uncertain. State how well you know damping, friction and load, for example damping_ratio = \"0.03 ± 0.005\", \
+             to see which value decides."
+        } else {
+            "The margin does not follow the uncertain values closely enough to rank them."
+        };
+        return html!("<p>{}</p>\n", reason);
+    }
+    drivers.sort_by(|a, b| fraction(b).total_cmp(&fraction(a)));
+    let bars = drivers.iter().take(SHOWN).map(|driver| {
+        html!(
+            "<li><span>{}</span><span class=\"track\"><span class=\"bar\" style=\"width:{}%\"></span></span><span>{}</span></li>\n",
+            named(&driver.input),
+            format!("{:.1}", 100.0 * fraction(driver)),
+            percent(fraction(driver)),
+        )
+    });
+    let measure = if drivers.iter().any(|driver| driver.shapley.is_some()) {
+        "Shapley effects"
+    } else {
+        "Total Sobol’ indices"
+    };
+    let others = match drivers.len() {
+        count if count > SHOWN => format!("; {} more below", count - SHOWN),
+        _ => String::new(),
+    };
+    html!(
+        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, damping ratio − limit: fractions of its variance{}.</p>\n",
+        bars.collect::<Html>(),
+        next(&drivers),
+        measure,
+        others,
+    )
+}
+
+/// Returns the value whose measurement narrows the margin most.
+fn next(drivers: &[&Driver]) -> Html {
+    let reduction = |driver: &&&Driver| driver.range_reduction.unwrap_or(0.0);
+    match drivers.iter().max_by(|a, b| reduction(a).total_cmp(&reduction(b))) {
+        Some(driver) if reduction(&driver) >= LITTLE => html!(
+            "Measure the <strong>{}</strong> next: the margin’s range would shrink by {}.",
+            named(&driver.input),
+            percent(reduction(&driver)),
+        ),
+        _ => html!("No single measurement would narrow the margin."),
+    }
+}

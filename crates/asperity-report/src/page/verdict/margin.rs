@@ -1,0 +1,329 @@
+//! The margin as a picture: the limit of the damping ratio over the uncertain values, and the damping ratio of the machine.
+
+use asperity_results::{ModelResult, VerdictResult};
+
+use crate::Run;
+use crate::format::{Unit, significant};
+use crate::markup::{Html, html};
+use crate::page::verdict::unbroken;
+use crate::plot::Axis;
+use crate::verdict::{is_exact, percent};
+
+/// Table of the sampled machines.
+const SAMPLES: &str = "verdict_samples";
+/// Number of values that represent the quantiles of the margin if there are no samples.
+const VALUES: usize = 2000;
+/// Number of cells over the drawn range.
+const CELLS: f64 = 44.0;
+/// Fraction of the machines at either end that are drawn in the outermost cell.
+const TAIL: f64 = 0.002;
+/// Standard errors by which the fraction of negative margins may differ from the probability.
+const STANDARD_ERRORS: f64 = 4.0;
+/// Size of the picture, and the range of the drawing in it.
+const WIDTH: f64 = 600.0;
+const HEIGHT: f64 = 216.0;
+const LEFT: f64 = 16.0;
+const RIGHT: f64 = 584.0;
+const TOP: f64 = 62.0;
+const BASE: f64 = 164.0;
+/// Rows of the texts above the drawing.
+const UPPER: f64 = 22.0;
+const LOWER: f64 = 50.0;
+
+/// Limits of the damping ratio, moved such that a machine vibrates if its limit exceeds the central damping ratio: ζ_c − M for the
+/// central damping ratio ζ_c and the margin M.
+pub(super) struct Limits {
+    /// Central damping ratio ζ_c.
+    central: f64,
+    /// Limits in ascending order; empty without samples and quantiles.
+    sorted: Vec<f64>,
+    /// Limit that separates quiet machines from those that vibrate.
+    split: f64,
+    /// Number of sampled machines; 0 if the limits represent quantiles.
+    samples: usize,
+    /// Whether the damping ratio itself is uncertain.
+    uncertain_damping: bool,
+    /// Whether the machine has two coupled modes: the margin μ_c − μ is one of friction. The central critical coefficient μ_c takes the
+    /// place of the central damping ratio.
+    coupled: bool,
+}
+
+/// Part of the range of limits with the fraction of the machines in it.
+struct Cell {
+    low: f64,
+    high: f64,
+    fraction: f64,
+}
+
+impl Limits {
+    pub(super) fn new(run: &Run, verdict: &VerdictResult) -> Self {
+        let coupled = verdict.model == ModelResult::ModeCoupling;
+        let central = match &run.results.mode_coupling {
+            Some(result) if coupled => result.friction + verdict.nominal.damping_margin,
+            _ => verdict.nominal.limit_damping_ratio.unwrap_or(0.0) + verdict.nominal.damping_margin,
+        };
+        let table = run.tables.get(SAMPLES);
+        let sampled = table.and_then(|table| table.column("damping_margin"));
+        let sampled: Option<Vec<f64>> =
+            sampled.map(|column| column.iter().copied().filter(|m| m.is_finite()).collect());
+        let samples = sampled.as_ref().map_or(0, Vec::len);
+        let margins = sampled.unwrap_or_else(|| from_quantiles(verdict));
+        let mut sorted: Vec<f64> = margins.iter().map(|margin| central - margin).collect();
+        sorted.sort_by(f64::total_cmp);
+        let name = "vibration.damping_ratio";
+        let uncertain_damping = match table {
+            Some(table) => table.column(name).is_some(),
+            None => verdict.drivers.iter().any(|driver| driver.input == name),
+        };
+        let mut limits = Self { central, sorted, split: central, samples, uncertain_damping, coupled };
+        let n = limits.sorted.len();
+        if n > 0 && !limits.agrees_with(verdict) {
+            // As many limits exceed the split as machines vibrate.
+            let quiet = ((1.0 - verdict.probability) * n as f64).round() as usize;
+            limits.split = match quiet {
+                0 => limits.sorted[0],
+                quiet if quiet == n => limits.sorted[n - 1],
+                quiet => 0.5 * (limits.sorted[quiet - 1] + limits.sorted[quiet]),
+            };
+        }
+        limits
+    }
+
+    /// Returns the title of the picture.
+    pub(super) fn title(&self) -> &'static str {
+        if self.coupled {
+            "Friction: what the machine has and what it bears"
+        } else {
+            "Damping: what the machine has and what it needs"
+        }
+    }
+
+    /// Returns the central damping ratio.
+    pub(super) fn damping_ratio(&self) -> f64 {
+        self.central
+    }
+
+    /// Returns whether the sign of the margin decides if a machine vibrates; with fluctuating friction it may not.
+    pub(super) fn sign_decides(&self) -> bool {
+        self.split == self.central
+    }
+
+    /// Returns whether the fraction of limits above the damping ratio is the probability, within the errors of both.
+    fn agrees_with(&self, verdict: &VerdictResult) -> bool {
+        let (n, p) = (self.sorted.len() as f64, verdict.probability);
+        let fraction = self.sorted.iter().filter(|limit| **limit > self.central).count() as f64 / n;
+        let [low, high] = verdict.probability_interval;
+        // Quantiles are joined by straight lines, whose error exceeds the one of samples.
+        let coarse = if self.samples == 0 { 0.05 } else { 0.0 };
+        let variance = (p * (1.0 - p)).max(1.0 / n);
+        (fraction - p).abs() <= STANDARD_ERRORS * (variance / n).sqrt() + 0.5 * (high - low) + coarse
+    }
+
+    /// Returns the range of the picture: of all limits but the tails, with the damping ratio and the split.
+    fn range(&self) -> (f64, f64) {
+        let last = self.sorted.len() - 1;
+        let tail = (TAIL * last as f64).round() as usize;
+        let low = self.sorted[tail].min(self.central).min(self.split);
+        let high = self.sorted[last - tail].max(self.central).max(self.split);
+        let margin = if high > low { 0.02 * (high - low) } else { 0.1 * high.abs().max(1e-6) };
+        (low - margin, high + margin)
+    }
+
+    /// Returns the cells on both sides of the split: quiet machines, whose fractions sum to 1 − P, and machines that vibrate.
+    fn cells(&self, probability: f64, (low, high): (f64, f64)) -> [Vec<Cell>; 2] {
+        let width = (high - low) / CELLS;
+        let side = |low: f64, high: f64, limits: &[f64], total: f64| {
+            let count = ((high - low) / width).ceil().max(1.0) as usize;
+            let edge = |place: usize| low + (high - low) * place as f64 / count as f64;
+            let mut cells: Vec<Cell> =
+                (0..count).map(|place| Cell { low: edge(place), high: edge(place + 1), fraction: 0.0 }).collect();
+            for limit in limits {
+                let place = ((limit - low) / (high - low) * count as f64).clamp(0.0, count as f64 - 1.0);
+                cells[place as usize].fraction += total / limits.len() as f64;
+            }
+            cells
+        };
+        let first = self.sorted.partition_point(|limit| *limit <= self.split);
+        let (quiet, vibrating) = self.sorted.split_at(first);
+        [side(low, self.split, quiet, 1.0 - probability), side(self.split, high, vibrating, probability)]
+    }
+
+    /// Draws the picture with its caption.
+    pub(super) fn picture(&self, verdict: &VerdictResult) -> Html {
+        if is_exact(verdict) || self.sorted.is_empty() {
+            return self.marks(verdict);
+        }
+        let range = self.range();
+        let drawn = if self.coupled { "friction coefficient" } else { "limit of the damping ratio" };
+        let axis = Axis::linear(drawn, Unit::none(), range);
+        let [quiet, vibrating] = self.cells(verdict.probability, range);
+        let density = |cell: &Cell| cell.fraction / (cell.high - cell.low);
+        let highest = quiet.iter().chain(&vibrating).map(density).fold(0.0, f64::max);
+        let x = |limit: f64| LEFT + (RIGHT - LEFT) * (limit - range.0) / (range.1 - range.0);
+        let outline = |cells: &[Cell]| {
+            let y = |cell: &Cell| BASE - (BASE - TOP) * density(cell) / highest;
+            let steps =
+                cells.iter().map(|cell| format!("L{0:.2} {2:.2}L{1:.2} {2:.2}", x(cell.low), x(cell.high), y(cell)));
+            let ends = (cells.first().map_or(LEFT, |cell| x(cell.low)), cells.last().map_or(LEFT, |cell| x(cell.high)));
+            format!("M{:.2} {BASE}{}L{:.2} {BASE}Z", ends.0, steps.collect::<String>(), ends.1)
+        };
+        let shares = [1.0 - verdict.probability, verdict.probability].map(|share| unbroken(&percent(share)));
+        let marked = if self.coupled { "critical coefficient" } else { "damping ratio" };
+        let label = format!(
+            "Distribution of the {drawn}: {} of the machines stay quiet, {} vibrate; the {marked} is {}",
+            shares[0],
+            shares[1],
+            significant(self.central, 3)
+        );
+        let areas = html!(
+            "<path class=\"area quiet\" d=\"{}\"/>\n<path class=\"area vibrates\" d=\"{}\"/>\n\
+             <text class=\"quiet\" x=\"16\" y=\"22\">quiet {}</text>\n\
+             <text class=\"vibrates\" x=\"584\" y=\"22\" text-anchor=\"end\">vibrates {}</text>\n",
+            outline(&quiet),
+            outline(&vibrating),
+            &shares[0],
+            &shares[1],
+        );
+        let damping = mark(x(self.central), "", &format!("{marked} {}", significant(self.central, 3)), LOWER);
+        picture(&label, &[areas, damping, scale(&axis)].into_iter().collect(), &self.caption(verdict))
+    }
+
+    /// Draws the damping ratio and its limit for exact values.
+    fn marks(&self, verdict: &VerdictResult) -> Html {
+        if self.coupled {
+            return self.coupled_marks(verdict);
+        }
+        let (damping, limit) = (self.central, verdict.nominal.limit_damping_ratio.unwrap_or(0.0));
+        // The text beside the larger of both has room on its right.
+        let high = 2.0 * damping.max(limit).max(f64::MIN_POSITIVE);
+        let axis = Axis::linear("damping ratio ζ", Unit::none(), (0.0, high));
+        let x = |ratio: f64| LEFT + (RIGHT - LEFT) * (ratio / high).clamp(0.0, 1.0);
+        let texts = [significant(damping, 3), significant(limit, 3)];
+        let label = format!("The damping ratio is {}, its limit {}", texts[0], texts[1]);
+        let ranges = html!(
+            "<path class=\"area vibrates\" d=\"M{0} {2}H{1}V{3}H{0}Z\"/>\n<path class=\"area quiet\" d=\"M{1} {2}H{4}V{3}H{1}Z\"/>\n",
+            format!("{LEFT}"),
+            format!("{:.2}", x(limit)),
+            format!("{}", BASE - 40.0),
+            format!("{BASE}"),
+            format!("{RIGHT}"),
+        );
+        // The line of the smaller one starts in the upper row, to the left of the text in the lower row.
+        let (upper, lower) = if damping < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
+        let marks = [
+            ranges,
+            mark(x(damping), "", &format!("the machine has {}", texts[0]), upper),
+            mark(x(limit), " limit", &format!("the limit is {}", texts[1]), lower),
+            scale(&axis),
+        ];
+        let caption = "Below the limit the machine vibrates once started from standstill; above it, it stays quiet.";
+        picture(&label, &marks.into_iter().collect(), caption)
+    }
+
+    /// Draws the friction coefficient and the critical one for exact values.
+    fn coupled_marks(&self, verdict: &VerdictResult) -> Html {
+        let (critical, friction) = (self.central, self.central - verdict.nominal.damping_margin);
+        let high = 1.5 * friction.max(critical).max(f64::MIN_POSITIVE);
+        let axis = Axis::linear("friction coefficient", Unit::none(), (0.0, high));
+        let x = |coefficient: f64| LEFT + (RIGHT - LEFT) * (coefficient / high).clamp(0.0, 1.0);
+        let texts = [significant(friction, 3), significant(critical, 3)];
+        let label = format!("The friction coefficient is {}, the critical one {}", texts[0], texts[1]);
+        let (upper, lower) = if friction < critical { (UPPER, LOWER) } else { (LOWER, UPPER) };
+        let marks = [
+            mark(x(friction), "", &format!("the machine has {}", texts[0]), upper),
+            mark(x(critical), " limit", &format!("critical is {}", texts[1]), lower),
+            scale(&axis),
+        ];
+        let caption = "Above the critical coefficient steady sliding is unstable and the machine flutters.";
+        picture(&label, &marks.into_iter().collect(), caption)
+    }
+
+    fn caption(&self, verdict: &VerdictResult) -> String {
+        let drawn = if self.coupled {
+            "A machine flutters if its friction coefficient lies above the critical one. Drawn is the critical coefficient of central values \
+             minus the margin of each machine, so that the areas are the probabilities."
+        } else if self.uncertain_damping {
+            "The damping is uncertain, too: drawn is the central damping ratio minus the margin, damping ratio − limit, of each machine, \
+             so that the areas are the probabilities."
+        } else {
+            "A machine vibrates if its limit lies above its damping ratio."
+        };
+        let fluctuates = if self.sign_decides() {
+            ""
+        } else {
+            " Friction fluctuates, so machines near the limit vibrate for a part of the time; the colours change where as many machines \
+             lie above as count as vibrating."
+        };
+        let of = match self.samples {
+            0 => "From the quantiles of the margin.".to_owned(),
+            count if count < 1000 => format!("{count} sampled machines."),
+            count => format!("{},{:03} sampled machines.", count / 1000, count % 1000),
+        };
+        let fewer = if verdict.probability > 0.0 && self.sorted.last().is_some_and(|limit| *limit <= self.split) {
+            " None of them vibrates: the small probability has its own samples."
+        } else {
+            ""
+        };
+        format!("{drawn}{fluctuates} {of}{fewer}")
+    }
+}
+
+/// Returns margins that represent the quantiles, between which the distribution function is linear.
+fn from_quantiles(verdict: &VerdictResult) -> Vec<f64> {
+    let mut known: Vec<(f64, f64)> =
+        verdict.margin_quantiles.iter().map(|quantile| (quantile.probability, quantile.damping_margin)).collect();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if known.len() < 2 {
+        return Vec::new();
+    }
+    let at = |probability: f64| {
+        let place = known.partition_point(|(known, _)| *known < probability).clamp(1, known.len() - 1);
+        let ((p0, m0), (p1, m1)) = (known[place - 1], known[place]);
+        m0 + (m1 - m0) * (probability - p0) / (p1 - p0)
+    };
+    (0..VALUES).map(|index| at((index as f64 + 0.5) / VALUES as f64)).filter(|margin| margin.is_finite()).collect()
+}
+
+/// Draws a vertical line with a text beside its upper end.
+fn mark(x: f64, class: &str, text: &str, y: f64) -> Html {
+    let (anchor, beside) = if x < 0.58 * WIDTH { ("start", x + 6.0) } else { ("end", x - 6.0) };
+    html!(
+        "<line class=\"mark{}\" x1=\"{2}\" x2=\"{2}\" y1=\"{3}\" y2=\"{4}\"/>\n<text class=\"mark{0}\" x=\"{5}\" y=\"{6}\" \
+         text-anchor=\"{1}\">{7}</text>\n",
+        class,
+        anchor,
+        format!("{x:.1}"),
+        format!("{}", y - 14.0),
+        format!("{}", BASE + 6.0),
+        format!("{beside:.1}"),
+        format!("{y}"),
+        text,
+    )
+}
+
+/// Draws the axis with its ticks.
+fn scale(axis: &Axis) -> Html {
+    let ticks =
+        axis.ticks(3).into_iter().filter(|tick| !tick.label.is_empty() && (0.04..=0.96).contains(&tick.position));
+    let ticks = ticks.map(|tick| {
+        let x = LEFT + (RIGHT - LEFT) * tick.position;
+        html!("<text x=\"{}\" y=\"186\" text-anchor=\"middle\">{}</text>\n", format!("{x:.1}"), tick.label)
+    });
+    html!(
+        "<line class=\"axis\" x1=\"16\" x2=\"584\" y1=\"{0}\" y2=\"{0}\"/>\n{1}<text x=\"300\" y=\"210\" text-anchor=\"middle\">{2}</text>\n",
+        format!("{BASE}"),
+        ticks.collect::<Html>(),
+        axis.label(),
+    )
+}
+
+fn picture(label: &str, content: &Html, caption: &str) -> Html {
+    html!(
+        "<svg class=\"margin\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n{}</svg>\n<p class=\"note\">{}</p>\n",
+        format!("{WIDTH}"),
+        format!("{HEIGHT}"),
+        label,
+        content,
+        caption,
+    )
+}

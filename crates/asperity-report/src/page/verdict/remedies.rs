@@ -1,0 +1,135 @@
+//! The card of the changes that make vibration improbable.
+
+use asperity_results::{ModelResult, Reach, Remedy, VerdictResult};
+
+use super::margin::Limits;
+use super::words::{dimension, named};
+use super::{SOURCE, unbroken};
+use crate::format::significant;
+use crate::markup::{Html, html};
+use crate::page::cells::{DASH, plain, shown};
+use crate::verdict::{is_exact, percent};
+
+/// Probability that the damping ratio is given for if the study states no remedies.
+const TARGET: f64 = 0.05;
+
+/// Returns one change in a sentence and the table of all of them.
+pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
+    let Some(first) = verdict.remedies.first() else { return unstated(verdict, limits) };
+    let headers = first.reach.iter().map(|reach| html!("<th scope=\"col\">for {}</th>", target(reach.probability)));
+    html!(
+        "<p>{}</p>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
+         <th scope=\"col\">friction left</th></tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n\
+         <p class=\"note\">Brackets are 95 % intervals of the computation. Source: <code>{}</code></p>\n",
+        sentence(verdict),
+        headers.collect::<Html>(),
+        verdict.remedies.iter().map(row).collect::<Html>(),
+        SOURCE,
+    )
+}
+
+fn target(probability: f64) -> String {
+    unbroken(&format!("{} %", significant(100.0 * probability, 2)))
+}
+
+/// Returns the smallest relative change that reaches the first target.
+fn sentence(verdict: &VerdictResult) -> Html {
+    let Some(wanted) = verdict.remedies.iter().find_map(|remedy| Some(remedy.reach.first()?.probability)) else {
+        return Html::default();
+    };
+    if verdict.probability <= wanted {
+        let text = format!("Nothing needs to change: vibration is at most {} probable.", target(wanted));
+        return html!("{}", text);
+    }
+    let found = verdict.remedies.iter().filter_map(|remedy| Some((remedy, remedy.reach.first()?)));
+    let size = |(remedy, reach): &(&Remedy, &Reach)| reach.value.map(|value| (value / remedy.now).ln().abs());
+    let reached = found.filter_map(|change| Some((size(&change)?, change)));
+    let Some((_, (remedy, reach))) = reached.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return html!("{}", format!("No stated change reaches {} within its range.", target(wanted)));
+    };
+    let dimension = dimension(&remedy.unit);
+    let verb = if reach.value.is_some_and(|value| value > remedy.now) { "Raise" } else { "Lower" };
+    let friction = match (remedy.friction_coefficient_now, reach.friction_coefficient) {
+        (Some(now), Some(left)) if (left / now - 1.0).abs() > 0.005 => {
+            format!(" The friction coefficient goes from {} to {}.", significant(now, 3), significant(left, 3))
+        }
+        _ => String::new(),
+    };
+    html!(
+        "{} the <strong>{}</strong> from {} to <strong>{}</strong>: vibration is then {} probable.{}",
+        verb,
+        named(&remedy.input),
+        shown(dimension, remedy.now, None),
+        reach.value.map_or_else(|| DASH.into(), |value| dimension.show_short(value)),
+        target(wanted),
+        friction,
+    )
+}
+
+fn row(remedy: &Remedy) -> Html {
+    let dimension = dimension(&remedy.unit);
+    let cells = remedy.reach.iter().map(|reach| match reach.value {
+        Some(value) => html!("<td>{}</td>", shown(dimension, value, reach.value_interval)),
+        None => html!("<td>not in the range</td>"),
+    });
+    let left = remedy.reach.iter().find_map(|reach| reach.friction_coefficient).or(remedy.friction_coefficient_now);
+    html!(
+        "<tr><th scope=\"row\">{}</th><td>{}</td>{}<td>{}</td></tr>\n",
+        named(&remedy.input),
+        shown(dimension, remedy.now, None),
+        cells.collect::<Html>(),
+        plain(left, 3),
+    )
+}
+
+/// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.
+fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
+    const STATE: &str = "State remedies in [verdict] to compute changes of any value, with their intervals.";
+    if verdict.model == ModelResult::ModeCoupling {
+        let limit = verdict.nominal.limit_damping_ratio.filter(|_| verdict.nominal.vibrates);
+        let sentence = limit.map_or_else(String::new, |limit| {
+            format!(
+                "With central values, a damping ratio above {} keeps steady sliding stable. ",
+                significant(limit, 3)
+            )
+        });
+        return html!("<p>{}{}</p>\n", sentence, STATE);
+    }
+    let needed = if is_exact(verdict) {
+        verdict.nominal.limit_damping_ratio
+    } else if limits.sign_decides() {
+        let quantile = verdict.margin_quantiles.iter().find(|quantile| quantile.probability == TARGET);
+        quantile.map(|quantile| limits.damping_ratio() - quantile.damping_margin)
+    } else {
+        None
+    };
+    let Some(needed) = needed else {
+        return html!(
+            "<p>Friction fluctuates, so the margin alone does not tell how much damping is needed. {}</p>\n",
+            STATE
+        );
+    };
+    let [now, needed_text] = [limits.damping_ratio(), needed].map(|ratio| significant(ratio, 3));
+    if is_exact(verdict) {
+        let sentence = if verdict.nominal.vibrates {
+            format!("A damping ratio above {needed_text} instead of {now}.")
+        } else {
+            format!("Nothing needs to change. The damping ratio may fall from {now} to {needed_text}.")
+        };
+        return html!("<p>{}</p>\n<p class=\"note\">{}</p>\n", sentence, STATE);
+    }
+    let how = "Read from the margin’s 5 % quantile: the central damping ratio shifts and its uncertainty stays.";
+    if needed <= limits.damping_ratio() {
+        let sentence = format!("Nothing needs to change: vibration is {} probable.", percent(verdict.probability));
+        return html!("<p>{}</p>\n<p class=\"note\">{}</p>\n", unbroken(&sentence), STATE);
+    }
+    html!(
+        "<p>Raise the <strong>damping ratio</strong> from {} to <strong>{}</strong>: vibration is then {} probable.</p>\n\
+         <p class=\"note\">{} {}</p>\n",
+        now,
+        needed_text,
+        target(TARGET),
+        unbroken(how),
+        STATE,
+    )
+}

@@ -1,0 +1,84 @@
+//! The card of the inputs of the verdict, by origin.
+
+use asperity_results::{InputKind, InputValue, RestsOn};
+
+use super::SOURCE;
+use super::words::{dimension, named};
+use crate::markup::{Html, html};
+use crate::page::{DataTable, in_words};
+
+/// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
+pub(super) fn card(inputs: &[RestsOn]) -> Html {
+    const MACHINE: &str =
+        "One mass with falling friction: stick–slip, groan and judder. Squeal by mode coupling is another machine.";
+    let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
+    let names = |kind: InputKind| of(kind).map(|input| named(&input.input)).collect::<Vec<_>>().join(", ");
+    let chip = |class: &str, text: String| html!("<li class=\"chip {}\">{}</li>\n", class, text);
+    let mut chips: Vec<Html> = of(InputKind::Measured).map(|input| chip("measured", scans(input))).collect();
+    if of(InputKind::Stated).next().is_some() {
+        chips.push(chip("stated", format!("stated: {}", names(InputKind::Stated))));
+    }
+    for (kind, class, word) in
+        [(InputKind::Uncertain, "uncertain", "uncertain"), (InputKind::Unknown, "guessed", "unknown")]
+    {
+        chips.extend(of(kind).map(|input| chip(class, format!("{} {}: {word}", named(&input.input), value(input)))));
+    }
+    chips.extend(of(InputKind::Default).map(|input| chip("guessed", default(input))));
+    if chips.is_empty() {
+        return html!(
+            "<p>The results of an earlier version do not list the inputs.</p>\n<p class=\"note\">{}</p>\n",
+            MACHINE
+        );
+    }
+    html!("<ul class=\"chips\">\n{}</ul>\n<p class=\"note\">{}</p>\n", chips.into_iter().collect::<Html>(), MACHINE)
+}
+
+/// Returns the number of scans of a body.
+fn scans(input: &RestsOn) -> String {
+    match input.value {
+        InputValue::Number(1.0) => format!("{}: 1 scan", named(&input.input)),
+        InputValue::Number(count) => format!("{}: {count} scans", named(&input.input)),
+        InputValue::Name(_) => named(&input.input),
+    }
+}
+
+/// Formats the value of an input.
+fn value(input: &RestsOn) -> String {
+    match &input.value {
+        InputValue::Number(number) => dimension(&input.unit).show(*number),
+        InputValue::Name(name) => match name.as_str() {
+            "stribeck" => "Stribeck".into(),
+            "bowden_tabor" => "Bowden–Tabor".into(),
+            other => in_words(other),
+        },
+    }
+}
+
+/// Returns a default value with its origin: the paper, or asperity.
+fn default(input: &RestsOn) -> String {
+    let name = named(&input.input);
+    let origin = match input.input.as_str() {
+        "material.hardness" => return "hardness: none, contact is elastic".into(),
+        "vibration.stribeck" => "the paper’s value, not measured",
+        "vibration.velocity_law" | "friction.law" => "the paper’s",
+        "vibration.kinetic_share" => "the paper’s value",
+        _ => "asperity’s default",
+    };
+    format!("{name} {}: {origin}", value(input))
+}
+
+/// Returns all inputs with their values.
+pub(super) fn table(inputs: &[RestsOn]) -> DataTable {
+    let row = |input: &RestsOn| {
+        let (text, origin) = match input.kind {
+            InputKind::Measured => (scans(input), "measured"),
+            InputKind::Stated => (value(input), "stated"),
+            InputKind::Uncertain => (value(input), "uncertain"),
+            InputKind::Unknown => (value(input), "unknown"),
+            InputKind::Default => (value(input), "default"),
+        };
+        vec![named(&input.input), text, origin.into()]
+    };
+    let caption = "Inputs of the verdict with their central values";
+    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect(), SOURCE)
+}

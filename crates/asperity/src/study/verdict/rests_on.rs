@@ -1,0 +1,259 @@
+//! Inputs of the verdict with their origin: measured, stated, uncertain, unknown, or a default.
+
+use toml::{Table, Value};
+
+use crate::friction::WindowFriction;
+use crate::study::check::VerdictStudy;
+use crate::study::result::{InputKind, InputValue, RestsOn};
+use crate::study::uncertain::Place;
+use crate::study::{Study, StudyFile};
+
+/// Keys of a study file that decide the vibration, in the order of the chain.
+const INPUTS: [(&str, &str); 30] = [
+    ("surface", "rms_height"),
+    ("surface", "correlation_length"),
+    ("surface", "hurst"),
+    ("surface", "smoothness"),
+    ("surface", "fractal_dimension"),
+    ("material", "youngs_modulus"),
+    ("material", "poisson_ratio"),
+    ("material", "hardness"),
+    ("material", "shear_strength"),
+    ("counterface", "youngs_modulus"),
+    ("counterface", "poisson_ratio"),
+    ("counterface", "hardness"),
+    ("friction", "law"),
+    ("friction", "pressure_coefficient"),
+    ("friction", "coefficient"),
+    ("vibration", "static_friction"),
+    ("vibration", "friction_std"),
+    ("vibration", "friction_correlation_length"),
+    ("vibration", "velocity_law"),
+    ("vibration", "stribeck"),
+    ("vibration", "linear_weakening"),
+    ("vibration", "stribeck_velocity"),
+    ("vibration", "high_speed_share"),
+    ("vibration", "kinetic_share"),
+    ("vibration", "damping_ratio"),
+    ("vibration", "mass"),
+    ("vibration", "natural_frequency"),
+    ("vibration", "normal_force"),
+    ("vibration", "nominal_area"),
+    ("vibration", "upscaling"),
+];
+/// The velocity of the belt, which a study states in one of two forms.
+const BELT: [(&str, &str); 2] = [("vibration", "belt_velocity"), ("vibration", "dimensionless_belt_velocity")];
+
+/// Keys among the inputs that a study file may leave out, with their default values.
+fn defaults() -> [(&'static str, &'static str, Value); 6] {
+    [
+        ("material", "poisson_ratio", Value::Float(0.3)),
+        ("friction", "law", "bowden_tabor".into()),
+        ("vibration", "velocity_law", "stribeck".into()),
+        ("vibration", "stribeck", Value::Float(4.2)),
+        ("vibration", "kinetic_share", Value::Float(1.0)),
+        ("vibration", "upscaling", "area".into()),
+    ]
+}
+
+impl StudyFile {
+    /// Records which inputs of the verdict are defaults: those that the file `written` leaves out, and those that it lists as
+    /// `defaults` and that still have the default value.
+    pub(in crate::study) fn with_defaults_of(mut self, written: &Table) -> Result<Self, String> {
+        let known = defaults();
+        let name = |(section, key, _): &(&str, &str, Value)| format!("{section}.{key}");
+        if let Some(other) = self.defaults.iter().find(|listed| !known.iter().any(|default| name(default) == **listed))
+        {
+            let known = known.iter().map(name).collect::<Vec<_>>().join(", ");
+            return Err(format!("defaults: `{other}` has no default that is listed here (known: {known})"));
+        }
+        let is_default = |default: &&(&str, &str, Value)| {
+            let (section, key, value) = *default;
+            let Some(section) = written.get(*section) else { return false };
+            match section.get(key) {
+                None => {
+                    *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
+                }
+                Some(stated) => stated == value && self.defaults.contains(&name(default)),
+            }
+        };
+        self.defaults = known.iter().filter(is_default).map(name).collect();
+        Ok(self)
+    }
+}
+
+/// Returns the inputs of the verdict. `window` is the friction of the machine with all values at their centres.
+pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFriction, fluctuates: bool) -> Vec<RestsOn> {
+    let file = whole.file();
+    let mut inputs = Vec::new();
+    if window.computed {
+        let own = file.surface.as_ref().map_or(0, |surface| surface.files().len());
+        let other = file.counterface.as_ref().map_or(0, |counterface| counterface.files().len());
+        for (name, count) in [("surface.file", own), ("counterface.file", other)] {
+            if count > 0 {
+                inputs.push(entry(name, InputValue::Number(count as f64), "", InputKind::Measured));
+            }
+        }
+    } else if let Some(process) = file.vibration.as_ref().and_then(|vibration| vibration.friction_process.as_ref()) {
+        let name = process.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        inputs.push(entry("vibration.friction_process", InputValue::Name(name), "", InputKind::Stated));
+    }
+    let sheared = file.friction.as_ref().is_some_and(|friction| friction.law.is_sheared());
+    let matters = |section: &str, key: &str| match (section, key) {
+        ("vibration", "upscaling") => fluctuates,
+        ("vibration", "nominal_area") => fluctuates || window.computed,
+        ("vibration", _) => true,
+        ("material", "shear_strength") => window.computed && sheared,
+        _ => window.computed,
+    };
+    for (section, key) in INPUTS.into_iter().chain(BELT).filter(|(section, key)| matters(section, key)) {
+        let name = format!("{section}.{key}");
+        let before = inputs.len();
+        inputs.extend(uncertain(study, &name));
+        if inputs.len() > before {
+            continue;
+        }
+        let kind = if file.defaults.contains(&name) { InputKind::Default } else { InputKind::Stated };
+        match study.central.get(section).and_then(|section| section.get(key)) {
+            Some(Value::Array(list)) => {
+                let isotropic = list.windows(2).all(|pair| pair[0] == pair[1]);
+                let count = if isotropic { 1 } else { list.len() };
+                inputs.extend((0..count).filter_map(|place| number(&format!("{name}[{place}]"), &study.central, kind)));
+            }
+            Some(Value::String(text)) if key == "law" || key == "velocity_law" || key == "upscaling" => {
+                inputs.push(entry(&name, InputValue::Name(text.clone()), "", kind));
+            }
+            Some(_) => inputs.extend(number(&name, &study.central, kind)),
+            None => inputs.extend(left_out(&name, whole)),
+        }
+    }
+    if let Some(replaced) = replaced_stribeck(whole, window) {
+        inputs.retain(|input| input.input != replaced.input);
+        inputs.push(replaced);
+    }
+    inputs
+}
+
+fn entry(name: &str, value: InputValue, unit: &str, kind: InputKind) -> RestsOn {
+    RestsOn { input: name.into(), value, unit: unit.into(), kind }
+}
+
+/// Returns the uncertain values of a key: one, or one for each element of a list.
+fn uncertain<'a>(study: &'a VerdictStudy, name: &'a str) -> impl Iterator<Item = RestsOn> + 'a {
+    let of_key =
+        move |found: &str| found.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
+    study.inputs.inputs().iter().zip(&study.places).filter(move |(input, _)| of_key(input.name())).map(
+        |(input, place)| {
+            let kind = if input.is_unknown() { InputKind::Unknown } else { InputKind::Uncertain };
+            entry(input.name(), InputValue::Number(input.central()), place.key().unit, kind)
+        },
+    )
+}
+
+/// Returns a number or quantity of a study file.
+fn number(name: &str, central: &Table, kind: InputKind) -> Option<RestsOn> {
+    let place = Place::named(name, central)?;
+    Some(entry(name, InputValue::Number(place.value_in(central)?), place.key().unit, kind))
+}
+
+/// Returns the default that a study file does not show even with its defaults filled in.
+fn left_out(name: &str, whole: &Study) -> Option<RestsOn> {
+    let counterface = whole.file().counterface.as_ref();
+    let value = match name {
+        "material.hardness" if counterface.is_none_or(|counterface| counterface.hardness.is_none()) => {
+            InputValue::Name("elastic".into())
+        }
+        "counterface.poisson_ratio" => {
+            counterface?.youngs_modulus?;
+            InputValue::Number(0.3)
+        }
+        _ => return None,
+    };
+    Some(entry(name, value, "", InputKind::Default))
+}
+
+/// Returns the Stribeck coefficient of a friction process, if it replaces the one of the study.
+fn replaced_stribeck(whole: &Study, window: &WindowFriction) -> Option<RestsOn> {
+    let stated = whole.vibration.as_ref()?.dimensionless_stribeck()?;
+    let own = window.stribeck.filter(|own| *own != stated)?;
+    Some(entry("vibration.stribeck", InputValue::Number(own), "", InputKind::Stated))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
+                         marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 MPa\"\n\
+                         [friction]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\n\
+                         normal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"0.1 m/s\"\n";
+
+    fn resolved(text: &str) -> String {
+        toml::to_string(&Study::parse(text, "study.toml").unwrap().file().to_table().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_key_that_is_left_out_has_the_listed_default() {
+        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let table = study.file().to_table().unwrap();
+        for (section, key, value) in defaults() {
+            assert_eq!(table[section][key], value, "{section}.{key}");
+            assert!(study.file().defaults.contains(&format!("{section}.{key}")), "{section}.{key}");
+        }
+    }
+
+    #[test]
+    fn defaults_are_recognised_in_the_study_of_a_run_folder() {
+        let defaults = |text: &str| Study::parse(text, "study.toml").unwrap().file().defaults.clone();
+        let stated = STUDY.replace("[vibration]", "[vibration]\nstribeck = 4.2");
+        for text in [STUDY, &stated] {
+            assert_eq!(defaults(&resolved(text)), defaults(text));
+        }
+        assert!(!defaults(&stated).contains(&"vibration.stribeck".to_owned()));
+        // A changed value is stated, even if the list still names it.
+        let changed = resolved(STUDY).replace("stribeck = 4.2", "stribeck = 5.0");
+        let left: Vec<String> = defaults(STUDY).into_iter().filter(|name| name != "vibration.stribeck").collect();
+        assert_eq!(defaults(&changed), left);
+        let wrong = Study::parse(&format!("defaults = [\"vibration.mass\"]\n{STUDY}"), "study.toml").unwrap_err();
+        assert!(wrong.line == 1 && wrong.message.contains("`vibration.mass`"), "{wrong}");
+    }
+
+    #[test]
+    fn every_kind_of_origin_is_recognised() {
+        let text = STUDY
+            .replace("damping_ratio = 0.17", "damping_ratio = \"0.17 ± 0.02\"")
+            .replace("\"385 MPa\"", "{ uniform = [\"300 MPa\", \"400 MPa\"], unknown = true }");
+        let study = Study::parse(&text, "study.toml").unwrap();
+        let verdict = study.verdict.as_ref().unwrap();
+        let nominal = study.vibration.as_ref().unwrap();
+        let stated = crate::friction::StatedFriction {
+            mean: 0.3,
+            std: 0.0,
+            length_m: 1e-3,
+            marginal: crate::distribution::Marginal::STANDARD_NORMAL,
+            window_m: [6e-4, 7.5e-5],
+        };
+        let window = WindowFriction::from_statement(stated, nominal.nominal_area.0, nominal.dimensionless_stribeck());
+        let of = |computed: bool| rests_on(&study, verdict, &WindowFriction { computed, ..window.clone() }, false);
+        let found = |computed: bool, name: &str| of(computed).into_iter().find(|input| input.input == name);
+        for (name, value, unit, kind) in [
+            ("surface.correlation_length[0]", 2e-5, "m", InputKind::Stated),
+            ("material.poisson_ratio", 0.3, "", InputKind::Default),
+            ("material.shear_strength", 3.5e8, "Pa", InputKind::Unknown),
+            ("vibration.damping_ratio", 0.17, "", InputKind::Uncertain),
+            ("vibration.normal_force", 2500.0, "N", InputKind::Stated),
+            ("vibration.belt_velocity", 0.1, "m/s", InputKind::Stated),
+            ("vibration.stribeck", 4.2, "", InputKind::Default),
+        ] {
+            let input = found(true, name).unwrap_or_else(|| panic!("{name}"));
+            let InputValue::Number(number) = input.value else { panic!("{input:?}") };
+            assert!((number / value - 1.0).abs() < 1e-9, "{input:?}");
+            assert_eq!((input.unit.as_str(), input.kind), (unit, kind), "{name}");
+        }
+        assert_eq!(found(true, "material.hardness").unwrap().value, InputValue::Name("elastic".into()));
+        assert_eq!(found(true, "friction.law").unwrap().kind, InputKind::Default);
+        // The contact does not matter to friction that is stated.
+        assert!(of(false).iter().all(|input| input.input.starts_with("vibration.")));
+        assert!(found(false, "vibration.nominal_area").is_none());
+    }
+}
