@@ -55,7 +55,7 @@ fn the_verdict_has_figures_of_its_map_and_of_the_windows_that_share_the_load() {
     for words in [
         "Probability of vibration over two inputs",
         "Friction has its mean value: the map leaves out its fluctuation",
-        "The answer depends on how much of the area acts as one: vibration has the probability 30 % with 1 and 64 %",
+        "The answer depends on how much of the area acts as one: vibration has the probability 30 % at n = 1 and 64 % at n =",
     ] {
         assert!(shown.contains(words), "`{words}` is missing");
     }
