@@ -105,8 +105,9 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
         assert!(words.contains(wanted), "{wanted}");
     }
     for resource in resources(&html) {
-        assert!(resource.starts_with('#'), "{resource}");
-        assert!(html.contains(&format!("id=\"{}\"", &resource[1..])), "{resource} leads nowhere");
+        let inside = resource.strip_prefix('#').map(|id| html.contains(&format!("id=\"{id}\"")));
+        let found = inside.unwrap_or_else(|| resource.starts_with("data:image/png;base64,"));
+        assert!(found, "{resource:.60} leads nowhere");
     }
 }
 
@@ -119,7 +120,7 @@ fn the_verdict_has_figures_of_its_map_and_of_the_windows_that_share_the_load() {
     for words in [
         "Probability of vibration over two inputs",
         "Friction has its mean value: the map leaves out its fluctuation",
-        "The answer depends on how much of the area acts as one: vibration has the probability 30 % with 1 and 64 %",
+        "The answer depends on how much of the area acts as one: vibration has the probability 30 % at n = 1 and 64 % at n =",
     ] {
         assert!(shown.contains(words), "`{words}` is missing");
     }

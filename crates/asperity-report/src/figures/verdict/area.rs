@@ -55,7 +55,7 @@ fn sentence(rows: &[AreaAsOne]) -> String {
     if least.probability_interval[1] < most.probability_interval[0] {
         let windows = |row: &AreaAsOne| significant(row.windows, 3);
         return format!(
-            "The answer depends on how much of the area acts as one: vibration has the probability {} with {} and {} with {} windows.",
+            "The answer depends on how much of the area acts as one: vibration has the probability {} at n = {} and {} at n = {}.",
             shown(least),
             windows(least),
             shown(most),
