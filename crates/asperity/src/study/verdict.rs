@@ -64,7 +64,7 @@ pub(super) fn run(
     if surface.is_some_and(|surface| surface.measured.is_some()) && window.computed {
         output.assumptions.push("The verdict takes the statistics of the scan as exact.".into());
     }
-    if whole.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) && window.computed {
+    if whole.friction.as_ref().is_some_and(|friction| friction.body != RoughBody::Track) && window.computed {
         output.warnings.push(
             "the probability of vibration leaves out that the friction of rough sliders differs from part to part; state \
              `static_friction` with this standard deviation in a study with [vibration] alone"

@@ -7,7 +7,7 @@ use toml::Table;
 
 use crate::chaos::{Expansion, Observed, Parameter, Propagation, Resamples};
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
-use crate::friction::{LevelControl, OperatingLevel, WindowFriction};
+use crate::friction::{LevelControl, OperatingLevel, RoughBody, WindowFriction};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::VerdictStudy;
 use crate::study::friction_stage;
@@ -148,6 +148,9 @@ impl FrictionResponses {
             }
         }
         let [mean, std, length] = <[_; 3]>::try_from(responses).unwrap_or_default();
+        // Only the windows of a smooth slider have the correlation of the strips along the path.
+        let length =
+            length.filter(|_| study.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Track));
         let moments = [mean, std, length].map(|learnt| learnt.map(|(expansion, _)| expansion));
         Ok(Some(Self { axes, moments, mean_error }))
     }
@@ -158,9 +161,14 @@ impl FrictionResponses {
             self.axes.iter().map(|axis| axis.xi(axis.place.value_in(table).unwrap_or(axis.low))).collect();
         let [mean, std, length] =
             [0, 1, 2].map(|moment| self.moments[moment].as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
+        // The standard deviation of a point is that of all windows; its fractions along the path and between parts are those of
+        // `window`.
+        let all = window.std.hypot(window.between_parts_std);
+        let fractions = if all > 0.0 { [window.std / all, window.between_parts_std / all] } else { [1.0, 0.0] };
         WindowFriction {
             mean: mean.unwrap_or(window.mean),
-            std: std.unwrap_or(window.std),
+            std: std.map_or(window.std, |std| std * fractions[0]),
+            between_parts_std: std.map_or(window.between_parts_std, |std| std * fractions[1]),
             length_m: length.unwrap_or(window.length_m),
             ..window.clone()
         }
