@@ -52,7 +52,8 @@ ABOUT = """P = P[g < 0] for n standard normal variables z; u and v are orthogona
 - **True error**: root mean square of P/P_exact − 1 over {replicates} replicates (10 of asperity for four branches of ten variables), with its
   standard error.
 - **Evaluations** of g, differences for derivatives included: the mean at the least effort (samples of a level, draws) that has a true error
-  of {wanted}, interpolated between two efforts. `small_probability` runs with its default settings. Its evaluations are multiplied by
+  of {wanted}, interpolated between two efforts, or scaled
+  by (true error/{wanted})² if the first one sufficed. `small_probability` runs with its default settings. Its evaluations are multiplied by
   (true error/{wanted})² if the true error is larger, and are not reduced if it is smaller.
 - **Coverage** of the 95 % intervals.
 - *Not reached*: the error stays above {wanted}, because a method misses failures or takes more than {most} evaluations. NAIS has at most 1,000
@@ -110,6 +111,9 @@ def least(run, effort, most, replicates):
             if before and before.error > WANTED:
                 part = math.log(before.error / WANTED) / math.log(before.error / found.error)
                 found.evaluations = before.evaluations * (found.evaluations / before.evaluations) ** part
+            elif found.error > WANTED / 2:
+                # The variance is inversely proportional to the effort.
+                found.evaluations *= (found.error / WANTED) ** 2
             return found
         if found.error <= 1.5 * WANTED and pilot:
             pilot = False

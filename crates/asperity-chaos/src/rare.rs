@@ -7,7 +7,7 @@
 //!    failures, subset simulation on g itself locates them.
 //! 2. A mixture of half-spaces and normal distributions is fitted to the samples in these regions.
 //! 3. Importance sampling from the mixture estimates the probability, with the interpolant as control variate. It uses new
-//!    evaluations only, so the estimate is unbiased whatever the interpolant is worth, and its variance gives the interval.
+//!    evaluations only, so no error of the interpolant biases the estimate, and its variance gives the interval.
 //!
 //! With ten variables and more, several regions of failure or kinks need about 20,000 evaluations. A region of failure that neither
 //! the search nor a draw reaches is missing from the probability and from its interval.
@@ -142,7 +142,8 @@ pub struct RareProbability {
 /// Method of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RareMethod {
-    /// Importance sampling; subset simulation on an interpolant of the limit state located the regions of failure.
+    /// Importance sampling with an interpolant of the limit state; subset simulation on the interpolant located the regions of
+    /// failure.
     ImportanceSampling,
     /// Mean of independent replicates of subset simulation on the limit state.
     SubsetSimulation,
