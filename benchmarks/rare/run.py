@@ -35,7 +35,7 @@ from limit_states import LIMIT_STATES, parameter
 # The program counts evaluations, so the profile for development suffices.
 OURS = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve() / "debug" / "time_rare"
 WANTED = 0.1
-STEPS, MOST_EVALUATIONS = 5, 200_000
+STEPS, MOST_EVALUATIONS = 8, 200_000
 # Replicates while the effort is searched.
 PILOT = 12
 CASES = [("linear", 2), ("linear", 10), ("machine", 2), ("parabola", 2), ("parabola", 10), ("branches", 2), ("branches", 10)]
