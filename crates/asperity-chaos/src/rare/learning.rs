@@ -3,7 +3,8 @@
 //! Subset simulation runs on an [`Interpolant`] of the evaluations so far. The limit state is then evaluated at some of the
 //! samples that fail there, and the interpolant is renewed until its failures are mostly true. The set that is sampled is {ĝ < m},
 //! with the margin m equal to the error of the latest predictions, so that it also contains failures that the interpolant misses.
-//! Further evaluations search for other regions of failure: samples with a small ĝ > m, far from all evaluations.
+//! Further evaluations search for other regions of failure: samples with a small ĝ > m, far from all evaluations, and samples
+//! furthest from all evaluations.
 
 use std::convert::Infallible;
 
@@ -18,7 +19,7 @@ use super::proposal::unit;
 use crate::{Design, SamplingMethod};
 
 /// Samples of a level of the interpolant, in the rounds and for the learnt region.
-const SAMPLES: [usize; 2] = [400, 2000];
+const SAMPLES: [usize; 2] = [400, 10_000];
 /// Samples in the learnt region.
 const REGION: usize = 800;
 /// Moves of every sample in the region of a round; the learnt region has 10 more, and two more per variable.
@@ -29,9 +30,12 @@ const RANDOM: usize = 8;
 const SEARCH: usize = 4;
 /// Fraction of true failures, and of samples that fail without the margin, at which learning ends.
 const SETTLED: f64 = 0.5;
+/// Power of the distance that selects the candidate furthest from all evaluations.
+const FURTHEST: f64 = 12.0;
 /// Random directions among the candidates of the search.
 const SHELL: usize = 500;
-/// Largest error of the search, divided by the mean depth of the failures, at which one round suffices, and several rounds.
+/// Largest error of the search, divided by the predicted value plus the mean depth of the failures, at which one round
+/// suffices, and several rounds.
 const SURE: f64 = 0.02;
 const ACCURATE: f64 = 0.5;
 /// Number of successive rounds with accurate predictions after which learning ends.
@@ -62,6 +66,8 @@ pub(super) struct Region {
     pub(super) points: Vec<Vec<f64>>,
     /// Directions of steepest descent of the interpolant at the points.
     pub(super) directions: Vec<Vec<f64>>,
+    /// Interpolant of the evaluations so far.
+    pub(super) interpolant: Interpolant,
 }
 
 impl Learning {
@@ -116,7 +122,7 @@ impl Learning {
                 let (mut level, mut walk) = self.sample(&interpolant, SAMPLES[1]);
                 walk.mix(10 + 2 * self.variables, &mut level);
                 let directions = interpolant.descents(&level.points);
-                return Ok(Some(Region { points: level.points, directions }));
+                return Ok(Some(Region { points: level.points, directions, interpolant }));
             }
             if round == rounds || state.left() < RANDOM + SEARCH + round {
                 return Ok(None);
@@ -124,8 +130,10 @@ impl Learning {
             let mut batch: Vec<Vec<f64>> =
                 level.points.iter().step_by(level.points.len() / RANDOM).take(RANDOM).cloned().collect();
             let candidates = self.candidates(&level, &interpolant);
-            for _ in 0..SEARCH + round {
-                batch.extend(self.search(&candidates, &batch));
+            for number in 0..SEARCH + round {
+                // The error of cubic interpolation grows as d³ᐟ²; a large power selects the candidate furthest from all evaluations.
+                let power = if number % 2 == 0 { 1.5 } else { FURTHEST };
+                batch.extend(self.search(power, &candidates, &batch));
             }
             let values = state.evaluate(&batch)?;
             let predicted = interpolant.values(&batch);
@@ -133,7 +141,9 @@ impl Learning {
                 predicted.iter().zip(&values).map(|(found, g)| (found - self.clip(*g)).abs()).collect();
             // Mean depth of the failures: lowering g by so much multiplies the probability by about e.
             let depth = -level.values.iter().sum::<f64>() / level.values.len() as f64;
-            let worst = errors[RANDOM..].iter().fold(0.0_f64, |worst, error| worst.max(error / depth));
+            // Errors far from failure matter less.
+            let searched = errors[RANDOM..].iter().zip(&predicted[RANDOM..]);
+            let worst = searched.fold(0.0_f64, |worst, (error, found)| worst.max(error / (depth + found.max(0.0))));
             self.margin = (errors[..RANDOM].iter().map(|e| e * e).sum::<f64>() / RANDOM as f64).sqrt();
             let failures = values[..RANDOM].iter().filter(|g| **g < 0.0).count();
             self.confirmed = match worst {
@@ -148,10 +158,10 @@ impl Learning {
     }
 
     /// Returns predicted safe points among which a missed region may be, with ĝ − m: the samples of the last levels, and random
-    /// directions at the distance of failures of a tenth of the probability.
+    /// directions at the distance of failures of a hundredth of the probability.
     fn candidates(&mut self, level: &LastLevel, interpolant: &Interpolant) -> Vec<(Vec<f64>, f64)> {
         let mut draws = stream(self.seed, "chaos/rare/search", self.rounds);
-        let beta = standard_normal_quantile(0.1 * level.probability.max(LEAST_PROBABILITY));
+        let beta = standard_normal_quantile(0.01 * level.probability.max(LEAST_PROBABILITY));
         let radius = (beta * beta + self.variables as f64 - 1.0).sqrt();
         let mut points: Vec<Vec<f64>> = (0..SHELL)
             .map(|_| {
@@ -166,10 +176,10 @@ impl Learning {
         candidates
     }
 
-    /// Returns the candidate that is most likely to be a missed failure: the smallest (ĝ − m)/d³ᐟ², with d the distance to the
-    /// nearest evaluation. The error of cubic interpolation grows as d³ᐟ².
-    fn search(&self, candidates: &[(Vec<f64>, f64)], batch: &[Vec<f64>]) -> Option<Vec<f64>> {
-        let scored = candidates.iter().map(|(z, value)| (z, value / self.distance(z).min(nearest(batch, z)).powf(1.5)));
+    /// Returns the candidate with the smallest (ĝ − m)/dᵖ, with d the distance to the nearest evaluation.
+    fn search(&self, power: f64, candidates: &[(Vec<f64>, f64)], batch: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let scored =
+            candidates.iter().map(|(z, value)| (z, value / self.distance(z).min(nearest(batch, z)).powf(power)));
         scored.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(z, _)| z.clone())
     }
 

@@ -33,6 +33,7 @@ const ITERATIONS: usize = 12;
 /// Mixture density h from which samples are drawn.
 #[derive(Debug, Clone)]
 pub(super) struct Proposal {
+    variables: usize,
     parts: Vec<(f64, Part)>,
 }
 
@@ -79,7 +80,7 @@ impl Proposal {
         }
         let equal = 1.0 / parts.len() as f64;
         parts.iter_mut().for_each(|part| part.0 = equal);
-        let mut mixture = Self { parts };
+        let mut mixture = Self { variables: points.first().map_or(0, |(z, _)| z.len()), parts };
         let ratios: Vec<Vec<f64>> = points
             .iter()
             .map(|(z, _)| mixture.parts.iter().map(|(_, part)| part.log_ratio(z).exp()).collect())
@@ -114,7 +115,7 @@ impl Proposal {
     }
 
     /// Returns `count` points, distributed over the parts in proportion to their weights.
-    pub(super) fn draw(&self, count: usize, variables: usize, draws: &mut Stream) -> Vec<Vec<f64>> {
+    pub(super) fn draw(&self, count: usize, draws: &mut Stream) -> Vec<Vec<f64>> {
         let offset = uniform(draws);
         (0..count)
             .map(|i| {
@@ -123,7 +124,7 @@ impl Proposal {
                     level -= weight;
                     level < 0.0
                 });
-                let xi = standard_normal(draws, variables);
+                let xi = standard_normal(draws, self.variables);
                 let u = uniform(draws);
                 chosen.or(self.parts.last()).map_or_else(Vec::new, |(_, part)| part.transform(xi, u))
             })

@@ -66,6 +66,14 @@ fn four_branches(variables: usize, shift: f64) -> Case {
     })
 }
 
+/// Lognormal resistance less lognormal load: fails where 0.2 z₂ − 0.1 z₁ > 0.2236 β.
+fn resistance_and_load(beta: f64) -> Case {
+    let deviation = 0.2_f64.hypot(0.1);
+    case(&format!("resistance {beta}"), 2, standard_normal_cdf(-beta), move |z| {
+        (deviation * beta + 0.1 * z[0]).exp() - (0.2 * z[1]).exp()
+    })
+}
+
 /// Parallel system: fails where both parts fail.
 fn both(variables: usize) -> Case {
     case("both of two", variables, standard_normal_cdf(-2.0) * standard_normal_cdf(-2.5), |z| {
@@ -119,12 +127,19 @@ fn few_evaluations_estimate_small_probabilities() {
 #[test]
 #[ignore = "slow"]
 fn intervals_cover_the_probability() {
-    for case in
-        [linear(1, 3.0), linear(2, 2.0), linear(10, 3.0), linear(2, 5.0), parabola(2, 3.0, 0.1), four_branches(2, 0.0)]
-    {
-        let [covered, error, _] = summary(&case, &estimates(&case, 200));
-        // 93 % less two standard errors of 200 intervals.
-        assert!(covered >= 0.895 && error < 0.15, "{}: {covered}", case.name);
+    for case in [linear(2, 4.753), parabola(2, 3.0, 0.1), resistance_and_load(4.0)] {
+        let [covered, error, _] = summary(&case, &estimates(&case, 1000));
+        assert!(covered >= 0.93 && error < 0.1, "{}: {covered}", case.name);
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn intervals_cover_the_probability_of_several_regions_and_more_variables() {
+    for case in [linear(1, 3.0), linear(2, 2.0), linear(10, 3.0), four_branches(2, 0.0)] {
+        let [covered, error, _] = summary(&case, &estimates(&case, 100));
+        // 93 % less two standard errors of 100 intervals.
+        assert!(covered >= 0.88 && error < 0.1, "{}: {covered}", case.name);
     }
 }
 
