@@ -8,7 +8,7 @@
 
 use std::error::Error;
 
-use asperity::base::monitor::Silent;
+use asperity::monitor::Silent;
 use asperity::chaos::rare::{Settings, SmallProbability, SubsetSettings, small_probability, subset_simulation};
 
 fn main() -> Result<(), Box<dyn Error>> {

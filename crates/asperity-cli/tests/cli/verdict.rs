@@ -386,8 +386,14 @@ fn the_map_of_two_inputs_and_its_contours_are_the_closed_form() {
         }
     }
     let figure = fs::read_to_string(folder.path().join("run/figures/verdict_map.svg")).unwrap();
-    for text in ["Damping ratio, central value", "Linear weakening, central value", ">5 %<", ">1 %<", ">50 %<", ">now<"]
-    {
+    for text in [
+        "Damping ratio, central value",
+        "Weakening of friction with speed, central value",
+        ">5 %<",
+        ">1 %<",
+        ">50 %<",
+        ">now<",
+    ] {
         assert!(figure.contains(text), "{text} is missing");
     }
 }

@@ -35,7 +35,7 @@ pub struct StudyFile {
     /// Names, `section.key`, of the values below that are defaults because the first study file left them out. The study of a run
     /// folder lists them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub defaults: Vec<String>,
+    pub unstated: Vec<String>,
     /// Measured or modelled surface; required by pressure and friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceSection>,

@@ -37,7 +37,7 @@ impl StudyFile {
         let study = uncertain::read(text, file)?;
         let written = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
         study.with_defaults_of(&written).map_err(|message| {
-            let line = line_of_key(text, "", "defaults");
+            let line = line_of_key(text, "", "unstated");
             StudyFileError { file: file.into(), line, message }
         })
     }

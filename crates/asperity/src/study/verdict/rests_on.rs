@@ -62,10 +62,10 @@ impl StudyFile {
     pub(in crate::study) fn with_defaults_of(mut self, written: &Table) -> Result<Self, String> {
         let known = defaults();
         let name = |(section, key, _): &(&str, &str, Value)| format!("{section}.{key}");
-        if let Some(other) = self.defaults.iter().find(|listed| !known.iter().any(|default| name(default) == **listed))
+        if let Some(other) = self.unstated.iter().find(|listed| !known.iter().any(|default| name(default) == **listed))
         {
             let known = known.iter().map(name).collect::<Vec<_>>().join(", ");
-            return Err(format!("defaults: `{other}` has no default that is listed here (known: {known})"));
+            return Err(format!("unstated: `{other}` has no default that is listed here (known: {known})"));
         }
         let is_default = |default: &&(&str, &str, Value)| {
             let (section, key, value) = *default;
@@ -74,10 +74,10 @@ impl StudyFile {
                 None => {
                     *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
                 }
-                Some(stated) => stated == value && self.defaults.contains(&name(default)),
+                Some(stated) => stated == value && self.unstated.contains(&name(default)),
             }
         };
-        self.defaults = known.iter().filter(is_default).map(name).collect();
+        self.unstated = known.iter().filter(is_default).map(name).collect();
         Ok(self)
     }
 }
@@ -113,7 +113,7 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
         if inputs.len() > before {
             continue;
         }
-        let kind = if file.defaults.contains(&name) { InputKind::Default } else { InputKind::Stated };
+        let kind = if file.unstated.contains(&name) { InputKind::Default } else { InputKind::Stated };
         match study.central.get(section).and_then(|section| section.get(key)) {
             Some(Value::Array(list)) => {
                 let isotropic = list.windows(2).all(|pair| pair[0] == pair[1]);
@@ -198,13 +198,13 @@ mod tests {
         let table = study.file().to_table().unwrap();
         for (section, key, value) in defaults() {
             assert_eq!(table[section][key], value, "{section}.{key}");
-            assert!(study.file().defaults.contains(&format!("{section}.{key}")), "{section}.{key}");
+            assert!(study.file().unstated.contains(&format!("{section}.{key}")), "{section}.{key}");
         }
     }
 
     #[test]
     fn defaults_are_recognised_in_the_study_of_a_run_folder() {
-        let defaults = |text: &str| Study::parse(text, "study.toml").unwrap().file().defaults.clone();
+        let defaults = |text: &str| Study::parse(text, "study.toml").unwrap().file().unstated.clone();
         let stated = STUDY.replace("[vibration]", "[vibration]\nstribeck = 4.2");
         for text in [STUDY, &stated] {
             assert_eq!(defaults(&resolved(text)), defaults(text));
@@ -214,7 +214,7 @@ mod tests {
         let changed = resolved(STUDY).replace("stribeck = 4.2", "stribeck = 5.0");
         let left: Vec<String> = defaults(STUDY).into_iter().filter(|name| name != "vibration.stribeck").collect();
         assert_eq!(defaults(&changed), left);
-        let wrong = Study::parse(&format!("defaults = [\"vibration.mass\"]\n{STUDY}"), "study.toml").unwrap_err();
+        let wrong = Study::parse(&format!("unstated = [\"vibration.mass\"]\n{STUDY}"), "study.toml").unwrap_err();
         assert!(wrong.line == 1 && wrong.message.contains("`vibration.mass`"), "{wrong}");
     }
 
