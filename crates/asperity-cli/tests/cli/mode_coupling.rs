@@ -45,7 +45,11 @@ fn results(folder: &Path, run: &str) -> Value {
 #[test]
 fn undamped_modes_flutter_with_the_probability_that_friction_exceeds_the_coalescence() {
     // P(μ > ¾) with μ ~ N(.7, .05).
-    let found = verdict("\"0.7 ± 0.05\"", "damping_ratio = 0\n");
+    let folder = TempDir::new().unwrap();
+    write(folder.path(), "\"0.7 ± 0.05\"", "damping_ratio = 0\n");
+    let ended = run_in(folder.path(), "verdict study.toml --json --seed 2");
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!(found["model"], "mode_coupling");
     for key in ["probability", "probability_from_steady_sliding"] {
         contains(&found[format!("{key}_interval")], 0.158_655_3);
@@ -58,11 +62,7 @@ fn undamped_modes_flutter_with_the_probability_that_friction_exceeds_the_coalesc
     // The median of at least 2,048 margins has a standard error of at most .05·1.25/√2048.
     let median = found["margin_quantiles"].as_array().unwrap().iter().find(|q| q["probability"] == 0.5).unwrap();
     assert!((median["damping_margin"].as_f64().unwrap() - 0.05).abs() < 4.0 * 0.0014, "{median}");
-    assert!((found["if_vibrating"]["kinds"]["flutter"].as_f64().unwrap() - 1.0).abs() < 1e-12);
-    // Large vibration leaves the belt, so its frequency lies between the slowest mode in flight and the fastest in contact.
-    let hertz = found["if_vibrating"]["frequency_hz"]["q50"].as_f64().unwrap();
-    let unit = 316.0 / std::f64::consts::TAU;
-    assert!(hertz > 0.5 * unit && hertz < 3.0_f64.sqrt() * unit, "{hertz}");
+    assert!(found["if_vibrating"].is_null(), "motion without damping does not repeat");
     assert!(found["sentence"].as_str().unwrap().starts_with("Squeal by mode coupling is unlikely"), "{found}");
 }
 
@@ -108,6 +108,11 @@ fn a_remedy_of_the_damping_ratio_reaches_the_closed_form() {
                  remedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.2] }]\n";
     let found = verdict("\"0.7 ± 0.05\"", lines);
     let reach = &found["remedies"][0]["reach"][0];
+    // Vibration begins with the frequency √2 ω₀, and lift-off changes it little just above the critical coefficient.
+    let vibrating = &found["if_vibrating"];
+    assert!((vibrating["kinds"]["flutter"].as_f64().unwrap() - 1.0).abs() < 1e-12, "{found}");
+    let onset = 2.0_f64.sqrt() * 316.0 / std::f64::consts::TAU;
+    assert!((vibrating["frequency_hz"]["q50"].as_f64().unwrap() / onset - 1.0).abs() < 0.02, "{found}");
     // P(μ > ¾(1 + 8ζ²)) = .05.
     let wanted = (((0.7 + 0.05 * 1.644_853_627) / 0.75 - 1.0) / 8.0_f64).sqrt();
     contains(&reach["value_interval"], wanted);
