@@ -8,8 +8,8 @@
 
 use std::error::Error;
 
-use asperity::monitor::Silent;
 use asperity::chaos::rare::{Settings, SmallProbability, SubsetSettings, small_probability, subset_simulation};
+use asperity::monitor::Silent;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -45,11 +45,7 @@ fn results(folder: &Path, run: &str) -> Value {
 #[test]
 fn undamped_modes_flutter_with_the_probability_that_friction_exceeds_the_coalescence() {
     // P(μ > ¾) with μ ~ N(.7, .05).
-    let folder = TempDir::new().unwrap();
-    write(folder.path(), "\"0.7 ± 0.05\"", "damping_ratio = 0\n");
-    let ended = run_in(folder.path(), "verdict study.toml --json --seed 2");
-    assert_eq!(ended.code, 0, "{ended:?}");
-    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let found = verdict("\"0.7 ± 0.05\"", "damping_ratio = 0\n");
     assert_eq!(found["model"], "mode_coupling");
     for key in ["probability", "probability_from_steady_sliding"] {
         contains(&found[format!("{key}_interval")], 0.158_655_3);
@@ -62,7 +58,11 @@ fn undamped_modes_flutter_with_the_probability_that_friction_exceeds_the_coalesc
     // The median of at least 2,048 margins has a standard error of at most .05·1.25/√2048.
     let median = found["margin_quantiles"].as_array().unwrap().iter().find(|q| q["probability"] == 0.5).unwrap();
     assert!((median["damping_margin"].as_f64().unwrap() - 0.05).abs() < 4.0 * 0.0014, "{median}");
-    assert!(found["if_vibrating"].is_null(), "motion without damping does not repeat");
+    // Motion without damping does not repeat: it has the frequency √2 ω₀ of the coalesced modes, and no amplitude.
+    let vibrating = &found["if_vibrating"];
+    let hertz = vibrating["frequency_hz"]["q50"].as_f64().unwrap();
+    assert!((hertz / (2.0_f64.sqrt() * 316.0 / std::f64::consts::TAU) - 1.0).abs() < 0.02, "{hertz}");
+    assert!(vibrating["displacement_amplitude_m"].is_null(), "{vibrating}");
     assert!(found["sentence"].as_str().unwrap().starts_with("Squeal by mode coupling is unlikely"), "{found}");
 }
 

@@ -78,6 +78,28 @@ fn a_linear_law_has_the_probability_drivers_and_remedies_of_the_closed_form() {
 }
 
 #[test]
+fn more_mass_changes_nothing_if_every_machine_keeps_its_damper() {
+    // M = (c − bN)/(2mω₀) with the damper c and the weakening b in SI: its sign does not depend on the mass. With the damping ratio kept,
+    // M ~ N(.055 − .05/m, .005² + (.01/m)²) has the quantile 0 at P = .05 for m = 1.2627 (the mass varies too little to matter).
+    for (hold, wanted) in [("damper", None), ("damping_ratio", Some(1.2627))] {
+        let folder = TempDir::new().unwrap();
+        let lines = format!(
+            "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
+             damping_ratio = \"0.055 ± 0.005\"\n[verdict]\ntargets = [0.05]\n\
+             remedies = [{{ input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"], hold = \"{hold}\" }}]\n"
+        );
+        let machine = MACHINE.replace("\"1 kg\"", "\"1 ± 0.02 kg\"");
+        fs::write(folder.path().join("study.toml"), format!("{machine}{lines}")).unwrap();
+        let found = run_in(folder.path(), "verdict study.toml --json").json(0);
+        let value = &found["remedies"][0]["reach"][0]["value"];
+        match wanted {
+            None => assert!(value.is_null(), "{found}"),
+            Some(wanted) => assert!((value.as_f64().unwrap() - wanted).abs() < 0.01, "{value}"),
+        }
+    }
+}
+
+#[test]
 fn small_probabilities_have_both_ends_of_their_interval_above_zero() {
     for (damping, wanted) in [("\"0.09 ± 0.005\"", 1.733e-4), ("\"0.105 ± 0.005\"", 4.342e-7)] {
         let found = linear(damping, "");

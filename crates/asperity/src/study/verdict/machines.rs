@@ -67,6 +67,8 @@ pub(super) struct Machines<'a> {
     /// Factor of the mean friction coefficient.
     friction_factor: f64,
     changes: Vec<Change>,
+    /// Distributions of the values with which the machines have their dampers, if these stay.
+    dampers: Option<UncertainInputs>,
     /// Scrambled Sobol' points of the samples; `None` if no value is uncertain.
     design: Option<Arc<Design>>,
 }
@@ -94,6 +96,7 @@ impl<'a> Machines<'a> {
             between_parts: study.places.iter().copied().find(|place| place.name() == BETWEEN_PARTS),
             friction_factor: 1.0,
             changes: Vec::new(),
+            dampers: None,
             design: Design::new(SamplingMethod::Sobol, seed, STREAM, MOST_SAMPLES, study.places.len())
                 .ok()
                 .map(Arc::new),
@@ -138,9 +141,11 @@ impl<'a> Machines<'a> {
         changed.or_else(|| place.value_in(&self.central)).unwrap_or(f64::NAN)
     }
 
-    /// Returns the same machines with other distributions of their values.
-    pub(super) fn with_inputs(&self, inputs: UncertainInputs) -> Self {
-        Self { inputs, ..self.clone() }
+    /// Returns the same machines with other distributions of their values. With `hold` each machine keeps the damper that it has with the
+    /// present ones.
+    pub(super) fn with_inputs(&self, inputs: UncertainInputs, hold: Hold) -> Self {
+        let dampers = (hold == Hold::Damper).then(|| self.inputs.clone());
+        Self { inputs, dampers, ..self.clone() }
     }
 
     /// Returns the same machines with another mean friction coefficient.
@@ -160,30 +165,40 @@ impl<'a> Machines<'a> {
 
     /// Returns the machine with all values at their centres.
     pub(super) fn nominal(&self) -> Result<Machine, String> {
-        let values: Vec<f64> = self.inputs.inputs().iter().map(|input| input.central()).collect();
-        self.with_values(&values)
+        let central =
+            |inputs: &UncertainInputs| inputs.inputs().iter().map(UncertainInput::central).collect::<Vec<f64>>();
+        let values = central(&self.inputs);
+        self.with_values(&values, self.dampers.as_ref().map(central).as_deref().unwrap_or(&values))
     }
 
     /// Returns the machine of independent standard normal variables.
     pub(super) fn at(&self, variables: &[f64]) -> Result<Machine, String> {
-        self.with_values(&self.inputs.values(variables))
+        let values = self.inputs.values(variables);
+        let dampers = self.dampers.as_ref().map(|inputs| inputs.values(variables));
+        self.with_values(&values, dampers.as_deref().unwrap_or(&values))
     }
 
     /// Returns the study file of independent standard normal variables.
     pub(super) fn table_at(&self, variables: &[f64]) -> Table {
-        self.table_of(&self.inputs.values(variables)).0
+        let values = self.inputs.values(variables);
+        self.table_of(&values, &values).0
     }
 
-    /// Returns the study file of values in SI, and the unit of velocity over that of the central values.
-    fn table_of(&self, values: &[f64]) -> (Table, f64) {
+    /// Returns the study file of values in SI, and the unit of velocity over that of the central values. The machine has its damper with the
+    /// values `dampers`.
+    fn table_of(&self, values: &[f64], dampers: &[f64]) -> (Table, f64) {
         let mut table = self.central.clone();
-        let mut before = damper(&table);
-        self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut table, *value));
+        let mut set = |values: &[f64]| {
+            self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut table, *value));
+            damper(&table)
+        };
+        let (first, mut before) = (set(dampers), set(values));
+        // c = 2ζmω₀ stays.
+        scale(&mut table, "damping_ratio", first / before);
         for change in &self.changes {
             change.place.set(&mut table, change.value);
             let after = damper(&table);
             if change.hold == Hold::Damper {
-                // c = 2ζmω₀ stays.
                 scale(&mut table, "damping_ratio", before / after);
             }
             before = after;
@@ -196,8 +211,8 @@ impl<'a> Machines<'a> {
     }
 
     /// Returns the machine with these values in SI.
-    fn with_values(&self, values: &[f64]) -> Result<Machine, String> {
-        let (table, ratio) = self.table_of(values);
+    fn with_values(&self, values: &[f64], dampers: &[f64]) -> Result<Machine, String> {
+        let (table, ratio) = self.table_of(values, dampers);
         let mut window = match self.responses {
             Some(responses) => responses.at(&table, self.window),
             None => self.window.clone(),

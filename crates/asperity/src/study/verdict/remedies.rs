@@ -12,6 +12,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
 use crate::study::StudyError;
 use crate::study::check::{RemedyStudy, VerdictStudy};
+use crate::study::file::Hold;
 use crate::study::result::{ModelResult, Reach, Remedy};
 
 /// Randomisations of the Sobol' points.
@@ -65,14 +66,19 @@ pub(super) fn points(variables: usize, count: usize, seed: u64) -> Result<Vec<Ve
 
 /// Returns the machines with other central values.
 pub(super) fn moved<'a>(machines: &Machines<'a>, changes: &[Change]) -> Result<Machines<'a>, String> {
-    let (mut inputs, mut exact) = (machines.inputs().clone(), Vec::new());
+    let (mut inputs, mut hold, mut exact) = (machines.inputs().clone(), Hold::default(), Vec::new());
     for change in changes {
         match machines.places().iter().position(|uncertain| *uncertain == change.place) {
-            Some(input) => inputs = inputs.with_moved(input, change.value).map_err(|error| error.to_string())?,
+            Some(input) => {
+                inputs = inputs.with_moved(input, change.value).map_err(|error| error.to_string())?;
+                if change.hold == Hold::Damper {
+                    hold = change.hold;
+                }
+            }
             None => exact.push(*change),
         }
     }
-    Ok(machines.with_inputs(inputs).with_changes(exact))
+    Ok(machines.with_inputs(inputs, hold).with_changes(exact))
 }
 
 /// Machines under a change of one central value.
