@@ -36,7 +36,7 @@ pub(super) fn card(inputs: &[RestsOn]) -> Html {
 /// Returns the number of scans of a body.
 fn scans(input: &RestsOn) -> String {
     match input.value {
-        InputValue::Number(1.0) => format!("{}: 1 scan", named(&input.input)),
+        InputValue::Number(1.0) => format!("{}: 1 scan, so for this part", named(&input.input)),
         InputValue::Number(count) => format!("{}: {count} scans", named(&input.input)),
         InputValue::Name(_) => named(&input.input),
     }
