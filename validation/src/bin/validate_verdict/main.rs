@@ -32,7 +32,7 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 const STUDY: &str = include_str!("study.toml");
 /// Seed of the strips; that of the study is another one.
 const SEED: u64 = 77;
-/// Values of [friction], [material] and [vibration] that the study states as exact.
+/// Values of `[friction]`, `[material]` and `[vibration]` that the study states as exact.
 const GRID: (usize, usize, f64) = (3072, 80, 2e-6);
 const WINDOW_M: f64 = 600e-6;
 const STRIPS: usize = 8;
