@@ -63,6 +63,10 @@ fn undamped_modes_flutter_with_the_probability_that_friction_exceeds_the_coalesc
     let hertz = vibrating["frequency_hz"]["q50"].as_f64().unwrap();
     assert!((hertz / (2.0_f64.sqrt() * 316.0 / std::f64::consts::TAU) - 1.0).abs() < 0.02, "{hertz}");
     assert!(vibrating["displacement_amplitude_m"].is_null(), "{vibrating}");
+    // Friction that falls with the velocity belongs to the other machine.
+    let inputs = found["rests_on"].as_array().unwrap().iter().map(|input| input["input"].as_str().unwrap());
+    assert!(inputs.clone().any(|input| input == "vibration.damping_ratio"));
+    assert!(!inputs.clone().any(|input| input.contains("stribeck") || input.contains("velocity_law")), "{found}");
     assert!(found["sentence"].as_str().unwrap().starts_with("Squeal by mode coupling is unlikely"), "{found}");
 }
 

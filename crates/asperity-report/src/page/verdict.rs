@@ -42,7 +42,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         card(limits.title(), &limits.picture(verdict)),
         card("What would stop it", &remedies::card(verdict, &limits)),
         card("What decides it", &drivers::card(verdict)),
-        card("What it rests on", &rests_on::card(&verdict.rests_on)),
+        card("What it rests on", &rests_on::card(&verdict.rests_on, verdict.model)),
         chain,
     )
 }

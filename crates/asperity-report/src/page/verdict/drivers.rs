@@ -1,6 +1,6 @@
 //! The card of the values that decide the verdict.
 
-use asperity_results::{Driver, VerdictResult};
+use asperity_results::{Driver, ModelResult, VerdictResult};
 
 use super::unbroken;
 use super::words::named;
@@ -49,15 +49,20 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     } else {
         "Total Sobol’ indices"
     };
+    let margin = match verdict.model {
+        ModelResult::StickSlip => "damping ratio − limit",
+        ModelResult::ModeCoupling => "critical friction coefficient − friction coefficient",
+    };
     let others = match drivers.len() {
         count if count > SHOWN => format!("; {} more below", count - SHOWN),
         _ => String::new(),
     };
     html!(
-        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, damping ratio − limit: fractions of its variance{}.</p>\n",
+        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, {}: fractions of its variance{}.</p>\n",
         bars.collect::<Html>(),
         next(&drivers),
         measure,
+        margin,
         others,
     )
 }

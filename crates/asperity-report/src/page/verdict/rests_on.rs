@@ -1,6 +1,6 @@
 //! The card of the inputs of the verdict, by origin.
 
-use asperity_results::{InputKind, InputValue, RestsOn};
+use asperity_results::{InputKind, InputValue, ModelResult, RestsOn};
 
 use super::SOURCE;
 use super::words::{dimension, named};
@@ -8,9 +8,15 @@ use crate::markup::{Html, html};
 use crate::page::{DataTable, in_words};
 
 /// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
-pub(super) fn card(inputs: &[RestsOn]) -> Html {
-    const MACHINE: &str =
-        "One mass with falling friction: stick–slip, groan and judder. Squeal by mode coupling is another machine.";
+pub(super) fn card(inputs: &[RestsOn], model: ModelResult) -> Html {
+    let machine = match model {
+        ModelResult::StickSlip => {
+            "One mass with falling friction: stick–slip, groan and judder. Squeal by mode coupling is another machine."
+        }
+        ModelResult::ModeCoupling => {
+            "Two modes coupled by friction: squeal. Stick–slip, groan and judder by falling friction are another machine."
+        }
+    };
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
     let names = |kind: InputKind| of(kind).map(|input| named(&input.input)).collect::<Vec<_>>().join(", ");
     let chip = |class: &str, text: String| html!("<li class=\"chip {}\">{}</li>\n", class, text);
@@ -27,10 +33,10 @@ pub(super) fn card(inputs: &[RestsOn]) -> Html {
     if chips.is_empty() {
         return html!(
             "<p>The results of an earlier version do not list the inputs.</p>\n<p class=\"note\">{}</p>\n",
-            MACHINE
+            machine
         );
     }
-    html!("<ul class=\"chips\">\n{}</ul>\n<p class=\"note\">{}</p>\n", chips.into_iter().collect::<Html>(), MACHINE)
+    html!("<ul class=\"chips\">\n{}</ul>\n<p class=\"note\">{}</p>\n", chips.into_iter().collect::<Html>(), machine)
 }
 
 /// Returns the number of scans of a body.

@@ -9,7 +9,7 @@ use crate::study::uncertain::Place;
 use crate::study::{Study, StudyFile};
 
 /// Keys of a study file that decide the vibration, in the order of the chain.
-const INPUTS: [(&str, &str); 30] = [
+const INPUTS: [(&str, &str); 33] = [
     ("surface", "rms_height"),
     ("surface", "correlation_length"),
     ("surface", "hurst"),
@@ -34,12 +34,26 @@ const INPUTS: [(&str, &str); 30] = [
     ("vibration", "stribeck_velocity"),
     ("vibration", "high_speed_share"),
     ("vibration", "kinetic_share"),
+    ("vibration", "spring_angles"),
+    ("vibration", "springs"),
+    ("vibration", "contact_spring"),
     ("vibration", "damping_ratio"),
     ("vibration", "mass"),
     ("vibration", "natural_frequency"),
     ("vibration", "normal_force"),
     ("vibration", "nominal_area"),
     ("vibration", "upscaling"),
+];
+/// Keys of friction that falls with the velocity, or fluctuates.
+const FALLING: [&str; 8] = [
+    "friction_std",
+    "friction_correlation_length",
+    "velocity_law",
+    "stribeck",
+    "linear_weakening",
+    "stribeck_velocity",
+    "high_speed_share",
+    "kinetic_share",
 ];
 /// The velocity of the belt, which a study states in one of two forms.
 const BELT: [(&str, &str); 2] = [("vibration", "belt_velocity"), ("vibration", "dimensionless_belt_velocity")];
@@ -99,7 +113,9 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
         inputs.push(entry("vibration.friction_process", InputValue::Name(name), "", InputKind::Stated));
     }
     let sheared = file.friction.as_ref().is_some_and(|friction| friction.law.is_sheared());
+    let coupled = whole.vibration.as_ref().is_some_and(|vibration| vibration.coupled.is_some());
     let matters = |section: &str, key: &str| match (section, key) {
+        ("vibration", key) if coupled && FALLING.contains(&key) => false,
         ("vibration", "upscaling") => fluctuates,
         ("vibration", "nominal_area") => fluctuates || window.computed,
         ("vibration", _) => true,
@@ -120,7 +136,7 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
                 let count = if isotropic { 1 } else { list.len() };
                 inputs.extend((0..count).filter_map(|place| number(&format!("{name}[{place}]"), &study.central, kind)));
             }
-            Some(Value::String(text)) if key == "law" || key == "velocity_law" || key == "upscaling" => {
+            Some(Value::String(text)) if ["law", "velocity_law", "upscaling", "contact_spring"].contains(&key) => {
                 inputs.push(entry(&name, InputValue::Name(text.clone()), "", kind));
             }
             Some(_) => inputs.extend(number(&name, &study.central, kind)),
