@@ -166,9 +166,10 @@ pub(crate) fn assert_numbers(outcome: &Outcome, undefined: &[&str]) {
         let own = statistic(path).and_then(|own| own.strip_prefix("/surface/").map(str::to_owned));
         let absent =
             |own: String| surface[format!("{own}_interval")].is_null() && surface[format!("{own}_se")].is_null();
+        let stiffness = is_free && path.starts_with("/friction/operating_point/contact_stiffness");
         !own.is_some_and(absent)
             && !interval_of_friction(path)
-            && !(is_free && path.starts_with("/friction/operating_point/contact_stiffness"))
+            && !stiffness
             && !undefined.iter().any(|allowed| path.ends_with(allowed))
     });
     assert!(found.is_empty(), "null: {found:?}");
