@@ -124,6 +124,27 @@ fn a_remedy_of_the_damping_ratio_reaches_the_closed_form() {
 }
 
 #[test]
+fn the_map_of_damping_and_friction_is_the_closed_form() {
+    let lines = "damping_ratio = \"0.1 ± 0.01\"\n[verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.05, 0.2] }, \
+                 { input = \"vibration.static_friction\", range = [0.7, 0.9] }]\n";
+    let found = verdict("\"0.8 ± 0.05\"", lines);
+    let values = |axis: &str| -> Vec<f64> {
+        found["map"][axis]["values"].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    for (row, friction) in values("y").into_iter().enumerate() {
+        for (column, damping) in values("x").into_iter().enumerate() {
+            // P(μ > ¾(1 + 8ζ²)), to first order in the scatter of ζ.
+            let std = 0.05_f64.hypot(12.0 * damping * 0.01);
+            let wanted =
+                asperity::distribution::standard_normal_cdf((friction - 0.75 * (1.0 + 8.0 * damping * damping)) / std);
+            let probability = found["map"]["probability"][row][column].as_f64().unwrap();
+            // The standard error of 512 independent machines, which Sobol' points undercut.
+            assert!((probability - wanted).abs() < 0.022, "{probability} instead of {wanted} at {damping}, {friction}");
+        }
+    }
+}
+
+#[test]
 fn rare_flutter_has_both_ends_of_its_interval_above_zero() {
     // P(μ > ¾) with μ ~ N(.5, .05): five standard deviations.
     let found = verdict("\"0.5 ± 0.05\"", "damping_ratio = 0\n");

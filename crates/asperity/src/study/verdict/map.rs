@@ -8,7 +8,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::file::Hold;
-use crate::study::result::{ProbabilityMap, ProbabilityMapAxis};
+use crate::study::result::{ModelResult, ProbabilityMap, ProbabilityMapAxis};
 use crate::study::vibration_stage::lines;
 use crate::study::{CsvTable, StudyError};
 use crate::vibration::grid_contour;
@@ -100,8 +100,10 @@ impl Grid<'_> {
     /// Evaluates the machines at all nodes, row by row.
     fn nodes(&self, levels: &[f64], monitor: &dyn Monitor) -> Result<Vec<Node>, Cancelled> {
         let [x, y] = self.axes.map(values);
-        let damping = self.axes.iter().position(|axis| axis.place.name() == DAMPING);
-        // The limit of the damping does not depend on the damping: the other axis needs one column of machines.
+        // The limit of the damping does not depend on the damping: the other axis needs one column of machines. The margin of coupled
+        // modes is one of friction.
+        let one_mode = self.machines.model() == ModelResult::StickSlip;
+        let damping = self.axes.iter().position(|axis| axis.place.name() == DAMPING).filter(|_| one_mode);
         let columns = match damping {
             Some(axis) => {
                 let others = if axis == 0 { &y } else { &x };
