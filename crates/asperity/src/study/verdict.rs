@@ -7,6 +7,7 @@ mod fluctuating;
 mod machines;
 pub(super) mod map;
 mod plastic;
+mod probability;
 pub(super) mod remedies;
 pub(super) mod responses;
 mod rests_on;
@@ -17,16 +18,16 @@ mod vibrating;
 use std::borrow::Cow;
 
 use self::drivers::MarginModel;
-use self::dynamics::{Dynamics, Margins};
-use self::machines::{Machine, Machines, NoAnswer};
+use self::dynamics::Dynamics;
+use self::machines::{Machine, Machines};
+use self::probability::{Estimator, Event, Probability};
 use self::responses::{ContactPoints, FrictionResponses};
 use self::sampled::{Evaluated, Sampled};
 use self::scan::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
-use crate::chaos::rare::{self, RareError, SmallProbability, small_probability};
 use crate::friction::WindowFriction;
-use crate::monitor::{Cancelled, Monitor};
-use crate::stats::{Interval, NORMAL_95, quantile_sorted, wilson_interval};
+use crate::monitor::Monitor;
+use crate::stats::quantile_sorted;
 use crate::study::output::StageOutput;
 use crate::study::result::{ErrorSource, MarginQuantile, ModelResult, VerdictResult};
 use crate::study::surface_stage::SurfaceStage;
@@ -42,8 +43,6 @@ const NEGLIGIBLE_STD: f64 = 1e-6;
 const LATER: f64 = 4.0;
 /// Fraction of unexplained variance above which there is a warning.
 const UNEXPLAINED: f64 = 0.05;
-/// Smallest number of machines on each side below which the probability is computed as a small one.
-const FEW: usize = 40;
 /// Smallest fraction of machines that must have an answer.
 const VALID_FRACTION: f64 = 0.95;
 
@@ -123,64 +122,29 @@ pub(super) fn run(
         let machines = sentence::count(failed, "sampled machine has", "sampled machines have");
         output.warnings.push(format!("{machines} no answer and are left out; the first because {reason}"));
     }
-    let mut evaluations = sampled.machines.len();
-    let mut probability_of = |vibrates: fn(&Evaluated) -> bool, margin: fn(&Margins) -> f64, exact: bool| {
-        let (vibrating, all) = sampled.count(vibrates);
-        let share = vibrating as f64 / all as f64;
-        if machines.variables() == 0 {
-            return Ok((share, Interval { low: share, high: share }));
-        }
-        let few = vibrating.min(all - vibrating) < FEW;
-        if !(few && exact) {
-            return Ok((share, wilson_interval(vibrating, all)));
-        }
-        // The complement of an almost certain event is a small probability.
-        let sign = if 2 * vibrating < all { 1.0 } else { -1.0 };
-        let response = |variables: &[f64]| {
-            let evaluated = machines.at(variables).and_then(|machine| Evaluated::constant_friction(&machine));
-            evaluated.map(|machine| sign * margin(&machine.margins)).map_err(NoAnswer)
-        };
-        let settings = rare::Settings::new(seed);
-        let (small, Interval { low, high }, spent) =
-            match small_probability(machines.variables(), &response, &settings, monitor) {
-                Ok(SmallProbability::Estimate(found)) => (found.probability, found.interval, found.evaluations),
-                Ok(SmallProbability::Bound(bound)) => {
-                    (0.0, Interval { low: 0.0, high: bound.probability }, bound.evaluations)
-                }
-                Err(RareError::Cancelled) => return Err(Cancelled.into()),
-                Err(error) => {
-                    output.warnings.push(format!("the interval of the small probability is wide: {error}"));
-                    return Ok((share, wilson_interval(vibrating, all)));
-                }
-            };
-        evaluations += spent;
-        Ok::<_, StudyError>(if sign > 0.0 {
-            (small, Interval { low, high })
-        } else {
-            (1.0 - small, Interval { low: 1.0 - high, high: 1.0 - low })
-        })
+    let mut estimator = Estimator {
+        machines: &machines,
+        sampled: &sampled,
+        responses: responses.as_ref(),
+        seed,
+        monitor,
+        evaluations: sampled.machines.len(),
+        warnings: Vec::new(),
     };
-    let (probability, interval) =
-        probability_of(|machine| machine.vibrates, |margins| margins.from_stick, !fluctuates)?;
-    let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
-    let mut interval = interval;
-    if let Some(responses) = &responses {
-        for (name, error) in [("strips", responses.strips_error), ("expansion", responses.expansion_error)] {
-            let shift = NORMAL_95 * error;
-            let shifted = |shift: f64| sampled.shifted(&machines.with_friction_factor(shift.exp()), monitor);
-            let shifted = [shifted(-shift)?, shifted(shift)?];
-            sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
-            interval = widened(interval, probability, shifted);
-        }
-    }
-    sources.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let (from_sliding, sliding_interval) = probability_of(
-        |machine| machine.margins.from_steady_sliding < 0.0,
-        |margins| margins.from_steady_sliding,
-        true,
-    )?;
-    if 0.5 * (interval.high - interval.low) > study.half_width {
-        output.warnings.push(limit(sources[0].0, study.half_width));
+    let Probability { value: probability, interval, sources } = estimator.probability(&Event {
+        vibrates: |machine| machine.vibrates,
+        margin: |margins| margins.from_stick,
+        by_margin: !fluctuates,
+    })?;
+    let sliding = estimator.probability(&Event {
+        vibrates: |machine| machine.margins.from_steady_sliding < 0.0,
+        margin: |margins| margins.from_steady_sliding,
+        by_margin: true,
+    })?;
+    let evaluations = estimator.evaluations;
+    output.warnings.append(&mut estimator.warnings);
+    if let Some((source, _)) = sources.first().filter(|_| 0.5 * (interval.high - interval.low) > study.half_width) {
+        output.warnings.push(limit(source, study.half_width));
     }
     let mut margins: Vec<f64> = sampled.valid().map(|machine| machine.margins.from_stick).collect();
     margins.sort_by(f64::total_cmp);
@@ -193,8 +157,8 @@ pub(super) fn run(
         probability_interval: [interval.low, interval.high],
         error_sources: error_sources(&sources),
         friction: responses.as_ref().map(|responses| responses.learnt.clone()),
-        probability_from_steady_sliding: from_sliding,
-        probability_from_steady_sliding_interval: [sliding_interval.low, sliding_interval.high],
+        probability_from_steady_sliding: sliding.value,
+        probability_from_steady_sliding_interval: [sliding.interval.low, sliding.interval.high],
         evaluations,
         failed_samples: failed,
         first_failure,
@@ -253,15 +217,6 @@ pub(super) fn run(
     output.assumptions.extend(friction.and_then(|friction| plastic::plastic_sentence(friction, window)));
     result.assumptions.clone_from(&output.assumptions);
     Ok(Verdict { result, output })
-}
-
-/// Returns the interval of a probability with the error of the friction, given the probabilities at both ends of the interval of
-/// friction. Both errors are independent.
-fn widened(interval: Interval, probability: f64, shifted: [f64; 2]) -> Interval {
-    let [least, most] = [shifted[0].min(shifted[1]), shifted[0].max(shifted[1])];
-    let below = (probability - interval.low).hypot((probability - least).max(0.0));
-    let above = (interval.high - probability).hypot((most - probability).max(0.0));
-    Interval { low: (probability - below).max(0.0), high: (probability + above).min(1.0) }
 }
 
 /// Returns the parts of an interval; none of an exact probability.

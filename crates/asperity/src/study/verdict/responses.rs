@@ -44,9 +44,9 @@ pub(super) struct FrictionResponses {
     /// Expansions of the logarithms of the moments, which are nearly products of powers.
     moments: [Option<Expansion>; MOMENTS.len()],
     /// Relative standard error of the mean that is due to the few strips.
-    pub(super) strips_error: f64,
+    strips_error: f64,
     /// Relative standard error of the mean near the limit of vibration that is due to the expansion.
-    pub(super) expansion_error: f64,
+    expansion_error: f64,
     pub(super) learnt: LearntFriction,
 }
 
@@ -139,6 +139,11 @@ impl FrictionResponses {
             standard_error: strips_error.hypot(expansion_error),
         };
         Ok(Self { axes, moments, strips_error, expansion_error, learnt })
+    }
+
+    /// Returns the relative standard errors of the mean by cause.
+    pub(super) fn errors(&self) -> Vec<(&'static str, f64)> {
+        vec![("strips", self.strips_error), ("expansion", self.expansion_error)]
     }
 
     /// States what was learnt, with its error.

@@ -84,21 +84,26 @@ impl Sampled {
         Ok(sampled)
     }
 
-    /// Returns the fraction of vibrating machines of the same samples with another friction, without fluctuation, relative to this one:
-    /// the difference is added to the probability.
-    pub(super) fn shifted(&self, machines: &Machines<'_>, monitor: &dyn Monitor) -> Result<f64, Cancelled> {
+    /// Returns the change of the fraction of machines with a negative margin if the same samples have another friction, which does not
+    /// fluctuate.
+    pub(super) fn change(
+        &self,
+        machines: &Machines<'_>,
+        margin: fn(&Margins) -> f64,
+        monitor: &dyn Monitor,
+    ) -> Result<f64, Cancelled> {
         let count = self.machines.len().min(SHIFTED);
         let task = Task::new(monitor, "verdict: friction error", count);
         let vibrates = blocks::map::<_, Result<Vec<bool>, Cancelled>>(0..count, |index| {
             task.step(|| {
                 let machine = machines.at(&machines.variables_of(index));
                 let evaluated = machine.and_then(|machine| Evaluated::constant_friction(&machine));
-                evaluated.is_ok_and(|machine| machine.margins.from_stick < 0.0)
+                evaluated.is_ok_and(|machine| margin(&machine.margins) < 0.0)
             })
         })?;
-        let share = |vibrating: usize| vibrating as f64 / count as f64;
-        let before = self.machines[..count].iter().flatten().filter(|machine| machine.margins.from_stick < 0.0).count();
-        Ok(self.probability().0 + share(vibrates.into_iter().filter(|v| *v).count()) - share(before))
+        let after = vibrates.into_iter().filter(|vibrates| *vibrates).count();
+        let before = self.machines[..count].iter().flatten().filter(|machine| margin(&machine.margins) < 0.0).count();
+        Ok((after as f64 - before as f64) / count as f64)
     }
 
     /// Returns the fraction of vibrating machines after a longer time: the difference over the first samples is added to the

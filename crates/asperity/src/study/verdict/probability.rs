@@ -1,0 +1,147 @@
+//! Probability that a machine vibrates, with its interval.
+
+use super::dynamics::Margins;
+use super::machines::{Machines, NoAnswer};
+use super::responses::FrictionResponses;
+use super::sampled::{Evaluated, Sampled};
+use crate::chaos::rare::{self, RareError, SmallProbability, small_probability};
+use crate::monitor::{Cancelled, Monitor};
+use crate::stats::{Interval, NORMAL_95, wilson_interval};
+use crate::study::StudyError;
+
+/// Smallest number of machines on each side below which the probability is computed as a small one.
+const FEW: usize = 40;
+
+/// Event that a machine vibrates.
+pub(super) struct Event {
+    pub(super) vibrates: fn(&Evaluated) -> bool,
+    pub(super) margin: fn(&Margins) -> f64,
+    /// Whether the sign of the margin decides.
+    pub(super) by_margin: bool,
+}
+
+/// Probability with its 95 % interval, and the half widths that its causes have alone.
+pub(super) struct Probability {
+    pub(super) value: f64,
+    pub(super) interval: Interval,
+    pub(super) sources: Vec<(&'static str, f64)>,
+}
+
+/// Probabilities over the sampled machines.
+pub(super) struct Estimator<'a> {
+    pub(super) machines: &'a Machines<'a>,
+    pub(super) sampled: &'a Sampled,
+    pub(super) responses: Option<&'a FrictionResponses>,
+    pub(super) seed: u64,
+    pub(super) monitor: &'a dyn Monitor,
+    /// Number of machines that were evaluated for small probabilities.
+    pub(super) evaluations: usize,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Estimator<'_> {
+    /// Estimates the probability of an event. A small one, or the complement of one that is almost certain, comes from importance sampling.
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub(super) fn probability(&mut self, event: &Event) -> Result<Probability, StudyError> {
+        let (vibrating, all) = self.sampled.count(event.vibrates);
+        let share = vibrating as f64 / all as f64;
+        if self.machines.variables() == 0 {
+            return Ok(Probability {
+                value: share,
+                interval: Interval { low: share, high: share },
+                sources: Vec::new(),
+            });
+        }
+        let is_complement = 2 * vibrating >= all;
+        let few = vibrating.min(all - vibrating) < FEW && event.by_margin;
+        let small = if few { self.small(self.machines, event, is_complement)? } else { None };
+        let (value, mut interval) = small.map_or_else(
+            || (share, wilson_interval(vibrating, all)),
+            |(value, interval, evaluations)| {
+                self.evaluations += evaluations;
+                (value, interval)
+            },
+        );
+        let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
+        for (name, error) in self.responses.map_or_else(Vec::new, FrictionResponses::errors) {
+            let mut shifted = [value; 2];
+            for (shifted, sign) in shifted.iter_mut().zip([-1.0, 1.0]) {
+                let machines = self.machines.with_friction_factor((sign * NORMAL_95 * error).exp());
+                *shifted = match small {
+                    None => value + self.sampled.change(&machines, event.margin, self.monitor)?,
+                    // A bound holds for any friction near this one.
+                    Some(_) if value == 0.0 => value,
+                    Some(_) => self.small(&machines, event, is_complement)?.map_or(value, |(value, ..)| value),
+                };
+            }
+            sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
+            interval = widened(interval, value, shifted, small.is_some());
+        }
+        sources.sort_by(|a, b| b.1.total_cmp(&a.1));
+        if small.is_some() && is_complement {
+            let interval = Interval { low: 1.0 - interval.high, high: 1.0 - interval.low };
+            return Ok(Probability { value: 1.0 - value, interval, sources });
+        }
+        Ok(Probability { value, interval, sources })
+    }
+
+    /// Returns the small probability of an event, or of its complement, with its interval and evaluations; `None` with a warning if there is
+    /// no estimate.
+    fn small(
+        &mut self,
+        machines: &Machines<'_>,
+        event: &Event,
+        is_complement: bool,
+    ) -> Result<Option<(f64, Interval, usize)>, StudyError> {
+        let sign = if is_complement { -1.0 } else { 1.0 };
+        let response = |variables: &[f64]| {
+            let evaluated = machines.at(variables).and_then(|machine| Evaluated::constant_friction(&machine));
+            evaluated.map(|machine| sign * (event.margin)(&machine.margins)).map_err(NoAnswer)
+        };
+        let settings = rare::Settings::new(self.seed);
+        match small_probability(machines.variables(), &response, &settings, self.monitor) {
+            Ok(SmallProbability::Estimate(found)) => Ok(Some((found.probability, found.interval, found.evaluations))),
+            Ok(SmallProbability::Bound(bound)) => {
+                Ok(Some((0.0, Interval { low: 0.0, high: bound.probability }, bound.evaluations)))
+            }
+            Err(RareError::Cancelled) => Err(Cancelled.into()),
+            Err(error) => {
+                self.warnings.push(format!("the interval of the small probability is wide: {error}"));
+                Ok(None)
+            }
+        }
+    }
+}
+
+/// Returns the interval of a probability with the error of the friction, given the probabilities at both ends of the interval of
+/// friction. Both errors are independent; those of small probabilities are relative.
+fn widened(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bool) -> Interval {
+    let [least, most] = [shifted[0].min(shifted[1]), shifted[0].max(shifted[1])];
+    if is_small && probability > 0.0 && least > 0.0 && interval.low > 0.0 {
+        let distance = |end: f64| (end / probability).ln();
+        let below = distance(interval.low).hypot(distance(least).min(0.0));
+        let above = distance(interval.high).hypot(distance(most).max(0.0));
+        return Interval { low: probability * (-below).exp(), high: (probability * above.exp()).min(1.0) };
+    }
+    let below = (probability - interval.low).hypot((probability - least).max(0.0));
+    let above = (interval.high - probability).hypot((most - probability).max(0.0));
+    Interval { low: (probability - below).max(0.0), high: (probability + above).min(1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_a_small_probability_are_relative() {
+        let interval = Interval { low: 0.8e-5, high: 1.25e-5 };
+        // Friction alone gives a factor of 2: ln² 2 and ln² 1.25 add up.
+        let found = widened(interval, 1e-5, [2e-5, 0.5e-5], true);
+        let factor = 2.0_f64.ln().hypot(1.25_f64.ln()).exp();
+        assert!((found.high / (1e-5 * factor) - 1.0).abs() < 1e-12 && (found.low * factor / 1e-5 - 1.0).abs() < 1e-12);
+        let found = widened(Interval { low: 0.47, high: 0.53 }, 0.5, [0.54, 0.46], false);
+        assert!((found.low - 0.45).abs() < 1e-12 && (found.high - 0.55).abs() < 1e-12);
+    }
+}
