@@ -266,6 +266,15 @@ fn the_shear_strength_of_plastic_contacts_decides_through_the_whole_chain() {
 }
 
 #[test]
+fn small_probabilities_through_the_whole_chain_are_those_of_the_shear_strength() {
+    // P[τ > 20 MPa] = Φ(−5) lies beyond the range on which friction is learnt.
+    let found = plastic("15 ± 1 MPa", "4.2");
+    contains(&found["probability_interval"], 2.866_516e-7);
+    let [low, high] = pair(&found["probability_interval"]);
+    assert!(low > 0.0 && high < 3.0 * low, "{low} to {high}");
+}
+
+#[test]
 fn an_uncertain_law_decides_over_computed_friction() {
     // The limit rises with the Stribeck coefficient: P = P[a > 4.2] = Φ(½), in either unit. 1 m/s is mω₀/N = .1264 of the unit of velocity.
     for stribeck in ["\"4.4 ± 0.4\"", "\"0.55616 ± 0.05056 s/m\""] {

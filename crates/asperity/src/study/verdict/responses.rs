@@ -29,6 +29,8 @@ const MOST_ROUNDS: usize = 4;
 const CANDIDATES: usize = 512;
 /// Part of the half width of the probability's interval that the error of friction may take.
 const PART_OF_HALF_WIDTH: f64 = 0.5;
+/// Step for the slope of an expansion at the end of its range.
+const SLOPE_STEP: f64 = 1e-3;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
 /// Learnt moments, the mean first.
@@ -178,7 +180,7 @@ impl FrictionResponses {
     pub(super) fn at(&self, table: &Table, window: &WindowFriction) -> WindowFriction {
         let xi: Vec<f64> = self.axes.iter().map(|axis| axis.xi(table)).collect();
         let [mean, std, length, stiffness] =
-            self.moments.each_ref().map(|moment| moment.as_ref().map(|expansion| expansion.evaluate(&xi).exp()));
+            self.moments.each_ref().map(|moment| moment.as_ref().map(|expansion| continued(expansion, &xi).exp()));
         // The standard deviation of a point is that of all windows; its fractions along the path and between parts are those of
         // `window`. Only the windows of a smooth slider have the correlation of the strips along the path.
         let all = window.std.hypot(window.between_parts_std);
@@ -192,6 +194,19 @@ impl FrictionResponses {
             ..window.clone()
         }
     }
+}
+
+/// Evaluates an expansion, continued linearly beyond −1 … 1: friction is nearly a product of powers, and polynomials are wild there.
+fn continued(expansion: &Expansion, xi: &[f64]) -> f64 {
+    let end: Vec<f64> = xi.iter().map(|xi| xi.clamp(-1.0, 1.0)).collect();
+    let beyond: f64 = xi.iter().zip(&end).map(|(xi, end)| (xi - end).powi(2)).sum::<f64>().sqrt();
+    let at_end = expansion.evaluate(&end);
+    if beyond == 0.0 {
+        return at_end;
+    }
+    let step = SLOPE_STEP / beyond;
+    let inside: Vec<f64> = xi.iter().zip(&end).map(|(xi, end)| end - step * (xi - end)).collect();
+    at_end + (at_end - expansion.evaluate(&inside)) / step
 }
 
 /// Returns the values that change the contact, uncertain ones and those of remedies.

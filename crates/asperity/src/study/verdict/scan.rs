@@ -116,13 +116,13 @@ impl ScanErrors {
         let percent = |std: f64| crate::study::sentence::digits(100.0 * std);
         output.assumptions.push(match scans.len() {
             1 => format!(
-                "The verdict is for the part with this scan. What the scan leaves uncertain of rms height, rms slope and skewness changes \
-                 the friction coefficient by {} % (one standard deviation, unknown); between parts the surface does not differ.",
+                "The verdict is for the part with this scan. Rms height, rms slope and skewness of the surface are known from the scan with an error \
+                 that changes the friction coefficient by {} % (one standard deviation, unknown). Differences between parts are not known.",
                 percent(scan_std)
             ),
             count => format!(
-                "What {count} scans leave uncertain of rms height, rms slope and skewness changes the friction coefficient by {} % (one \
-                 standard deviation, unknown); beyond the errors of the scans, surfaces differ by {} %, which varies from part to part.",
+                "Rms height, rms slope and skewness of the surface are known from {count} scans with an error that changes the friction coefficient \
+                 by {} % (one standard deviation, unknown). Beyond the errors of the scans, surfaces differ by {} %, which varies from part to part.",
                 percent(scan_std),
                 percent(between_std)
             ),

@@ -43,15 +43,13 @@ impl Axis {
         if self.logarithmic { scaled.exp() } else { scaled }
     }
 
-    /// Returns the point of the scale of a study file's value; values beyond the ends count as the ends.
-    fn scaled(&self, table: &Table) -> f64 {
-        self.scale(self.place.value_in(table).unwrap_or(self.low).clamp(self.low, self.high))
-    }
-
-    /// Returns the position of a study file's value in −1 … 1.
+    /// Returns the position of a study file's value: −1 … 1 on the range on which friction is learnt.
     pub(super) fn xi(&self, table: &Table) -> f64 {
         let [low, high] = [self.low, self.high].map(|end| self.scale(end));
-        2.0 * (self.scaled(table) - low) / (high - low) - 1.0
+        let value = self.place.value_in(table).unwrap_or(self.low);
+        // A value that a logarithmic scale does not contain counts as the lower end.
+        let scaled = if self.logarithmic && value <= 0.0 { low } else { self.scale(value) };
+        2.0 * (scaled - low) / (high - low) - 1.0
     }
 
     pub(super) fn parameter(&self) -> Result<Parameter, StudyError> {
