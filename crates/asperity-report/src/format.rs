@@ -226,6 +226,11 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     minus(format!("{mantissa}·10{}", superscript(exponent)))
 }
 
+/// Formats a count with commas between thousands.
+pub(crate) fn count(count: usize) -> String {
+    if count < 1000 { count.to_string() } else { format!("{},{:03}", self::count(count / 1000), count % 1000) }
+}
+
 /// Formats `value ± error`, the error with two significant digits and the value with as many decimals.
 pub(crate) fn with_error(value: f64, error: f64) -> String {
     if !(error.is_finite() && error > 0.0) {

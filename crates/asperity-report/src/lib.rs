@@ -25,6 +25,7 @@ use asperity_results::{Provenance, Results, VibrationResult};
 use thiserror::Error;
 
 pub use figures::vibration::vibration_figures;
+pub use page::verdict_text;
 pub use record::record_figures;
 pub use twin::{TwinRun, render_twins};
 pub use verdict::verdict_sentence;

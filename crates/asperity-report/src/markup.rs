@@ -2,17 +2,16 @@
 
 use std::fmt::{self, Display};
 
+/// Characters that have a meaning in HTML and SVG; `&` is the last to be unescaped.
+const ESCAPES: [(char, &str); 5] = [('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;"), ('\'', "&#39;"), ('&', "&amp;")];
+
 /// Replaces the characters that have a meaning in HTML and SVG.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
-        match character {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            '\'' => escaped += "&#39;",
-            other => escaped.push(other),
+        match ESCAPES.iter().find(|(special, _)| *special == character) {
+            Some((_, escape)) => escaped += escape,
+            None => escaped.push(character),
         }
     }
     escaped
@@ -30,6 +29,14 @@ impl Html {
 
     pub(crate) fn into_string(self) -> String {
         self.0
+    }
+
+    /// Returns the text without tags.
+    pub(crate) fn text(&self) -> String {
+        let mut pieces = self.0.split('<');
+        let first = pieces.next().unwrap_or_default().to_owned();
+        let text = pieces.fold(first, |text, piece| text + piece.split_once('>').map_or(piece, |(_, after)| after));
+        ESCAPES.iter().fold(text, |text, (character, escape)| text.replace(escape, &character.to_string()))
     }
 }
 
@@ -73,6 +80,11 @@ pub(crate) use html;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_text_of_html_has_no_tags_and_no_escapes() {
+        assert_eq!(html!("a <strong class=\"b\">{}</strong>.", "&lt; < c & d").text(), "a &lt; < c & d.");
+    }
 
     #[test]
     fn texts_are_escaped_and_html_is_not() {

@@ -16,8 +16,11 @@ mod tables;
 mod verdict;
 mod vibration;
 
+use std::fmt::{self, Display};
+
 use asperity_results::Provenance;
 
+pub use self::verdict::verdict_text;
 use crate::figures::{self, CaptionedFigure};
 use crate::markup::{Html, html};
 use crate::{Figure, Report, ReportError, Run};
@@ -254,6 +257,22 @@ impl DataTable {
             rows.collect::<Html>(),
             &self.source,
         )
+    }
+}
+
+impl Display for DataTable {
+    /// Writes the caption, then the headers and rows in aligned columns.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = || std::iter::once(&self.headers).chain(&self.rows);
+        let cell = |row: &[String], column: usize| row.get(column).map_or(0, |cell| cell.chars().count());
+        let widths: Vec<usize> =
+            (0..self.headers.len()).map(|column| rows().map(|row| cell(row, column)).max().unwrap_or(0)).collect();
+        writeln!(f, "{}", self.caption)?;
+        for row in rows() {
+            let cells = row.iter().zip(&widths).map(|(cell, width)| format!("  {cell:width$}"));
+            writeln!(f, "{}", cells.collect::<String>().trim_end())?;
+        }
+        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@ use asperity_results::{ModelResult, VerdictResult};
 use crate::format::{Dimension, significant};
 
 /// Probability below which a number rests on the tails of the assumed distributions.
-const RARE: f64 = 1e-3;
+pub(crate) const RARE: f64 = 1e-3;
 
 /// The verdict in one sentence of three parts.
 pub(crate) struct Headline {

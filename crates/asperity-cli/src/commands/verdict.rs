@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use asperity::study::{CsvTable, Stage, VERDICT_SAMPLES};
-use asperity_report::verdict_sentence;
+use asperity_report::{verdict_sentence, verdict_text};
 use clap::Args;
 
 use super::study_file;
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::{Answer, check_target, replace_file, write_verb};
+use crate::output::{Answer, check_target, print, replace_file, write_verb};
 
 /// Computes how probable vibration is over the uncertain values of a study, what decides it, and what changes it. Runs the stages
 /// that it needs and writes no folder.
@@ -59,8 +59,10 @@ impl Verdict {
             replace_file(file, |out| out.write_all(text.as_bytes()))?;
             monitor.note(&format!("{verb} {}", file.display()));
         }
-        let answer = Answer::default().with("sentence", verdict_sentence(verdict)).and(Answer::new(verdict)?);
-        // The map is a table of numbers for programs and figures.
-        if self.json { answer } else { answer.without("map") }.print(self.json)
+        if self.json {
+            let answer = Answer::default().with("sentence", verdict_sentence(verdict));
+            return answer.and(Answer::new(verdict)?).print(true);
+        }
+        print(&verdict_text(verdict))
     }
 }

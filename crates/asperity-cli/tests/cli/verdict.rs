@@ -183,6 +183,9 @@ fn samples_are_exported_with_their_kind_and_margin() {
         (vibrating, all) = (vibrating + usize::from(margin < 0.0), all + 1);
     }
     assert_eq!(found["probability"], vibrating as f64 / all as f64);
+    let shown = run_in(folder.path(), "verdict study.toml").stdout;
+    assert!(shown.starts_with(found["sentence"].as_str().unwrap()), "{shown}");
+    assert!(shown.contains("weakening of friction with speed") && !shown.contains('{'), "{shown}");
 }
 
 #[test]

@@ -4,11 +4,13 @@ mod drivers;
 mod margin;
 mod remedies;
 mod rests_on;
+mod text;
 mod words;
 
 use asperity_results::{Driver, ModelResult, Quantiles, VerdictResult};
 
 use self::margin::Limits;
+pub use self::text::verdict_text;
 pub(super) use self::words::between;
 pub(crate) use self::words::{dimension, named};
 use super::DataTable;
@@ -17,7 +19,7 @@ use crate::Run;
 use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 pub(super) use crate::verdict::noun as kind_of_motion;
-use crate::verdict::{Headline, is_exact, percent, steady_sliding};
+use crate::verdict::{Headline, RARE, is_exact, percent, steady_sliding};
 
 const SOURCE: &str = "results.json";
 
@@ -70,38 +72,13 @@ fn numbers(verdict: &VerdictResult) -> Html {
         sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(&sliding)))));
     } else {
         sentences.push(text(computed_to(verdict)));
-        if let Some(Quantiles { q05, q95, .. }) = verdict.probability_over_unknowns {
-            let over = match verdict.guesses.as_slice() {
-                [guess] => format!("Over the unknown {}", named(&guess.input)),
-                guesses => format!("Over the {} unknown values", guesses.len()),
-            };
-            let ends = format!("{} and {}", percent(q05), percent(q95));
-            sentences.push(html!("{} it lies between <strong>{}</strong>.", over, unbroken(&ends)));
-        }
+        sentences.extend(over_unknowns(verdict));
         if verdict.model == ModelResult::StickSlip {
             let sliding = percent(verdict.probability_from_steady_sliding);
             sentences.push(text(format!("From steady sliding {sliding}.")));
         }
     }
-    if let Some(machines) = &verdict.if_vibrating {
-        let shown = |dimension, quantiles: Option<Quantiles>| quantiles.map(|quantiles| between(dimension, quantiles));
-        let (hertz, wide) = shown(Dimension::Frequency, machines.frequency_hz).unwrap_or_default();
-        let amplitudes: Vec<String> = [
-            shown(Dimension::Velocity, machines.velocity_amplitude_m_per_s),
-            shown(Dimension::Length, machines.displacement_amplitude_m),
-        ]
-        .into_iter()
-        .flatten()
-        .map(|(middle, range)| format!("{middle}{range}"))
-        .collect();
-        let amplitudes = match amplitudes.is_empty() {
-            true => String::new(),
-            false => format!(", with amplitudes of {}", amplitudes.join(" and ")),
-        };
-        let (when, ranges) =
-            if is_exact(verdict) { ("It vibrates at", "") } else { ("If it vibrates:", "; ranges hold 90 %") };
-        sentences.push(html!("{} <strong>{}</strong>{}{}{}.", when, hertz, wide, amplitudes, unbroken(ranges)));
-    }
+    sentences.extend(vibration(verdict));
     let count = sentences.len();
     let spaced = sentences
         .into_iter()
@@ -110,9 +87,46 @@ fn numbers(verdict: &VerdictResult) -> Html {
     spaced.collect()
 }
 
+/// Returns the range of the probability over the unknown values in a sentence.
+fn over_unknowns(verdict: &VerdictResult) -> Option<Html> {
+    let Quantiles { q05, q95, .. } = verdict.probability_over_unknowns?;
+    let over = match verdict.guesses.as_slice() {
+        [guess] => format!("Over the unknown {}", named(&guess.input)),
+        guesses => format!("Over the {} unknown values", guesses.len()),
+    };
+    let ends = format!("{} and {}", percent(q05), percent(q95));
+    Some(html!("{} it lies between <strong>{}</strong>.", over, unbroken(&ends)))
+}
+
+/// Returns frequency and amplitudes of the machines that vibrate in a sentence.
+fn vibration(verdict: &VerdictResult) -> Option<Html> {
+    let machines = verdict.if_vibrating.as_ref()?;
+    let shown = |dimension, quantiles: Option<Quantiles>| quantiles.map(|quantiles| between(dimension, quantiles));
+    let (hertz, wide) = shown(Dimension::Frequency, machines.frequency_hz).unwrap_or_default();
+    let amplitudes: Vec<String> = [
+        shown(Dimension::Velocity, machines.velocity_amplitude_m_per_s),
+        shown(Dimension::Length, machines.displacement_amplitude_m),
+    ]
+    .into_iter()
+    .flatten()
+    .map(|(middle, range)| format!("{middle}{range}"))
+    .collect();
+    let amplitudes = match amplitudes.is_empty() {
+        true => String::new(),
+        false => format!(", with amplitudes of {}", amplitudes.join(" and ")),
+    };
+    let (when, ranges) =
+        if is_exact(verdict) { ("It vibrates at", "") } else { ("If it vibrates:", "; ranges hold 90 %") };
+    Some(html!("{} <strong>{}</strong>{}{}{}.", when, hertz, wide, amplitudes, unbroken(ranges)))
+}
+
 /// Returns the error of the computation in a sentence: half the width of a symmetric interval, or the interval.
 fn computed_to(verdict: &VerdictResult) -> String {
     let ([low, high], p) = (verdict.probability_interval, verdict.probability);
+    if high < RARE {
+        let [p, low, high] = [p, low, high].map(|p| significant(p, 2));
+        return format!("The probability is {p} ({low} to {high}).");
+    }
     let (below, above) = (p - low, high - p);
     let symmetric = below.min(above) > 0.7 * below.max(above);
     if symmetric && (0.05..0.95).contains(&p) {

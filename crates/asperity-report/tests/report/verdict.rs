@@ -1,6 +1,6 @@
 //! The verdict in words and on the page.
 
-use asperity_report::{Run, Table, render, verdict_sentence};
+use asperity_report::{Run, Table, render, verdict_sentence, verdict_text};
 use asperity_results::{InputKind, InputValue, RestsOn, VerdictResult};
 
 use crate::documents::{elements, resources, text};
@@ -80,6 +80,37 @@ fn the_sentence_states_the_probability_with_its_interval() {
     assert!(sentence.contains("The machine vibrates (stick–slip)") && sentence.contains("13\u{a0}mm/s"), "{sentence}");
     exact.nominal.vibrates = false;
     assert!(verdict_sentence(&exact).contains("does not vibrate"));
+}
+
+#[test]
+fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
+    let verdict = example::verdict::verdict();
+    let text = verdict_text(&verdict);
+    assert!(text.starts_with(&verdict_sentence(&verdict)), "{text}");
+    for wanted in [
+        "\nOver the unknown Stribeck coefficient it lies between 22 % and 91 %.\nIf it vibrates: 312 Hz (298–325), with amplitudes",
+        "\nRaise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.\n",
+        "\nMeasure the Stribeck coefficient next",
+        "\nQuantiles of the margin ζ − ζ_v\n  Quantile  Margin\n",
+        "\nWhat would stop it\n  Change",
+        "not in the range",
+        "\nHow much of the area acts as one",
+        "unknown",
+    ] {
+        assert!(text.contains(wanted), "`{wanted}` is missing in\n{text}");
+    }
+    assert!(!text.contains(['<', '{', '\u{a0}']), "{text}");
+    // The columns of a table begin at the same place.
+    let mut lines = text.lines().skip_while(|line| *line != "What would stop it").skip(1);
+    let mut column = |words: &str| lines.next().and_then(|line| Some(line[..line.find(words)?].chars().count()));
+    assert_eq!(column("Now").unwrap(), column("0.0155").unwrap());
+    let mut rare = verdict;
+    (rare.probability, rare.probability_interval) = (2e-5, [1e-5, 4e-5]);
+    assert!(
+        verdict_text(&rare).contains("\nThe probability is 2.0·10⁻⁵ (1.0·10⁻⁵ to 4.0·10⁻⁵).\n"),
+        "{}",
+        verdict_text(&rare)
+    );
 }
 
 #[test]

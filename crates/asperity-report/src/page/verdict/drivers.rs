@@ -60,7 +60,7 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     html!(
         "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, {}: fractions of its variance{}.</p>\n",
         bars.collect::<Html>(),
-        next(&drivers),
+        next(&verdict.drivers),
         measure,
         margin,
         others,
@@ -68,8 +68,8 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
 }
 
 /// Returns the value whose measurement narrows the margin most.
-fn next(drivers: &[&Driver]) -> Html {
-    let reduction = |driver: &&&Driver| driver.range_reduction.unwrap_or(0.0);
+pub(super) fn next(drivers: &[Driver]) -> Html {
+    let reduction = |driver: &&Driver| driver.range_reduction.unwrap_or(0.0);
     match drivers.iter().max_by(|a, b| reduction(a).total_cmp(&reduction(b))) {
         Some(driver) if reduction(&driver) >= LITTLE => html!(
             "Measure the <strong>{}</strong> next: the margin’s range would shrink by {}.",

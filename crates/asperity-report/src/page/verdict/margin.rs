@@ -3,7 +3,7 @@
 use asperity_results::{ModelResult, VerdictResult};
 
 use crate::Run;
-use crate::format::{Unit, significant};
+use crate::format::{Unit, count, significant};
 use crate::markup::{Html, html};
 use crate::page::verdict::unbroken;
 use crate::plot::Axis;
@@ -256,8 +256,7 @@ impl Limits {
         };
         let of = match self.samples {
             0 => "From the quantiles of the margin.".to_owned(),
-            count if count < 1000 => format!("{count} sampled machines."),
-            count => format!("{},{:03} sampled machines.", count / 1000, count % 1000),
+            samples => format!("{} sampled machines.", count(samples)),
         };
         let fewer = if verdict.probability > 0.0 && self.sorted.last().is_some_and(|limit| *limit <= self.split) {
             " None of them vibrates: the small probability has its own samples."

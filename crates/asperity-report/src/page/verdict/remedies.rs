@@ -7,6 +7,7 @@ use super::words::{dimension, named};
 use super::{SOURCE, unbroken};
 use crate::format::significant;
 use crate::markup::{Html, html};
+use crate::page::DataTable;
 use crate::page::cells::{DASH, plain, shown};
 use crate::verdict::{is_exact, percent};
 
@@ -33,7 +34,7 @@ fn target(probability: f64) -> String {
 }
 
 /// Returns the smallest relative change that reaches the first target.
-fn sentence(verdict: &VerdictResult) -> Html {
+pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let Some(wanted) = verdict.remedies.iter().find_map(|remedy| Some(remedy.reach.first()?.probability)) else {
         return Html::default();
     };
@@ -67,19 +68,33 @@ fn sentence(verdict: &VerdictResult) -> Html {
 }
 
 fn row(remedy: &Remedy) -> Html {
+    let cells = cells(remedy);
+    let values = cells[1..].iter().map(|cell| html!("<td>{}</td>", cell));
+    html!("<tr><th scope=\"row\">{}</th>{}</tr>\n", &cells[0], values.collect::<Html>())
+}
+
+/// Returns the change, the present value, the value for each target, and the friction coefficient that is left.
+fn cells(remedy: &Remedy) -> Vec<String> {
     let dimension = dimension(&remedy.unit);
-    let cells = remedy.reach.iter().map(|reach| match reach.value {
-        Some(value) => html!("<td>{}</td>", shown(dimension, value, reach.value_interval)),
-        None => html!("<td>not in the range</td>"),
-    });
+    let value = |reach: &Reach| match reach.value {
+        Some(value) => shown(dimension, value, reach.value_interval),
+        None => "not in the range".into(),
+    };
     let left = remedy.reach.iter().find_map(|reach| reach.friction_coefficient).or(remedy.friction_coefficient_now);
-    html!(
-        "<tr><th scope=\"row\">{}</th><td>{}</td>{}<td>{}</td></tr>\n",
-        named(&remedy.input),
-        shown(dimension, remedy.now, None),
-        cells.collect::<Html>(),
-        plain(left, 3),
-    )
+    let mut cells = vec![named(&remedy.input), shown(dimension, remedy.now, None)];
+    cells.extend(remedy.reach.iter().map(value));
+    cells.push(plain(left, 3));
+    cells
+}
+
+/// Returns the table of all changes.
+pub(super) fn table(verdict: &VerdictResult) -> DataTable {
+    let targets = verdict.remedies.first().map_or(&[][..], |first| &first.reach);
+    let mut headers = vec!["Change".to_owned(), "Now".into()];
+    headers.extend(targets.iter().map(|reach| format!("For {}", target(reach.probability))));
+    headers.push("Friction left".into());
+    let headers: Vec<&str> = headers.iter().map(String::as_str).collect();
+    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect(), SOURCE)
 }
 
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.
