@@ -8,10 +8,8 @@ The peers are installed into a virtual environment under the build folder, which
 
 import argparse
 import datetime
-import hashlib
 import json
 import os
-import platform
 import statistics
 import subprocess
 import sys
@@ -21,66 +19,27 @@ from pathlib import Path
 
 # No compiled files beside the scripts.
 sys.dont_write_bytecode = True
+sys.path.insert(1, str(Path(__file__).resolve().parents[1]))
+
+from environment import located, prepare
+from harness import ROOT, Failed, commit, duration, machine, process, table
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
-PEERS = TARGET / "chaos-peers"
-PYTHON = PEERS / "bin" / "python"
-OURS = TARGET / "release" / "time_regression"
+PEERS, PYTHON, _ = located(HERE / "requirements.txt")
+OURS = PEERS.parent / "release" / "time_regression"
 ROUNDS = 5
 # A code is given up when one process takes longer, and not repeated beyond a total of the second.
 PATIENCE_S, BUDGET_S = 1800.0, 60.0
-
-
-def prepare():
-    """The virtual environment, and for every paragraph of the requirements what kept it from being installed."""
-    text = (HERE / "requirements.txt").read_text()
-    stamp = PEERS / f"installed-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    if stamp.exists():
-        return {}
-    if not PYTHON.exists():
-        subprocess.run([sys.executable, "-m", "venv", PEERS], check=True)
-    failed = {}
-    for paragraph in text.split("\n\n")[1:]:
-        title, *packages = paragraph.strip().splitlines()
-        print(f"installing {', '.join(packages)}", flush=True)
-        done = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *packages], capture_output=True, text=True)
-        if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if "error" in line.lower()]
-            failed[title[2:]] = (lines or ["pip failed"])[-1][:200]
-    if "base" in failed:
-        raise SystemExit(f"the virtual environment cannot be made: {failed['base']}")
-    # What failed is tried again by the next run.
-    if not failed:
-        stamp.touch()
-    return failed
-
-
-class Failed(Exception):
-    """A code that gives no answer."""
-
-
-def process(command, said=None):
-    """The JSON that a process prints."""
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS", "OPENTURNS_NUM_THREADS")
-    environment = os.environ | {name: "1" for name in names} | {"PYTHONDONTWRITEBYTECODE": "1"}
-    try:
-        done = subprocess.run(list(map(str, command)), input=said, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
-    except subprocess.TimeoutExpired:
-        raise Failed(f"slower than {PATIENCE_S:g} s") from None
-    if done.returncode:
-        raise Failed((done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1][:200])
-    return json.loads(done.stdout.strip().splitlines()[-1])
+THREADS = ("RAYON_NUM_THREADS", "OPENTURNS_NUM_THREADS")
 
 
 def ours(job):
     hidden = ("case", "q", "some", "decomposition", "fresh", "fresh_matrix")
-    return process([OURS, job["case"], *(f"{key}={value}" for key, value in job.items() if key not in hidden)])
+    return process([OURS, job["case"], *(f"{key}={value}" for key, value in job.items() if key not in hidden)], None, PATIENCE_S, THREADS)
 
 
 def peer(name):
-    return lambda job: process([PYTHON, HERE / "peers.py", name], json.dumps(job))
+    return lambda job: process([PYTHON, HERE / "peers.py", name], json.dumps(job), PATIENCE_S, THREADS)
 
 
 @dataclass
@@ -101,13 +60,6 @@ class Timing:
             return f"none: {self.failure}"
         low, high = min(self.seconds), max(self.seconds)
         return f"{duration(self.median / share)} ({duration(low / share)} – {duration(high / share)})"
-
-
-def duration(seconds):
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= 0.9995 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
 
 
 def race(codes, rounds):
@@ -135,11 +87,6 @@ def ratio(timing, own, share=1.0, own_share=1.0):
     if timing.failure or own.failure:
         return ""
     return f", **×{timing.median / share / (own.median / own_share):.3g}**"
-
-
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
 
 
 class Bench:
@@ -286,21 +233,11 @@ class Bench:
                 + table(["function", "code", "geometric mean", "range", "designs"], rows))
 
 
-def machine(versions):
-    """What the times depend on."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
-    peers = ", ".join(f"{name} {version}" for name, version in versions.items())
-    return f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; Python {platform.python_version()}, {peers}"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true")
     quick = parser.parse_args().quick
-    failed = prepare()
+    failed = prepare(HERE / "requirements.txt")
     if Path(sys.prefix).resolve() != PEERS:
         os.execv(PYTHON, [str(PYTHON), __file__, *sys.argv[1:]])
     subprocess.run(["cargo", "build", "--quiet", "--release", "-p", "asperity-benchmarks", "--bin", "time_regression"], check=True, cwd=ROOT)
@@ -314,10 +251,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder), quick)
         parts = [bench.solve(), bench.evaluate(), bench.select(), bench.accuracy()]
-    commit = subprocess.run(["git", "describe", "--always", "--dirty=, with changes"], capture_output=True, text=True, cwd=ROOT).stdout.strip()
     text = "\n".join([
         "# Polynomial-chaos regression beside its peers\n",
-        f"Made by `benchmarks/chaos/run.py` on {datetime.date.today()}, asperity at {commit}. One thread each; medians, with the range, over "
+        f"Made by `benchmarks/chaos/run.py` on {datetime.date.today()}, asperity at {commit()}. One thread each; medians, with the range, over "
         f"interleaved rounds of fresh processes. Load average {before:.2f} before and {os.getloadavg()[0]:.2f} after the run.\n",
         machine(versions) + ".\n", *parts])
     if quick:

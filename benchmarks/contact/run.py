@@ -9,26 +9,26 @@ The peers are installed into a virtual environment under the build folder, which
 
 import argparse
 import datetime
-import hashlib
 import json
 import os
-import platform
 import selectors
 import statistics
 import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 
 # No compiled files beside the scripts.
 sys.dont_write_bytecode = True
+sys.path.insert(1, str(Path(__file__).resolve().parents[1]))
+
+from environment import located, prepare
+from harness import ROOT, Failed, commit, machine
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
-PEERS = TARGET / "contact-peers"
-PYTHON = PEERS / "bin" / "python"
+PEERS, PYTHON, _ = located(HERE / "requirements.txt")
 
 # The true residual that every code has to meet.
 WANTED = 1e-6
@@ -53,36 +53,11 @@ ASPHER = ("ASPHER", "ASPHER, mixed precision")
 WAYS = {"Tamaas": ("Tamaas",), "ContactMechanics": ("ContactMechanics",), "ASPHER": ASPHER}
 
 
-def prepare():
-    """The virtual environment, and for every paragraph of the requirements what kept it from being installed."""
-    text = (HERE / "requirements.txt").read_text()
-    stamp = PEERS / f"installed-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    if stamp.exists():
-        return {}
-    if not PYTHON.exists():
-        subprocess.run([sys.executable, "-m", "venv", PEERS], check=True)
-    failed = {}
-    for paragraph in text.split("\n\n")[1:]:
-        title, *packages = paragraph.strip().splitlines()
-        print(f"installing {', '.join(packages)}", flush=True)
-        # ASPHER would fetch Eigen and build without the vector instructions of the machine.
-        environment = os.environ | {"CMAKE_ARGS": "-DASPHER_NATIVE=ON"}
-        environment["CMAKE_PREFIX_PATH"] = ":".join(str(path) for path in PEERS.glob("lib/python*/site-packages/cmeel.prefix"))
-        build = ["--no-binary", "aspher"] if "ASPHER" == title[2:] else []
-        done = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *build, *packages], capture_output=True, text=True, env=environment)
-        if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if "error" in line.lower()]
-            failed[title[2:]] = (lines or ["pip failed"])[-1][:200]
-    if "base" in failed:
-        raise SystemExit(f"the virtual environment cannot be made: {failed['base']}")
-    # What failed is tried again by the next run.
-    if not failed:
-        stamp.touch()
-    return failed
-
-
-class Failed(Exception):
-    """A code that gives no answer."""
+def build(title):
+    """The words for pip and the variables with which a peer is built."""
+    # ASPHER would fetch Eigen and build without the vector instructions of the machine.
+    prefixes = ":".join(str(path) for path in PEERS.glob("lib/python*/site-packages/cmeel.prefix"))
+    return ["--no-binary", "aspher"] if title == "ASPHER" else [], {"CMAKE_ARGS": "-DASPHER_NATIVE=ON", "CMAKE_PREFIX_PATH": prefixes}
 
 
 def environment(threads):
@@ -141,7 +116,7 @@ class Asperity:
         words |= {"maps": job["maps"], "threads": self.threads, "transforms": job.get("transforms", "true")}
         if job["hardness"] is not None:
             words["hardness"] = job["hardness"]
-        command = [TARGET / "release" / "time_contact", job["heights"], *(f"{key}={value}" for key, value in words.items())]
+        command = [PEERS.parent / "release" / "time_contact", job["heights"], *(f"{key}={value}" for key, value in words.items())]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment(self.threads)) as process:
             said = process.stdout.read()
             _, status, usage = os.wait4(process.pid, 0)
@@ -305,19 +280,6 @@ def table(head, rows):
     return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *rows]) + "\n"
 
 
-def machine(bench):
-    """What the times depend on."""
-    import numpy
-
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
-    peers = ", ".join(f"{name} {found}" for name, found in bench.versions.items())
-    return (f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; "
-            f"Python {platform.python_version()}, numpy {numpy.__version__}, {peers}")
-
-
 def peers_of(bench, failed):
     """The peers that answer; the others are remembered with the reason."""
     codes = {}
@@ -404,7 +366,7 @@ def main():
     parser.add_argument("--fastest", action="store_true", help="beside the fastest peer of every case alone, in five minutes; writes nothing")
     parser.add_argument("--large", action="store_true", help=f"asperity alone on {LARGE_POINTS}² cells at 5 %% contact; writes nothing")
     arguments = parser.parse_args()
-    failed = prepare()
+    failed = prepare(HERE / "requirements.txt", build)
     if Path(sys.prefix).resolve() != PEERS.resolve():
         os.execve(PYTHON, [str(PYTHON), str(HERE / "run.py"), *sys.argv[1:]], environment(1))
     subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "asperity-benchmarks", "--bin", "time_contact"], cwd=ROOT, check=True)
@@ -440,13 +402,12 @@ def main():
         size = f"{points}²" if boundary == PERIODIC else f"{points}², padded"
         others = [f"{told(others[name])}, ×{others[name] / own:.2f}" for name in ("FFTW", "pocketfft")]
         pair_rows.append("| " + " | ".join([size, told(own), *others]) + " |")
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, cwd=ROOT).stdout.strip()
     head = ["cells", "contact", "asperity", "iterations", "pairs per application", *WAYS]
     text = f"""# Contact
 
-Made by `benchmarks/contact/run.py` on {datetime.date.today()}, asperity at {commit}.
+Made by `benchmarks/contact/run.py` on {datetime.date.today()}, asperity at {commit()}.
 
-Machine: {machine(bench)}. Load average {before[0]:.2f} before and {after[0]:.2f} after the run.
+Machine: {machine({"numpy": version("numpy")} | bench.versions)}. Load average {before[0]:.2f} before and {after[0]:.2f} after the run.
 
 Self-affine maps (Hurst exponent {0.8}, roll-off at 8 waves per side, cut at n/8, rms slope 0.1), the same for all. Every code's
 own tolerance is the loosest, on a ladder of factor √10, with which the *true* residual is at most {WANTED:.0e}: recomputed by this

@@ -9,7 +9,6 @@ installed into a virtual environment under the build folder, which is kept.
 import argparse
 import gc
 import os
-import platform
 import struct
 import subprocess
 import sys
@@ -23,9 +22,9 @@ from pathlib import Path
 from typing import Callable
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent))
 from environment import enter
+from harness import ROOT, machine
 
 enter(HERE / "requirements.txt")
 
@@ -33,6 +32,7 @@ import numpy as np
 
 warnings.filterwarnings("ignore")
 
+PACKAGES = ("numpy", "SurfaceTopography", "surfalize")
 REPEATS = 5
 # A reader is not repeated beyond this.
 BUDGET_S = 60.0
@@ -288,17 +288,6 @@ def first_line(error):
     return (str(error).strip().splitlines() or [""])[0][:100].strip()
 
 
-def machine():
-    """What the times depend on."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "SurfaceTopography", "surfalize"))
-    return (f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; "
-            f"Python {platform.python_version()}, {packages}")
-
-
 def table(rows, notes, points):
     head = (
         "# Reading files\n\n"
@@ -306,7 +295,7 @@ def table(rows, notes, points):
         f"One self-affine map of {points} × {points} heights. Times in second, the best of {REPEATS} with the file in the page\n"
         "cache; for asperity the median as well. The plainest way to the same numbers is what a time is compared with:\n"
         f"text is to be read at least {TEXT_BAR:g} times as fast, binary numbers in at most {BINARY_BAR:g} times as long.\n\n"
-        f"Machine: {machine()}.\n\n"
+        f"Machine: {machine({name: version(name) for name in PACKAGES})}.\n\n"
     )
     lines = [
         "| format | MB | written by | compared with | its time | asperity, best | median | ratio | bar | SurfaceTopography | surfalize |",

@@ -10,7 +10,6 @@ import argparse
 import csv
 import json
 import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -20,9 +19,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent))
 from environment import enter
+from harness import ROOT, machine
 
 enter(HERE / "requirements.txt")
 
@@ -31,6 +30,7 @@ import numpy as np
 warnings.filterwarnings("ignore")
 
 PITCH_M = 1e-6
+PACKAGES = ("numpy", "surfalize", "SurfaceTopography", "openturns")
 REPEATS = 3
 # Bars: asperity is so many times as fast.
 PARAMETERS_BAR, SPECTRA_BAR, MODES_BAR = 10.0, 10.0, 50.0
@@ -188,17 +188,6 @@ def karhunen_loeve(arguments):
     return theirs_s, ours_s, note
 
 
-def machine():
-    """What the times depend on."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "surfalize", "SurfaceTopography", "openturns"))
-    return (f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; "
-            f"Python {platform.python_version()}, {packages}")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--points", type=int, default=2048, help="points along each side of the map")
@@ -230,7 +219,7 @@ def main():
         large += [ours(arguments, "time_modes", 256, kind)[-1] for kind in ("matern", "oblique", "measured")]
     text = (
         "# Surfaces\n\nMade by `benchmarks/surfaces/run.py`: both programs on the same work in one run, best times in second.\n\n"
-        f"Machine: {machine()}.\n\n"
+        f"Machine: {machine({name: version(name) for name in PACKAGES})}.\n\n"
         "| work | peer | its time | asperity | ratio | bar | what they find |\n|---|---|---|---|---|---|---|\n"
     )
     for work, peer, theirs_s, ours_s, bar, note in rows:

@@ -8,10 +8,8 @@ damping on all threads, and `--quick` takes one round of smaller cases and only 
 
 import argparse
 import datetime
-import hashlib
 import json
 import os
-import platform
 import shutil
 import statistics
 import subprocess
@@ -22,16 +20,17 @@ from pathlib import Path
 
 # No compiled files beside the scripts.
 sys.dont_write_bytecode = True
+sys.path.insert(1, str(Path(__file__).resolve().parents[1]))
+
+from environment import located, prepare
+from harness import ROOT, Failed, commit, duration, machine, process, table
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
-PEERS = TARGET / "vibration-peers"
-PYTHON = PEERS / "bin" / "python"
+PEERS, PYTHON, _ = located(HERE / "requirements.txt")
 CRATE = PEERS / "differential-equations"
 CRATE_VERSION = "0.6.1"
-OURS = TARGET / "release" / "time_vibration"
-ROUNDS, PATIENCE_S = 3, 1800.0
+OURS = PEERS.parent / "release" / "time_vibration"
+ROUNDS = 3
 
 MACHINE = {"friction": 0.1, "decay": 4.2, "damping": 0.17, "velocity": 0.003}
 # Period of this cycle from arithmetic with 40 digits.
@@ -64,30 +63,6 @@ codegen-units = 1
 """
 
 
-def prepare():
-    """The virtual environment, and for every paragraph of the requirements what kept it from being installed."""
-    text = (HERE / "requirements.txt").read_text()
-    stamp = PEERS / f"installed-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    if stamp.exists():
-        return {}
-    if not PYTHON.exists():
-        subprocess.run([sys.executable, "-m", "venv", PEERS], check=True)
-    failed = {}
-    for paragraph in text.split("\n\n")[1:]:
-        title, *packages = paragraph.strip().splitlines()
-        print(f"installing {', '.join(packages)}", flush=True)
-        done = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *packages], capture_output=True, text=True)
-        if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if "error" in line.lower()]
-            failed[title[2:]] = (lines or ["pip failed"])[-1][:200]
-    if "base" in failed:
-        raise SystemExit(f"the virtual environment cannot be made: {failed['base']}")
-    # What failed is tried again by the next run.
-    if not failed:
-        stamp.touch()
-    return failed
-
-
 def build_crate():
     """Builds the crate's program, with the machine's vector instructions; what kept it from being built."""
     CRATE.mkdir(parents=True, exist_ok=True)
@@ -99,26 +74,6 @@ def build_crate():
         lines = [line for line in done.stderr.splitlines() if "error" in line.lower()]
         return (lines or ["cargo failed"])[0][:200]
     return None
-
-
-class Failed(Exception):
-    """A code that gives no answer."""
-
-
-def process(command, said=None):
-    """The JSON that a process prints."""
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    environment = os.environ | {name: "1" for name in names} | {"PYTHONDONTWRITEBYTECODE": "1", "JAX_PLATFORMS": "cpu", "RUST_BACKTRACE": "0"}
-    try:
-        done = subprocess.run(list(map(str, command)), input=said, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
-    except subprocess.TimeoutExpired:
-        raise Failed(f"slower than {PATIENCE_S:g} s") from None
-    except OSError as error:
-        raise Failed(str(error)) from None
-    if done.returncode:
-        lines = [line for line in done.stderr.strip().splitlines() if line and not line.startswith("note: ")]
-        raise Failed((lines or [f"exit code {done.returncode}"])[-1][:200])
-    return json.loads(done.stdout.strip().splitlines()[-1])
 
 
 def words(job):
@@ -142,13 +97,6 @@ def python(name, method):
     return ask
 
 
-def duration(seconds):
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= 0.9995 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
-
-
 @dataclass
 class Timing:
     """Seconds of one piece of work by a code, the true error of its answer and the tolerance it took."""
@@ -164,11 +112,6 @@ class Timing:
     def told(self, own=None):
         text = f"{duration(self.median)} ({duration(min(self.seconds))} – {duration(max(self.seconds))})"
         return text if own is None else f"{text}, **×{self.median / own.median:.3g}**"
-
-
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
 
 
 class Bench:
@@ -346,23 +289,13 @@ class Bench:
                 f"cycles fall through half their number at ζ = {answer['half']:.4f} ({interval}).\n\n" + table(["damping ratio", "mean cycles"], rows))
 
 
-def machine(versions):
-    """What the times depend on."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
-    peers = ", ".join(f"{name} {version}" for name, version in versions.items())
-    return f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; Python {platform.python_version()}, {peers}"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--quick", action="store_true")
     which.add_argument("--full", action="store_true")
     arguments = parser.parse_args()
-    failed = prepare()
+    failed = prepare(HERE / "requirements.txt")
     subprocess.run(["cargo", "build", "--quiet", "--release", "-p", "asperity-benchmarks", "--bin", "time_vibration"], check=True, cwd=ROOT)
     unbuilt = build_crate()
     versions = {"differential-equations": f"not built ({unbuilt})" if unbuilt else f"{CRATE_VERSION} (target-cpu=native)"}
@@ -378,10 +311,9 @@ def main():
         parts = [cycle, bench.at_once(*found), bench.path()]
         if arguments.full:
             parts.append(bench.sweep())
-    commit = subprocess.run(["git", "describe", "--always", "--dirty=, with changes"], capture_output=True, text=True, cwd=ROOT).stdout.strip()
     text = "\n".join([
         "# Stick-slip beside its peers\n",
-        f"Made by `benchmarks/vibration/run.py{' --full' if arguments.full else ''}` on {datetime.date.today()}, asperity at {commit}. One thread "
+        f"Made by `benchmarks/vibration/run.py{' --full' if arguments.full else ''}` on {datetime.date.today()}, asperity at {commit()}. One thread "
         f"each; medians, with the range, over interleaved rounds of fresh processes. Load average {before:.2f} before and {os.getloadavg()[0]:.2f} "
         "after the run.\n",
         machine(versions) + ".\n", *parts])
