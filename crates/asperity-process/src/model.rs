@@ -186,17 +186,6 @@ impl FrictionProcess {
         (self.table.at_probability(0.0), self.table.at_probability(1.0))
     }
 
-    /// Returns the error bound of the tabulated translation, in standard deviations.
-    pub fn translation_error(&self) -> f64 {
-        self.table.error()
-    }
-
-    /// Returns the largest error of the tabulated step of a Jacobi diffusion, in normal scores; 0 for all other
-    /// generators.
-    pub fn transition_error(&self) -> f64 {
-        self.jacobi.as_ref().map_or(0.0, |step| step.error())
-    }
-
     /// Returns the tables for realisations.
     pub(super) fn parts(&self) -> Parts<'_> {
         Parts { table: &self.table, jacobi: self.jacobi.as_deref(), length: self.normal_length }
