@@ -10,7 +10,7 @@ use asperity::study::{
 use asperity_formats::Scan;
 use asperity_testing::AlwaysCancelled;
 
-use crate::support::{rough, run_all, run_in};
+use crate::support::{changed, rough, run_all, run_in};
 
 const STUDY: &str = r#"
 seed = 7
@@ -268,9 +268,8 @@ fn limits_of_the_correlation_are_drawn_around_it() {
     }
 }
 
-#[test]
-fn friction_may_be_stated() {
-    let text = r#"
+/// A machine under stated friction.
+const STATED: &str = r#"
 seed = 1
 [vibration]
 mass = "1 kg"
@@ -287,8 +286,10 @@ friction_std = 0.001
 friction_correlation_length = "250 um"
 friction_marginal = "beta:2.1,5"
 "#;
-    let outcome = run_all(text);
-    let vibration = outcome.results.vibration.unwrap();
+
+#[test]
+fn friction_may_be_stated() {
+    let vibration = run_all(STATED).results.vibration.unwrap();
     // λ = ℓ c/N with c = m ω₀².
     assert!((vibration.correlation_length.unwrap() - 250e-6 * 316.0 * 316.0 / 2500.0).abs() < 1e-12);
     assert!((vibration.critical_damping_ratio.unwrap() - 0.2048301505845).abs() < 1e-8);
@@ -298,24 +299,19 @@ friction_marginal = "beta:2.1,5"
 #[test]
 fn large_fluctuations_are_clipped_with_a_warning() {
     // Fluctuations as large as the mean would change the sign of friction in fast slips.
-    let text = r#"
-seed = 1
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.05
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-damping_sweep = [0.02, 0.3, 2]
-trajectories = 20
-duration = 200.0
-static_friction = 0.2
-friction_std = 0.15
-friction_correlation_length = "250 um"
-friction_marginal = "normal"
-"#;
-    let results = run_all(text).results;
+    let text = changed(
+        STATED,
+        &[
+            ("damping_ratio = 0.17", "damping_ratio = 0.05"),
+            ("damping_sweep = [0.1, 0.3, 2]", "damping_sweep = [0.02, 0.3, 2]"),
+            ("trajectories = 4", "trajectories = 20"),
+            ("duration = 60.0", "duration = 200.0"),
+            ("static_friction = 0.1", "static_friction = 0.2"),
+            ("friction_std = 0.001", "friction_std = 0.15"),
+            ("friction_marginal = \"beta:2.1,5\"", "friction_marginal = \"normal\""),
+        ],
+    );
+    let results = run_all(&text).results;
     assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
     assert!(results.warnings.iter().any(|warning| warning.contains("clipped to stay positive")));
 }
