@@ -5,7 +5,7 @@ mod indices;
 mod maps;
 mod tables;
 
-use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
+use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use crate::friction::LevelControl;
 use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
@@ -67,10 +67,10 @@ pub(super) fn run(
         Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
         control => control,
     };
-    let hardness_pa = material.hardness_pa;
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
     let (row, column) = study.cell;
-    let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);
+    let problem =
+        Problem::new(surface, &half_space, control, material.hardness_pa)?.at_cell(row, column)?.with_solver(solver);
     let sizes = MethodComparison {
         fine_solves: study.fine_solves,
         reference_samples: study.reference_samples,
@@ -85,7 +85,7 @@ pub(super) fn run(
         _ => None,
     };
     let mut warnings = generated.warnings.clone();
-    let patch = [patch_sentence(study, (row, column), &half_space, hardness_pa), expansion_sentence(study, surface)];
+    let patch = [patch_sentence(study, &half_space), expansion_sentence(study, surface)];
     for method in &results.methods {
         let name = method.method.name().replace('_', " ");
         if let Err(reason) = &method.outcome {
@@ -104,7 +104,7 @@ pub(super) fn run(
     }
     let prescribed = Prescribed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
     let result = entries::summary(&results, &prescribed);
-    let mut fields = sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?;
+    let mut fields = sample_fields(&problem, seed)?;
     fields.extend(results.fields.iter().flat_map(maps::fields));
     Ok(PressureStage {
         output: StageOutput {
@@ -117,12 +117,7 @@ pub(super) fn run(
     })
 }
 
-fn patch_sentence(
-    study: &PressureStudy,
-    (row, column): (usize, usize),
-    half_space: &HalfSpace,
-    hardness_pa: Option<f64>,
-) -> String {
+fn patch_sentence(study: &PressureStudy, half_space: &HalfSpace) -> String {
     let boundary = match half_space.boundary() {
         Boundary::Free => "a finite patch on an unloaded half-space".to_owned(),
         Boundary::Periodic { mean_compliance_m_per_pa } => {
@@ -140,7 +135,8 @@ fn patch_sentence(
             format!("a rigid plane under the mean pressure {}", sentence::si(pascal, "Pa"))
         }
     };
-    let grid = half_space.grid();
+    let hardness = study.material.hardness_pa;
+    let ((row, column), grid) = (study.cell, half_space.grid());
     let centre = if (row, column) == (grid.ny() / 2, grid.nx() / 2) { "centre " } else { "" };
     format!(
         "The pressure is that of the {centre}cell [{row}, {column}] of {boundary}, {} × {} cells on {}, E* = {}, {}, pressed by \
@@ -149,7 +145,7 @@ fn patch_sentence(
         grid.ny(),
         sentence::size(grid.width_m(), grid.height_m()),
         sentence::si(half_space.modulus_pa(), "Pa"),
-        hardness_pa.map_or_else(|| "elastic".into(), |h| format!("capped at the hardness {}", sentence::si(h, "Pa"))),
+        hardness.map_or_else(|| "elastic".into(), |h| format!("capped at the hardness {}", sentence::si(h, "Pa"))),
     )
 }
 
@@ -163,20 +159,15 @@ fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> Str
 }
 
 /// Returns one random surface, with its counterface if that is rough, and its pressure, as an example.
-fn sample_fields(
-    surface: &dyn RandomSurface,
-    half_space: &HalfSpace,
-    control: Control,
-    hardness_pa: Option<f64>,
-    solver: Solver,
-    seed: u64,
-) -> Result<Vec<(&'static str, QuantityMap)>, StudyError> {
+fn sample_fields(problem: &Problem<'_>, seed: u64) -> Result<Vec<(&'static str, QuantityMap)>, StudyError> {
+    let surface = problem.surface();
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&xi);
     let prescribed = |error| StudyError::Contact { section: "pressure", error };
-    let problem =
-        contact::ContactProblem::new(half_space, map.heights_m(), control, hardness_pa).map_err(prescribed)?;
-    let solution = solver.solve(&problem).map_err(prescribed)?;
+    let (half_space, control) = (problem.half_space(), problem.control());
+    let contact =
+        ContactProblem::new(half_space, map.heights_m(), control, problem.hardness_pa()).map_err(prescribed)?;
+    let solution = problem.solver().solve(&contact).map_err(prescribed)?;
     let grid = map.grid();
     let heights = |map: HeightMap| QuantityMap { grid, unit: "m", values: map.heights_m().clone() };
     let pressure = ("pressure_sample", QuantityMap { grid, unit: "Pa", values: solution.pressure_pa().clone() });

@@ -123,7 +123,6 @@ impl CounterfaceSection {
             s_filter: own.s_filter,
             l_filter: own.l_filter,
             robust_filter: own.robust_filter,
-            generator: surface.generator,
             covariance: own.covariance.unwrap_or_default(),
             rms_height: own.rms_height,
             correlation_length: own.correlation_length,
@@ -132,10 +131,8 @@ impl CounterfaceSection {
             fractal_dimension: own.fractal_dimension,
             marginal: own.marginal.unwrap_or_else(|| SurfaceSection::default().marginal),
             translation: own.translation.unwrap_or(surface.translation),
-            modes: surface.modes,
-            mean_mode: surface.mean_mode,
-            rescale: surface.rescale,
             body: None,
+            ..surface.clone()
         }
     }
 }
