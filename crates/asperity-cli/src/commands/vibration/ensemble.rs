@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::folder::Folder;
-use super::random::{Paths, Source};
+use super::random::{Paths, Source, Trajectories};
 use super::{Damping, Machine, series};
 use crate::args;
 use crate::failure::Failure;
@@ -34,15 +34,8 @@ pub(crate) struct Ensemble {
     /// Integration method of slip.
     #[arg(long, value_parser = args::named::<Integrator>(), default_value = "taylor")]
     integrator: Integrator,
-    /// Number of trajectories.
-    #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
-    trajectories: usize,
-    /// Duration τ of each trajectory.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    duration: f64,
-    /// Seed of every random draw.
-    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
-    seed: u64,
+    #[command(flatten)]
+    trajectories: Trajectories,
     #[command(flatten)]
     folder: Folder,
     /// Print one JSON object instead of a table.
@@ -54,14 +47,10 @@ impl Ensemble {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let process = self.source.process(&oscillator, monitor)?;
-        let settings = EnsembleSettings {
-            drive: self.drive,
-            method: self.integrator,
-            ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
-        };
+        let settings = EnsembleSettings { drive: self.drive, method: self.integrator, ..self.trajectories.settings() };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let has_folder = self.folder.is_requested(&inputs)?;
-        let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
+        let (belt_velocity, duration, count) = (oscillator.belt_velocity(), settings.duration, settings.trajectories);
         Paths { belt_velocity, duration, count }.note_time(&process, monitor);
         let answer =
             |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
@@ -76,7 +65,7 @@ impl Ensemble {
         if has_folder {
             let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor)?;
             let mut tables =
-                vec![("phase_cloud", cloud), ("survival", survival_table(&ensemble.passages, self.duration))];
+                vec![("phase_cloud", cloud), ("survival", survival_table(&ensemble.passages, settings.duration))];
             tables.extend(series::cycle(&oscillator)?);
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));

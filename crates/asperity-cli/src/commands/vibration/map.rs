@@ -3,12 +3,12 @@
 use asperity::friction::process::FrictionProcess;
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapOver, MapResolution, MapSettings, VibrationError, clipped_to_positive, stability_map,
+    MapAxis, MapOver, MapResolution, MapSettings, VibrationError, clipped_to_positive, stability_map,
 };
 use clap::Args;
 
 use super::folder::Folder;
-use super::random::{Clipping, Fluctuation, Paths};
+use super::random::{Clipping, Fluctuation, Paths, Trajectories};
 use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
@@ -48,15 +48,8 @@ pub(crate) struct Map {
     /// smallest cells, the width of the transition is not resolved and only the contour of 50 % is drawn.
     #[arg(long, value_name = "N", default_value = "3", value_parser = depth)]
     depth: u32,
-    /// Number of trajectories per point.
-    #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
-    trajectories: usize,
-    /// Duration τ of each trajectory.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    duration: f64,
-    /// Seed of every random draw.
-    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
-    seed: u64,
+    #[command(flatten)]
+    trajectories: Trajectories,
     #[command(flatten)]
     folder: Folder,
     /// Print one JSON object instead of the contours.
@@ -110,14 +103,14 @@ impl Map {
         };
         // Check the process once, so that an invalid distribution gives an error about the flag and not about a point.
         let process = FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
-        let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
-        Paths { belt_velocity, duration: self.duration, count }.note_time(&process, monitor);
+        let ensemble = self.trajectories.settings();
+        let count = ensemble.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
+        Paths { belt_velocity, duration: ensemble.duration, count }.note_time(&process, monitor);
         let model = |point: [f64; 2]| {
             let (oscillator, std, load) = over.at(&stated, self.friction_std, point)?;
             let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
             Ok::<_, VibrationError>((oscillator, model))
         };
-        let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
         let mut clipped = 0.0_f64;
         for point in settings.first_grid() {

@@ -6,7 +6,7 @@ use asperity::distribution::Marginal;
 use asperity::friction::process::{FrictionProcess, Generator, ProcessModel, TranslationKind};
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
-use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
+use asperity::vibration::{EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
 use clap::Args;
 
 use crate::args;
@@ -41,6 +41,26 @@ impl Paths {
                 duration(seconds)
             ));
         }
+    }
+}
+
+/// Random trajectories.
+#[derive(Debug, Args)]
+pub(super) struct Trajectories {
+    /// Number of trajectories, in a map per point.
+    #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
+    trajectories: usize,
+    /// Duration τ of each trajectory.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    duration: f64,
+    /// Seed of every random draw.
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    seed: u64,
+}
+
+impl Trajectories {
+    pub(super) fn settings(&self) -> EnsembleSettings {
+        EnsembleSettings::new(self.trajectories, self.duration, self.seed)
     }
 }
 
