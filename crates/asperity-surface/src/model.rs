@@ -114,7 +114,7 @@ pub enum Texture {
         /// Kind of translation from normal heights to the marginal distribution.
         translation: TranslationKind,
         /// Karhunen–Loève expansion of patches; `None` uses all Fourier modes.
-        expansion: Option<Expansion>,
+        expansion: Option<TruncatedExpansion>,
     },
     /// Sum of cosines, scaled to the standard deviation of the marginal distribution.
     WeierstrassMandelbrot {
@@ -125,7 +125,7 @@ pub enum Texture {
 
 /// Truncated Karhunen–Loève expansion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Expansion {
+pub struct TruncatedExpansion {
     /// Number of terms; `None` takes as many as contain 90 % of the slope variance.
     pub modes: Option<usize>,
     /// Whether the expansion of a periodic patch contains the constant Fourier mode.

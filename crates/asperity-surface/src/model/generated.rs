@@ -6,7 +6,7 @@ use asperity_base::map::Grid;
 use asperity_base::sentence;
 use asperity_base::translation::TranslationKind;
 
-use super::{Expansion, SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture};
+use super::{SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture, TruncatedExpansion};
 use crate::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
     TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes,
@@ -126,7 +126,7 @@ struct Field<'a> {
 impl Field<'_> {
     /// Makes Karhunen–Loève surfaces with the stated number of terms, or with as many as contain the slopes. If these are too many,
     /// makes spectral surfaces, or surfaces of [`MOST_MODES`] terms if the treatment of the truncated variance is stated.
-    fn expansion_or_all_modes(&self, expansion: Expansion) -> Result<Generated, SurfaceModelError> {
+    fn expansion_or_all_modes(&self, expansion: TruncatedExpansion) -> Result<Generated, SurfaceModelError> {
         if let Some(modes) = expansion.modes {
             return self.expanded(expansion, modes);
         }
@@ -159,7 +159,7 @@ impl Field<'_> {
     }
 
     /// Makes Karhunen–Loève surfaces of this many terms.
-    fn expanded(&self, expansion: Expansion, modes: usize) -> Result<Generated, SurfaceModelError> {
+    fn expanded(&self, expansion: TruncatedExpansion, modes: usize) -> Result<Generated, SurfaceModelError> {
         match self.translation {
             TranslationKind::Plain => {
                 self.karhunen_loeve(self.covariance, self.covariance.is_product(), expansion, modes)
@@ -181,7 +181,7 @@ impl Field<'_> {
         &self,
         covariance: &dyn StationaryCovariance,
         product: bool,
-        Expansion { mean_mode, rescale, .. }: Expansion,
+        TruncatedExpansion { mean_mode, rescale, .. }: TruncatedExpansion,
         modes: usize,
     ) -> Result<Generated, SurfaceModelError> {
         let &Self { grid, periodic, .. } = self;
@@ -312,7 +312,7 @@ mod tests {
 
     fn model(kind: CorrelationModel, length_m: f64, modes: Option<usize>) -> SurfaceModel {
         let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());
-        let expansion = Some(Expansion { modes, mean_mode: true, rescale: None });
+        let expansion = Some(TruncatedExpansion { modes, mean_mode: true, rescale: None });
         let texture = Texture::Translated { covariance, translation: TranslationKind::Plain, expansion };
         SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture }
     }

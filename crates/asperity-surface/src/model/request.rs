@@ -5,7 +5,7 @@ use asperity_base::distribution::Marginal;
 use asperity_base::translation::TranslationKind;
 
 use super::selection::{SelectedCovariance, select};
-use super::{Expansion, SurfaceModel, SurfaceModelError, Texture};
+use super::{SurfaceModel, SurfaceModelError, Texture, TruncatedExpansion};
 use crate::scanned::ScannedSurface;
 
 /// Quantity that is stated or measured on the scan.
@@ -50,7 +50,7 @@ pub enum SurfaceRequest {
         /// Kind of translation.
         translation: TranslationKind,
         /// Karhunen–Loève expansion of patches; `None` uses all Fourier modes.
-        expansion: Option<Expansion>,
+        expansion: Option<TruncatedExpansion>,
     },
     /// Weierstrass–Mandelbrot function. Its heights are nearly normal, because it is a sum of cosines of random phase.
     WeierstrassMandelbrot {

@@ -7,7 +7,7 @@ use crate::correlation::{CorrelationFamily, CorrelationModel};
 use crate::distribution::DistributionError;
 use crate::map::{BoundaryKind, PITCH_RANGE_M};
 use crate::study::file::{StudyFile, SurfaceSection};
-use crate::surface::model::{CovarianceRequest, Expansion, Measurable, SurfaceRequest};
+use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest, TruncatedExpansion};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 const SECTION: &str = "surface";
@@ -105,7 +105,7 @@ impl SurfaceSection {
         let expansion = match self.generator {
             SurfaceGenerator::KarhunenLoeve => {
                 let &Self { modes, mean_mode, rescale, .. } = self;
-                Some(Expansion { modes, mean_mode, rescale })
+                Some(TruncatedExpansion { modes, mean_mode, rescale })
             }
             SurfaceGenerator::Spectral => None,
             SurfaceGenerator::WeierstrassMandelbrot => {
