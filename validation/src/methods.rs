@@ -13,7 +13,7 @@ use std::error::Error;
 
 use asperity::monitor::Monitor;
 use asperity::pressure::surrogate::{RotatedSamples, estimate, others};
-use asperity::pressure::{Estimate, Method, MethodComparison, MethodError, PressureError, Problem};
+use asperity::pressure::{Method, MethodComparison, MethodError, PressureError, PressureEstimate, Problem};
 
 use latent::LatentOverlap;
 use two_part::TwoPart;
@@ -24,7 +24,7 @@ const LEAST_IN_CONTACT: usize = 10;
 const SAMPLES_PER_TERM: usize = 4;
 
 /// An estimate, or why there is none.
-pub type Outcome = Result<Estimate, Box<dyn Error + Send + Sync>>;
+pub type Outcome = Result<PressureEstimate, Box<dyn Error + Send + Sync>>;
 
 /// Names of the methods, in the order of [`estimates`].
 pub fn names() -> Vec<&'static str> {
@@ -46,7 +46,7 @@ pub fn estimates(
     let MethodComparison { seed, degree, .. } = *study;
     let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let solutions = study.solve(problem, monitor)?;
-    let by_rotated = |model: &dyn Fn(&RotatedSamples) -> Result<Estimate, MethodError>| -> Outcome {
+    let by_rotated = |model: &dyn Fn(&RotatedSamples) -> Result<PressureEstimate, MethodError>| -> Outcome {
         Ok(model(solutions.rotated.as_ref().map_err(Clone::clone)?)?)
     };
     let by_nested = |coarse: bool, fitted: bool| -> Outcome {
@@ -59,7 +59,7 @@ pub fn estimates(
         by_nested(false, true),
         by_nested(true, false),
     ];
-    let sites = Estimate::from_sites(&solutions.monte_carlo, largest_pa, seed)?;
+    let sites = PressureEstimate::from_sites(&solutions.monte_carlo, largest_pa, seed)?;
     let results = solutions.results(monitor)?;
     let homogeneity = results.fields.as_ref().map(|fields| &fields.homogeneity);
     own.push(match homogeneity {

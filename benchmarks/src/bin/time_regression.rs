@@ -25,7 +25,8 @@ use std::str::FromStr;
 use std::time::Instant;
 
 use asperity::chaos::{
-    Basis, Candidates, Expansion, Family, LeastSquares, MultiIndexSet, SizeCriterion, SparseMethod, SparseRegression,
+    Basis, Candidates, Expansion, LeastSquares, MultiIndexSet, PolynomialFamily, SizeCriterion, SparseMethod,
+    SparseRegression,
 };
 use ndarray::Array2;
 use serde_json::{Value, json};
@@ -67,7 +68,9 @@ impl Words {
     fn basis(&mut self) -> Result<Basis> {
         let variables: usize = self.wanted("variables")?;
         let hermite: usize = self.or("hermite", variables)?;
-        let families = (0..variables).map(|i| if i < hermite { Family::Hermite } else { Family::Legendre }).collect();
+        let families = (0..variables)
+            .map(|i| if i < hermite { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre })
+            .collect();
         Ok(Basis::new(MultiIndexSet::total_degree(variables, self.wanted("degree")?)?, families)?)
     }
 

@@ -22,7 +22,7 @@ pub use layout::Layout;
 #[doc(hidden)]
 pub use layout::sum_of_tracks;
 pub use moments::{Extent, Moments};
-pub use process::{Estimate, ProcessMoments, fraction_above};
+pub use process::{ProcessEstimate, ProcessMoments, fraction_above};
 #[doc(hidden)]
 pub use record_sum::RecordSum;
 #[doc(hidden)]

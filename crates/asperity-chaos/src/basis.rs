@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use thiserror::Error;
 
-use super::{Factor, Family, MultiIndexError, MultiIndexSet};
+use super::{Factor, MultiIndexError, MultiIndexSet, PolynomialFamily};
 
 /// Why a basis could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -25,7 +25,7 @@ pub enum BasisError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Basis {
     set: MultiIndexSet,
-    families: Vec<Family>,
+    families: Vec<PolynomialFamily>,
 }
 
 impl Basis {
@@ -33,7 +33,7 @@ impl Basis {
     ///
     /// # Errors
     /// The number of families differs from the number of variables.
-    pub fn new(set: MultiIndexSet, families: Vec<Family>) -> Result<Self, BasisError> {
+    pub fn new(set: MultiIndexSet, families: Vec<PolynomialFamily>) -> Result<Self, BasisError> {
         if families.len() != set.variables() {
             return Err(BasisError::Families { families: families.len(), variables: set.variables() });
         }
@@ -45,7 +45,7 @@ impl Basis {
     /// # Errors
     /// See [`MultiIndexSet::total_degree`].
     pub fn hermite(variables: usize, degree: usize) -> Result<Self, BasisError> {
-        Self::new(MultiIndexSet::total_degree(variables, degree)?, vec![Family::Hermite; variables])
+        Self::new(MultiIndexSet::total_degree(variables, degree)?, vec![PolynomialFamily::Hermite; variables])
     }
 
     /// Returns the multi-indices.
@@ -54,7 +54,7 @@ impl Basis {
     }
 
     /// Returns the family of each variable.
-    pub fn families(&self) -> &[Family] {
+    pub fn families(&self) -> &[PolynomialFamily] {
         &self.families
     }
 
@@ -126,7 +126,7 @@ mod tests {
         let complete = MultiIndexSet::total_degree(3, 4).unwrap();
         // No term has its predecessor in the list, and the list is unordered.
         let list = MultiIndexSet::from_rows(3, [[0, 0, 0], [4, 1, 3], [0, 0, 2], [2, 2, 0], [2, 0, 0]]).unwrap();
-        let families = [Family::Hermite, Family::Legendre, Family::Hermite];
+        let families = [PolynomialFamily::Hermite, PolynomialFamily::Legendre, PolynomialFamily::Hermite];
         let xi = [0.3, -0.7, 1.9];
         for set in [complete, list] {
             let row = Basis::new(set.clone(), families.to_vec()).unwrap().design_matrix(&[xi]);
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn families_must_match_variables() {
         let set = MultiIndexSet::total_degree(3, 1).unwrap();
-        let error = Basis::new(set, vec![Family::Hermite]).unwrap_err();
+        let error = Basis::new(set, vec![PolynomialFamily::Hermite]).unwrap_err();
         assert_eq!(error, BasisError::Families { families: 1, variables: 3 });
     }
 }

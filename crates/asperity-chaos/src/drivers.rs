@@ -35,7 +35,7 @@ mod unknowns;
 
 use thiserror::Error;
 
-use crate::{Estimate, SamplingError, SamplingMethod, UncertainInputs};
+use crate::{SampleEstimate, SamplingError, SamplingMethod, UncertainInputs};
 use asperity_base::stats::Interval;
 use permutations::Permutations;
 use replicates::Replicates;
@@ -90,12 +90,12 @@ pub struct PickFreeze {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drivers {
     /// First-order index Var E\[f | x_i\]/Var f: how much the variance falls on average when the input is known.
-    pub first_order: Vec<Estimate>,
+    pub first_order: Vec<SampleEstimate>,
     /// Total index E Var\[f | all inputs but x_i\]/Var f: how much variance remains when only this input is uncertain.
-    pub total: Vec<Estimate>,
+    pub total: Vec<SampleEstimate>,
     /// Shapley effects of dependent inputs, which sum to one; `None` for independent inputs. Estimates of small
     /// effects may be negative.
-    pub shapley: Option<Vec<Estimate>>,
+    pub shapley: Option<Vec<SampleEstimate>>,
 }
 
 impl PickFreeze {
@@ -140,7 +140,7 @@ impl PickFreeze {
             let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, centred, sums))?;
             shapley = Some(replicates.estimates(&sums, |sums| permutations.shapley_effects(sums))?);
         }
-        let indices = |statistic: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<Vec<Estimate>, DriverError> {
+        let indices = |statistic: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<Vec<SampleEstimate>, DriverError> {
             Ok(replicates.estimates(&sums, statistic)?.into_iter().map(clipped).collect())
         };
         Ok(Drivers {
@@ -152,9 +152,11 @@ impl PickFreeze {
 }
 
 /// Returns the estimate of an index between 0 and 1.
-fn clipped(Estimate { value, standard_error, interval: Interval { low, high } }: Estimate) -> Estimate {
+fn clipped(
+    SampleEstimate { value, standard_error, interval: Interval { low, high } }: SampleEstimate,
+) -> SampleEstimate {
     let [value, low, high] = [value, low, high].map(|end| end.clamp(0.0, 1.0));
-    Estimate { value, standard_error, interval: Interval { low, high } }
+    SampleEstimate { value, standard_error, interval: Interval { low, high } }
 }
 
 /// Evaluates a response.

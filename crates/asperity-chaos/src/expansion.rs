@@ -1,7 +1,7 @@
 //! Polynomial chaos expansions of functions of standard variables ξ.
 
 use super::horner::{Evaluate, Horner, Scratch};
-use super::{Basis, Fit, LeastSquares, RegressionError};
+use super::{Basis, LeastSquares, LeastSquaresFit, RegressionError};
 use asperity_base::blocks;
 use asperity_base::wide::wide;
 
@@ -35,7 +35,7 @@ impl Expansion {
         basis: Basis,
         xi_samples: &[G],
         response: &[f64],
-    ) -> Result<(Self, Fit), RegressionError> {
+    ) -> Result<(Self, LeastSquaresFit), RegressionError> {
         if xi_samples.len() <= basis.len() {
             return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }

@@ -28,12 +28,12 @@ pub use drivers::{DriverError, Drivers, NestedSampling, PickFreeze, ProbabilityO
 pub use expansion::Expansion;
 pub use inputs::{InputError, Redraw, UncertainInput, UncertainInputs};
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
-pub use polynomial::Family;
+pub use polynomial::PolynomialFamily;
 pub use propagation::{
     NoIndices, Noise, Observed, Parameter, ParameterIndices, Propagated, Propagation, PropagationError,
 };
-pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
-pub use resamples::{Estimate, Resamples, ResamplesError};
+pub use regression::{Fits, LeastSquares, LeastSquaresFit, LeaveOneOut, RegressionError};
+pub use resamples::{Resamples, ResamplesError, SampleEstimate};
 pub use sampling::{Design, SamplingError, SamplingMethod};
 pub use sensitivity::{IndexError, IndexEstimates};
 pub use sparse::{

@@ -5,14 +5,14 @@
 
 /// Distribution of a standard variable and its orthonormal polynomials ψ₀ = 1, ψ₁, ψ₂, …: E ψ_m ψ_n = δ_mn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
+pub enum PolynomialFamily {
     /// Standard normal variable; ψ_n = He_n/√n! with the probabilists' Hermite polynomials He_n.
     Hermite,
     /// Variable uniform on [−1, 1]; ψ_n = √(2n+1) P_n with the Legendre polynomials P_n.
     Legendre,
 }
 
-impl Family {
+impl PolynomialFamily {
     /// Writes ψ₀(x), ψ₁(x), … into `values` by the three-term recurrence.
     ///
     /// Hermite: √(n+1) ψ_{n+1} = x ψ_n − √n ψ_{n−1}. Legendre: b_{n+1} ψ_{n+1} = x ψ_n − b_n ψ_{n−1} with
@@ -54,14 +54,14 @@ mod tests {
 
     /// Returns the Gauss rule (nodes, weights) for the distribution of the family, from the eigenvalues of its Jacobi
     /// matrix (Golub & Welsch, *Math. Comp.* 23 (1969) 221).
-    fn gauss_rule(family: Family, points: usize) -> Vec<(f64, f64)> {
+    fn gauss_rule(family: PolynomialFamily, points: usize) -> Vec<(f64, f64)> {
         let jacobi =
             Mat::from_fn(points, points, |i, j| if i.abs_diff(j) == 1 { family.recurrence(i.max(j)) } else { 0.0 });
         let eigen = jacobi.self_adjoint_eigen(Side::Lower).unwrap();
         (0..points).map(|k| (eigen.S()[k], eigen.U()[(0, k)].powi(2))).collect()
     }
 
-    fn values(family: Family, count: usize, x: f64) -> Vec<f64> {
+    fn values(family: PolynomialFamily, count: usize, x: f64) -> Vec<f64> {
         let mut values = vec![0.0; count];
         family.fill_orthonormal(x, &mut values);
         values
@@ -74,7 +74,7 @@ mod tests {
         let step = (12.0 - low) / f64::from(intervals);
         let integrand = |x: f64| {
             let density = (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
-            f(x) * values(Family::Hermite, n + 1, x)[n] * density / factorial.sqrt()
+            f(x) * values(PolynomialFamily::Hermite, n + 1, x)[n] * density / factorial.sqrt()
         };
         (0..=intervals)
             .map(|i| {
@@ -89,8 +89,8 @@ mod tests {
     #[test]
     fn low_degrees_are_the_textbook_polynomials() {
         let x = 1.7_f64;
-        let hermite = values(Family::Hermite, 4, x);
-        let legendre = values(Family::Legendre, 4, x);
+        let hermite = values(PolynomialFamily::Hermite, 4, x);
+        let legendre = values(PolynomialFamily::Legendre, 4, x);
         let wanted_hermite = [1.0, x, (x * x - 1.0) / 2.0_f64.sqrt(), (x.powi(3) - 3.0 * x) / 6.0_f64.sqrt()];
         let wanted_legendre = [
             1.0,
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn polynomials_are_orthonormal_under_gauss_quadrature() {
-        for family in [Family::Hermite, Family::Legendre] {
+        for family in [PolynomialFamily::Hermite, PolynomialFamily::Legendre] {
             let rule = gauss_rule(family, 14);
             for m in 0..=12 {
                 for n in 0..=m {

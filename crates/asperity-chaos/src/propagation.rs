@@ -36,7 +36,7 @@ use thiserror::Error;
 pub use parameter::Parameter;
 
 use super::{
-    Basis, BasisError, Design, Estimate, Expansion, MultiIndexSet, RegressionError, Resamples, ResamplesError,
+    Basis, BasisError, Design, Expansion, MultiIndexSet, RegressionError, Resamples, ResamplesError, SampleEstimate,
     SamplingError, SamplingMethod, Truncation,
 };
 use asperity_base::distribution::DistributionError;
@@ -173,18 +173,18 @@ pub struct Noise {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterIndices {
     /// First-order index: the fraction of the variance that a parameter explains alone.
-    pub first_order: Vec<Estimate>,
+    pub first_order: Vec<SampleEstimate>,
     /// Total index: the fraction that a parameter explains together with all others.
-    pub total: Vec<Estimate>,
+    pub total: Vec<SampleEstimate>,
 }
 
 /// Distribution of a response over its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagated {
     /// Mean over the parameters.
-    pub mean: Estimate,
+    pub mean: SampleEstimate,
     /// Standard deviation over the parameters.
-    pub std: Estimate,
+    pub std: SampleEstimate,
     /// Chaos expansion; constant if the response is constant or unpredictable.
     pub expansion: Expansion,
     /// Mean square error of predicting each point from the others, divided by the variance; 0 for a constant response.

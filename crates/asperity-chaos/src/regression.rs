@@ -63,7 +63,7 @@ pub struct LeastSquares {
 
 /// Coefficients of one right-hand side with its leave-one-out errors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct LeastSquaresFit {
     /// Coefficients, in the order of the columns.
     pub coefficients: Vec<f64>,
     /// Residuals y − A c.
@@ -159,7 +159,7 @@ impl LeastSquares {
     ///
     /// # Errors
     /// The number of values is wrong, or a value is not finite.
-    pub fn fit(&self, response: &[f64]) -> Result<Fit, RegressionError> {
+    pub fn fit(&self, response: &[f64]) -> Result<LeastSquaresFit, RegressionError> {
         let (samples, count) = (self.samples(), self.coefficients());
         if response.len() != samples {
             return Err(RegressionError::Length { values: response.len(), samples });
@@ -173,7 +173,7 @@ impl LeastSquares {
         let mut solution = projected;
         self.qr.thin_R().solve_upper_triangular_in_place(solution.as_mut());
         let residuals: Vec<f64> = (0..samples).map(|i| residual[(i, 0)]).collect();
-        Ok(Fit {
+        Ok(LeastSquaresFit {
             coefficients: (0..count).map(|j| solution[(j, 0)]).collect(),
             leave_one_out: LeaveOneOut::new(response, &residuals, &self.leverages),
             residuals,

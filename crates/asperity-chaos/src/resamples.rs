@@ -48,7 +48,7 @@ pub struct Resamples {
 
 /// Value computed from samples, with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct SampleEstimate {
     /// The value.
     pub value: f64,
     /// Standard error: the standard deviation over resamples, or that of a jackknife.
@@ -84,11 +84,11 @@ impl Resamples {
     /// A plug-in value that is convex in the distribution, such as a distance or a sum of squares, is biased upwards,
     /// and its replicates are biased twice. The interval is therefore the basic one, 2 value − quantiles of the
     /// replicates, clipped to the range.
-    pub(super) fn estimate(&self, value: f64, mut replicates: Vec<f64>, range: Interval) -> Estimate {
+    pub(super) fn estimate(&self, value: f64, mut replicates: Vec<f64>, range: Interval) -> SampleEstimate {
         let standard_error = Moments::new(&replicates).sample_std();
         replicates.sort_by(f64::total_cmp);
         let tail = 0.5 * (1.0 - self.level);
         let end = |probability| (2.0 * value - quantile_sorted(&replicates, probability)).clamp(range.low, range.high);
-        Estimate { value, standard_error, interval: Interval { low: end(1.0 - tail), high: end(tail) } }
+        SampleEstimate { value, standard_error, interval: Interval { low: end(1.0 - tail), high: end(tail) } }
     }
 }

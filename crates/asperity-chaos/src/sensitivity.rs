@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Estimate, Expansion, Factor, Resamples, ResamplesError};
+use super::{Expansion, Factor, Resamples, ResamplesError, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::Interval;
 
@@ -41,11 +41,11 @@ pub enum IndexError<E> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct IndexEstimates {
     /// First-order index of each variable.
-    pub first_order: Vec<Estimate>,
+    pub first_order: Vec<SampleEstimate>,
     /// Total index of each variable.
-    pub total: Vec<Estimate>,
+    pub total: Vec<SampleEstimate>,
     /// Closed index of each requested subset.
-    pub closed: Vec<Estimate>,
+    pub closed: Vec<SampleEstimate>,
     /// Number of resamples without an expansion, which are left out.
     pub failed: usize,
 }

@@ -12,7 +12,7 @@ use asperity_base::correlation::{
 };
 use asperity_base::distribution::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
 use asperity_base::distribution::goodness::ProcessNull;
-use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, fraction_above};
+use asperity_base::stats::{Interval, Layout, Moments, ProcessEstimate, ProcessMoments, fraction_above};
 
 pub use heavy_tail::{HeavyTail, ISOLATED_FRACTION};
 pub use tail::{DistributionTail, ReturnLevel, Tail};
@@ -123,7 +123,7 @@ impl FrictionStatistics {
 
     /// Returns the fraction of the windows whose μ exceeds a value, and an estimate with interval. For fitted
     /// distributions see [`asperity_base::distribution::Marginal::survival`].
-    pub fn fraction_above(&self, mu: f64) -> (f64, Option<Estimate>) {
+    pub fn fraction_above(&self, mu: f64) -> (f64, Option<ProcessEstimate>) {
         let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
         fraction_above(&series, mu, self.layout)
     }

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, s};
 
-use crate::{Observation, Problem, stiffness};
+use crate::{CellObservation, Problem, stiffness};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_contact::{self as contact, ContactWorkspace, Control, HalfSpace, Solver};
 
@@ -66,7 +66,7 @@ impl CoarseModel {
         problem: &Problem<'_>,
         map: &HeightMap,
         workspace: &mut ContactWorkspace,
-    ) -> Option<Observation> {
+    ) -> Option<CellObservation> {
         let heights_m = map.complete_heights_m().ok()?;
         let control = match problem.control() {
             control @ (Control::Penetration { .. } | Control::Percentile { .. }) => {
@@ -82,7 +82,7 @@ impl CoarseModel {
         let coarse = contact::ContactProblem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
         let solver = Solver { tolerance: TOLERANCE, ..problem.solver() };
         let solution = solver.solve_with(&coarse, workspace).ok()?;
-        let mut observation = Observation::from_solution(&solution, self.cell);
+        let mut observation = CellObservation::from_solution(&solution, self.cell);
         if problem.has_stiffness() {
             let tolerance = stiffness::LOOSE_TOLERANCE;
             let found =

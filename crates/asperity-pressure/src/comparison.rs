@@ -1,7 +1,7 @@
 //! Estimates of one distribution by several methods with the same number of contact solutions, compared with a
 //! reference.
 
-use crate::estimate::{Estimate, ReferenceDistances};
+use crate::estimate::{PressureEstimate, ReferenceDistances};
 use crate::expansion::{self, Response};
 use crate::field::{FIELD_BYTES, FieldDistributions};
 use crate::nested::{CoarseSolves, NestedSamples, Quantity};
@@ -54,7 +54,7 @@ pub struct MethodResult {
     /// Failed samples.
     pub failures: Vec<Failure>,
     /// Estimate with its distances from the reference, or the reason why there is none.
-    pub outcome: Result<(Estimate, ReferenceDistances), MethodError>,
+    pub outcome: Result<(PressureEstimate, ReferenceDistances), MethodError>,
 }
 
 /// Distribution of a scalar of the whole contact.
@@ -84,7 +84,7 @@ pub struct Reference {
     /// Number of cells of each solution whose pressures are pooled; more than one if the surface is stationary.
     pub sites: usize,
     /// Estimate.
-    pub estimate: Estimate,
+    pub estimate: PressureEstimate,
     /// Upper 95 % limit of the Kolmogorov–Smirnov distance to the true distribution. Smaller distances of other
     /// distributions are not resolved.
     pub ks_resolution: f64,
@@ -186,7 +186,7 @@ impl MethodComparison {
         &self,
         problem: &Problem<'_>,
         monitor: &dyn Monitor,
-    ) -> Result<(Estimate, Vec<CoarseSolves>), PressureError> {
+    ) -> Result<(PressureEstimate, Vec<CoarseSolves>), PressureError> {
         self.validate(problem)?;
         let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
         let samples = solve(problem, sampling, monitor)?;
@@ -197,9 +197,9 @@ impl MethodComparison {
     fn reference(&self, samples: &Samples, largest_pa: f64) -> Result<Reference, PressureError> {
         let sites = samples.sites().first().map_or(0, Vec::len);
         let estimate = if sites > 0 {
-            Estimate::from_sites(samples, largest_pa, self.seed)?
+            PressureEstimate::from_sites(samples, largest_pa, self.seed)?
         } else {
-            Estimate::from_independent(samples, largest_pa, self.seed)?
+            PressureEstimate::from_independent(samples, largest_pa, self.seed)?
         };
         let ks_resolution = match &estimate.band {
             Some(band) if sites > 0 => {
@@ -328,11 +328,11 @@ impl Solutions<'_> {
         Ok(ComparisonResults { reference: self.reference, methods, scalars, fields: self.fields, sensitivities })
     }
 
-    fn estimate(&self, method: Method) -> Result<Estimate, PressureError> {
+    fn estimate(&self, method: Method) -> Result<PressureEstimate, PressureError> {
         let MethodComparison { seed, variables, degree, .. } = self.settings;
         let largest_pa = self.problem.hardness_pa().unwrap_or(f64::INFINITY);
         let replicated = |samples: &Result<Samples, MethodError>| match samples {
-            Ok(samples) => Estimate::from_replicates(samples, largest_pa, seed),
+            Ok(samples) => PressureEstimate::from_replicates(samples, largest_pa, seed),
             Err(reason) => Err(reason.clone().into()),
         };
         let expanded = |response| {
@@ -347,7 +347,7 @@ impl Solutions<'_> {
             Ok(expansion::estimate(response, &xi_samples, training, basis, &fresh, seed)?)
         };
         match method {
-            Method::MonteCarlo => Estimate::from_independent(&self.monte_carlo, largest_pa, seed),
+            Method::MonteCarlo => PressureEstimate::from_independent(&self.monte_carlo, largest_pa, seed),
             Method::LatinHypercube => replicated(&self.latin),
             Method::Sobol => replicated(&self.sobol),
             Method::PolynomialChaos => expanded(Response::Pressure),
@@ -393,7 +393,7 @@ fn method_error<T>(outcome: Result<T, PressureError>) -> Result<Result<T, Method
 
 impl ComparisonResults {
     /// Returns the estimate of one method, if it has one.
-    pub fn estimate(&self, method: Method) -> Option<&(Estimate, ReferenceDistances)> {
+    pub fn estimate(&self, method: Method) -> Option<&(PressureEstimate, ReferenceDistances)> {
         self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
     }
 }

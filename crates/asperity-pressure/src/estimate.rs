@@ -14,7 +14,7 @@ const MOST_POOLED: usize = 1 << 22;
 
 /// Estimated distribution of the pressure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
+pub struct PressureEstimate {
     /// Distribution of the pressure in pascal, with its point mass at 0.
     pub distribution: DiscreteDistribution,
     /// P(contact). The paper's expansions use K/K_t, whatever part of the expansion is clipped to 0.
@@ -45,7 +45,7 @@ pub struct Estimate {
     pub largest_pa: f64,
 }
 
-impl Estimate {
+impl PressureEstimate {
     /// Creates the empirical estimate from independent samples.
     pub(super) fn from_independent(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let distribution = samples.distribution()?;
@@ -136,7 +136,7 @@ impl Estimate {
     }
 }
 
-impl Estimate {
+impl PressureEstimate {
     /// Returns the 95 % interval of `mean_pa` within the possible range; `None` without a standard error.
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
@@ -151,7 +151,7 @@ impl Estimate {
     }
 }
 
-impl Estimate {
+impl PressureEstimate {
     /// Creates the estimate of the pressure from a multilevel estimate; `largest_pa` is its upper bound.
     pub(super) fn from_multilevel(found: MultilevelEstimate, largest_pa: f64) -> Self {
         let MultilevelEstimate {

@@ -11,7 +11,7 @@
 //! zero.
 
 use crate::surrogate::{self, Fitted, PointMasses, Surrogate, TrainingSamples, others};
-use crate::{Estimate, MethodError};
+use crate::{MethodError, PressureEstimate};
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError};
 
 /// Function of the pressure that is expanded.
@@ -48,13 +48,13 @@ pub(super) fn estimate(
     basis: Basis,
     fresh: &[Vec<f64>],
     seed: u64,
-) -> Result<Estimate, MethodError> {
+) -> Result<PressureEstimate, MethodError> {
     let TrainingSamples { pressures_pa, largest_pa, .. } = training;
     let conditional = Conditional { response, basis, xi_samples, pressures_pa, fresh, largest_pa };
     let found = surrogate::estimate(&conditional, training, seed)?;
     let in_contact = training.pressures_pa.iter().filter(|p| **p > 0.0).count();
     let (contact_probability_se, interval) = training.contact_fraction(seed);
-    Ok(Estimate {
+    Ok(PressureEstimate {
         contact_probability: in_contact as f64 / training.pressures_pa.len() as f64,
         contact_probability_se,
         contact_probability_interval: Some(interval),

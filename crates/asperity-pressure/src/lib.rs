@@ -32,14 +32,14 @@ pub use band::{Band, QuantileResult};
 #[doc(hidden)]
 pub use comparison::Solutions;
 pub use comparison::{ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult};
-pub use estimate::{Estimate, ReferenceDistances};
+pub use estimate::{PressureEstimate, ReferenceDistances};
 pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;
 pub use method::{Method, MethodError};
 #[doc(hidden)]
 pub use nested::NestedSamples;
 pub use nested::{CoarseSolves, Quantity};
-pub use problem::{FailureReason, Observation, Problem};
+pub use problem::{CellObservation, FailureReason, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
 pub use sensitivity::{Sensitivity, SensitivityError, SensitivityIndices, VariableSet};
 

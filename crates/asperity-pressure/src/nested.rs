@@ -3,7 +3,7 @@
 use crate::coarse::{CoarseModel, generation_work, solution_work};
 use crate::multilevel::{self, LevelSamples, MultilevelEstimate, Settings};
 use crate::rotated_variables::RotatedVariables;
-use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples, stiffness};
+use crate::{CellObservation, MethodError, PressureError, PressureEstimate, Problem, Samples, stiffness};
 use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
@@ -49,7 +49,7 @@ impl Quantity {
     ///
     /// Out of contact the gap measures the distance from contact, and at the hardness the plastic displacement measures
     /// the yielding. `kappa` converts these lengths in metre to a pressure.
-    fn latent(self, observation: &Observation, kappa: f64) -> f64 {
+    fn latent(self, observation: &CellObservation, kappa: f64) -> f64 {
         match self {
             Self::Pressure => {
                 observation.pressure_pa + kappa * (observation.plastic_displacement_m - observation.gap_m)
@@ -62,12 +62,12 @@ impl Quantity {
     }
 
     /// Returns the values of several observations, continued beyond their bounds if possible.
-    pub(super) fn values(self, observations: &[Observation], kappa: f64) -> Vec<f64> {
+    pub(super) fn values(self, observations: &[CellObservation], kappa: f64) -> Vec<f64> {
         observations.iter().map(|observation| self.latent(observation, kappa)).collect()
     }
 
     /// Returns further covariates from a coarse solution: for the pressure, the values beside the cell.
-    fn covariates(self, observation: &Observation, kappa: f64) -> Vec<f64> {
+    fn covariates(self, observation: &CellObservation, kappa: f64) -> Vec<f64> {
         let [pressure_pa, gap_m, plastic_displacement_m] = observation.beside;
         match self {
             Self::Pressure => vec![pressure_pa + kappa * (plastic_displacement_m - gap_m)],
@@ -88,8 +88,8 @@ impl Quantity {
 
 /// Returns the ratio of the standard deviations of the pressures in contact and of the gaps out of contact; 1 if one of
 /// them is zero.
-pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
-    let spread = |in_contact: bool, quantity: fn(&Observation) -> f64| {
+pub(super) fn kappa_pa_per_m(observations: &[CellObservation]) -> f64 {
+    let spread = |in_contact: bool, quantity: fn(&CellObservation) -> f64| {
         let chosen = observations.iter().filter(|o| (o.pressure_pa > 0.0) == in_contact).map(|o| (quantity(o), 1.0));
         DiscreteDistribution::weighted(chosen).map_or(0.0, |distribution| distribution.std())
     };
@@ -118,7 +118,7 @@ struct CoarseBlock {
     /// Rotated normal variables; empty for samples with a fine solution.
     variables: Vec<f64>,
     /// Result of each model that solves the sample; `None` marks a failure.
-    observations: Vec<Option<Observation>>,
+    observations: Vec<Option<CellObservation>>,
 }
 
 impl Round<'_> {
@@ -156,8 +156,8 @@ pub struct NestedSamples {
     /// Models used, coarsest first.
     models: Vec<CoarseModel>,
     /// Results of each model for its leading samples.
-    coarse: Vec<Vec<Observation>>,
-    fine: Vec<Observation>,
+    coarse: Vec<Vec<CellObservation>>,
+    fine: Vec<CellObservation>,
     /// Standard normal variables of all samples.
     xi: Vec<Vec<f64>>,
 }
@@ -223,7 +223,7 @@ impl NestedSamples {
         if kept.len() < multilevel::LEAST_SAMPLES {
             return Err(MethodError::TooFewSamples { samples: kept.len(), wanted: multilevel::LEAST_SAMPLES });
         }
-        let fine_observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
+        let fine_observations: Vec<CellObservation> = kept.iter().map(|i| fine.observations()[*i]).collect();
         let xi_samples: Vec<Vec<f64>> = kept.iter().map(|i| fine.xi(*i)).collect();
         let values = Quantity::Pressure.values(&fine_observations, kappa_pa_per_m(&fine_observations));
         let rotation = RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values)?;
@@ -311,11 +311,11 @@ impl NestedSamples {
         seed: u64,
         coarse: bool,
         fitted: bool,
-    ) -> Result<Estimate, MethodError> {
+    ) -> Result<PressureEstimate, MethodError> {
         let settings = Settings { fitted, ..self.settings(Quantity::Pressure, problem, seed) };
         let models = if coarse { self.models.len() } else { 0 };
         let largest_pa = settings.largest;
-        Ok(Estimate::from_multilevel(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
+        Ok(PressureEstimate::from_multilevel(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
     }
 
     fn estimate_with(
@@ -338,7 +338,7 @@ impl NestedSamples {
     /// Returns the numbers of solutions of each coarse model, coarsest first.
     pub(super) fn coarse_solves(&self, problem: &Problem<'_>) -> Vec<CoarseSolves> {
         let fine = mean_work(problem.half_space().grid().shape(), &self.fine);
-        let count = |(model, observations): (&CoarseModel, &Vec<Observation>)| {
+        let count = |(model, observations): (&CoarseModel, &Vec<CellObservation>)| {
             let work_in_fine_solves = observations.len() as f64 * mean_work(model.shape(), observations) / fine;
             CoarseSolves { shape: model.shape(), solves: observations.len(), work_in_fine_solves }
         };
@@ -354,7 +354,7 @@ impl NestedSamples {
     /// samples.
     fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> LevelSamples {
         let kappa = kappa_pa_per_m(&self.fine);
-        let values = |observations: &[Observation]| -> Vec<f64> {
+        let values = |observations: &[CellObservation]| -> Vec<f64> {
             quantity.values(&observations[..kept(observations.len())], kappa)
         };
         let mut models: Vec<Vec<f64>> = used.iter().map(|l| values(&self.coarse[*l])).collect();
@@ -397,7 +397,7 @@ fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
     }
 }
 
-fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
+fn mean_work(shape: (usize, usize), observations: &[CellObservation]) -> f64 {
     let iterations = observations.iter().map(|o| o.iterations as f64).sum::<f64>() / observations.len().max(1) as f64;
     solution_work(shape, iterations)
 }
@@ -409,8 +409,8 @@ fn retain<T>(items: &mut Vec<T>, marked: &[bool]) {
 }
 
 /// Adds one observation to each of the leading columns; returns false if one of them is missing.
-fn push(columns: &mut [Vec<Observation>], observations: Vec<Option<Observation>>) -> bool {
-    let Some(row) = observations.into_iter().collect::<Option<Vec<Observation>>>() else { return false };
+fn push(columns: &mut [Vec<CellObservation>], observations: Vec<Option<CellObservation>>) -> bool {
+    let Some(row) = observations.into_iter().collect::<Option<Vec<CellObservation>>>() else { return false };
     columns.iter_mut().zip(row).for_each(|(column, observation)| column.push(observation));
     true
 }

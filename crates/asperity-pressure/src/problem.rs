@@ -25,7 +25,7 @@ pub struct Problem<'a> {
 
 /// Results of one contact solution at a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Observation {
+pub struct CellObservation {
     /// Pressure in pascal; 0 out of contact.
     pub pressure_pa: f64,
     /// Gap in metre; 0 in contact.
@@ -49,7 +49,7 @@ pub struct Observation {
     pub iterations: usize,
 }
 
-impl Observation {
+impl CellObservation {
     /// Extracts the results of `solution` at `cell`, without the stiffness.
     pub(super) fn from_solution(solution: &Solution, cell: (usize, usize)) -> Self {
         Self {
@@ -253,7 +253,7 @@ impl<'a> Problem<'a> {
     ///
     /// # Errors
     /// See [`Problem::solve`].
-    pub fn observe(&self, xi: &[f64], workspace: &mut ContactWorkspace) -> Result<Observation, FailureReason> {
+    pub fn observe(&self, xi: &[f64], workspace: &mut ContactWorkspace) -> Result<CellObservation, FailureReason> {
         let solution = self.solve(xi, workspace)?;
         self.observation(&solution, workspace)
     }
@@ -263,15 +263,15 @@ impl<'a> Problem<'a> {
         &self,
         solution: &Solution,
         workspace: &mut ContactWorkspace,
-    ) -> Result<Observation, FailureReason> {
-        let observation = Observation::from_solution(solution, self.cell);
+    ) -> Result<CellObservation, FailureReason> {
+        let observation = CellObservation::from_solution(solution, self.cell);
         if !self.stiffness {
             return Ok(observation);
         }
         let found = stiffness::approach_stiffness_pa_per_m(self.half_space, solution, stiffness::TOLERANCE, workspace)?;
         match found.short {
             Some(reason) => Err(reason),
-            None => Ok(Observation { stiffness_pa_per_m: Some(found.pascal_per_m), ..observation }),
+            None => Ok(CellObservation { stiffness_pa_per_m: Some(found.pascal_per_m), ..observation }),
         }
     }
 }

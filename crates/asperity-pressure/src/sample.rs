@@ -1,7 +1,7 @@
 //! Contact solutions on a design of samples ξ.
 
 use crate::field_samples::{Field, FieldSamples};
-use crate::{FailureReason, Observation, PressureError, Problem};
+use crate::{CellObservation, FailureReason, PressureError, Problem};
 use asperity_base::blocks::{self, Task};
 use asperity_base::monitor::Monitor;
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
@@ -66,7 +66,7 @@ struct SamplePlan<'a> {
 
 /// Results of one solved sample.
 struct SampleBlock {
-    observation: Observation,
+    observation: CellObservation,
     /// Pressures of the sites in pascal.
     sites: Vec<f32>,
     field: Option<Field>,
@@ -110,7 +110,7 @@ pub struct Samples {
     designs: Vec<Design>,
     /// Indices of the solved samples.
     indices: Vec<usize>,
-    observations: Vec<Observation>,
+    observations: Vec<CellObservation>,
     /// Pressures of the sites in pascal for each solved sample.
     sites: Vec<Vec<f32>>,
     fields: Option<FieldSamples>,
@@ -185,7 +185,7 @@ impl Samples {
     }
 
     /// Returns the results of the solutions in index order.
-    pub fn observations(&self) -> &[Observation] {
+    pub fn observations(&self) -> &[CellObservation] {
         &self.observations
     }
 

@@ -21,7 +21,7 @@ use crate::estimate::nodes;
 use crate::multilevel::RARE;
 use crate::nested::kappa_pa_per_m;
 use crate::rotated_variables::RotatedVariables;
-use crate::{Band, Estimate, MethodError, PressureError, Problem, Quantity, Samples};
+use crate::{Band, MethodError, PressureError, PressureEstimate, Problem, Quantity, Samples};
 use asperity_base::blocks;
 use asperity_base::stats::{Interval, wilson_interval};
 use asperity_chaos::{Design, DiscreteDistribution};
@@ -129,7 +129,11 @@ impl TrainingSamples<'_> {
 ///
 /// # Errors
 /// The samples have no model, or the model overflows.
-pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: u64) -> Result<Estimate, MethodError> {
+pub fn estimate(
+    surrogate: &dyn Surrogate,
+    training: TrainingSamples<'_>,
+    seed: u64,
+) -> Result<PressureEstimate, MethodError> {
     let samples: Vec<usize> = (0..training.pressures_pa.len()).collect();
     let fitted = surrogate.fit(&samples)?;
     let overflowed = fitted.distribution.iter().filter(|(p, _)| !p.is_finite()).count();
@@ -139,7 +143,7 @@ pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: 
     let distribution = DiscreteDistribution::weighted(fitted.distribution)?;
     let contact_probability = 1.0 - distribution.cdf(0.0);
     let mean_pa = distribution.mean().min(training.largest_pa);
-    let own = Estimate {
+    let own = PressureEstimate {
         contact_probability,
         contact_probability_se: f64::NAN,
         contact_probability_interval: None,
@@ -158,11 +162,11 @@ pub fn estimate(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, seed: 
     let nodes = nodes(&empirical, samples.len());
     let unbiased = match held_out(surrogate, training, &nodes) {
         Ok(unbiased) => unbiased,
-        Err(reason) => return Ok(Estimate { interval_failure: Some(reason), ..own }),
+        Err(reason) => return Ok(PressureEstimate { interval_failure: Some(reason), ..own }),
     };
     let cdf: Vec<f64> = nodes.iter().map(|t| own.distribution.cdf(*t)).collect();
     let band = unbiased.band(&nodes, training.degrees_of_freedom(), seed).with_estimate(cdf);
-    Ok(Estimate {
+    Ok(PressureEstimate {
         contact_probability_se: band.standard_errors[0],
         contact_probability_interval: Some(training.contact_interval(&band)),
         contact_probability_bias: Some(-band.bias[0]),

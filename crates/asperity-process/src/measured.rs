@@ -1,7 +1,7 @@
 //! Friction records of a tribometer: converts a text file of columns to μ(s) at equal steps and to a fitted process.
 //!
 //! [`ColumnTable`] reads the file, [`MeasuredRecord::new`] computes μ over the sliding distance from its columns, a
-//! [`Preparation`] cuts and detrends the record, and [`FittedRecord`] fits a process. Gaps are never filled: a missing
+//! [`RecordPreparation`] cuts and detrends the record, and [`FittedRecord`] fits a process. Gaps are never filled: a missing
 //! value is NaN, and every step omits it.
 
 mod columns;
@@ -21,7 +21,7 @@ use asperity_base::stats::StatsError;
 
 pub use columns::ColumnTable;
 pub use fit::{DistributionChoice, FittedRecord, Series};
-pub use preparation::{Cut, Detrend, Preparation, Prepared, Removal};
+pub use preparation::{Cut, Detrend, PreparedRecord, RecordPreparation, Removal};
 pub use record::{Abscissa, MeasuredRecord, NormalForce, RecordColumns};
 
 /// Error of reading a friction record or of fitting a process to it.

@@ -7,15 +7,17 @@
 use std::error::Error;
 use std::f64::consts::PI;
 
-use asperity::chaos::{Basis, Candidates, Design, Expansion, Family, MultiIndexSet, SamplingMethod, SparseRegression};
+use asperity::chaos::{
+    Basis, Candidates, Design, Expansion, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseRegression,
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let basis = Basis::new(MultiIndexSet::total_degree(3, 12)?, vec![Family::Legendre; 3])?;
+    let basis = Basis::new(MultiIndexSet::total_degree(3, 12)?, vec![PolynomialFamily::Legendre; 3])?;
     println!("samples   terms   variance   S1       S2       S3       S13");
     for samples in [100, 200, 400] {
         // Sobol' points on [−1, 1]³, and the function there.
         let design = Design::new(SamplingMethod::Sobol, 1, "example", samples, 3)?;
-        let point = |i: usize| design.unit(i).into_iter().map(|u| Family::Legendre.from_unit(u)).collect();
+        let point = |i: usize| design.unit(i).into_iter().map(|u| PolynomialFamily::Legendre.from_unit(u)).collect();
         let points: Vec<Vec<f64>> = (0..samples).map(point).collect();
         let values: Vec<f64> = points
             .iter()

@@ -7,7 +7,7 @@
 use std::error::Error;
 
 use asperity::friction::measured::{
-    Abscissa, ColumnTable, DistributionChoice, FittedRecord, MeasuredRecord, Preparation, RecordColumns,
+    Abscissa, ColumnTable, DistributionChoice, FittedRecord, MeasuredRecord, RecordColumns, RecordPreparation,
 };
 use asperity::friction::process::{FrictionProcess, ProcessModel, TranslationKind};
 
@@ -34,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let record = MeasuredRecord::new(&ColumnTable::read(text.as_bytes())?, &columns)?;
     let fitted =
-        FittedRecord::new(&Preparation::default().apply(&record)?, DistributionChoice::Auto, "simulated")?.process;
+        FittedRecord::new(&RecordPreparation::default().apply(&record)?, DistributionChoice::Auto, "simulated")?
+            .process;
 
     let interval = |ends: Option<[f64; 2]>, unit: f64, digits: usize| match ends {
         Some([low, high]) => format!("[{:.digits$}, {:.digits$}]", low * unit, high * unit),

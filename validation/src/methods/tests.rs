@@ -22,11 +22,11 @@ fn samples(count: usize, largest_pa: f64, pressure: impl Fn(f64, f64) -> f64) ->
     }
 }
 
-fn by_latent(samples: &RotatedSamples) -> Result<Estimate, MethodError> {
+fn by_latent(samples: &RotatedSamples) -> Result<PressureEstimate, MethodError> {
     estimate(&LatentOverlap::new(samples, 3), samples.training(), 1)
 }
 
-fn by_two_parts(samples: &RotatedSamples) -> Result<Estimate, MethodError> {
+fn by_two_parts(samples: &RotatedSamples) -> Result<PressureEstimate, MethodError> {
     estimate(&TwoPart::new(samples, 3), samples.training(), 1)
 }
 

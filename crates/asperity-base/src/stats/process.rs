@@ -7,7 +7,7 @@ const TAIL: f64 = 0.025;
 
 /// Statistic of records as an estimate for their process, with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct ProcessEstimate {
     /// Statistic of the records.
     pub value: f64,
     /// Standard error.
@@ -18,7 +18,7 @@ pub struct Estimate {
     pub degrees_of_freedom: f64,
 }
 
-impl Estimate {
+impl ProcessEstimate {
     fn new(value: f64, spread: Spread, interval: Interval) -> Option<Self> {
         let sound = interval.low <= interval.high && interval.low.is_finite() && interval.high.is_finite();
         let standard_error = spread.variance.sqrt();
@@ -61,15 +61,15 @@ pub struct ProcessMoments {
     /// Moments of the values present.
     pub moments: Moments,
     /// Mean.
-    pub mean: Option<Estimate>,
+    pub mean: Option<ProcessEstimate>,
     /// Standard deviation. Its interval is centred on the value corrected for the subtracted mean.
-    pub std: Option<Estimate>,
+    pub std: Option<ProcessEstimate>,
     /// Standard deviation over |mean|; absent if the interval of the mean contains 0.
-    pub coefficient_of_variation: Option<Estimate>,
+    pub coefficient_of_variation: Option<ProcessEstimate>,
     /// Skewness.
-    pub skewness: Option<Estimate>,
+    pub skewness: Option<ProcessEstimate>,
     /// Excess kurtosis.
-    pub excess_kurtosis: Option<Estimate>,
+    pub excess_kurtosis: Option<ProcessEstimate>,
     /// Effective sample size for the mean, at most the number of values. If the mean has no interval, as after a
     /// high-pass filter, that for the standard deviation; if neither has one, the number of strips.
     pub effective_size: f64,
@@ -111,7 +111,7 @@ impl ProcessMoments {
         let (g, h) = (moments.skewness, moments.excess_kurtosis + 3.0);
         if let Some(mean) = mean {
             found.effective_size = (1.0 / mean.variance).min(n);
-            found.mean = Estimate::linear(moments.mean, mean.scaled(moments.std));
+            found.mean = ProcessEstimate::linear(moments.mean, mean.scaled(moments.std));
         }
         let Some(log_std) = spread(2.0, &|v| 0.5 * (v * v - 1.0)) else { return found };
         if mean.is_none() {
@@ -120,11 +120,11 @@ impl ProcessMoments {
         // The variance about the mean of the records is less than about the mean of the process, and the mean of a
         // logarithm is less than the logarithm of the mean.
         let lift = log_std.variance.exp() / (1.0 - mean.map_or(0.0, |mean| mean.variance.min(0.5))).sqrt();
-        found.std = Estimate::logarithmic(moments.std, lift, log_std);
+        found.std = ProcessEstimate::logarithmic(moments.std, lift, log_std);
         let variation = moments.std / moments.mean;
         let away = found.mean.is_some_and(|mean| !mean.interval.contains(0.0));
         found.coefficient_of_variation = spread(2.0, &|v| 0.5 * (v * v - 1.0) - variation * v)
-            .and_then(|s| Estimate::logarithmic(variation.abs(), lift, s))
+            .and_then(|s| ProcessEstimate::logarithmic(variation.abs(), lift, s))
             .filter(|_| away);
         found.skewness =
             spread(3.0, &|v| v.powi(3) - g - 3.0 * v - 1.5 * g * (v * v - 1.0)).and_then(|s| skewness(g, s));
@@ -171,11 +171,11 @@ impl ProcessMoments {
         let kurtosis = (self.moments.excess_kurtosis + 3.0).max(3.0);
         let log_std = spread(0.25 * (kurtosis - 1.0) * second, freedom(length_error));
         let lift = log_std.variance.exp() / (1.0 - first).sqrt();
-        let std = Estimate::logarithmic(self.moments.std, lift, log_std);
+        let std = ProcessEstimate::logarithmic(self.moments.std, lift, log_std);
         let n = self.moments.n as f64;
         Self {
             effective_size: if self.mean.is_none() { (1.0 / mean.variance).min(n) } else { self.effective_size },
-            mean: wider(self.mean, Estimate::linear(self.moments.mean, mean.scaled(self.moments.std))),
+            mean: wider(self.mean, ProcessEstimate::linear(self.moments.mean, mean.scaled(self.moments.std))),
             std: wider(self.std, std),
             ..self
         }
@@ -183,24 +183,24 @@ impl ProcessMoments {
 }
 
 /// Returns the estimate with the wider interval.
-fn wider(a: Option<Estimate>, b: Option<Estimate>) -> Option<Estimate> {
-    let width = |estimate: &Estimate| estimate.interval.high - estimate.interval.low;
+fn wider(a: Option<ProcessEstimate>, b: Option<ProcessEstimate>) -> Option<ProcessEstimate> {
+    let width = |estimate: &ProcessEstimate| estimate.interval.high - estimate.interval.low;
     a.into_iter().chain(b).max_by(|a, b| width(a).total_cmp(&width(b)))
 }
 
 /// Returns the skewness on the arctangent scale, on which its spread hardly depends on it.
-fn skewness(value: f64, spread: Spread) -> Option<Estimate> {
+fn skewness(value: f64, spread: Spread) -> Option<ProcessEstimate> {
     let half = spread.for_high_order().student(TAIL) * spread.variance.sqrt() / (1.0 + value * value);
     let finite = value.atan().abs() + half < std::f64::consts::FRAC_PI_2;
     let end = |sign: f64| (value.atan() + sign * half).tan();
-    Estimate::new(value, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| finite)
+    ProcessEstimate::new(value, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| finite)
 }
 
 /// Returns the excess kurtosis on the scale 1/κ³ of the kurtosis κ, with a nearly constant spread.
-fn excess_kurtosis(kurtosis: f64, spread: Spread) -> Option<Estimate> {
+fn excess_kurtosis(kurtosis: f64, spread: Spread) -> Option<ProcessEstimate> {
     let half = 3.0 * spread.for_high_order().student(TAIL) * spread.variance.sqrt() / kurtosis;
     let end = |sign: f64| kurtosis / (1.0 - sign * half).cbrt() - 3.0;
-    Estimate::new(kurtosis - 3.0, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| half < 1.0)
+    ProcessEstimate::new(kurtosis - 3.0, spread, Interval { low: end(-1.0), high: end(1.0) }).filter(|_| half < 1.0)
 }
 
 impl Spread {
@@ -212,7 +212,7 @@ impl Spread {
 
 /// Returns the fraction of the values present above a level, with a 95 % interval on the logit scale; see
 /// [`ProcessMoments`] for the records.
-pub fn fraction_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
+pub fn fraction_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<ProcessEstimate>) {
     let layout = layout.into();
     let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
     let moments = Moments::from_values(records.iter().flat_map(|record| record.iter().copied()));
@@ -228,7 +228,7 @@ pub fn fraction_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>)
         let half = spread.student(TAIL) * spread.variance.sqrt() / (fraction * (1.0 - fraction));
         let odds = |sign: f64| fraction / (1.0 - fraction) * (sign * half).exp();
         let end = |sign: f64| odds(sign) / (1.0 + odds(sign));
-        Estimate::new(fraction, spread, Interval { low: end(-1.0), high: end(1.0) })
+        ProcessEstimate::new(fraction, spread, Interval { low: end(-1.0), high: end(1.0) })
     });
     (fraction, estimate)
 }
@@ -304,7 +304,7 @@ mod tests {
                 &|lag| phi.powi(lag as i32),
                 0.3,
             );
-            let holds = |estimate: Option<Estimate>, truth| estimate.is_some_and(|e| e.interval.contains(truth));
+            let holds = |estimate: Option<ProcessEstimate>, truth| estimate.is_some_and(|e| e.interval.contains(truth));
             held[0] += usize::from(holds(found.mean, 3.0));
             held[1] += usize::from(holds(found.std, 1.0));
         }

@@ -1,7 +1,7 @@
 //! Independent randomisations of a design, and estimates with jackknife intervals over them.
 
 use super::{DriverError, PickFreeze};
-use crate::{Design, Estimate};
+use crate::{Design, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::{Interval, student_quantile};
 
@@ -66,7 +66,7 @@ impl Replicates {
         &self,
         sums: &[Vec<f64>],
         statistic: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> Result<Vec<Estimate>, DriverError> {
+    ) -> Result<Vec<SampleEstimate>, DriverError> {
         let all = total(sums, sums[0].len());
         let without: Vec<Vec<f64>> = sums
             .iter()
@@ -79,7 +79,7 @@ impl Replicates {
             let squares: f64 = without.iter().map(|values| (values[i] - mean).powi(2)).sum();
             let standard_error = ((count - 1.0) / count * squares).sqrt();
             let [low, high] = [-reach, reach].map(|deviate| (value + deviate * standard_error).clamp(0.0, 1.0));
-            Estimate { value, standard_error, interval: Interval { low: low.min(value), high: high.max(value) } }
+            SampleEstimate { value, standard_error, interval: Interval { low: low.min(value), high: high.max(value) } }
         };
         let values = statistic(&all);
         if !values.iter().chain(without.iter().flatten()).all(|value| value.is_finite()) {

@@ -20,7 +20,7 @@ fn spearman(pearson: f64) -> f64 {
 }
 
 /// Checks estimates against exact values: within four standard errors, which are at most `largest`.
-fn check(estimates: &[Estimate], exact: &[f64], rounding: f64, largest: f64) {
+fn check(estimates: &[SampleEstimate], exact: &[f64], rounding: f64, largest: f64) {
     assert_eq!(estimates.len(), exact.len());
     for (estimate, exact) in estimates.iter().zip(exact) {
         let error = (estimate.value - exact).abs();
@@ -143,7 +143,7 @@ fn coverage(
     inputs: &UncertainInputs,
     method: SamplingMethod,
     response: impl Fn(&[f64]) -> f64 + Sync,
-    estimates: impl Fn(Drivers) -> Vec<Estimate>,
+    estimates: impl Fn(Drivers) -> Vec<SampleEstimate>,
     exact: &[f64],
 ) -> f64 {
     let mut covered = 0;

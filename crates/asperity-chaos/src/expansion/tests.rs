@@ -1,9 +1,14 @@
 use super::*;
-use crate::{Design, Family, MultiIndexSet, SamplingMethod, Truncation};
+use crate::{Design, MultiIndexSet, PolynomialFamily, SamplingMethod, Truncation};
 use std::f64::consts::PI;
 
 /// Returns the expansion of f over a Sobol' design, where f is a function of the standard variables.
-fn expand(families: &[Family], degree: usize, samples: usize, f: impl Fn(&[f64]) -> f64) -> (Expansion, Fit) {
+fn expand(
+    families: &[PolynomialFamily],
+    degree: usize,
+    samples: usize,
+    f: impl Fn(&[f64]) -> f64,
+) -> (Expansion, LeastSquaresFit) {
     let set = MultiIndexSet::total_degree(families.len(), degree).unwrap();
     let basis = Basis::new(set, families.to_vec()).unwrap();
     let design = Design::new(SamplingMethod::Sobol, 3, "expansion", samples, families.len()).unwrap();
@@ -17,7 +22,8 @@ fn expand(families: &[Family], degree: usize, samples: usize, f: impl Fn(&[f64])
 #[test]
 fn a_polynomial_is_recovered_with_its_moments_and_indices() {
     // f = 2 + ξ₁ + 3 ξ₁ ξ₂ + (ξ₂² − 1): variance 1 + 9 + 2.
-    let (expansion, _) = expand(&[Family::Hermite; 2], 3, 64, |x| 2.0 + x[0] + 3.0 * x[0] * x[1] + x[1] * x[1] - 1.0);
+    let (expansion, _) =
+        expand(&[PolynomialFamily::Hermite; 2], 3, 64, |x| 2.0 + x[0] + 3.0 * x[0] * x[1] + x[1] * x[1] - 1.0);
     assert!((expansion.mean() - 2.0).abs() < 1e-12);
     assert!((expansion.variance() - 12.0).abs() < 1e-11);
     let first = expansion.first_order_indices();
@@ -30,7 +36,7 @@ fn a_polynomial_is_recovered_with_its_moments_and_indices() {
 
 #[test]
 fn many_xi_samples_give_the_values_of_single_ones() {
-    let (expansion, _) = expand(&[Family::Hermite; 3], 3, 80, |x| (x[0] + 0.3 * x[1]).sin() + x[2]);
+    let (expansion, _) = expand(&[PolynomialFamily::Hermite; 3], 3, 80, |x| (x[0] + 0.3 * x[1]).sin() + x[2]);
     let xi_samples: Vec<[f64; 3]> = (0..50).map(|i| [0.1 * f64::from(i), -0.03 * f64::from(i), 0.5]).collect();
     let alone: Vec<f64> = xi_samples.iter().map(|g| expansion.evaluate(g)).collect();
     assert_eq!(expansion.evaluate_many(&xi_samples), alone);
@@ -39,7 +45,7 @@ fn many_xi_samples_give_the_values_of_single_ones() {
 #[test]
 fn the_exponential_of_a_normal_variable_has_its_closed_coefficients() {
     let sigma = 0.5_f64;
-    let (expansion, _) = expand(&[Family::Hermite], 12, 2048, |x| (sigma * x[0]).exp());
+    let (expansion, _) = expand(&[PolynomialFamily::Hermite], 12, 2048, |x| (sigma * x[0]).exp());
     // Orthonormal: c_n = e^{σ²/2} σⁿ/√n!. The first coefficient left out, c₁₃ = 1.8e-9, bounds the aliasing.
     let mut closed = (0.5 * sigma * sigma).exp();
     for n in 0..=6 {
@@ -51,7 +57,7 @@ fn the_exponential_of_a_normal_variable_has_its_closed_coefficients() {
 #[test]
 fn ishigami_has_its_published_indices() {
     let (a, b) = (7.0, 0.1);
-    let (expansion, fit) = expand(&[Family::Legendre; 3], 12, 1024, |x| {
+    let (expansion, fit) = expand(&[PolynomialFamily::Legendre; 3], 12, 1024, |x| {
         let [x1, x2, x3] = [x[0], x[1], x[2]].map(|x| PI * x);
         x1.sin() + a * x2.sin().powi(2) + b * x3.powi(4) * x1.sin()
     });
@@ -67,9 +73,9 @@ fn ishigami_has_its_published_indices() {
 
 #[test]
 fn the_borehole_has_its_published_moments_and_indices() {
-    let mut families = [Family::Legendre; 8];
-    families[0] = Family::Hermite;
-    families[1] = Family::Hermite;
+    let mut families = [PolynomialFamily::Legendre; 8];
+    families[0] = PolynomialFamily::Hermite;
+    families[1] = PolynomialFamily::Hermite;
     let (expansion, _) = expand(&families, 4, 1500, |x| {
         let between = |x: f64, low: f64, high: f64| low + (high - low) * (x + 1.0) / 2.0;
         let rw = 0.10 + 0.016_181_2 * x[0];
@@ -96,7 +102,7 @@ fn the_sobol_g_function_comes_within_its_known_truncation() {
     // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, which is 99.4 %, and less of products. The
     // variables with a = 99 contribute a fraction of 3e-4 and are left out.
     let a = [0.0, 1.0, 4.5, 9.0];
-    let (expansion, _) = expand(&[Family::Legendre; 4], 6, 2000, |x| {
+    let (expansion, _) = expand(&[PolynomialFamily::Legendre; 4], 6, 2000, |x| {
         x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product()
     });
     let published = [0.716_192_169, 0.179_048_042, 0.023_675_774_2, 0.007_161_921_69];
@@ -127,8 +133,10 @@ fn coefficients(count: usize) -> Vec<f64> {
 /// Compares values of expansions on several kinds of sets with the sum over `Basis::fill`.
 #[test]
 fn nested_sums_are_the_sums_of_all_terms() {
-    let families = |variables: usize| -> Vec<Family> {
-        (0..variables).map(|i| if i % 3 == 2 { Family::Legendre } else { Family::Hermite }).collect()
+    let families = |variables: usize| -> Vec<PolynomialFamily> {
+        (0..variables)
+            .map(|i| if i % 3 == 2 { PolynomialFamily::Legendre } else { PolynomialFamily::Hermite })
+            .collect()
     };
     let sets = [
         MultiIndexSet::total_degree(1, 0).unwrap(),

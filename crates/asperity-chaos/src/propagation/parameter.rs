@@ -1,6 +1,6 @@
 //! Distributions of uncertain parameters.
 
-use crate::Family;
+use crate::PolynomialFamily;
 use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::stats::{Interval, NORMAL_95};
 
@@ -9,7 +9,7 @@ use asperity_base::stats::{Interval, NORMAL_95};
 pub struct Parameter {
     name: String,
     marginal: Marginal,
-    family: Family,
+    family: PolynomialFamily,
 }
 
 impl Parameter {
@@ -20,7 +20,7 @@ impl Parameter {
     pub fn new(name: &str, marginal: Marginal) -> Result<Self, DistributionError> {
         marginal.check()?;
         let uniform = matches!(marginal, Marginal::Beta { a: 1.0, b: 1.0, .. });
-        let family = if uniform { Family::Legendre } else { Family::Hermite };
+        let family = if uniform { PolynomialFamily::Legendre } else { PolynomialFamily::Hermite };
         Ok(Self { name: name.into(), marginal, family })
     }
 
@@ -81,15 +81,15 @@ impl Parameter {
     }
 
     /// Returns the polynomial family of the standard variable ξ.
-    pub(super) fn family(&self) -> Family {
+    pub(super) fn family(&self) -> PolynomialFamily {
         self.family
     }
 
     /// Returns the parameter value at the standard variable `xi`.
     pub(super) fn at(&self, xi: f64) -> f64 {
         match self.family {
-            Family::Hermite => self.marginal.translate(xi),
-            Family::Legendre => self.marginal.quantile(0.5 * (1.0 + xi)),
+            PolynomialFamily::Hermite => self.marginal.translate(xi),
+            PolynomialFamily::Legendre => self.marginal.quantile(0.5 * (1.0 + xi)),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Bootstrap of moments and indices over the choice of points and the noise of the samples.
 
 use super::{NoIndices, Noise, Observed, ParameterIndices};
-use crate::{Estimate, Expansion, RegressionError, Resamples};
+use crate::{Expansion, RegressionError, Resamples, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
 
@@ -83,7 +83,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Returns the mean and standard deviation of the points.
-    pub(super) fn moments(&self, resamples: &Resamples) -> (Estimate, Estimate) {
+    pub(super) fn moments(&self, resamples: &Resamples) -> (SampleEstimate, SampleEstimate) {
         let moments = Moments::new(&self.values);
         let drawn: Vec<Moments> = blocks::map(0..resamples.count, |i| Moments::new(&self.resample(resamples, i).1));
         (
@@ -98,7 +98,7 @@ impl<'a> Samples<'a> {
         expansion: &Expansion,
         error: f64,
         resamples: &Resamples,
-    ) -> (Estimate, Estimate, Result<ParameterIndices, NoIndices>) {
+    ) -> (SampleEstimate, SampleEstimate, Result<ParameterIndices, NoIndices>) {
         let variables = expansion.basis().set().variables();
         let numbers = |expansion: &Expansion| -> Vec<f64> {
             let mut numbers = vec![expansion.mean(), expansion.variance().sqrt()];
@@ -114,7 +114,7 @@ impl<'a> Samples<'a> {
         let found: Vec<Vec<f64>> =
             blocks::map::<_, Vec<_>>(0..resamples.count, replicate).into_iter().flatten().collect();
         let failed = resamples.count - found.len();
-        let estimates: Vec<Estimate> = numbers(expansion)
+        let estimates: Vec<SampleEstimate> = numbers(expansion)
             .into_iter()
             .enumerate()
             .map(|(place, value)| {
@@ -134,7 +134,7 @@ impl<'a> Samples<'a> {
 }
 
 /// Widens an interval by the variance fraction that the terms leave out, which bounds its effect on an index.
-fn widened(estimate: Estimate, error: f64) -> Estimate {
+fn widened(estimate: SampleEstimate, error: f64) -> SampleEstimate {
     let Interval { low, high } = estimate.interval;
-    Estimate { interval: Interval { low: (low - error).max(0.0), high: (high + error).min(1.0) }, ..estimate }
+    SampleEstimate { interval: Interval { low: (low - error).max(0.0), high: (high + error).min(1.0) }, ..estimate }
 }

@@ -1,10 +1,15 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::{Basis, Design, Family, MultiIndexSet, RegressionError, SamplingMethod};
+use crate::{Basis, Design, MultiIndexSet, PolynomialFamily, RegressionError, SamplingMethod};
 
 /// Returns the rows of a Monte Carlo design and the values of the function there.
-fn sampled(families: &[Family], samples: usize, seed: u64, f: impl Fn(&[f64]) -> f64) -> (Vec<Vec<f64>>, Vec<f64>) {
+fn sampled(
+    families: &[PolynomialFamily],
+    samples: usize,
+    seed: u64,
+    f: impl Fn(&[f64]) -> f64,
+) -> (Vec<Vec<f64>>, Vec<f64>) {
     let design = Design::new(SamplingMethod::MonteCarlo, seed, "indices", samples, families.len()).unwrap();
     let xi_samples: Vec<Vec<f64>> = (0..samples)
         .map(|i| design.unit(i).iter().zip(families).map(|(u, family)| family.from_unit(*u)).collect())
@@ -34,7 +39,7 @@ fn estimated(basis: &Basis, xi_samples: &[Vec<f64>], values: &[f64], closed: &[&
 }
 
 /// Asserts that a value lies within an interval widened by the variance fraction that the terms leave out.
-fn assert_held(name: &str, estimates: &[Estimate], truths: &[f64], truncation: f64) {
+fn assert_held(name: &str, estimates: &[SampleEstimate], truths: &[f64], truncation: f64) {
     for (variable, (estimate, truth)) in estimates.iter().zip(truths).enumerate() {
         let Interval { low, high } = estimate.interval;
         let held = (low - truncation..=high + truncation).contains(truth);
@@ -46,8 +51,8 @@ fn assert_held(name: &str, estimates: &[Estimate], truths: &[f64], truncation: f
 fn intervals_cover_the_ishigami_indices() {
     // Terms of x₁ and x₃ up to degrees 9 and 4, and of x₂ up to 12.
     let rows = (0..10).flat_map(|a| (0..5).map(move |c| [a, 0, c])).chain((1..13).map(|b| [0, b, 0]));
-    let basis = Basis::new(MultiIndexSet::from_rows(3, rows).unwrap(), vec![Family::Legendre; 3]).unwrap();
-    let (xi_samples, values) = sampled(&[Family::Legendre; 3], 250, 1, |x| {
+    let basis = Basis::new(MultiIndexSet::from_rows(3, rows).unwrap(), vec![PolynomialFamily::Legendre; 3]).unwrap();
+    let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 3], 250, 1, |x| {
         (PI * x[0]).sin() + 7.0 * (PI * x[1]).sin().powi(2) + 0.1 * (PI * x[2]).powi(4) * (PI * x[0]).sin()
     });
     let (estimates, truncation) = estimated(&basis, &xi_samples, &values, &[&[0, 2]]);
@@ -88,11 +93,11 @@ fn intervals_cover_the_sobol_g_indices_at_their_level() {
     let (exact, projected) = (sobol_g_parts(&a, false), sobol_g_parts(&a, true));
     // Without the four variables of a = 99, which contribute 3e-4.
     assert!((exact(1) - 0.716_192_169).abs() < 5e-4 && (exact(2) - 0.179_048_042).abs() < 5e-4);
-    let basis = Basis::new(MultiIndexSet::total_degree(4, 4).unwrap(), vec![Family::Legendre; 4]).unwrap();
+    let basis = Basis::new(MultiIndexSet::total_degree(4, 4).unwrap(), vec![PolynomialFamily::Legendre; 4]).unwrap();
     let g = |x: &[f64]| x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product();
     let (mut held, datasets) = (0, 25);
     for seed in 0..datasets {
-        let (xi_samples, values) = sampled(&[Family::Legendre; 4], 400, seed, g);
+        let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 4], 400, seed, g);
         let resamples = Resamples { count: 100, level: 0.95, seed };
         let estimates =
             resamples.sobol_indices(400, &[&[0, 1]], |rows| fitted(&basis, &xi_samples, &values, rows)).unwrap();
@@ -110,9 +115,9 @@ fn intervals_cover_the_sobol_g_indices_at_their_level() {
 
 #[test]
 fn intervals_cover_the_borehole_indices() {
-    let mut families = [Family::Legendre; 8];
-    families[0] = Family::Hermite;
-    families[1] = Family::Hermite;
+    let mut families = [PolynomialFamily::Legendre; 8];
+    families[0] = PolynomialFamily::Hermite;
+    families[1] = PolynomialFamily::Hermite;
     let basis = Basis::new(MultiIndexSet::total_degree(8, 2).unwrap(), families.to_vec()).unwrap();
     let (xi_samples, values) = sampled(&families, 250, 2, |x| {
         let between = |x: f64, low: f64, high: f64| low + (high - low) * (x + 1.0) / 2.0;
@@ -134,7 +139,7 @@ fn intervals_cover_the_borehole_indices() {
 #[test]
 fn missing_intervals_have_a_reason() {
     let basis = Basis::hermite(2, 3).unwrap();
-    let (xi_samples, values) = sampled(&[Family::Hermite; 2], 11, 3, |x| x[0]);
+    let (xi_samples, values) = sampled(&[PolynomialFamily::Hermite; 2], 11, 3, |x| x[0]);
     let resamples = Resamples { count: 40, ..Resamples::new(1) };
     let indices = |values: &[f64]| resamples.sobol_indices(11, &[], |rows| fitted(&basis, &xi_samples, values, rows));
     assert!(matches!(indices(&values), Err(IndexError::TooManyFailures { resamples: 40, .. })));

@@ -8,7 +8,7 @@ use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::{Family, fit};
 use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::random;
-use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, fraction_above};
+use asperity_base::stats::{Interval, Layout, Moments, ProcessEstimate, ProcessMoments, fraction_above};
 use asperity_friction::statistics::FrictionStatistics;
 use asperity_friction::strip::Record;
 
@@ -56,7 +56,7 @@ fn same(a: Interval, b: Interval, what: &str) {
     close(a.high, b.high, what);
 }
 
-fn same_estimate(a: Option<Estimate>, b: Option<Estimate>, what: &str) {
+fn same_estimate(a: Option<ProcessEstimate>, b: Option<ProcessEstimate>, what: &str) {
     assert_eq!(a.is_some(), b.is_some(), "{what}");
     if let (Some(a), Some(b)) = (a, b) {
         close(a.standard_error, b.standard_error, what);

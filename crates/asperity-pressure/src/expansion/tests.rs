@@ -16,7 +16,7 @@ fn estimate_of(
     pressure: impl Fn(&[f64]) -> f64,
     samples: usize,
     basis: Basis,
-) -> Result<(Estimate, DiscreteDistribution), MethodError> {
+) -> Result<(PressureEstimate, DiscreteDistribution), MethodError> {
     let variables = basis.set().variables();
     let (fine, fresh) = (xi_samples("fine", samples, variables), xi_samples("fresh", 3000, variables));
     let pressures: Vec<f64> = fine.iter().map(|xi| pressure(xi)).collect();

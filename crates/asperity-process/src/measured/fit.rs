@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::smoothing::polynomial;
-use super::{MeasuredError, Prepared};
+use super::{MeasuredError, PreparedRecord};
 use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 use asperity_base::correlation::{
@@ -14,7 +14,7 @@ use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
 use asperity_base::distribution::goodness::ProcessNull;
 use asperity_base::stats::{
-    Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present,
+    Histogram, Moments, NORMAL_95, ProcessEstimate, ProcessMoments, StatsError, quantile_sorted, sorted_present,
 };
 
 /// Least effective sample size of a record.
@@ -180,7 +180,11 @@ impl FittedRecord {
     /// # Errors
     /// Fails if the record has fewer than 10 values or an effective sample size below 5, if the values do not vary, or
     /// if the distribution cannot be fitted.
-    pub fn new(prepared: &Prepared, choice: DistributionChoice, description: &str) -> Result<Self, MeasuredError> {
+    pub fn new(
+        prepared: &PreparedRecord,
+        choice: DistributionChoice,
+        description: &str,
+    ) -> Result<Self, MeasuredError> {
         let record = &prepared.record;
         let values = &record.friction[..];
         let (present, pieces) = (record.present(), record.pieces());
@@ -298,7 +302,7 @@ impl FittedRecord {
 
     /// Returns the tables of the figures: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`,
     /// `friction_acf`.
-    pub fn tables(&self, prepared: &Prepared) -> Vec<(&'static str, Series)> {
+    pub fn tables(&self, prepared: &PreparedRecord) -> Vec<(&'static str, Series)> {
         let mut tables = vec![("friction_record", record_table(prepared))];
         tables.extend(self.histogram(prepared).map(|table| ("friction_histogram", table)));
         if let Some(law) = &self.process.marginal {
@@ -311,7 +315,7 @@ impl FittedRecord {
         tables
     }
 
-    fn histogram(&self, prepared: &Prepared) -> Option<Series> {
+    fn histogram(&self, prepared: &PreparedRecord) -> Option<Series> {
         let histogram = Histogram::new(&prepared.record.friction).ok()?;
         let centres = histogram.centres();
         let chosen = self.process.marginal.as_ref();
@@ -402,7 +406,7 @@ fn notes_on(
     notes
 }
 
-fn pair(estimate: Estimate) -> [f64; 2] {
+fn pair(estimate: ProcessEstimate) -> [f64; 2] {
     [estimate.interval.low, estimate.interval.high]
 }
 
@@ -410,7 +414,7 @@ fn named(columns: Columns) -> Series {
     columns.into_iter().map(|(name, values)| (name.to_owned(), values)).collect()
 }
 
-fn record_table(prepared: &Prepared) -> Series {
+fn record_table(prepared: &PreparedRecord) -> Series {
     let record = &prepared.record;
     vec![
         ("position_m".into(), (0..record.friction.len()).map(|index| record.position_m(index)).collect()),

@@ -14,7 +14,7 @@ const HIGHEST_DEGREE: usize = 30;
 
 /// Steps of the preparation, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Preparation {
+pub struct RecordPreparation {
     /// Part of the record that is kept.
     pub cut: Option<Cut>,
     /// Trend that is removed; the mean is kept.
@@ -102,7 +102,7 @@ pub struct Removal {
 
 /// Record that is ready for analysis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Prepared {
+pub struct PreparedRecord {
     /// The record; its warnings include those of the preparation.
     pub record: MeasuredRecord,
     /// Measured values of the kept part before the other steps, at the same positions.
@@ -115,13 +115,13 @@ pub struct Prepared {
     pub history: RecordHistory,
 }
 
-impl Preparation {
+impl RecordPreparation {
     /// Prepares a record.
     ///
     /// # Errors
     /// Fails if a cut leaves fewer than 10 values or is a cut of time without a velocity, if a degree exceeds 30, or if
     /// a cutoff or a decimation does not fit the record.
-    pub fn apply(&self, record: &MeasuredRecord) -> Result<Prepared, MeasuredError> {
+    pub fn apply(&self, record: &MeasuredRecord) -> Result<PreparedRecord, MeasuredError> {
         let mut record = self.cut(record)?;
         let (step_m, length_m) = (record.step_m, record.step_m * record.friction.len() as f64);
         let fits = |option, cutoff_m: f64| {
@@ -179,7 +179,7 @@ impl Preparation {
             highest_per_m: None,
         };
         let history = RecordHistory { decimation: self.decimation.max(1), band };
-        let mut prepared = Prepared { record, measured, trend, removed: Vec::new(), history };
+        let mut prepared = PreparedRecord { record, measured, trend, removed: Vec::new(), history };
         if self.decimation > 1 {
             let before = prepared.record.friction.clone();
             prepared.decimate(self.decimation)?;
@@ -215,7 +215,7 @@ impl Preparation {
     }
 }
 
-impl Prepared {
+impl PreparedRecord {
     /// Replaces every `count` values by the mean of the present ones; the result is a gap if fewer than half are
     /// present.
     fn decimate(&mut self, count: usize) -> Result<(), MeasuredError> {
@@ -263,7 +263,7 @@ mod tests {
     fn a_removed_line_keeps_the_mean_and_reports_its_fraction() {
         let values = waves(2001);
         let before = Moments::new(&values);
-        let prepared = Preparation { detrend: Detrend::Polynomial(1), ..Preparation::default() };
+        let prepared = RecordPreparation { detrend: Detrend::Polynomial(1), ..RecordPreparation::default() };
         let prepared = prepared.apply(&record(values)).unwrap();
         let after = Moments::new(&prepared.record.friction);
         assert!((after.mean - before.mean).abs() < 1e-12);
@@ -276,24 +276,30 @@ mod tests {
     #[test]
     fn filters_pass_their_band() {
         // Waves of 4π = 12.6 steps, 1.26 mm.
-        let of = |preparation: Preparation| {
+        let of = |preparation: RecordPreparation| {
             let prepared = preparation.apply(&record(waves(4000))).unwrap();
             Moments::new(&prepared.record.friction[500..3500]).std / 5e-5_f64.sqrt()
         };
-        let high = |cutoff_m| of(Preparation { detrend: Detrend::HighPass { cutoff_m }, ..Preparation::default() });
+        let high = |cutoff_m| {
+            of(RecordPreparation { detrend: Detrend::HighPass { cutoff_m }, ..RecordPreparation::default() })
+        };
         assert!((high(20e-3) - 1.0).abs() < 0.01, "{}", high(20e-3));
         // 1 − ½ at the cutoff.
         assert!((high(4e-4 * std::f64::consts::PI) - 0.5).abs() < 0.01);
         let line = Detrend::Polynomial(1);
-        let low =
-            of(Preparation { detrend: line, low_pass_m: Some(4e-4 * std::f64::consts::PI), ..Preparation::default() });
+        let low = of(RecordPreparation {
+            detrend: line,
+            low_pass_m: Some(4e-4 * std::f64::consts::PI),
+            ..RecordPreparation::default()
+        });
         assert!((low - 0.5).abs() < 0.01, "{low}");
     }
 
     #[test]
     fn cuts_use_the_coordinates_of_the_file() {
         let values: Vec<f64> = (0..1000).map(f64::from).collect();
-        let cut = |cut| Preparation { cut: Some(cut), ..Preparation::default() }.apply(&record(values.clone()));
+        let cut =
+            |cut| RecordPreparation { cut: Some(cut), ..RecordPreparation::default() }.apply(&record(values.clone()));
         let part = cut(Cut::Distance(0.011, 0.021)).unwrap().record;
         assert_eq!((part.friction[0], part.friction.len()), (10.0, 101));
         assert_eq!(cut(Cut::Time(0.11, 0.21)).unwrap().record, part);
@@ -307,11 +313,16 @@ mod tests {
         let mut values: Vec<f64> = (0..1003).map(f64::from).collect();
         values[10..13].fill(f64::NAN);
         values[25] = f64::NAN;
-        let prepared = Preparation { decimation: 5, ..Preparation::default() }.apply(&record(values)).unwrap().record;
+        let prepared =
+            RecordPreparation { decimation: 5, ..RecordPreparation::default() }.apply(&record(values)).unwrap().record;
         assert_eq!(prepared.friction.len(), 200);
         assert!(prepared.friction[2].is_nan() && prepared.friction[5] == 27.5 && prepared.friction[0] == 2.0);
         assert!((prepared.start_m - 0.0102).abs() < 1e-12 && (prepared.step_m - 5e-4).abs() < 1e-15);
-        assert!(Preparation { decimation: 500, ..Preparation::default() }.apply(&record(vec![0.1; 1000])).is_err());
+        assert!(
+            RecordPreparation { decimation: 500, ..RecordPreparation::default() }
+                .apply(&record(vec![0.1; 1000]))
+                .is_err()
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use asperity_base::distribution::Marginal;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::measured::{
     Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
-    Preparation, Prepared, RecordColumns,
+    PreparedRecord, RecordColumns, RecordPreparation,
 };
 use asperity_process::{CorrelationShape, FittedProcess, FrictionProcess, ProcessModel, TranslationKind};
 
@@ -63,10 +63,10 @@ fn by_distance() -> RecordColumns {
     }
 }
 
-fn prepared(text: &str, columns: &RecordColumns) -> Prepared {
+fn prepared(text: &str, columns: &RecordColumns) -> PreparedRecord {
     let table = ColumnTable::read(text.as_bytes()).unwrap();
     let record = MeasuredRecord::new(&table, columns).unwrap();
-    Preparation { detrend: Detrend::Polynomial(1), ..Preparation::default() }.apply(&record).unwrap()
+    RecordPreparation { detrend: Detrend::Polynomial(1), ..RecordPreparation::default() }.apply(&record).unwrap()
 }
 
 /// Asserts that a value lies within four standard errors, computed from its 95 % interval.
@@ -126,7 +126,7 @@ fn a_known_process_is_recovered_from_time_and_force_and_from_distance_and_mu() {
     assert_eq!(process, fitted.process);
     let twin = process.simulate(0.6, STEP_M, 5, 0).unwrap();
     let record = MeasuredRecord { friction: twin, ..of_time.record.clone() };
-    let twin = Preparation::default().apply(&record).unwrap();
+    let twin = RecordPreparation::default().apply(&record).unwrap();
     let again = FittedRecord::new(&twin, DistributionChoice::Auto, "twin").unwrap().process;
     within_four_errors("mean of the twin", again.mean, again.mean_interval, mean);
     within_four_errors("std of the twin", again.std, again.std_interval, std);
@@ -245,7 +245,7 @@ fn too_short_or_constant_records_are_errors() {
             strokes_m: vec![],
             warnings: vec![],
         };
-        let prepared = Preparation::default().apply(&record).unwrap();
+        let prepared = RecordPreparation::default().apply(&record).unwrap();
         FittedRecord::new(&prepared, DistributionChoice::Auto, "rig").err().unwrap()
     };
     assert!(record(vec![0.1, 0.2, 0.3]).is_too_few());

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use asperity::random;
-use asperity::stats::{Estimate, Interval, Moments, ProcessMoments, correlation_time, quantile_sorted, sorted_present};
+use asperity::stats::{
+    Interval, Moments, ProcessEstimate, ProcessMoments, correlation_time, quantile_sorted, sorted_present,
+};
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -40,7 +42,7 @@ pub(crate) fn section(runs: usize) -> String {
 
 fn row(text: &mut String, planted: Planted, runs: usize) {
     let truth = truth(planted);
-    let found: Vec<[Option<Estimate>; 5]> =
+    let found: Vec<[Option<ProcessEstimate>; 5]> =
         (0..runs as u64).into_par_iter().map(|run| estimates(planted, run)).collect();
     let _ = write!(text, "| {} ", planted.name());
     for (k, truth) in truth.iter().enumerate() {
@@ -63,7 +65,7 @@ fn held(intervals: &[Interval], truth: f64) -> String {
     format!("{holds:.1} % ({above:.1}, {below:.1})")
 }
 
-fn estimates(planted: Planted, run: u64) -> [Option<Estimate>; 5] {
+fn estimates(planted: Planted, run: u64) -> [Option<ProcessEstimate>; 5] {
     let records = planted.records(run);
     let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
     let found = ProcessMoments::new(&views, planted.periodic);

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use asperity::correlation::{
     Observation, ObservedLengths, RecordBand, RecordHistory, RecordModel, WindowedRecords, fit_length,
 };
-use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, Preparation};
+use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, RecordPreparation};
 use asperity::random;
 use asperity::stats::wilson_interval;
 use asperity_testing::autoregressive;
@@ -169,7 +169,7 @@ fn short(runs: usize) -> Result<String> {
                 strokes_m: Vec::new(),
                 warnings: Vec::new(),
             };
-            let prepared = Preparation::default().apply(&record)?;
+            let prepared = RecordPreparation::default().apply(&record)?;
             Ok(FittedRecord::new(
                 &prepared,
                 DistributionChoice::One(asperity::distribution::fit::Family::Normal),

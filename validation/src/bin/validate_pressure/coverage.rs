@@ -4,7 +4,7 @@ use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Estimate, MethodComparison, Problem};
+use asperity::pressure::{MethodComparison, PressureEstimate, Problem};
 use asperity::surface::KarhunenLoeve;
 use asperity_validation::methods::{estimates, names};
 
@@ -46,7 +46,7 @@ struct Count {
 }
 
 impl Count {
-    fn add(&mut self, found: &Estimate, truth: &Estimate) {
+    fn add(&mut self, found: &PressureEstimate, truth: &PressureEstimate) {
         self.estimates += 1;
         let mut tell = |place: usize, held: Option<bool>| {
             self.told[place] += u32::from(held.is_some());

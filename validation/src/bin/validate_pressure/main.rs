@@ -21,7 +21,7 @@ use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Estimate, MethodComparison, Problem, Sampling, solve};
+use asperity::pressure::{MethodComparison, PressureEstimate, Problem, Sampling, solve};
 use asperity::stats::{Interval, NORMAL_95, wilson_interval};
 use asperity::surface::{KarhunenLoeve, ModesRoute};
 
@@ -130,7 +130,7 @@ impl Known {
 }
 
 impl Errors {
-    fn add(&mut self, found: &Timed, reference: &Estimate) {
+    fn add(&mut self, found: &Timed, reference: &PressureEstimate) {
         let Timed { distribution, contact, mean, seconds } = found;
         self.count += 1.0;
         self.ks += kolmogorov_smirnov(distribution, &reference.distribution);

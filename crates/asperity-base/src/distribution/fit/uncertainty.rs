@@ -4,7 +4,7 @@ use super::{End, Family, Fit, fit};
 use crate::blocks;
 use crate::distribution::Marginal;
 use crate::numeric::inverse;
-use crate::stats::{Estimate, Layout, Moments, RecordSum};
+use crate::stats::{Layout, Moments, ProcessEstimate, RecordSum};
 
 /// Step of a first difference, in units of a positive parameter or of the standard deviation.
 const STEP: f64 = 1e-4;
@@ -20,7 +20,7 @@ const GROUPS: usize = 20;
 /// Fitted parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(hidden)]
-pub struct Parameter {
+pub struct FittedParameter {
     name: &'static str,
     /// Index in [`Marginal::parameters`].
     place: usize,
@@ -40,12 +40,12 @@ pub struct ParameterEstimate {
     pub value: f64,
     /// Value with interval; `None` for an end of the support on which the likelihood does not depend smoothly, and for
     /// records of too few correlation lengths.
-    pub estimate: Option<Estimate>,
+    pub estimate: Option<ProcessEstimate>,
 }
 
 impl Fit {
     /// Parameters fitted, including the ends of the support.
-    fn fitted(&self) -> Vec<Parameter> {
+    fn fitted(&self) -> Vec<FittedParameter> {
         let std = self.marginal.std();
         let given = |name: &str| match self.family {
             Family::Lognormal | Family::Weibull | Family::Gamma => name == "shift",
@@ -62,7 +62,7 @@ impl Fit {
                     _ if positive => value,
                     _ => std,
                 };
-                Parameter { name, place, value, scale, positive }
+                FittedParameter { name, place, value, scale, positive }
             })
             .collect()
     }
@@ -72,14 +72,14 @@ impl Fit {
     /// there that the error of the end is of order n^{−1/shape}, less than n^{−1/2} (Smith, *Biometrika* **72** (1985)
     /// 67, <https://doi.org/10.1093/biomet/72.1.67>).
     #[doc(hidden)]
-    pub fn regular_parameters(&self) -> Vec<Parameter> {
+    pub fn regular_parameters(&self) -> Vec<FittedParameter> {
         let shapes = match self.marginal {
             Marginal::Beta { a, b, .. } => [a, b],
             Marginal::Weibull { shape, .. } | Marginal::Gamma { shape, .. } => [shape, f64::INFINITY],
             _ => [f64::INFINITY; 2],
         };
         let smooth = |end: End, shape: f64| end == End::Fitted && shape > IRREGULAR;
-        let regular = |parameter: &Parameter| match parameter.name {
+        let regular = |parameter: &FittedParameter| match parameter.name {
             "low" | "shift" => smooth(self.low_end, shapes[0]),
             "high" => smooth(self.high_end, shapes[1]),
             _ => true,
@@ -89,7 +89,7 @@ impl Fit {
 
     /// Returns the distribution with shifted parameters.
     #[doc(hidden)]
-    pub fn moved(&self, moves: &[(Parameter, f64)]) -> Marginal {
+    pub fn moved(&self, moves: &[(FittedParameter, f64)]) -> Marginal {
         let mut values: Vec<f64> = self.marginal.parameters().into_iter().map(|(_, value)| value).collect();
         for (parameter, by) in moves {
             values[parameter.place] += by * parameter.scale;
@@ -99,14 +99,14 @@ impl Fit {
 
     /// Returns ∂ ln f(x)/∂θ in units of the parameter's scale.
     #[doc(hidden)]
-    pub fn score(&self, parameter: Parameter, x: f64) -> f64 {
+    pub fn score(&self, parameter: FittedParameter, x: f64) -> f64 {
         let at = |by: f64| self.moved(&[(parameter, by)]).ln_pdf(x);
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
     /// Returns ∂F(x)/∂θ in units of the parameter's scale.
     #[doc(hidden)]
-    pub fn slope(&self, parameter: Parameter, x: f64) -> f64 {
+    pub fn slope(&self, parameter: FittedParameter, x: f64) -> f64 {
         let at = |by: f64| self.moved(&[(parameter, by)]).cdf(x);
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
@@ -133,17 +133,17 @@ impl Fit {
         let mean = Moments::from_values(records.iter().flat_map(|record| record.iter().copied())).mean;
         let bias = self.bias(&side_by_side(&records, layout));
         let sum = influences.is_some().then(|| RecordSum::new(&records, mean, layout));
-        let estimate = |parameter: &Parameter| -> Option<Estimate> {
+        let estimate = |parameter: &FittedParameter| -> Option<ProcessEstimate> {
             let place = regular.iter().position(|other| other.place == parameter.place)?;
             let spread = sum.as_ref()?.spread(&influences.as_ref()?[place], regular.len() as f64)?;
             if parameter.positive {
                 let ratio = parameter.scale / parameter.value;
-                Estimate::logarithmic(parameter.value, (-bias[parameter.place]).exp(), spread.scaled(ratio))
+                ProcessEstimate::logarithmic(parameter.value, (-bias[parameter.place]).exp(), spread.scaled(ratio))
             } else {
-                Estimate::linear(parameter.value, spread.scaled(parameter.scale))
+                ProcessEstimate::linear(parameter.value, spread.scaled(parameter.scale))
             }
         };
-        let of = |p: Parameter| ParameterEstimate { name: p.name, value: p.value, estimate: estimate(&p) };
+        let of = |p: FittedParameter| ParameterEstimate { name: p.name, value: p.value, estimate: estimate(&p) };
         self.fitted().into_iter().map(of).collect()
     }
 
@@ -174,12 +174,12 @@ impl Fit {
 
     /// Returns −H⁻¹ s(x)/n of every value for every parameter, in units of the scales, not centred by the fit; `None`
     /// if H is singular.
-    fn influences(&self, records: &[&[f64]], parameters: &[Parameter]) -> Option<Vec<Vec<Vec<f64>>>> {
+    fn influences(&self, records: &[&[f64]], parameters: &[FittedParameter]) -> Option<Vec<Vec<Vec<f64>>>> {
         // At extremes of the sample that are ends of the support, the density carries no information.
         let inside = |x: &&f64| self.marginal.ln_pdf(**x).is_finite();
         let values: Vec<f64> = records.iter().flat_map(|r| r.iter()).filter(inside).copied().collect();
         let n = values.len() as f64;
-        let mean_log = |moves: &[(Parameter, f64)]| {
+        let mean_log = |moves: &[(FittedParameter, f64)]| {
             let marginal = self.moved(moves);
             values.iter().map(|x| marginal.ln_pdf(*x)).sum::<f64>() / n
         };

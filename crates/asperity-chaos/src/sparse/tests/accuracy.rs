@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use ndarray::Array1;
 
 use super::*;
-use crate::{Basis, Design, Family, MultiIndexSet, SamplingMethod, Truncation};
+use crate::{Basis, Design, MultiIndexSet, PolynomialFamily, SamplingMethod, Truncation};
 
 /// Evaluates Ishigami's function with (a, b) = (7, 0.1) of variables on [−1, 1].
 fn ishigami(x: &[f64]) -> f64 {
@@ -38,7 +38,8 @@ struct Problem {
 
 impl Problem {
     fn ishigami() -> Self {
-        let basis = Basis::new(MultiIndexSet::total_degree(3, 14).unwrap(), vec![Family::Legendre; 3]).unwrap();
+        let basis =
+            Basis::new(MultiIndexSet::total_degree(3, 14).unwrap(), vec![PolynomialFamily::Legendre; 3]).unwrap();
         Self { basis, function: ishigami, variance: ISHIGAMI_VARIANCE }
     }
 
@@ -46,7 +47,8 @@ impl Problem {
     fn borehole() -> Self {
         let truncation = Truncation { q: 0.75, ..Truncation::total_degree(5) };
         let set = MultiIndexSet::truncated(8, &truncation).unwrap();
-        let families = (0..8).map(|i| if i < 2 { Family::Hermite } else { Family::Legendre }).collect();
+        let families =
+            (0..8).map(|i| if i < 2 { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre }).collect();
         Self { basis: Basis::new(set, families).unwrap(), function: borehole, variance: BOREHOLE_VARIANCE }
     }
 

@@ -9,10 +9,10 @@ use asperity::correlation::RankedLength;
 use asperity::distribution::fit::Fit;
 use asperity::friction::measured::{
     Abscissa, ColumnTable, Cut, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
-    Preparation, Prepared, RecordColumns,
+    PreparedRecord, RecordColumns, RecordPreparation,
 };
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
-use asperity::stats::Estimate;
+use asperity::stats::ProcessEstimate;
 use asperity::study::{CsvTable, json_bytes};
 use asperity_report::record_figures;
 use clap::Args;
@@ -162,7 +162,7 @@ impl ColumnOptions {
 impl FitRecord {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let columns = self.columns.columns()?;
-        let preparation = Preparation {
+        let preparation = RecordPreparation {
             cut: self.preparation.cut,
             detrend: self.preparation.detrend,
             low_pass_m: self.preparation.low_pass.map(|cutoff| cutoff.0),
@@ -222,7 +222,7 @@ impl FitRecord {
     fn write(
         &self,
         folder: &Path,
-        prepared: &Prepared,
+        prepared: &PreparedRecord,
         fitted: &FittedRecord,
         process: &str,
         answer: &Answer,
@@ -247,7 +247,7 @@ impl FitRecord {
 }
 
 /// Returns the results. JSON includes every distribution and model that was tried.
-fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
+fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answer {
     let (record, process, moments) = (&prepared.record, &fitted.process, &fitted.moments);
     let correlation = process.correlation;
     let fit = fitted.goodness.map(|fit| fit.kolmogorov_smirnov);
@@ -308,6 +308,6 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         .with("warnings", json!(warnings))
 }
 
-fn interval(estimate: Option<Estimate>) -> Value {
+fn interval(estimate: Option<ProcessEstimate>) -> Value {
     json!(estimate.map(|estimate| [estimate.interval.low, estimate.interval.high]))
 }

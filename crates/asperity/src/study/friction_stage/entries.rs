@@ -8,7 +8,7 @@ use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window_study::WindowStudy;
 use crate::friction::{RoughBody, SolvedLevel};
-use crate::stats::Estimate;
+use crate::stats::ProcessEstimate;
 use crate::study::friction_stage::{no_variance, prescribed, upscaling};
 use crate::study::result::{
     AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
@@ -159,7 +159,7 @@ pub(super) fn operating_point(solved: &SolvedLevel, nominal_area_m2: f64) -> Ope
     }
 }
 
-fn interval(estimate: Option<Estimate>) -> Option<Pair> {
+fn interval(estimate: Option<ProcessEstimate>) -> Option<Pair> {
     estimate.map(|estimate| pair(estimate.interval))
 }
 

@@ -7,7 +7,7 @@ use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
-use crate::stats::{Estimate, Histogram, sorted_present};
+use crate::stats::{Histogram, ProcessEstimate, sorted_present};
 use crate::study::CsvTable;
 
 type Tables = Vec<(&'static str, CsvTable)>;
@@ -32,11 +32,11 @@ pub(super) fn of_lead(lead: &SolvedLevel, body: RoughBody) -> Tables {
     tables
 }
 
-fn low(estimate: Option<Estimate>) -> f64 {
+fn low(estimate: Option<ProcessEstimate>) -> f64 {
     estimate.map_or(f64::NAN, |estimate| estimate.interval.low)
 }
 
-fn high(estimate: Option<Estimate>) -> f64 {
+fn high(estimate: Option<ProcessEstimate>) -> f64 {
     estimate.map_or(f64::NAN, |estimate| estimate.interval.high)
 }
 

@@ -1,6 +1,6 @@
 //! Conversion of the pressure distribution to entries of `results.json`.
 
-use crate::pressure::{ComparisonResults, Estimate, MethodResult, Quantity, ScalarResult};
+use crate::pressure::{ComparisonResults, MethodResult, PressureEstimate, Quantity, ScalarResult};
 use crate::study::pressure_stage::{indices, maps};
 use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
@@ -86,7 +86,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
     }
 }
 
-fn quantiles(estimate: &Estimate) -> Vec<PressureQuantile> {
+fn quantiles(estimate: &PressureEstimate) -> Vec<PressureQuantile> {
     let quantile = |probability: f64| PressureQuantile {
         probability,
         pressure_pa: estimate.distribution.quantile(probability),

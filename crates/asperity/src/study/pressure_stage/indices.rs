@@ -1,6 +1,6 @@
 //! Sobol' indices as entries of `results.json` and as a table.
 
-use crate::chaos::Estimate;
+use crate::chaos::SampleEstimate;
 use crate::pressure::{Sensitivity, VariableSet};
 use crate::study::CsvTable;
 use crate::study::pressure_stage::entries::scalar_name;
@@ -32,7 +32,7 @@ fn entry(sensitivity: &Sensitivity) -> SensitivityEntry {
     }
 }
 
-fn index(name: &str, first: Estimate, total: Estimate) -> IndexEntry {
+fn index(name: &str, first: SampleEstimate, total: SampleEstimate) -> IndexEntry {
     IndexEntry {
         name: name.into(),
         first_order: first.value,
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn indices_are_listed_by_variable_and_a_failed_expansion_has_a_reason_and_no_row() {
-        let estimate = |value: f64| Estimate {
+        let estimate = |value: f64| SampleEstimate {
             value,
             standard_error: 0.01,
             interval: Interval { low: value - 0.02, high: value + 0.02 },

@@ -3,7 +3,7 @@
 use super::machines::Machines;
 use super::sampled::Sampled;
 use crate::chaos::{
-    Basis, DriverError, Drivers, Estimate, Expansion, NestedSampling, PickFreeze, ProbabilityOverUnknowns,
+    Basis, DriverError, Drivers, Expansion, NestedSampling, PickFreeze, ProbabilityOverUnknowns, SampleEstimate,
 };
 use crate::random;
 use crate::stats::quantile_sorted;
@@ -87,7 +87,7 @@ impl MarginModel {
 
     fn results(&self, machines: &Machines<'_>, drivers: &Drivers) -> Vec<Driver> {
         // A fraction ε of the variance beyond the expansion changes an index by at most ε.
-        let wide = |estimate: &Estimate| -> Pair {
+        let wide = |estimate: &SampleEstimate| -> Pair {
             let interval = estimate.interval;
             [(interval.low - self.unexplained).max(0.0), (interval.high + self.unexplained).min(1.0)]
         };
