@@ -20,16 +20,15 @@
 //! transforms and the kernel are made once and not timed; the memory of a solution is.
 #![expect(clippy::print_stdout, reason = "the times are what this program is for")]
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity::fourier::{RealFft2, good_length};
 use asperity::map::Grid;
+use asperity_benchmarks::Words;
 use ndarray::Array2;
 use rayon::prelude::*;
 use serde_json::json;
@@ -38,35 +37,6 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Transforms are repeated for about so long.
 const TRANSFORMS_S: f64 = 0.2;
-
-/// The words after the file, by key.
-struct Words(BTreeMap<String, String>);
-
-impl Words {
-    fn parse(words: impl Iterator<Item = String>) -> Result<Self> {
-        let mut found = BTreeMap::new();
-        for word in words {
-            let (key, value) = word.split_once('=').ok_or_else(|| format!("{word} is not key=value"))?;
-            found.insert(key.to_owned(), value.to_owned());
-        }
-        Ok(Self(found))
-    }
-
-    fn optional<T: FromStr>(&mut self, key: &str) -> Result<Option<T>> {
-        let parse = |value: String| value.parse().map_err(|_| format!("{key}={value} cannot be read"));
-        Ok(self.0.remove(key).map(parse).transpose()?)
-    }
-
-    fn or<T: FromStr>(&mut self, key: &str, default: T) -> Result<T> {
-        Ok(self.optional(key)?.unwrap_or(default))
-    }
-
-    /// Every word has been asked for.
-    fn finish(self) -> Result<()> {
-        let unknown: Vec<String> = self.0.into_keys().collect();
-        if unknown.is_empty() { Ok(()) } else { Err(format!("unknown: {}", unknown.join(", ")).into()) }
-    }
-}
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);

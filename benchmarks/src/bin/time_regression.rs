@@ -18,67 +18,35 @@
 //! | `output` | | file for coefficients (`[coefficients, responses]`) or values |
 #![expect(clippy::print_stdout, reason = "the times are what this program is for")]
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::time::Instant;
 
 use asperity::chaos::{
     Basis, Candidates, Expansion, LeastSquares, MultiIndexSet, PolynomialFamily, SizeCriterion, SparseMethod,
     SparseRegression,
 };
+use asperity_benchmarks::Words;
 use ndarray::Array2;
 use serde_json::{Value, json};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// The words after the case, by key.
-struct Words(BTreeMap<String, String>);
+/// Returns the basis of total degree.
+fn basis_of(words: &mut Words) -> Result<Basis> {
+    let variables: usize = words.wanted("variables")?;
+    let hermite: usize = words.or("hermite", variables)?;
+    let families = (0..variables)
+        .map(|i| if i < hermite { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre })
+        .collect();
+    Ok(Basis::new(MultiIndexSet::total_degree(variables, words.wanted("degree")?)?, families)?)
+}
 
-impl Words {
-    fn parse(words: impl Iterator<Item = String>) -> Result<Self> {
-        let mut found = BTreeMap::new();
-        for word in words {
-            let (key, value) = word.split_once('=').ok_or_else(|| format!("{word} is not key=value"))?;
-            found.insert(key.to_owned(), value.to_owned());
-        }
-        Ok(Self(found))
-    }
-
-    fn optional<T: FromStr>(&mut self, key: &str) -> Result<Option<T>> {
-        let parse = |value: String| value.parse().map_err(|_| format!("{key}={value} cannot be read"));
-        Ok(self.0.remove(key).map(parse).transpose()?)
-    }
-
-    fn wanted<T: FromStr>(&mut self, key: &str) -> Result<T> {
-        self.optional(key)?.ok_or_else(|| format!("{key}=… is missing").into())
-    }
-
-    fn or<T: FromStr>(&mut self, key: &str, default: T) -> Result<T> {
-        Ok(self.optional(key)?.unwrap_or(default))
-    }
-
-    /// Every word has been asked for.
-    fn finish(self) -> Result<()> {
-        let unknown: Vec<String> = self.0.into_keys().collect();
-        if unknown.is_empty() { Ok(()) } else { Err(format!("unknown: {}", unknown.join(", ")).into()) }
-    }
-
-    fn basis(&mut self) -> Result<Basis> {
-        let variables: usize = self.wanted("variables")?;
-        let hermite: usize = self.or("hermite", variables)?;
-        let families = (0..variables)
-            .map(|i| if i < hermite { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre })
-            .collect();
-        Ok(Basis::new(MultiIndexSet::total_degree(variables, self.wanted("degree")?)?, families)?)
-    }
-
-    fn points(&mut self, samples: usize, basis: &Basis) -> Result<Vec<Vec<f64>>> {
-        let variables = basis.families().len();
-        let values = read(&self.wanted::<PathBuf>("points")?, samples * variables)?;
-        Ok(values.chunks(variables).map(<[f64]>::to_vec).collect())
-    }
+/// Reads the points.
+fn points_of(words: &mut Words, samples: usize, basis: &Basis) -> Result<Vec<Vec<f64>>> {
+    let variables = basis.families().len();
+    let values = read(&words.wanted::<PathBuf>("points")?, samples * variables)?;
+    Ok(values.chunks(variables).map(<[f64]>::to_vec).collect())
 }
 
 /// How often, and on what.
@@ -131,9 +99,9 @@ fn main() -> Result<()> {
 }
 
 fn solve(mut words: Words, runs: &Runs, assess: bool) -> Result<(Value, Vec<f64>)> {
-    let basis = words.basis()?;
+    let basis = basis_of(&mut words)?;
     let samples: usize = words.wanted("samples")?;
-    let points = words.points(samples, &basis)?;
+    let points = points_of(&mut words, samples, &basis)?;
     let count: usize = words.wanted("count")?;
     let responses = read(&words.wanted::<PathBuf>("responses")?, samples * count)?;
     let responses = Array2::from_shape_vec((samples, count), responses)?;
@@ -160,9 +128,9 @@ fn solve(mut words: Words, runs: &Runs, assess: bool) -> Result<(Value, Vec<f64>
 }
 
 fn evaluate(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
-    let basis = words.basis()?;
+    let basis = basis_of(&mut words)?;
     let samples: usize = words.wanted("samples")?;
-    let points = words.points(samples, &basis)?;
+    let points = points_of(&mut words, samples, &basis)?;
     let coefficients = read(&words.wanted::<PathBuf>("coefficients")?, basis.len())?;
     words.finish()?;
     let expansion = Expansion::new(basis, coefficients);
@@ -197,8 +165,8 @@ fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
         let (seconds, fit) = runs.time(|| fit_of(&matrix))?;
         (seconds, fit, columns)
     } else {
-        let basis = words.basis()?;
-        let points = words.points(samples, &basis)?;
+        let basis = basis_of(&mut words)?;
+        let points = points_of(&mut words, samples, &basis)?;
         words.finish()?;
         let (seconds, fit) = runs.time(|| fit_of(&basis.design_matrix(&points)))?;
         (seconds, fit, basis.len())

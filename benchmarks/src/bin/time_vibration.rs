@@ -22,10 +22,8 @@
 //! | `knots` | | file for the knots of all paths, little-endian doubles, path by path (`path`) |
 #![expect(clippy::print_stdout, reason = "the times are what this program is for")]
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::hint::black_box;
-use std::str::FromStr;
 use std::time::Instant;
 
 use asperity::friction::process::{FrictionProcess, ProcessModel, Steady};
@@ -34,34 +32,10 @@ use asperity::vibration::{
     Drive, Ensemble, EnsembleSettings, Event, EventKind, Integrator, Oscillator, Trajectory, TrajectorySettings,
     damping_sweep, deterministic_slips, limit_cycle,
 };
+use asperity_benchmarks::Words;
 use serde_json::{Value, json};
 
 type Result<T> = std::result::Result<T, Box<dyn Error + Send + Sync>>;
-
-/// The words after the case, by key.
-struct Words(BTreeMap<String, String>);
-
-impl Words {
-    fn parse(words: impl Iterator<Item = String>) -> Result<Self> {
-        let mut found = BTreeMap::new();
-        for word in words {
-            let (key, value) = word.split_once('=').ok_or_else(|| format!("{word} is not key=value"))?;
-            found.insert(key.to_owned(), value.to_owned());
-        }
-        Ok(Self(found))
-    }
-
-    fn or<T: FromStr>(&mut self, key: &str, default: T) -> Result<T> {
-        let Some(value) = self.0.remove(key) else { return Ok(default) };
-        value.parse().map_err(|_| format!("{key}={value} cannot be read").into())
-    }
-
-    /// Every word has been asked for.
-    fn finish(self) -> Result<()> {
-        let unknown: Vec<String> = self.0.into_keys().collect();
-        if unknown.is_empty() { Ok(()) } else { Err(format!("unknown: {}", unknown.join(", ")).into()) }
-    }
-}
 
 /// What is to be done.
 struct Job {
