@@ -146,7 +146,8 @@ pub(super) fn bracketed_zero(
 pub(super) fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
     let mut s = [0.0; CAPACITY];
     s[..c.len()].copy_from_slice(c);
-    for i in 0..c.len() {
+    let rows = if a == 0.0 { 0 } else { c.len() };
+    for i in 0..rows {
         for k in (i..c.len() - 1).rev() {
             s[k] += a * s[k + 1];
         }
@@ -159,17 +160,15 @@ pub(super) fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
 /// Intervals without a zero are excluded by coefficient bounds. In intervals in which the polynomial falls
 /// monotonically, the single zero is located; all others are halved. No zero is missed, even next to another one,
 /// unless the distance of the two is below rounding.
-#[inline]
 pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
+    if lower_bound(c, h) > 0.0 {
+        return None;
+    }
+    let n = c.len();
     let (mut a, mut width) = (0.0, h);
     while a < h {
-        let moved;
-        let local = if a == 0.0 {
-            c
-        } else {
-            moved = shifted(c, a);
-            &moved[..c.len()]
-        };
+        let local = shifted(c, a);
+        let local = &local[..n];
         width = f64::min(width, h - a);
         loop {
             if local[0] <= 0.0 {
