@@ -1,5 +1,6 @@
 //! The counterface of a study: its random surface, and its part in the contact.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use crate::contact::contact_modulus_pa;
@@ -25,13 +26,15 @@ impl CounterfaceStudy {
         // Waves beyond the band of either scan are those of a model alone.
         stage.band_end_m = stage.band_end_m.into_iter().chain(own.band_end_m).reduce(f64::max);
         stage.model.counterface = Some(own.model.surface);
+        stage.measured_counterface = own.measured;
         stage.output.assumptions.extend(own.output.assumptions.into_iter().map(|own| format!("Counterface: {own}")));
         stage.output.warnings.extend(own.output.warnings.into_iter().map(named));
         Ok(result)
     }
 }
 
-fn named(warning: String) -> String {
+/// Returns a warning of the surface stage as one about the counterface.
+pub(super) fn named(warning: impl Display) -> String {
     format!("counterface: {warning}")
 }
 

@@ -24,11 +24,13 @@ use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::scanned::ScannedSurface;
 use crate::translation::TranslationKind;
 
-/// Model of the random surfaces, and the scan on which it is measured.
+/// Model of the random surfaces, and the scans on which it is measured.
 pub(super) struct SurfaceStage {
     /// Model of the surface, and of a rough counterface.
     pub(super) model: CompositeModel,
     pub(super) measured: Option<ScannedSurface>,
+    /// Scans of a rough counterface.
+    pub(super) measured_counterface: Option<ScannedSurface>,
     /// Shortest wavelength in metre at which the spectra of all scans are reliable.
     pub(super) band_end_m: Option<f64>,
     covariance: Option<CovarianceResult>,
@@ -118,7 +120,7 @@ pub(super) fn without_tables(
     }
     let band_end_m = measured.as_ref().and_then(ScannedSurface::band_end_m);
     let model = CompositeModel { surface: model, counterface: None };
-    Ok(SurfaceStage { model, measured, band_end_m, covariance, output })
+    Ok(SurfaceStage { model, measured, measured_counterface: None, band_end_m, covariance, output })
 }
 
 /// Makes the model of the random surfaces that a section requests and, if it has a covariance, reports its selection.

@@ -70,8 +70,8 @@ pub(super) fn run(
         let central = study.central.clone();
         let mut points =
             ContactPoints { study: whole, surface, central: &central, scan: ScanErrors::default(), monitor };
-        if let Some(scan) = surface.measured.as_ref().filter(|_| study.scan_errors) {
-            points.scan = ScanErrors::new(&points, scan, &mut output)?;
+        if study.scan_errors {
+            points.scan = ScanErrors::new(&points, &mut output)?;
         }
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
         latent.extend(machines::between_parts(window).map_err(|error| StudyError::Verdict(error.to_string()))?);
@@ -188,8 +188,8 @@ pub(super) fn run(
             ));
         }
     }
-    if fluctuates {
-        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, monitor)?;
+    if fluctuates || window.between_parts_std > NEGLIGIBLE_STD * window.mean {
+        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, fluctuates, monitor)?;
         output.tables.extend(result.area_as_one.as_deref().map(area::table));
     }
     let constant = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);

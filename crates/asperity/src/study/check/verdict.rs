@@ -22,7 +22,7 @@ pub(in crate::study) struct VerdictStudy {
     pub(in crate::study) inputs: UncertainInputs,
     /// Place of each uncertain value.
     pub(in crate::study) places: Vec<Place>,
-    /// Whether the verdict counts what the scans leave uncertain of the surface.
+    /// Whether the verdict counts what the scans leave uncertain of both bodies.
     pub(in crate::study) scan_errors: bool,
     /// Duration T; `None` for the duration of the vibration stage.
     pub(in crate::study) duration_s: Option<f64>,

@@ -30,10 +30,17 @@ impl Study {
             FrictionSource::File(_) => true,
             FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
         };
-        // What a scan leaves uncertain is one more value, whose effect takes solved points of its own.
-        let is_scanned = self.file().surface.as_ref().is_some_and(|surface| surface.file.is_some());
-        let scan = usize::from(friction.is_some() && study.scan_errors && is_scanned);
-        let samples = match study.places.len() + scan {
+        // What the scans of a body leave uncertain is one more value, whose effect takes solved points of its own.
+        let file = self.file();
+        let scanned = [
+            file.surface.as_ref().is_some_and(|surface| surface.file.is_some()),
+            file.counterface.as_ref().is_some_and(|counterface| counterface.file.is_some()),
+        ];
+        let counts = friction.is_some() && study.scan_errors;
+        let scans = if counts { scanned.into_iter().filter(|is_scanned| *is_scanned).count() } else { 0 };
+        // The parts of a rough slider differ.
+        let parts = usize::from(friction.is_some_and(|friction| friction.body != RoughBody::Track));
+        let samples = match study.places.len() + scans + parts {
             0 => 1,
             _ => sampled::largest_number(study.half_width, study.evaluations),
         };
@@ -41,15 +48,17 @@ impl Study {
         // Remedies follow the fluctuation, and so do the samples, their longer paths and the windows that share the load.
         let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study), 0);
         if fluctuates {
-            let followed = samples + LATER_FACTOR * samples.min(sampled::LATER) + area::ROWS * samples.min(area::MOST);
+            let followed =
+                samples + LATER_FACTOR * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
             paths = TRAJECTORIES * (followed + of_remedies);
         } else {
-            machines += of_remedies;
+            machines += of_remedies + parts * area::ROWS * samples.min(area::CONSTANT);
         }
-        let values = responses::contact_places(study).len() + scan;
+        let values = responses::contact_places(study).len() + scans;
         let contact = friction.filter(|_| values > 0);
         let solutions = contact.map_or(0, |friction| {
-            (responses::solved_points(values) + scan * SCAN_POINTS) * responses::strips_per_point(friction.realisations)
+            (responses::solved_points(values) + scans * SCAN_POINTS)
+                * responses::strips_per_point(friction.realisations)
         });
         let cells = contact.map_or(0, |friction| friction.points[0].saturating_mul(friction.points[1]));
         let free = contact.is_some_and(|friction| friction.boundary == BoundaryKind::Free);

@@ -13,7 +13,7 @@ pub struct JointSection {
     /// Spearman's rank correlations of pairs of uncertain values, each named `section.key`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub correlation: Vec<(String, String, f64)>,
-    /// Whether the verdict counts what the scans leave uncertain of the surface.
+    /// Whether the verdict counts what the scans leave uncertain of the surface and of the counterface.
     #[serde(default = "yes")]
     pub surface: bool,
 }

@@ -62,11 +62,13 @@ pub(super) const KEYS: &[UncertainKey] = &[
     key("vibration", "friction_correlation_length", "m", 0.0, UNBOUNDED),
 ];
 
-/// Standard normal values that no study file states: what the scans leave uncertain, differences between scans and between the parts of a
-/// rough slider.
+/// Standard normal values that no study file states: what the scans of either body leave uncertain, differences between scans and between
+/// the parts of a rough slider.
 pub(super) const LATENT: &[UncertainKey] = &[
     key("surface", "scan", "", -UNBOUNDED, UNBOUNDED),
     key("surface", "between_scans", "", -UNBOUNDED, UNBOUNDED),
+    key("counterface", "scan", "", -UNBOUNDED, UNBOUNDED),
+    key("counterface", "between_scans", "", -UNBOUNDED, UNBOUNDED),
     key("surface", "between_parts", "", -UNBOUNDED, UNBOUNDED),
 ];
 

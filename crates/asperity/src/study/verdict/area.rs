@@ -2,6 +2,10 @@
 //!
 //! The friction of n independent windows at one pressure has the mean of one window and its variance over n. One window is the
 //! paper's reading of a contact; a nominal area has the variance and the correlation of its own windows, which may be dependent.
+//!
+//! A rough slider carries its windows along. A part with n windows has their mean friction, so the variance between parts falls like the
+//! variance along a path: by 1/n. All windows of a part have the statistics of its surface in common, so differences between scans do not
+//! depend on n.
 
 use asperity_base::blocks::{self, Task};
 
@@ -16,16 +20,19 @@ use crate::study::result::AreaAsOne;
 
 /// Numbers of windows.
 pub(in crate::study) const ROWS: usize = 8;
-/// Machines of each number of windows, and the number of them after which sampling ends if all have the same answer.
-pub(in crate::study) const MOST: usize = 256;
+/// Machines of each number of windows if friction fluctuates, and the number of them after which sampling ends if all have the same
+/// answer.
+pub(in crate::study) const FLUCTUATING: usize = 256;
 const FIRST: usize = 64;
+/// Machines of each number of windows if friction does not fluctuate.
+pub(in crate::study) const CONSTANT: usize = 1024;
 
 /// Name of the table.
 const TABLE: &str = "verdict_area";
 
 /// Relation of the variance of friction to that of one window.
-#[derive(Clone, Copy)]
-enum Sharing {
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Sharing {
     /// That many independent windows.
     Windows(f64),
     /// The windows of the nominal area.
@@ -33,21 +40,17 @@ enum Sharing {
 }
 
 impl Sharing {
-    /// Returns the friction of one window whose nominal area has this variance.
-    fn of(self, window: &WindowFriction) -> WindowFriction {
-        let variance_reduction = match self {
+    /// Returns the variance of friction over that of one window.
+    pub(super) fn variance_reduction(self, window: &WindowFriction) -> f64 {
+        match self {
             Self::Windows(windows) => 1.0 / windows,
             Self::Area => window.variance_reduction,
-        };
-        WindowFriction { variance_reduction, ..window.clone() }
+        }
     }
 
-    /// Returns a machine whose friction averages in this way.
-    fn machine(self, machine: &Machine) -> Machine {
-        let mut shared = machine.clone();
-        shared.study.upscaling = Upscaling::Area;
-        shared.window = self.of(&machine.window);
-        shared
+    /// Returns the standard deviation of friction, along the path and between parts.
+    fn friction_std(self, window: &WindowFriction) -> f64 {
+        window.std.hypot(window.between_parts_std) * self.variance_reduction(window).sqrt()
     }
 
     /// Returns whether the verdict itself averages in this way.
@@ -60,12 +63,14 @@ impl Sharing {
 }
 
 /// Computes the probabilities for numbers of windows from 1 to all of the nominal area; `None` if the area of one window is unknown or
-/// the nominal area has fewer than two of them. All numbers of windows share machines and realisations of friction.
+/// the nominal area has fewer than two of them. All numbers of windows share machines and realisations of friction. `fluctuates` states
+/// whether friction has any.
 pub(super) fn area_as_one(
     machines: &Machines<'_>,
     nominal: &Machine,
     sampled: &Sampled,
     evaluate: &Evaluate<'_>,
+    fluctuates: bool,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<AreaAsOne>>, Cancelled> {
     let Some(window_m2) = nominal.window.area_m2 else { return Ok(None) };
@@ -73,14 +78,26 @@ pub(super) fn area_as_one(
     if all < 2.0 {
         return Ok(None);
     }
+    let numbers_of_machines = if fluctuates { [FIRST, FLUCTUATING] } else { [CONSTANT; 2] };
+    let numbers_of_machines = numbers_of_machines.map(|number| number.min(sampled.machines.len()));
     let rows = numbers(all).into_iter().map(|windows| {
         let sharing = if windows < all { Sharing::Windows(windows) } else { Sharing::Area };
-        let (vibrating, count) = counted(machines, sharing, nominal.study.upscaling, sampled, evaluate, monitor)?;
+        let shared = machines.with_sharing(sharing);
+        let is_known = sharing.is_the_studys(nominal.study.upscaling);
+        let vibrates = |index: usize| {
+            let known = sampled.machines[index].as_ref().ok()?;
+            if is_known {
+                return Some(known.vibrates);
+            }
+            let machine = shared.at(&machines.variables_of(index)).ok()?;
+            Some(evaluate(&machine, index).ok()?.vibrates)
+        };
+        let (vibrating, count) = counted(numbers_of_machines, &vibrates, monitor)?;
         let probability = vibrating as f64 / count as f64;
         let interval = wilson_interval(vibrating, count);
         Ok(AreaAsOne {
             windows,
-            friction_std: sharing.of(&nominal.window).upscaled_std(Upscaling::Area),
+            friction_std: sharing.friction_std(&nominal.window),
             probability,
             // The answer for exact values has no error.
             probability_interval: if machines.variables() == 0 {
@@ -103,29 +120,18 @@ fn numbers(all: f64) -> Vec<f64> {
     numbers
 }
 
-/// Returns how many machines vibrate, and the number of machines with an answer.
+/// Returns how many of the `most` machines vibrate, and the number of machines with an answer. Sampling ends after the `first` if all have
+/// the same answer.
 fn counted(
-    machines: &Machines<'_>,
-    sharing: Sharing,
-    upscaling: Upscaling,
-    sampled: &Sampled,
-    evaluate: &Evaluate<'_>,
+    [first, most]: [usize; 2],
+    vibrates: &(dyn Fn(usize) -> Option<bool> + Sync),
     monitor: &dyn Monitor,
 ) -> Result<(usize, usize), Cancelled> {
-    let most = sampled.machines.len().min(MOST);
     let (mut vibrating, mut count) = (0, 0);
-    for (from, to) in [(0, most.min(FIRST)), (most.min(FIRST), most)] {
+    for (from, to) in [(0, first), (first, most)] {
         let task = Task::new(monitor, "verdict: area as one", to - from);
-        let answers: Vec<Option<bool>> = blocks::map::<_, Result<_, Cancelled>>(from..to, |index| {
-            task.step(|| {
-                let known = sampled.machines[index].as_ref().ok()?;
-                if sharing.is_the_studys(upscaling) {
-                    return Some(known.vibrates);
-                }
-                let machine = machines.at(&machines.variables_of(index)).ok()?;
-                Some(evaluate(&sharing.machine(&machine), index).ok()?.vibrates)
-            })
-        })?;
+        let answers: Vec<Option<bool>> =
+            blocks::map::<_, Result<_, Cancelled>>(from..to, |index| task.step(|| vibrates(index)))?;
         vibrating += answers.iter().flatten().filter(|vibrates| **vibrates).count();
         count += answers.iter().flatten().count();
         if vibrating == 0 || vibrating == count {
@@ -151,6 +157,13 @@ pub(super) fn table(rows: &[AreaAsOne]) -> (&'static str, CsvTable) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chaos::UncertainInput;
+    use crate::distribution::{Marginal, standard_normal_cdf};
+    use crate::friction::StatedFriction;
+    use crate::monitor::Silent;
+    use crate::study::Study;
+    use crate::study::verdict::machines::between_parts;
+    use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     fn numbers_of_windows_rise_by_equal_ratios_from_one_to_all() {
@@ -160,5 +173,49 @@ mod tests {
             assert!((pair[1] / pair[0] / 18_511.1_f64.powf(1.0 / 7.0) - 1.0).abs() < 0.05, "{found:?}");
         }
         assert_eq!(numbers(3.2), [1.0, 2.0, 3.0, 3.2]);
+    }
+
+    /// A machine that vibrates if μ > 0.2 (closed form of its limit of the damping ratio).
+    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
+                         marginal = \"normal\"\nbody = \"slider\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
+                         shear_strength = \"385 MPa\"\n[friction]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
+                         damping_ratio = 0.2229535019025\nnormal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\n\
+                         dimensionless_belt_velocity = 0.1\nstribeck = 4.2\n";
+
+    #[test]
+    fn parts_of_a_rough_slider_differ_less_the_more_windows_share_the_load() {
+        const MACHINES: usize = 256;
+        let (mean, std, area_reduction) = (0.19, 0.038, 1.0 / 16.0);
+        let stated =
+            StatedFriction { mean, std: 0.0, length_m: 1e-3, marginal: Marginal::STANDARD_NORMAL, window_m: [1e-3; 2] };
+        let window = WindowFriction {
+            between_parts_std: std,
+            variance_reduction: area_reduction,
+            computed: true,
+            ..WindowFriction::from_statement(stated, 64e-6, Some(4.2))
+        };
+        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+        let rows = [Upscaling::Paper, Upscaling::Area].map(|upscaling| {
+            let text = format!("{STUDY}upscaling = \"{upscaling}\"\n");
+            let study = Study::parse(&text, "study.toml").unwrap().verdict.unwrap();
+            let parts: Vec<(_, UncertainInput)> = between_parts(&window).unwrap().into_iter().collect();
+            let study = study.with_latent(parts);
+            let machines = Machines::new(&study, &window, None, 1);
+            let nominal = machines.nominal().unwrap();
+            let sampled = Sampled::until(&machines, &evaluate, 0.02, MACHINES, &Silent).unwrap();
+            let rows = area_as_one(&machines, &nominal, &sampled, &evaluate, false, &Silent).unwrap().unwrap();
+            let own = if upscaling == Upscaling::Paper { 0 } else { rows.len() - 1 };
+            assert_eq!(rows[own].probability, sampled.probability().0, "the verdict of the study itself");
+            rows
+        });
+        assert_eq!(rows[0], rows[1]);
+        for row in &rows[0] {
+            let reduction = if row.windows < 64.0 { 1.0 / row.windows } else { area_reduction };
+            assert!((row.friction_std / (std * reduction.sqrt()) - 1.0).abs() < 1e-12, "{row:?}");
+            // A lognormal factor of mean 1 with the variance of one window over n. Each 1/256 of its probability has one machine.
+            let log_std = ((std / mean).powi(2) * reduction).ln_1p().sqrt();
+            let wanted = standard_normal_cdf(-((0.2_f64 / mean).ln() + 0.5 * log_std * log_std) / log_std);
+            assert!((row.probability - wanted).abs() <= 1.5 / MACHINES as f64, "{row:?}, not {wanted}");
+        }
     }
 }

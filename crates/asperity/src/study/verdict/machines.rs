@@ -6,6 +6,7 @@ use serde::Deserialize;
 use thiserror::Error;
 use toml::{Table, Value};
 
+use super::area::Sharing;
 use super::dynamics::Dynamics;
 use super::responses::FrictionResponses;
 use crate::chaos::{Design, InputError, SamplingMethod, UncertainInput, UncertainInputs};
@@ -64,6 +65,8 @@ pub(super) struct Machines<'a> {
     process_has_stribeck: bool,
     /// Place of the differences between the parts of a rough slider.
     between_parts: Option<Place>,
+    /// Windows that share the load; `None` for those of the study.
+    sharing: Option<Sharing>,
     /// Factor of the mean friction coefficient.
     friction_factor: f64,
     changes: Vec<Change>,
@@ -94,6 +97,7 @@ impl<'a> Machines<'a> {
             window,
             responses,
             between_parts: study.places.iter().copied().find(|place| place.name() == BETWEEN_PARTS),
+            sharing: None,
             friction_factor: 1.0,
             changes: Vec::new(),
             dampers: None,
@@ -146,6 +150,11 @@ impl<'a> Machines<'a> {
     pub(super) fn with_inputs(&self, inputs: UncertainInputs, hold: Hold) -> Self {
         let dampers = (hold == Hold::Damper).then(|| self.inputs.clone());
         Self { inputs, dampers, ..self.clone() }
+    }
+
+    /// Returns the same machines with other windows that share the load.
+    pub(super) fn with_sharing(&self, sharing: Sharing) -> Self {
+        Self { sharing: Some(sharing), ..self.clone() }
     }
 
     /// Returns the same machines with another mean friction coefficient.
@@ -218,7 +227,7 @@ impl<'a> Machines<'a> {
             None => self.window.clone(),
         };
         let part = self.between_parts.and_then(|place| place.value_in(&table));
-        let study = vibration_of(table)?;
+        let mut study = vibration_of(table)?;
         window.stribeck = match &study.friction {
             FrictionSource::File(_) if self.process_has_stribeck => window.stribeck.map(|rate| rate * ratio),
             _ => study.dimensionless_stribeck(),
@@ -226,6 +235,10 @@ impl<'a> Machines<'a> {
         if let FrictionSource::Stated(stated) = &study.friction {
             let area_m2 = study.nominal_contact().area_m2;
             window = WindowFriction::from_statement(stated.clone(), area_m2, window.stribeck);
+        }
+        if let Some(sharing) = self.sharing {
+            study.upscaling = Upscaling::Area;
+            window.variance_reduction = sharing.variance_reduction(&window);
         }
         if let Some(normal) = part {
             // A lognormal factor of mean 1.

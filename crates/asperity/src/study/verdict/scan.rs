@@ -1,9 +1,14 @@
-//! What the scans leave uncertain of the friction.
+//! What the scans of both bodies leave uncertain of the friction.
 //!
 //! Errors of the statistics of a scan have a joint distribution ([`JointErrors`]). Of all their combinations only the one counts
 //! that changes friction: the errors are taken at their expected values given the change of ln μ, so that one standard normal variable
-//! stands for all of them. Differences between scans are projected in the same way.
+//! stands for all of them. Differences between scans are projected in the same way. The scans of the surface and of the counterface have
+//! independent errors, so each body has its own variables.
 
+mod body;
+
+use self::body::Body;
+pub(super) use self::body::BodyErrors;
 use super::responses::ContactPoints;
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
@@ -16,11 +21,11 @@ use crate::surface::pooling::{Mean, Reading, pool};
 use crate::surface::scanned::{MapStatistics, ScannedSurface};
 use crate::surface::uncertainty::{Estimate, JointErrors};
 
-/// Name of the error of the statistics of the scans.
-pub(super) const SCAN: &str = "surface.scan";
-/// Name of the differences between scans.
-pub(super) const BETWEEN_SCANS: &str = "surface.between_scans";
-/// Solved points of the gradient of friction.
+/// Key of the error of the statistics of the scans of a body.
+const SCAN: &str = "scan";
+/// Key of the differences between the scans of a body.
+const BETWEEN_SCANS: &str = "between_scans";
+/// Solved points of the gradient of friction, for each body with a scan.
 pub(in crate::study) const POINTS: usize = 6;
 /// Change of ln μ below which an uncertain value has no effect.
 const NEGLIGIBLE: f64 = 1e-9;
@@ -29,8 +34,7 @@ const LEVEL: f64 = 0.95;
 
 /// Errors of ln Sq, ln Sdq and Ssk.
 pub(super) type StatisticErrors = [f64; 3];
-
-/// Quantities of the surface that are measured on the scans and not stated.
+/// Quantities of a body that are measured on the scans and not stated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measured {
     pub(super) rms_height: bool,
@@ -64,71 +68,84 @@ impl Measured {
 /// Uncertain values that stand for the errors of the scans, with the errors at one standard deviation.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ScanErrors {
-    pub(super) inputs: Vec<(Place, UncertainInput, StatisticErrors)>,
+    pub(super) inputs: Vec<(Place, UncertainInput, BodyErrors)>,
 }
 
 impl ScanErrors {
-    /// Solves strips of surfaces with other statistics, and finds what the scans leave uncertain.
+    /// Solves strips of bodies with other statistics, and finds what the scans leave uncertain.
     ///
     /// # Errors
     /// The strips have no solution, or the monitor cancelled.
-    pub(super) fn new(
-        points: &ContactPoints<'_>,
+    pub(super) fn new(points: &ContactPoints<'_>, output: &mut StageOutput) -> Result<Self, StudyError> {
+        let mut found = Self::default();
+        for body in [Body::Surface, Body::Counterface] {
+            if let Some(scan) = body.scan(points.surface) {
+                found.add(body, scan, &|errors| points.ln_friction(body.alone(errors)), output)?;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Adds what the scans of one body leave uncertain. `ln_friction` returns ln μ with errors of its statistics.
+    fn add(
+        &mut self,
+        body: Body,
         scan: &ScannedSurface,
+        ln_friction: &dyn Fn(StatisticErrors) -> Result<f64, StudyError>,
         output: &mut StageOutput,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<(), StudyError> {
         let scans: Vec<&MapStatistics> = match &scan.part {
             Some(part) => part.statistics.scans.iter().map(|(_, statistics)| statistics).collect(),
             None => vec![&scan.statistics],
         };
         let Some(joint) = scans.iter().map(|scan| scan.estimates.joint).collect::<Option<Vec<_>>>() else {
-            output.warnings.push(
-                "the scan contains too few correlation lengths for the errors of its statistics, which the verdict takes as exact"
-                    .into(),
-            );
-            return Ok(Self::default());
+            output.warnings.push(body.warning(
+                "the scan contains too few correlation lengths for the errors of its statistics, which the verdict takes as exact",
+            ));
+            return Ok(());
         };
         let mean = mean_of(&joint);
-        let mut gradient = [0.0; 3];
-        for (place, slope) in gradient.iter_mut().enumerate() {
-            let step = mean[place][place].sqrt();
-            let at = |sign: f64| {
-                let mut errors = [0.0; 3];
-                errors[place] = sign * step;
-                points.ln_friction(errors)
-            };
-            *slope = (at(1.0)? - at(-1.0)?) / (2.0 * step);
-        }
+        let gradient = gradient(&mean, ln_friction)?;
         let own: Vec<f64> = joint.iter().map(|joint| quadratic(joint, &gradient).sqrt()).collect();
         let [scan_std, between_std] = match scans.len() {
             1 => [own[0], 0.0],
             _ => pooled(&scans, &own, &gradient)?,
         };
-        let unit = product(&mean, &gradient).map(|error| error / quadratic(&mean, &gradient));
-        let mut inputs = Vec::new();
-        for (name, std, unknown) in [(SCAN, scan_std, true), (BETWEEN_SCANS, between_std, false)] {
-            if let Some(place) = Place::latent(name).filter(|_| std > NEGLIGIBLE) {
-                let input = UncertainInput::new(name, Marginal::STANDARD_NORMAL, unknown);
+        let unit = expected_errors(&mean, &gradient);
+        for (key, std, unknown) in [(SCAN, scan_std, true), (BETWEEN_SCANS, between_std, false)] {
+            let name = format!("{}.{key}", body.section());
+            if let Some(place) = Place::latent(&name).filter(|_| std > NEGLIGIBLE) {
+                let input = UncertainInput::new(&name, Marginal::STANDARD_NORMAL, unknown);
                 let input = input.map_err(|error| StudyError::Verdict(error.to_string()))?;
-                inputs.push((place, input, unit.map(|error| error * std)));
+                self.inputs.push((place, input, body.alone(unit.map(|error| error * std))));
             }
         }
-        let percent = |std: f64| crate::study::sentence::digits(100.0 * std);
-        output.assumptions.push(match scans.len() {
-            1 => format!(
-                "The verdict is for the part with this scan. Rms height, rms slope and skewness of the surface are known from the scan with an error \
-                 that changes the friction coefficient by {} % (one standard deviation, unknown). Differences between parts are not known.",
-                percent(scan_std)
-            ),
-            count => format!(
-                "Rms height, rms slope and skewness of the surface are known from {count} scans with an error that changes the friction coefficient \
-                 by {} % (one standard deviation, unknown). Beyond the errors of the scans, surfaces differ by {} %, which varies from part to part.",
-                percent(scan_std),
-                percent(between_std)
-            ),
-        });
-        Ok(Self { inputs })
+        output.assumptions.push(body.sentence(scans.len(), scan_std, between_std));
+        Ok(())
     }
+}
+
+/// Returns the gradient of ln μ with respect to the statistics of a scan, from differences over two standard errors.
+fn gradient(
+    mean: &JointErrors,
+    ln_friction: &dyn Fn(StatisticErrors) -> Result<f64, StudyError>,
+) -> Result<StatisticErrors, StudyError> {
+    let mut gradient = [0.0; 3];
+    for (place, slope) in gradient.iter_mut().enumerate() {
+        let step = mean[place][place].sqrt();
+        let at = |sign: f64| {
+            let mut errors = [0.0; 3];
+            errors[place] = sign * step;
+            ln_friction(errors)
+        };
+        *slope = (at(1.0)? - at(-1.0)?) / (2.0 * step);
+    }
+    Ok(gradient)
+}
+
+/// Returns the expected errors given that ln μ is higher by 1: Σg/(gᵀΣg).
+fn expected_errors(mean: &JointErrors, gradient: &StatisticErrors) -> StatisticErrors {
+    product(mean, gradient).map(|error| error / quadratic(mean, gradient))
 }
 
 /// Returns the standard error of the change of ln μ that several scans determine together, and its standard deviation between them.
@@ -166,4 +183,77 @@ fn product(covariance: &JointErrors, vector: &StatisticErrors) -> StatisticError
 /// Returns the variance of a linear combination of errors.
 fn quadratic(covariance: &JointErrors, vector: &StatisticErrors) -> f64 {
     dot(&product(covariance, vector), vector).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Grid, HeightMap};
+    use crate::random::stream;
+    use crate::surface::preparation::Preparation;
+    use asperity_testing::filtered_noise;
+    use ndarray::Array2;
+
+    /// Returns the scan of a random map with Gaussian spectrum, times a factor.
+    fn scan(index: u64, factor: f64) -> ScannedSurface {
+        let grid = Grid::new(128, 128, 1e-6, 1e-6).unwrap();
+        let noise = filtered_noise(grid, &mut stream(3, "scan", index), |x, y| (-(x * x + y * y) / 800.0).exp());
+        let heights_m = Array2::from_shape_vec(grid.shape(), noise).unwrap() * (factor * 1e-7);
+        let map = HeightMap::new(grid, heights_m).unwrap();
+        ScannedSurface::new(Preparation::default().apply(&map).unwrap()).unwrap()
+    }
+
+    /// Returns the uncertain values of a body whose friction is inversely proportional to the slopes.
+    fn elastic(body: Body, scan: &ScannedSurface) -> (ScanErrors, StageOutput) {
+        let (mut found, mut output) = (ScanErrors::default(), StageOutput::default());
+        found.add(body, scan, &|[_, slope, _]| Ok(-slope), &mut output).unwrap();
+        (found, output)
+    }
+
+    #[test]
+    fn errors_along_the_gradient_have_the_variance_of_a_linear_friction() {
+        let mean = [[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -1e-4], [2e-4, -1e-4, 25e-4]];
+        let slopes = [0.2, -0.7, 0.05];
+        let gradient = gradient(&mean, &|errors| Ok(0.3 + dot(&errors, &slopes))).unwrap();
+        gradient.iter().zip(slopes).for_each(|(found, wanted)| assert!((found - wanted).abs() < 1e-12, "{found}"));
+        // gᵀΣg, written out.
+        let variance = 0.04 * 4e-4 + 0.49 * 9e-4 + 0.0025 * 25e-4 + 2.0 * (-0.14 * 1e-4 + 0.01 * 2e-4 + 0.035 * 1e-4);
+        assert!((quadratic(&mean, &gradient) / variance - 1.0).abs() < 1e-9);
+        let unit = expected_errors(&mean, &gradient);
+        assert!((dot(&unit, &gradient) - 1.0).abs() < 1e-12);
+        let along = (1e-4 * 0.2 - 9e-4 * 0.7 - 1e-4 * 0.05) / variance;
+        assert!((unit[1] / along - 1.0).abs() < 1e-9, "{unit:?}");
+    }
+
+    #[test]
+    fn the_scan_of_either_body_leaves_its_own_errors_uncertain() {
+        let scan = scan(0, 1.0);
+        let joint = scan.statistics.estimates.joint.unwrap();
+        for (body, place, name) in [(Body::Surface, 0, "surface.scan"), (Body::Counterface, 1, "counterface.scan")] {
+            let (found, output) = elastic(body, &scan);
+            let [(at, input, errors)] = &found.inputs[..] else { panic!("{found:?}") };
+            assert_eq!((at.name().as_str(), input.name(), input.is_unknown()), (name, name, true));
+            // Friction changes by the error of the slopes, and the other body not at all.
+            let std = joint[1][1].sqrt();
+            assert!((errors[place][1].abs() / std - 1.0).abs() < 1e-9, "{errors:?}");
+            assert!((errors[place][0] / errors[place][1] - joint[0][1] / joint[1][1]).abs() < 1e-9, "{errors:?}");
+            assert_eq!(errors[1 - place], [0.0; 3]);
+            let section = name.split_once('.').unwrap().0;
+            assert!(output.assumptions[0].contains(&format!("skewness of the {section} are known from the scan")));
+        }
+    }
+
+    #[test]
+    fn scans_of_a_counterface_differ_beyond_their_errors() {
+        let scans = [(0, 1.0), (1, 1.5)].map(|(index, factor)| (format!("{index}.npy"), scan(index, factor)));
+        let part = ScannedSurface::from_scans(scans.to_vec()).unwrap();
+        let (found, output) = elastic(Body::Counterface, &part);
+        let names: Vec<_> = found.inputs.iter().map(|(_, input, _)| (input.name(), input.is_unknown())).collect();
+        assert_eq!(names, [("counterface.scan", true), ("counterface.between_scans", false)]);
+        // Two values that differ by ln 1.5 and by their errors.
+        let error = scans.each_ref().map(|(_, scan)| scan.statistics.estimates.joint.unwrap()[1][1].sqrt());
+        let std = found.inputs[1].2[1][1].abs();
+        assert!((std - 1.5_f64.ln() / 2.0_f64.sqrt()).abs() < 2.0 * error[0].hypot(error[1]), "{std} {error:?}");
+        assert!(output.assumptions[0].contains("counterfaces differ by"), "{:?}", output.assumptions);
+    }
 }

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Table;
 
-use super::super::scan::{Measured, ScanErrors, StatisticErrors};
+use super::super::scan::{BodyErrors, Measured, ScanErrors, StatisticErrors};
 use super::{LevelMoments, strips_per_point};
 use crate::friction::replicates::MomentReplicates;
 use crate::friction::{LevelControl, OperatingLevel};
@@ -13,7 +13,7 @@ use crate::study::output::StageOutput;
 use crate::study::surface_stage::{self, SurfaceStage};
 use crate::study::uncertain::without_latent;
 use crate::study::{Study, StudyError, StudyFile};
-use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest};
+use crate::surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest};
 
 /// Strips of a study at other values, all drawn from the same random numbers.
 pub(in super::super) struct ContactPoints<'a> {
@@ -21,7 +21,7 @@ pub(in super::super) struct ContactPoints<'a> {
     pub(in super::super) surface: &'a SurfaceStage,
     /// The study file with central values.
     pub(in super::super) central: &'a Table,
-    /// Errors of the statistics of the scans.
+    /// Errors of the statistics of the scans of both bodies.
     pub(in super::super) scan: ScanErrors,
     pub(in super::super) monitor: &'a dyn Monitor,
 }
@@ -33,25 +33,22 @@ impl ContactPoints<'_> {
 
     /// Solves the strips of one study file at its operating point.
     pub(super) fn solve(&self, table: &Table) -> Result<Option<MomentReplicates>, StudyError> {
-        let mut errors = [0.0; 3];
+        let mut errors = BodyErrors::default();
         for (place, _, unit) in &self.scan.inputs {
             let normal = place.value_in(table).unwrap_or(0.0);
-            errors.iter_mut().zip(unit).for_each(|(error, unit)| *error += normal * unit);
+            let pairs = errors.iter_mut().flatten().zip(unit.iter().flatten());
+            pairs.for_each(|(error, unit)| *error += normal * unit);
         }
         self.solve_with_errors(table, errors)
     }
 
-    /// Returns ln μ at the central values, of a surface whose scan had statistics with these errors.
-    pub(in super::super) fn ln_friction(&self, errors: StatisticErrors) -> Result<f64, StudyError> {
+    /// Returns ln μ at the central values, of bodies whose scans had statistics with these errors.
+    pub(in super::super) fn ln_friction(&self, errors: BodyErrors) -> Result<f64, StudyError> {
         let solved = self.solve_with_errors(self.central, errors)?;
         Ok(solved.map_or(LevelMoments::NONE, |solved| solved.all).mean.ln())
     }
 
-    fn solve_with_errors(
-        &self,
-        table: &Table,
-        errors: StatisticErrors,
-    ) -> Result<Option<MomentReplicates>, StudyError> {
+    fn solve_with_errors(&self, table: &Table, errors: BodyErrors) -> Result<Option<MomentReplicates>, StudyError> {
         if self.monitor.cancelled() {
             return Err(Cancelled.into());
         }
@@ -72,8 +69,11 @@ impl ContactPoints<'_> {
             model.surface =
                 surface_stage::model_of(section, request.clone(), self.surface.measured.as_ref(), output)?.0;
         }
-        if errors != [0.0; 3] {
-            model.surface = measured(request).with_errors(&model.surface, errors)?;
+        let [of_surface, of_counterface] = errors;
+        vary(&mut model.surface, request, of_surface)?;
+        if let Some((model, counterface)) = model.counterface.as_mut().zip(own.counterface.as_ref()) {
+            vary(model, &counterface.request, of_counterface)
+                .map_err(|error| StudyError::from(error).of_counterface())?;
         }
         let level = match own.operating_level() {
             OperatingLevel::Percentile(percentile) => LevelControl::Percentile(percentile),
@@ -84,6 +84,14 @@ impl ContactPoints<'_> {
         let monitor = &Quiet(self.monitor);
         friction_stage::solve_level(friction, &model, level, realisations, own.seed(), monitor)
     }
+}
+
+/// Changes a body to one whose scan had statistics with these errors.
+fn vary(model: &mut SurfaceModel, request: &SurfaceRequest, errors: StatisticErrors) -> Result<(), SurfaceModelError> {
+    if errors != [0.0; 3] {
+        *model = measured(request).with_errors(model, errors)?;
+    }
+    Ok(())
 }
 
 /// Returns what a request measures on the scans.

@@ -1,0 +1,76 @@
+//! Bodies of the contact, whose scans leave different values uncertain.
+
+use super::StatisticErrors;
+use crate::study::counterface;
+use crate::study::sentence::digits;
+use crate::study::surface_stage::SurfaceStage;
+use crate::surface::scanned::ScannedSurface;
+
+/// Errors of the statistics of the surface and of the counterface.
+pub(in super::super) type BodyErrors = [StatisticErrors; 2];
+
+/// Body of the contact.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Body {
+    Surface,
+    Counterface,
+}
+
+impl Body {
+    /// Returns the section of the body in a study file.
+    pub(super) fn section(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Counterface => "counterface",
+        }
+    }
+
+    /// Returns the noun for one specimen of the body.
+    fn specimen(self) -> &'static str {
+        match self {
+            Self::Surface => "part",
+            Self::Counterface => "counterface",
+        }
+    }
+
+    /// Returns what the scans leave uncertain, in a sentence.
+    pub(super) fn sentence(self, scans: usize, scan_std: f64, between_std: f64) -> String {
+        let percent = |std: f64| digits(100.0 * std);
+        let (section, specimen, change) = (self.section(), self.specimen(), percent(scan_std));
+        if scans == 1 {
+            return format!(
+                "The verdict is for the {specimen} with this scan. Rms height, rms slope and skewness of the {section} are known from the scan \
+                 with an error that changes the friction coefficient by {change} % (one standard deviation, unknown). Differences between \
+                 {specimen}s are not known."
+            );
+        }
+        format!(
+            "Rms height, rms slope and skewness of the {section} are known from {scans} scans with an error that changes the friction \
+             coefficient by {change} % (one standard deviation, unknown). Beyond the errors of the scans, {section}s differ by {} %, which \
+             varies from part to part.",
+            percent(between_std)
+        )
+    }
+
+    /// Returns a warning about the scans of this body.
+    pub(super) fn warning(self, warning: &str) -> String {
+        match self {
+            Self::Surface => warning.into(),
+            Self::Counterface => counterface::named(warning),
+        }
+    }
+
+    pub(super) fn scan(self, stage: &SurfaceStage) -> Option<&ScannedSurface> {
+        match self {
+            Self::Surface => stage.measured.as_ref(),
+            Self::Counterface => stage.measured_counterface.as_ref(),
+        }
+    }
+
+    /// Returns errors of this body alone.
+    pub(super) fn alone(self, errors: StatisticErrors) -> BodyErrors {
+        let mut of_both = BodyErrors::default();
+        of_both[self as usize] = errors;
+        of_both
+    }
+}
