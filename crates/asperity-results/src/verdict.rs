@@ -53,8 +53,8 @@ pub struct VerdictResult {
     pub remedies: Vec<Remedy>,
     /// Probability over the central values of the first two remedies; `null` with fewer remedies.
     pub map: Option<ProbabilityMap>,
-    /// Probability against the number of windows that share the load; `null` if friction does not fluctuate or is averaged over an
-    /// unknown area.
+    /// Probability against the number of windows that share the load; `null` if friction neither fluctuates nor differs between
+    /// parts, or is averaged over an unknown area.
     pub area_as_one: Option<Vec<AreaAsOne>>,
     /// Assumptions of the verdict, in sentences.
     pub assumptions: Vec<String>,

@@ -10,7 +10,8 @@ use crate::Pair;
 pub struct AreaAsOne {
     /// Number of windows: 1 is the paper's reading, the last is the nominal area over the area of one window.
     pub windows: f64,
-    /// Standard deviation of the friction coefficient, of the machine with all values at their centres.
+    /// Standard deviation of the friction coefficient along the path and between the parts of a rough slider, of the machine with all values
+    /// at their centres.
     pub friction_std: f64,
     /// Probability that a machine vibrates whose motion begins in stick.
     pub probability: f64,

@@ -16,22 +16,25 @@ const STUDY: &str = "seed = 5\n[surface]\nfile = FILES\nlevel = \"none\"\ncovari
                      normal_force = { lognormal = [\"2.5 kN\", 0.2] }\nnominal_area = \"500 mm^2\"\ndimensionless_belt_velocity = 0.1\n\
                      stribeck = 4.2\ndamping_ratio = \"0.15 ± 0.03\"\n";
 
+/// Draws a scan, a map of the same random surface times a factor, and returns its file.
+fn draw(folder: &Path, index: usize, factor: f64) -> String {
+    let spec = format!(
+        "seed = {index}\nsize = [\"256 um\", \"256 um\"]\npoints = [256, 256]\n[surface]\ngenerator = \"spectral\"\n\
+         covariance = \"squared_exponential\"\ncorrelation_length = \"10 um\"\nmarginal = \"normal\"\n\
+         rms_height = \"{} um\"\n",
+        0.2 * factor
+    );
+    fs::write(folder.join("spec.toml"), spec).unwrap();
+    let name = format!("scan{index}.x3p");
+    let line = format!("surface generate spec.toml --seed {} --out {name}", index + 1);
+    assert_eq!(run_in(folder, &line).code, 0);
+    name
+}
+
 /// Writes a study of these scans, each a map of the same random surface times a factor, in a folder.
 fn write(folder: &Path, factors: &[f64]) {
-    let mut files = Vec::new();
-    for (index, factor) in factors.iter().enumerate() {
-        let spec = format!(
-            "seed = {index}\nsize = [\"256 um\", \"256 um\"]\npoints = [256, 256]\n[surface]\ngenerator = \"spectral\"\n\
-             covariance = \"squared_exponential\"\ncorrelation_length = \"10 um\"\nmarginal = \"normal\"\n\
-             rms_height = \"{} um\"\n",
-            0.2 * factor
-        );
-        fs::write(folder.join("spec.toml"), spec).unwrap();
-        let name = format!("scan{index}.x3p");
-        let line = format!("surface generate spec.toml --seed {} --out {name}", index + 1);
-        assert_eq!(run_in(folder, &line).code, 0);
-        files.push(format!("\"{name}\""));
-    }
+    let draw = |(index, factor): (usize, &f64)| format!("\"{}\"", draw(folder, index, *factor));
+    let files: Vec<String> = factors.iter().enumerate().map(draw).collect();
     fs::write(folder.join("study.toml"), STUDY.replace("FILES", &format!("[{}]", files.join(", ")))).unwrap();
 }
 
@@ -69,17 +72,19 @@ fn changes_in(samples: &Path, input: &str) -> (f64, f64) {
     (own, load)
 }
 
+/// Returns the standard error of the logarithm of the rms slope of the first scan.
+fn slope_error(folder: &Path) -> f64 {
+    let statistics = run_in(folder, "surface stats scan0.x3p --level none --json").json(0);
+    let [low, high] = [0, 1].map(|end| statistics["Sdq_interval"][end].as_f64().unwrap().ln());
+    (high - low) / (2.0 * 1.96)
+}
+
 #[test]
 fn the_error_of_the_slopes_of_a_scan_is_the_error_of_elastic_friction() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[1.0]);
     let (change, load, found) = changes(folder.path(), "surface.scan");
-    let statistics = run_in(folder.path(), "surface stats scan0.x3p --level none --json");
-    let statistics: Value = serde_json::from_str(&statistics.stdout).unwrap();
-    let interval = &statistics["Sdq_interval"];
-    let [low, high] = [0, 1].map(|end| interval[end].as_f64().unwrap().ln());
-    let error = (high - low) / (2.0 * 1.96);
-    let wanted = error * (1.0 + load);
+    let wanted = slope_error(folder.path()) * (1.0 + load);
     assert!((change.abs() / wanted - 1.0).abs() < 0.3, "{change} for {wanted}");
     assert!(found["probability_over_unknowns"].is_object(), "{found}");
     assert!(found["guesses"].as_array().unwrap().iter().any(|guess| guess["input"] == "surface.scan"), "{found}");
@@ -130,7 +135,7 @@ fn parts_of_a_rough_slider_differ_as_its_windows_do_over_the_area() {
     write(folder.path(), &[1.0]);
     let path = folder.path().join("study.toml");
     let study = fs::read_to_string(&path).unwrap().replace("{ lognormal = [\"2.5 kN\", 0.2] }", "\"2.5 kN\"");
-    for upscaling in ["paper", "area"] {
+    let rows = ["paper", "area"].map(|upscaling| {
         fs::write(&path, format!("{study}upscaling = \"{upscaling}\"\n[uncertainty]\nsurface = false\n")).unwrap();
         assert_eq!(run_in(folder.path(), &format!("run study.toml --only verdict --out {upscaling}")).code, 0);
         let results = fs::read_to_string(folder.path().join(upscaling).join("results.json")).unwrap();
@@ -151,5 +156,81 @@ fn parts_of_a_rough_slider_differ_as_its_windows_do_over_the_area() {
             let factor = (wanted * normal - 0.5 * wanted * wanted).exp();
             assert!((friction / (mean * factor) - 1.0).abs() < 1e-9, "{upscaling}: {friction} at {normal}");
         }
+        // One window is the paper's reading, all windows are the nominal area.
+        let verdict = &results["verdict"];
+        let rows = verdict["area_as_one"].as_array().unwrap().clone();
+        let own = if upscaling == "paper" { rows.first() } else { rows.last() }.unwrap();
+        assert!((own["friction_std"].as_f64().unwrap() / std - 1.0).abs() < 1e-9, "{upscaling}: {own}, not {std}");
+        let ends = |entry: &Value| [0, 1].map(|end| entry["probability_interval"][end].as_f64().unwrap());
+        let ([low, high], [least, most]) = (ends(own), ends(verdict));
+        assert!(low < most && least < high, "{low} to {high}, but {least} to {most}");
+        rows
+    });
+    assert_eq!(rows[0], rows[1], "the numbers of windows do not depend on the upscaling of the study");
+}
+
+/// A smooth surface under a rough counterface with its own scan, and a machine whose friction does not fluctuate.
+fn with_counterface(folder: &Path, scan: &str, extra: &str) {
+    let (_, rest) = STUDY.split_once("[material]").unwrap();
+    let (contact, _) = rest.split_once("[vibration]").unwrap();
+    let contact = contact.replace("40 MPa", "105 MPa").replace("1.28 mm", "640 um").replace("1280", "640");
+    let study = format!(
+        "seed = 5\n[surface]\ncovariance = \"squared_exponential\"\ncorrelation_length = \"10 um\"\nrms_height = \"0.02 um\"\n\
+         generator = \"spectral\"\nmarginal = \"normal\"\n[counterface]\nfile = \"{scan}\"\nlevel = \"none\"\ncovariance = \"measured\"\n\
+         marginal = \"normal\"\n[material]{contact}[vibration]\nmodel = \"mode_coupling\"\nmass = \"1 kg\"\n\
+         natural_frequency = \"12000 rad/s\"\nnormal_force = {{ lognormal = [\"2.5 kN\", 0.2] }}\nnominal_area = \"500 mm^2\"\n\
+         belt_velocity = \"1 m/s\"\ndamping_ratio = \"0.02 ± 0.005\"\n{extra}"
+    );
+    fs::write(folder.join("study.toml"), study).unwrap();
+}
+
+#[test]
+fn the_scan_of_a_much_rougher_counterface_is_the_error_of_friction() {
+    let folder = TempDir::new().unwrap();
+    with_counterface(folder.path(), &draw(folder.path(), 0, 1.0), "");
+    let (change, load, found) = changes(folder.path(), "counterface.scan");
+    // The squares of the slopes add up, and the surface has a hundredth of those of the counterface.
+    let wanted = slope_error(folder.path()) / 1.01 * (1.0 + load);
+    assert!((change.abs() / wanted - 1.0).abs() < 0.3, "{change} for {wanted}");
+    let drivers: Vec<(&str, f64)> = found["drivers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|driver| (driver["input"].as_str().unwrap(), driver["total"].as_f64().unwrap()))
+        .collect();
+    let (largest, total) = drivers.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    assert!(*largest == "counterface.scan" && *total > 0.5, "{drivers:?}");
+    assert!(found["guesses"].as_array().unwrap().iter().any(|guess| guess["input"] == "counterface.scan"), "{found}");
+    let said = "The verdict is for the counterface with this scan";
+    assert!(found["assumptions"].to_string().contains(said), "{found}");
+    with_counterface(folder.path(), "scan0.x3p", "[uncertainty]\nsurface = false\n");
+    let exact = run_in(folder.path(), "verdict study.toml --json").json(0);
+    assert!(!exact["drivers"].to_string().contains("scan"), "{exact}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn friction_of_drawn_counterface_scans_differs_as_each_of_them_states() {
+    const SCANS: usize = 24;
+    let folder = TempDir::new().unwrap();
+    let (mut frictions, mut stated) = (Vec::new(), Vec::new());
+    for index in 0..SCANS {
+        with_counterface(folder.path(), &draw(folder.path(), index, 1.0), "");
+        // All studies have the same strips, so that only the statistics of the scans differ.
+        let out = format!("run{index}");
+        assert_eq!(run_in(folder.path(), &format!("run study.toml --only friction --out {out}")).code, 0);
+        let results: Value =
+            serde_json::from_slice(&fs::read(folder.path().join(out).join("results.json")).unwrap()).unwrap();
+        frictions.push(results["friction"]["operating_point"]["mean"].as_f64().unwrap().ln());
+        if index < 3 {
+            stated.push(changes(folder.path(), "counterface.scan").0.abs());
+        }
     }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let centre = mean(&frictions);
+    let variance = frictions.iter().map(|own| (own - centre).powi(2)).sum::<f64>() / (SCANS - 1) as f64;
+    let ratio = variance / mean(&stated).powi(2);
+    println!("RATIO {ratio} {stated:?} {}", variance.sqrt());
+    // The 0.1 % and 99.9 % quantiles of χ²/23.
+    assert!((0.3273..2.1619).contains(&ratio), "the scans scatter by {}, each states {stated:?}", variance.sqrt());
 }

@@ -83,6 +83,15 @@ impl ScanErrors {
                 found.add(body, scan, &|errors| points.ln_friction(body.alone(errors)), output)?;
             }
         }
+        let file = points.study.file();
+        if let Some((surface, counterface)) = file.surface.as_ref().zip(file.counterface.as_ref())
+            && surface.files().iter().any(|file| counterface.files().contains(file))
+        {
+            output.warnings.push(
+                "surface and counterface have a scan in common; its errors count as independent for the two bodies, which understates them"
+                    .into(),
+            );
+        }
         Ok(found)
     }
 
