@@ -1,11 +1,14 @@
 //! The verdict: how probable vibration is over the uncertain values of a study, what decides it, and what changes it.
 
+mod answers;
 pub(super) mod area;
+pub(super) mod decided;
 mod drivers;
 mod dynamics;
 mod fluctuating;
 mod machines;
 pub(super) mod map;
+pub(super) mod margins;
 mod plastic;
 mod probability;
 pub(super) mod remedies;
@@ -192,8 +195,7 @@ pub(super) fn run(
         result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, fluctuates, monitor)?;
         output.tables.extend(result.area_as_one.as_deref().map(area::table));
     }
-    let constant = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-    if let Some(map) = map::map(&machines, study, &constant, fluctuates, seed, monitor)? {
+    if let Some(map) = map::map(&machines, study, fluctuates, seed, monitor)? {
         result.map = Some(map.result);
         output.tables.push(map.contours);
     }

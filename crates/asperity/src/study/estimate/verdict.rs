@@ -5,16 +5,19 @@ use crate::contact::memory_bytes;
 use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
+use crate::study::result::ModelResult;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
-use crate::study::verdict::{area, map, remedies, responses, sampled};
+use crate::study::verdict::{area, decided, map, margins, remedies, responses, sampled};
 use crate::study::{Stage, Study};
 
 /// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
 const MACHINE_SECONDS: f64 = 0.2e-3;
-/// Trajectories that decide a typical machine whose friction fluctuates.
+/// Trajectories that decide a typical machine whose friction fluctuates, and one of those that remedies choose near the limit.
 const TRAJECTORIES: usize = 12;
+const TRAJECTORIES_NEAR_LIMIT: usize = 100;
 /// Evaluations of all machines of a remedy per target, in the search for its value.
 const EVALUATIONS_PER_TARGET: usize = 15;
+const FLUCTUATING_EVALUATIONS_PER_TARGET: usize = 6;
 /// Limit cycles of sampled machines, in machines: those of the samples' table and of the machines that vibrate.
 const CYCLES: usize = 4096 + 1024;
 /// Factor of the duration of the machines that are followed for a longer time.
@@ -25,11 +28,14 @@ impl Study {
     pub(super) fn verdict_estimate(&self, threads: usize) -> Option<StageEstimate> {
         let (study, vibration) = (self.verdict.as_ref()?, self.vibration.as_ref()?);
         let friction = self.friction.as_ref().filter(|_| matches!(vibration.friction, FrictionSource::Computed(_)));
-        let fluctuates = match &vibration.friction {
-            FrictionSource::Stated(stated) => stated.std > 0.0,
-            FrictionSource::File(_) => true,
-            FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
-        };
+        let model = if vibration.coupled.is_some() { ModelResult::ModeCoupling } else { ModelResult::StickSlip };
+        // Coupled modes have the mean friction coefficient.
+        let fluctuates = model == ModelResult::StickSlip
+            && match &vibration.friction {
+                FrictionSource::Stated(stated) => stated.std > 0.0,
+                FrictionSource::File(_) => true,
+                FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
+            };
         // What the scans of a body leave uncertain is one more value, whose effect takes solved points of its own.
         let file = self.file();
         let scanned = [
@@ -44,15 +50,17 @@ impl Study {
             0 => 1,
             _ => sampled::largest_number(study.half_width, study.evaluations),
         };
-        let of_remedies: usize = study.remedies.iter().map(|remedy| evaluations(remedy, study, fluctuates)).sum();
-        // Remedies follow the fluctuation, and so do the samples, their longer paths and the windows that share the load.
-        let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study), 0);
+        let of_remedies = study.remedies.iter().map(|remedy| remedy_cost(remedy, study, model, fluctuates));
+        let [of_remedies, decided] =
+            of_remedies.fold([0, 0], |[a, b], [machines, decided]| [a + machines, b + decided]);
+        let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
         if fluctuates {
+            // The samples follow the fluctuation, and so do their longer paths, the windows that share the load and remedies.
             let followed =
                 samples + LATER_FACTOR * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
-            paths = TRAJECTORIES * (followed + of_remedies);
+            paths = TRAJECTORIES * followed + TRAJECTORIES_NEAR_LIMIT * decided;
         } else {
-            machines += of_remedies + parts * area::ROWS * samples.min(area::CONSTANT);
+            machines += parts * area::ROWS * samples.min(area::CONSTANT);
         }
         let values = responses::contact_places(study).len() + scans;
         let contact = friction.filter(|_| values > 0);
@@ -78,24 +86,23 @@ impl Study {
     }
 }
 
-/// Returns the number of machines that are evaluated for a remedy.
-fn evaluations(remedy: &RemedyStudy, study: &VerdictStudy, fluctuates: bool) -> usize {
-    let points = match (study.places.len(), fluctuates) {
-        (0, _) => 1,
-        (_, true) => remedies::FLUCTUATING_POINTS,
-        (_, false) => remedies::POINTS,
+/// Returns the numbers of machines that are evaluated with constant friction for a remedy, and that ensembles decide.
+fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: ModelResult, fluctuates: bool) -> [usize; 2] {
+    let (points, per_target) = match (study.places.len(), fluctuates) {
+        (0, _) => (1, EVALUATIONS_PER_TARGET),
+        (_, true) => (remedies::FLUCTUATING_POINTS, FLUCTUATING_EVALUATIONS_PER_TARGET),
+        (_, false) => (remedies::POINTS, EVALUATIONS_PER_TARGET),
     };
     let all = remedies::REPLICATES * points;
-    if remedy.place.name() == remedies::DAMPING && !fluctuates {
-        return all;
-    }
-    (remedies::STEPS + 1) * points + EVALUATIONS_PER_TARGET * study.targets.len() * all
+    let cost = |one: usize, all: usize| (remedies::STEPS + 1) * one + per_target * study.targets.len() * all;
+    let machines = if margins::is_damping(remedy.place, model) { all } else { cost(points, all) };
+    [machines, if fluctuates { cost(decided::decisions(points), decided::decisions(all)) } else { 0 }]
 }
 
 /// Returns the number of machines of the map.
-fn map_machines(study: &VerdictStudy) -> usize {
+fn map_machines(study: &VerdictStudy, model: ModelResult) -> usize {
     let [x, y, ..] = &study.remedies[..] else { return 0 };
     let points = if study.places.is_empty() { 1 } else { remedies::REPLICATES * map::POINTS };
-    let is_damping = [x, y].iter().any(|remedy| remedy.place.name() == remedies::DAMPING);
+    let is_damping = [x, y].iter().any(|remedy| margins::is_damping(remedy.place, model));
     map::VALUES * points * if is_damping { 1 } else { map::VALUES }
 }

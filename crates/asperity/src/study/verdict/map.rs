@@ -1,14 +1,15 @@
 //! Probability of vibration over the central values of two inputs.
 
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
 
-use super::machines::{Change, Machine, Machines};
-use super::remedies::{DAMPING, Evaluate, fraction_below_zero, moved, points};
+use super::machines::{Change, Machines};
+use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
+use super::remedies::{fraction_below_zero, points};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::file::Hold;
-use crate::study::result::{ModelResult, ProbabilityMap, ProbabilityMapAxis};
+use crate::study::result::{ProbabilityMap, ProbabilityMapAxis};
 use crate::study::vibration_stage::lines;
 use crate::study::{CsvTable, StudyError};
 use crate::vibration::grid_contour;
@@ -31,12 +32,11 @@ pub(super) struct Map {
 
 /// Computes the map over the ranges of the first two remedies; `None` unless they change two inputs.
 ///
-/// All pairs of central values share the standard normal variables of their machines. `evaluate` takes friction as constant. A
-/// contour is the line on which the quantile of the margin is zero: it is smooth where the probability is not.
+/// All pairs of central values share the standard normal variables of their machines. Friction is constant. A contour is the line on
+/// which the quantile of the margin is zero: it is smooth where the probability is not.
 pub(super) fn map(
     machines: &Machines<'_>,
     study: &VerdictStudy,
-    evaluate: &Evaluate<'_>,
     fluctuates: bool,
     seed: u64,
     monitor: &dyn Monitor,
@@ -45,7 +45,7 @@ pub(super) fn map(
     if x.place == y.place {
         return Ok(None);
     }
-    let grid = Grid { machines, axes: [x, y], variables: points(machines.variables(), POINTS, seed)?, evaluate };
+    let grid = Grid { machines, axes: [x, y], points: points(machines.variables(), POINTS, seed)? };
     let mut levels: Vec<f64> = study.targets.iter().copied().chain([EVEN]).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
@@ -92,86 +92,50 @@ struct Node {
 struct Grid<'a> {
     machines: &'a Machines<'a>,
     axes: [&'a RemedyStudy; 2],
-    variables: Vec<Vec<f64>>,
-    evaluate: &'a Evaluate<'a>,
+    points: Vec<Vec<f64>>,
 }
 
 impl Grid<'_> {
     /// Evaluates the machines at all nodes, row by row.
     fn nodes(&self, levels: &[f64], monitor: &dyn Monitor) -> Result<Vec<Node>, Cancelled> {
         let [x, y] = self.axes.map(values);
-        // The limit of the damping does not depend on the damping: the other axis needs one column of machines. The margin of coupled
-        // modes is one of friction.
-        let one_mode = self.machines.model() == ModelResult::StickSlip;
-        let damping = self.axes.iter().position(|axis| axis.place.name() == DAMPING).filter(|_| one_mode);
-        let columns = match damping {
+        let damping = self.axes.iter().position(|axis| is_damping(axis.place, self.machines.model()));
+        let limits = match damping {
             Some(axis) => {
-                let others = if axis == 0 { &y } else { &x };
-                let task = Task::new(monitor, "verdict: map", others.len());
-                blocks::map::<_, Result<Vec<_>, _>>(0..others.len(), |index| {
-                    task.step(|| self.limits(self.axes[1 - axis], others[index]))
-                })?
+                let (other, values) = (self.axes[1 - axis].place, if axis == 0 { &y } else { &x });
+                let task = Task::new(monitor, "verdict: map", values.len());
+                let at = |value| moved(self.machines, &[Change { place: other, value, hold: Hold::DampingRatio }]);
+                let limits =
+                    values.iter().map(|&value| task.step(|| Limits::new(&at(value), &self.points, monitor))?);
+                limits.collect::<Result<Vec<_>, _>>()?
             }
             None => Vec::new(),
         };
         let task = Task::new(monitor, "verdict: map", x.len() * y.len());
-        blocks::map(0..x.len() * y.len(), |index| {
-            task.step(|| {
-                let (column, row) = (index % x.len(), index / x.len());
-                let machines = self.at([x[column], y[row]]);
-                let mut margins = match damping {
-                    Some(axis) => self.damping_margins(machines, axis, &columns[if axis == 0 { row } else { column }]),
-                    None => self.margins(machines),
-                };
-                margins.sort_by(f64::total_cmp);
-                Node {
-                    probability: fraction_below_zero(&margins),
-                    quantiles: levels.iter().map(|level| quantile_sorted(&margins, *level)).collect(),
+        let node = |index: usize| {
+            let (column, row) = (index % x.len(), index / x.len());
+            let machines = self.at([x[column], y[row]]);
+            let mut margins = match damping {
+                Some(axis) => {
+                    let limits = &limits[if axis == 0 { row } else { column }];
+                    limits.margins(&machines, self.axes[axis].place, &self.points)
                 }
+                None => margins(&machines, &self.points, monitor)?,
+            };
+            margins.sort_by(f64::total_cmp);
+            Ok(Node {
+                probability: fraction_below_zero(&margins),
+                quantiles: levels.iter().map(|level| quantile_sorted(&margins, *level)).collect(),
             })
-        })
+        };
+        (0..x.len() * y.len()).map(|index| task.step(|| node(index))?).collect()
     }
 
     /// Returns the machines with two central values. The map of a damping ratio states it, whatever the other input holds.
-    fn at(&self, values: [f64; 2]) -> Result<Machines<'_>, String> {
-        let is_damping = |axis: &&RemedyStudy| axis.place.name() == DAMPING;
-        let hold = |axis: &RemedyStudy| if self.axes.iter().any(is_damping) { Hold::DampingRatio } else { axis.hold };
+    fn at(&self, values: [f64; 2]) -> Moved<'_> {
+        let states_damping = self.axes.iter().any(|axis| axis.place.name() == DAMPING);
+        let hold = |axis: &RemedyStudy| if states_damping { Hold::DampingRatio } else { axis.hold };
         let changes = [0, 1].map(|k| Change { place: self.axes[k].place, value: values[k], hold: hold(self.axes[k]) });
         moved(self.machines, &changes)
-    }
-
-    /// Returns the margins of machines. A machine without an answer counts as vibrating.
-    fn margins(&self, machines: Result<Machines<'_>, String>) -> Vec<f64> {
-        let margin = |machine: &Machine, index| Ok((self.evaluate)(machine, index)?.margins.from_stick);
-        self.each(machines, &margin).map(|margin| margin.unwrap_or(f64::NEG_INFINITY)).collect()
-    }
-
-    /// Returns the limit damping ratios of machines with one other central value; infinite without an answer.
-    fn limits(&self, axis: &RemedyStudy, value: f64) -> Vec<f64> {
-        let machines = moved(self.machines, &[Change { place: axis.place, value, hold: Hold::DampingRatio }]);
-        let limit = |machine: &Machine, index| {
-            Ok(machine.study.damping_ratio - (self.evaluate)(machine, index)?.margins.from_stick)
-        };
-        self.each(machines, &limit).map(|limit| limit.unwrap_or(f64::INFINITY)).collect()
-    }
-
-    /// Returns the margins at the damping ratios of machines with these limits.
-    fn damping_margins(&self, machines: Result<Machines<'_>, String>, axis: usize, limits: &[f64]) -> Vec<f64> {
-        let damping = |variables: &Vec<f64>| {
-            machines.as_ref().map_or(f64::NEG_INFINITY, |machines| machines.value_of(self.axes[axis].place, variables))
-        };
-        self.variables.iter().zip(limits).map(|(variables, limit)| damping(variables) - limit).collect()
-    }
-
-    /// Returns a number of each machine.
-    fn each<'b>(
-        &'b self,
-        machines: Result<Machines<'b>, String>,
-        number: &'b dyn Fn(&Machine, usize) -> Result<f64, String>,
-    ) -> impl Iterator<Item = Result<f64, String>> + 'b {
-        self.variables.iter().enumerate().map(move |(index, variables)| {
-            let machine = machines.as_ref().map_err(Clone::clone)?.at(variables)?;
-            number(&machine, index)
-        })
     }
 }

@@ -1,0 +1,84 @@
+//! Probability that machines vibrate at one central value, with its error.
+
+use super::remedies::{REPLICATES, fraction_below_zero};
+use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
+
+/// Answers of the machines of all replicates, or of one, at one central value.
+pub(super) struct Answers {
+    /// Margins with constant friction, in rising order.
+    sorted: Vec<f64>,
+    /// Fraction that vibrates of each replicate, or of each of as many parts of one.
+    fractions: Vec<f64>,
+    /// Fraction that vibrates of all machines.
+    probability: f64,
+    /// Margin below which as many machines are as vibrate; `None` if friction is constant and the margin is 0.
+    limit: Option<f64>,
+}
+
+impl Answers {
+    /// Returns the answers of machines that vibrate if their margin is negative.
+    pub(super) fn with_constant_friction(margins: Vec<f64>) -> Self {
+        let fractions = parts(&margins).map(fraction_below_zero).collect();
+        Self { fractions, probability: fraction_below_zero(&margins), limit: None, sorted: sorted(margins) }
+    }
+
+    /// Returns the answers of machines whose friction fluctuates, with their [terms](super::decided::terms) of the probability.
+    pub(super) fn with_fluctuation(margins: Vec<f64>, terms: &[f64]) -> Self {
+        let mean = |terms: &[f64]| terms.iter().sum::<f64>() / terms.len() as f64;
+        let (sorted, probability) = (sorted(margins), mean(terms));
+        let limit = quantile_sorted(&sorted, probability.clamp(0.0, 1.0));
+        Self { fractions: parts(terms).map(mean).collect(), probability, limit: Some(limit), sorted }
+    }
+
+    /// Returns a continuous number that is positive if fewer than the fraction `probability` of the machines vibrate: the distance of that
+    /// quantile of the margin from the limit.
+    pub(super) fn excess(&self, probability: f64) -> f64 {
+        let quantile = self.quantile(probability);
+        let Some(limit) = self.limit else { return quantile };
+        let excess = quantile - limit;
+        // A single machine has one margin.
+        if excess == 0.0 || excess.is_nan() { probability - self.probability } else { excess }
+    }
+
+    fn quantile(&self, probability: f64) -> f64 {
+        quantile_sorted(&self.sorted, probability.clamp(0.0, 1.0))
+    }
+
+    /// Returns whether three times as many machines, or a third of them, may vibrate as the fraction `probability`.
+    pub(super) fn is_near(&self, probability: f64) -> bool {
+        (probability / 3.0..3.0 * probability).contains(&self.probability)
+    }
+
+    /// Returns the half width of the 95 % interval of the fraction that vibrates.
+    fn half_width(&self) -> f64 {
+        if self.fractions.len() < REPLICATES {
+            return 0.0;
+        }
+        let error = Moments::new(&self.fractions).sample_std();
+        student_quantile(0.975, (REPLICATES - 1) as f64) * error / (REPLICATES as f64).sqrt()
+    }
+
+    /// Returns half the width of the interval of the margin's quantile.
+    pub(super) fn error(&self, probability: f64) -> f64 {
+        let half_width = self.half_width();
+        0.5 * (self.quantile(probability + half_width) - self.quantile(probability - half_width))
+    }
+
+    /// Returns the interval of a central value at which the fraction `probability` vibrates, given the slope of the excess.
+    pub(super) fn interval(&self, value: f64, slope: f64, probability: f64) -> Interval {
+        let half_width = self.half_width();
+        let [low, high] = [half_width, -half_width]
+            .map(|change| value - (self.quantile(probability + change) - self.quantile(probability)) / slope);
+        Interval { low: low.min(high), high: low.max(high) }
+    }
+}
+
+/// Returns the parts of numbers in the order of the replicates.
+fn parts(numbers: &[f64]) -> impl Iterator<Item = &[f64]> {
+    numbers.chunks(numbers.len().div_ceil(REPLICATES))
+}
+
+fn sorted(mut margins: Vec<f64>) -> Vec<f64> {
+    margins.sort_by(f64::total_cmp);
+    margins
+}

@@ -1,0 +1,76 @@
+//! Margins of machines with constant friction at changed central values.
+
+use asperity_base::blocks;
+
+use super::machines::{Change, Machines};
+use super::sampled::Evaluated;
+use crate::monitor::{Cancelled, Monitor};
+use crate::study::file::Hold;
+use crate::study::result::ModelResult;
+use crate::study::uncertain::Place;
+
+/// Name of the damping ratio.
+pub(in crate::study) const DAMPING: &str = "vibration.damping_ratio";
+
+/// Machines with other central values, or the reason why there are none.
+pub(super) type Moved<'a> = Result<Machines<'a>, String>;
+
+/// Returns the machines with other central values.
+pub(super) fn moved<'a>(machines: &Machines<'a>, changes: &[Change]) -> Moved<'a> {
+    let (mut inputs, mut hold, mut exact) = (machines.inputs().clone(), Hold::default(), Vec::new());
+    for change in changes {
+        match machines.places().iter().position(|uncertain| *uncertain == change.place) {
+            Some(input) => {
+                inputs = inputs.with_moved(input, change.value).map_err(|error| error.to_string())?;
+                if change.hold == Hold::Damper {
+                    hold = change.hold;
+                }
+            }
+            None => exact.push(*change),
+        }
+    }
+    Ok(machines.with_inputs(inputs, hold).with_changes(exact))
+}
+
+/// Returns the damping ratio and the margin of the machines at points of the standard normal variables. The margin is −∞ without an
+/// answer, so that the machine counts as vibrating.
+fn answers(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monitor) -> Result<Vec<[f64; 2]>, Cancelled> {
+    blocks::map(0..points.len(), |index| {
+        if monitor.cancelled() {
+            return Err(Cancelled);
+        }
+        let machine = machines.as_ref().map_err(Clone::clone).and_then(|machines| machines.at(&points[index]));
+        let answer = machine.and_then(|machine| {
+            Ok([machine.study.damping_ratio, Evaluated::constant_friction(&machine)?.margins.from_stick])
+        });
+        Ok(answer.unwrap_or([0.0, f64::NEG_INFINITY]))
+    })
+}
+
+/// Returns the margins of the machines at points of the standard normal variables; −∞ without an answer.
+pub(super) fn margins(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monitor) -> Result<Vec<f64>, Cancelled> {
+    Ok(answers(machines, points, monitor)?.into_iter().map(|[_, margin]| margin).collect())
+}
+
+/// Returns whether a change of a value changes the margins by as much as the damping ratios. The margin of coupled modes is one of friction.
+pub(in crate::study) fn is_damping(place: Place, model: ModelResult) -> bool {
+    place.name() == DAMPING && model == ModelResult::StickSlip
+}
+
+/// Limits of the damping ratio of machines. They do not depend on the damping ratio, so machines that differ from known ones in it alone
+/// need no further evaluation.
+pub(super) struct Limits(Vec<f64>);
+
+impl Limits {
+    /// Computes the limits of the machines at points of the standard normal variables.
+    pub(super) fn new(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        Ok(Self(answers(machines, points, monitor)?.into_iter().map(|[damping, margin]| damping - margin).collect()))
+    }
+
+    /// Returns the margins of the machines at the first of these points with other damping ratios.
+    pub(super) fn margins(&self, machines: &Moved, place: Place, points: &[Vec<f64>]) -> Vec<f64> {
+        let damping =
+            |point: &Vec<f64>| machines.as_ref().map_or(f64::NEG_INFINITY, |machines| machines.value_of(place, point));
+        points.iter().zip(&self.0).map(|(point, limit)| damping(point) - limit).collect()
+    }
+}
