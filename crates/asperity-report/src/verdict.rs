@@ -64,8 +64,17 @@ pub(crate) fn is_exact(verdict: &VerdictResult) -> bool {
     verdict.evaluations <= 1
 }
 
-/// Returns the verdict in one sentence.
+/// Sentence of a verdict that leaves out the fluctuation of friction.
+pub(crate) const MEAN_FRICTION: &str =
+    "The mean friction coefficient decides; its fluctuation along the path is left out.";
+
+/// Returns the verdict in one sentence, with a second one if it leaves out the fluctuation of friction.
 pub fn verdict_sentence(verdict: &VerdictResult) -> String {
+    let sentence = probability_sentence(verdict);
+    if verdict.leaves_out_fluctuation { format!("{sentence} {MEAN_FRICTION}") } else { sentence }
+}
+
+fn probability_sentence(verdict: &VerdictResult) -> String {
     let Headline { before, answer, after } = Headline::new(verdict);
     let sentence = format!("{before}{answer}{after}");
     if is_exact(verdict) {

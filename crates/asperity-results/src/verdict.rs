@@ -37,6 +37,10 @@ pub struct VerdictResult {
     pub first_failure: Option<String>,
     /// Duration T of the event.
     pub duration_s: f64,
+    /// Whether the verdict leaves out the fluctuation of friction that the study has: with mode coupling the mean friction coefficient
+    /// decides.
+    #[serde(default)]
+    pub leaves_out_fluctuation: bool,
     /// The machine with all values at their centres.
     pub nominal: NominalMachine,
     /// The vibration of machines that vibrate; `null` if no sampled machine does.

@@ -111,6 +111,40 @@ fn small_probabilities_have_both_ends_of_their_interval_above_zero() {
 }
 
 #[test]
+fn a_machine_far_from_the_limit_has_a_small_bound_from_few_evaluations() {
+    // M = ζ − b/2 ~ N(.15, .0111803) is negative with a probability of 1e-40.
+    let found = linear("\"0.2 ± 0.005\"", "");
+    let [low, high] = pair(&found["probability_interval"]);
+    assert!(found["probability"] == 0.0 && low == 0.0 && 0.0 < high && high < 1e-4, "{low} to {high}");
+    assert!(found["evaluations"].as_u64().unwrap() <= 4096 + 2 * 2200, "{}", found["evaluations"]);
+}
+
+#[test]
+fn coupled_modes_leave_out_the_fluctuation_of_friction_and_state_it() {
+    let coupled = |std: &str| {
+        let machine = MACHINE.replace("friction_std = 0\n", std);
+        let folder = TempDir::new().unwrap();
+        let lines = "model = \"mode_coupling\"\nbelt_velocity = \"0.5 m/s\"\ndamping_ratio = 0.02\n[verdict]\nremedies = [\
+                     { input = \"vibration.damping_ratio\", range = [0.01, 0.1] }, \
+                     { input = \"vibration.static_friction\", range = [0.5, 0.8] }]\n";
+        fs::write(folder.path().join("study.toml"), format!("{machine}{lines}")).unwrap();
+        run_in(folder.path(), "verdict study.toml --json").json(0)
+    };
+    let constant = coupled("friction_std = 0\n");
+    let mean =
+        coupled("friction_std = 0.01\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"normal\"\n");
+    for (found, wanted) in [(&constant, false), (&mean, true)] {
+        assert!(
+            found["leaves_out_fluctuation"] == wanted && found["map"]["leaves_out_fluctuation"] == wanted,
+            "{found}"
+        );
+        assert_eq!(found["sentence"].as_str().unwrap().contains("its fluctuation along the path is left out"), wanted);
+        assert_eq!(found["assumptions"].to_string().contains("leaves out the fluctuation of friction"), wanted);
+    }
+    assert_eq!((&constant["probability"], &constant["remedies"]), (&mean["probability"], &mean["remedies"]));
+}
+
+#[test]
 fn a_jump_and_a_falling_law_separate_stick_from_steady_sliding() {
     // A jump of .05 at V = .05 with a weakening b: ζ_v = .0578291 + b/2, ζ_H = b/2.
     let jump = verdict(

@@ -161,6 +161,11 @@ fn the_verdict_has_figures_of_its_map_and_of_the_windows_that_share_the_load() {
     ] {
         assert!(shown.contains(words), "`{words}` is missing");
     }
+    run.results.verdict.as_mut().unwrap().leaves_out_fluctuation = true;
+    let shown = caption(&run);
+    for words in ["along the path, as the verdict does", "The mean friction coefficient decides; its fluctuation"] {
+        assert!(shown.contains(words), "`{words}` is missing");
+    }
     let verdict = run.results.verdict.as_mut().unwrap();
     verdict.area_as_one.as_mut().unwrap()[0].probability_interval = [0.1, 0.6];
     verdict.map.as_mut().unwrap().leaves_out_fluctuation = false;

@@ -91,13 +91,18 @@ pub(super) fn run(
     }
     let model = nominal.dynamics.model();
     let duration_s = study.duration_s.unwrap_or(nominal.study.duration * nominal.study.scales.time_s());
-    let fluctuates = window.std > NEGLIGIBLE_STD * window.mean && model == ModelResult::StickSlip;
-    if model == ModelResult::ModeCoupling {
+    let is_coupled = model == ModelResult::ModeCoupling;
+    let friction_fluctuates = window.std > NEGLIGIBLE_STD * window.mean;
+    let fluctuates = friction_fluctuates && !is_coupled;
+    if is_coupled {
         output.assumptions.push(
             "The verdict on mode coupling counts a machine as vibrating if its steady sliding is unstable at the mean friction coefficient, \
              however its motion begins; the margin is μ_c − μ."
                 .into(),
         );
+        if friction_fluctuates {
+            output.assumptions.push("The verdict on mode coupling leaves out the fluctuation of friction.".into());
+        }
     }
     let evaluate = |machine: &Machine, index: usize| {
         let mut evaluated = Evaluated::constant_friction(machine)?;
@@ -166,6 +171,7 @@ pub(super) fn run(
         failed_samples: failed,
         first_failure,
         duration_s,
+        leaves_out_fluctuation: friction_fluctuates && is_coupled,
         nominal: nominal.dynamics.nominal(vibrates, &nominal.study.scales)?,
         if_vibrating: vibrating_machines(&machines, &sampled, monitor)?,
         margin_quantiles: margin_quantiles.to_vec(),
@@ -195,7 +201,7 @@ pub(super) fn run(
         result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, fluctuates, monitor)?;
         output.tables.extend(result.area_as_one.as_deref().map(area::table));
     }
-    if let Some(map) = map::map(&machines, study, fluctuates, seed, monitor)? {
+    if let Some(map) = map::map(&machines, study, friction_fluctuates, seed, monitor)? {
         result.map = Some(map.result);
         output.tables.push(map.contours);
     }

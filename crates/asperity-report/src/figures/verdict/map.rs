@@ -77,10 +77,14 @@ fn caption(verdict: &VerdictResult, map: &ProbabilityMap) -> String {
     let here = here.map_or_else(String::new, |at| {
         format!(" At the present values it is {} here.", percent(interpolated(map, at), 2))
     });
-    let constant = if map.leaves_out_fluctuation {
-        " Friction has its mean value: the map leaves out its fluctuation along the path, which the verdict includes."
-    } else {
-        ""
+    let constant = match (map.leaves_out_fluctuation, verdict.leaves_out_fluctuation) {
+        (false, _) => "",
+        (true, false) => {
+            " Friction has its mean value: the map leaves out its fluctuation along the path, which the verdict includes."
+        }
+        (true, true) => {
+            " Friction has its mean value: the map leaves out its fluctuation along the path, as the verdict does."
+        }
     };
     format!(
         "Colours and lines: probability that a machine vibrates whose motion begins in stick, if two central values change and the \

@@ -106,3 +106,30 @@ fn map_machines(study: &VerdictStudy, model: ModelResult) -> usize {
     let is_damping = [x, y].iter().any(|remedy| margins::is_damping(remedy.place, model));
     map::VALUES * points * if is_damping { 1 } else { map::VALUES }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the machines and trajectories of a verdict with a remedy.
+    fn cost(model: &str, remedy: &str) -> [usize; 2] {
+        let text = format!(
+            "seed = 1\n[vibration]\n{model}mass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+             nominal_area = \"833 mm^2\"\nbelt_velocity = \"0.1 m/s\"\ndamping_ratio = \"0.1 ± 0.01\"\nstatic_friction = 0.3\n\
+             friction_std = 0.01\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"normal\"\n\
+             [verdict]\nremedies = [{{ input = \"vibration.{remedy}\", range = [0.01, 0.5] }}]\n"
+        );
+        let found = Study::parse(&text, "study.toml").unwrap().verdict_estimate(1).unwrap();
+        [found.machines, found.trajectories]
+    }
+
+    #[test]
+    fn only_one_mode_has_a_limit_of_the_damping_that_replaces_evaluations() {
+        let coupled = "model = \"mode_coupling\"\n";
+        assert_eq!(cost(coupled, "damping_ratio"), cost(coupled, "static_friction"));
+        let [damping, friction] = ["damping_ratio", "static_friction"].map(|remedy| cost("", remedy));
+        assert!(friction[0] - damping[0] > 100_000, "{friction:?} and {damping:?}");
+        // Coupled modes have the mean friction coefficient.
+        assert!(cost(coupled, "damping_ratio")[1] == 0 && damping[1] == friction[1] && damping[1] > 0);
+    }
+}

@@ -37,7 +37,7 @@ pub(super) struct Map {
 pub(super) fn map(
     machines: &Machines<'_>,
     study: &VerdictStudy,
-    fluctuates: bool,
+    friction_fluctuates: bool,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<Map>, StudyError> {
@@ -70,7 +70,7 @@ pub(super) fn map(
         probability: rows(&|node| node.probability),
         x: axis(x, x_values),
         y: axis(y, y_values),
-        leaves_out_fluctuation: fluctuates,
+        leaves_out_fluctuation: friction_fluctuates,
     };
     Ok(Some(Map { result, contours: (CONTOURS, table) }))
 }

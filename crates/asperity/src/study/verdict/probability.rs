@@ -4,13 +4,16 @@ use super::dynamics::Margins;
 use super::machines::{Machines, NoAnswer};
 use super::responses::FrictionResponses;
 use super::sampled::{Evaluated, Sampled};
-use crate::chaos::rare::{self, RareError, SmallProbability, small_probability};
+use crate::chaos::rare::{self, RareError, RareMethod, SmallProbability, small_probability};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95, wilson_interval};
 use crate::study::StudyError;
 
 /// Smallest number of machines on each side below which the probability is computed as a small one.
 const FEW: usize = 40;
+/// Evaluations after which an upper bound suffices if no sampled machine is on the rare side, and the largest such bound.
+const FEW_EVALUATIONS: usize = 2000;
+const SMALL_BOUND: f64 = 1e-4;
 
 /// Event that a machine vibrates.
 pub(super) struct Event {
@@ -87,6 +90,12 @@ impl Estimator<'_> {
         Ok(Probability { value, interval, sources })
     }
 
+    /// Returns whether the event, or its complement, occurs in no sampled machine.
+    fn is_absent(&self, event: &Event, is_complement: bool) -> bool {
+        let (vibrating, all) = self.sampled.count(event.vibrates);
+        vibrating == if is_complement { all } else { 0 }
+    }
+
     /// Returns the small probability of an event, or of its complement, with its interval and evaluations; `None` with a warning if there is
     /// no estimate.
     fn small(
@@ -101,7 +110,22 @@ impl Estimator<'_> {
             evaluated.map(|machine| sign * (event.margin)(&machine.margins)).map_err(NoAnswer)
         };
         let settings = rare::Settings::new(self.seed);
-        match small_probability(machines.variables(), &response, &settings, self.monitor) {
+        let variables = machines.variables();
+        let estimate = |settings: &rare::Settings| small_probability(variables, &response, settings, self.monitor);
+        let mut found = None;
+        if self.is_absent(event, is_complement) {
+            // Few evaluations show that the machines are far from the limit, or find a region of failure at once.
+            let few = rare::Settings { most_evaluations: FEW_EVALUATIONS, ..settings };
+            found = Some(estimate(&few)).filter(|found| match found {
+                Ok(SmallProbability::Estimate(found)) => {
+                    found.method == RareMethod::ImportanceSampling
+                        && found.coefficient_of_variation <= settings.coefficient_of_variation
+                }
+                Ok(SmallProbability::Bound(bound)) => bound.probability < SMALL_BOUND,
+                Err(_) => true,
+            });
+        }
+        match found.unwrap_or_else(|| estimate(&settings)) {
             Ok(SmallProbability::Estimate(found)) => Ok(Some((found.probability, found.interval, found.evaluations))),
             Ok(SmallProbability::Bound(bound)) => {
                 Ok(Some((0.0, Interval { low: 0.0, high: bound.probability }, bound.evaluations)))
