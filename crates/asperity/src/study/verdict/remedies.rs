@@ -261,8 +261,8 @@ mod tests {
                     velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
                     [verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.5] }, \
                     { input = \"vibration.linear_weakening\", range = [0.01, 0.2] }]\n";
-        let (mut covered, mut all) = (0, 0);
-        for seed in 1..=8 {
+        let (mut covered, mut all, mut widths) = (0, 0, [0.0; 2]);
+        for seed in 1..=6 {
             let study = Study::parse(&format!("seed = {seed}\n{text}"), "study.toml").unwrap();
             let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
             let FrictionSource::Stated(stated) = &vibration.friction else { panic!() };
@@ -280,22 +280,23 @@ mod tests {
             verdict.remedies.truncate(if seed == 1 { 2 } else { 1 });
             let found = remedies(&machines, &verdict, &evaluate, true, seed, &crate::monitor::Silent).unwrap();
             for (remedy, slope) in found.iter().zip([1.0_f64, -2.0]) {
-                for (reach, score) in remedy.reach.iter().zip([1.644_853_6, 2.326_347_9]) {
+                for (target, score) in [1.644_853_6, 2.326_347_9].into_iter().enumerate() {
+                    let reach = &remedy.reach[target];
                     let margin = 0.004 + score * std;
                     let wanted = if slope > 0.0 { 0.05 + margin } else { 0.11 - 2.0 * margin };
                     let [low, high] = reach.value_interval.unwrap();
-                    println!("{seed} {} {wanted}: {:?} {low} {high}", remedy.input, reach.value);
                     covered += usize::from(low <= wanted && wanted <= high);
                     all += 1;
                     assert!(
                         (reach.value.unwrap() - wanted).abs() < 2e-3 * slope.abs(),
                         "{reach:?} instead of {wanted}"
                     );
-                    // 512 machines whose ensembles are all simulated have ± .0044 at 1 %.
-                    assert!(high - low < 2.0 * 0.0044 / 3.0 * slope.abs(), "{low} to {high}");
+                    widths[target] += (high - low) / slope.abs();
                 }
             }
         }
-        assert!(covered >= all - 3, "{covered} of {all}");
+        // 512 machines that ensembles decide have an interval of ± .0044 at 1 %.
+        assert!(widths[1] / f64::from(all / 2) < 2.0 * 0.0044 / 3.0, "{widths:?}");
+        assert!(covered >= all - 2, "{covered} of {all}");
     }
 }
