@@ -9,8 +9,8 @@
 //! 3. Importance sampling from the mixture estimates the probability, with the interpolant as control variate. It uses new
 //!    evaluations only, so no error of the interpolant biases the estimate, and its variance gives the interval.
 //!
-//! With ten variables and more, several regions of failure or kinks need about 20,000 evaluations. A region of failure that neither
-//! the search nor a draw reaches is missing from the probability and from its interval.
+//! A limit state that is nearly linear needs about 20 evaluations, several regions of failure or kinks in ten variables a few
+//! thousand. A region of failure that neither the search nor a draw reaches is missing from the probability and from its interval.
 //!
 //! [`subset_simulation`] is the classical method, with an interval from independent replicates.
 //!
@@ -43,21 +43,25 @@ use asperity_base::stats::Interval;
 
 use crate::SamplingError;
 use chains::Plan;
-use importance::Draws;
+use importance::{Draws, UNSEEN};
 use learning::Learning;
 use limit_state::LimitState;
 use proposal::Proposal;
 pub use subset::{SubsetSettings, subset_simulation};
 
-/// Importance samples of the first batch.
+/// Importance samples of the first batch if the interpolant does not predict all failures among fewer samples.
 const FIRST_DRAWS: usize = 20;
-/// Number of mixtures that are tried.
+/// Smallest number of importance samples.
+const LEAST_DRAWS: usize = 8;
+/// Importance samples of the first batch in regions that subset simulation on g located.
+const LOCATED_DRAWS: usize = 400;
+/// Number of mixtures that are learnt on the interpolant.
 const ATTEMPTS: usize = 3;
 /// Rounds of learning before each mixture.
 const ROUNDS: [usize; ATTEMPTS] = [24, 8, 8];
 /// Further importance samples above which another mixture is tried.
 const MANY: f64 = 200.0;
-/// Further importance samples above which subset simulation on g is tried.
+/// Further importance samples above which replicates of subset simulation are preferred.
 const TOO_MANY: f64 = 3000.0;
 /// Samples per level of subset simulation on g.
 const LEVEL_SAMPLES: usize = 500;
@@ -142,8 +146,8 @@ pub struct RareProbability {
 /// Method of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RareMethod {
-    /// Importance sampling with an interpolant of the limit state; subset simulation on the interpolant located the regions of
-    /// failure.
+    /// Importance sampling with an interpolant of the limit state; subset simulation on the interpolant or on the limit state
+    /// located the regions of failure.
     ImportanceSampling,
     /// Mean of independent replicates of subset simulation on the limit state.
     SubsetSimulation,
@@ -216,7 +220,8 @@ where
     })
 }
 
-/// Learns mixtures until importance sampling from one of them promises few evaluations, and samples from it.
+/// Learns mixtures until importance sampling from one of them promises few evaluations, and samples from it. The last mixture
+/// comes from subset simulation on g.
 fn attempts<G, E: Send>(
     settings: &Settings,
     learning: &mut Learning,
@@ -225,15 +230,28 @@ fn attempts<G, E: Send>(
 where
     G: Fn(&[f64]) -> Result<f64, E> + Sync,
 {
-    for (attempt, rounds) in ROUNDS.into_iter().enumerate() {
-        let Some(region) = learning.region(rounds, state)? else { break };
+    let mut learns = true;
+    for attempt in 0..=ATTEMPTS {
+        let learnt = match ROUNDS.get(attempt) {
+            Some(rounds) if learns => learning.region(*rounds, state)?,
+            _ => None,
+        };
+        learns = learnt.is_some();
+        let Some(region) = (if learns { learnt } else { learning.located(state)? }) else { break };
         let proposal = Proposal::fit(&region.points, &region.directions);
         let random = stream(settings.seed, "chaos/rare/importance", attempt as u64);
         let mut draws = Draws::new(&proposal, &region.interpolant, random);
-        draws.add(FIRST_DRAWS.min(state.left()), state)?;
-        let wanted = settings.further(&draws);
-        if wanted < MANY || (attempt + 1 == ATTEMPTS && wanted < TOO_MANY) {
+        let first = if learns { settings.first_draws() } else { LOCATED_DRAWS };
+        draws.add(first.min(state.left()), state)?;
+        if !draws.predicted() {
+            draws.add(FIRST_DRAWS.saturating_sub(first).min(state.left()), state)?;
+        }
+        let most = if learns && attempt + 1 < ATTEMPTS { MANY } else { TOO_MANY };
+        if settings.further(&draws) < most {
             return finish(settings, draws, state).map(Some);
+        }
+        if !learns {
+            break;
         }
         learning.add(&draws.points, &draws.values);
     }
@@ -280,6 +298,11 @@ impl Settings {
             return Err(RareError::Setting { name: "most_evaluations", value, wanted: "at least 2000" });
         }
         Ok(())
+    }
+
+    /// Returns the number of draws that suffice if the interpolant predicts all failures.
+    fn first_draws(&self) -> usize {
+        ((UNSEEN / self.coefficient_of_variation.powi(2) * 1.01).ceil() as usize).clamp(LEAST_DRAWS, FIRST_DRAWS)
     }
 
     /// Returns the number of further draws that reach the coefficient of variation.

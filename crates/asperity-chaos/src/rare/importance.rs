@@ -17,7 +17,7 @@ use super::limit_state::LimitState;
 use super::proposal::Proposal;
 
 /// Relative variance, divided by the number of draws, that is added for regions without a draw.
-const UNSEEN: f64 = 0.1;
+pub(super) const UNSEEN: f64 = 0.1;
 /// Draws for the mean of the control variate.
 const CONTROL: usize = 10_000;
 
@@ -67,6 +67,11 @@ impl<'a> Draws<'a> {
         self.points.extend(points);
         self.values.extend(values);
         Ok(())
+    }
+
+    /// Returns whether the draws fail where the interpolant predicts failures, and only there.
+    pub(super) fn predicted(&self) -> bool {
+        self.weights == self.controls
     }
 
     /// Returns the probability and its coefficient of variation, which is infinite without failures.

@@ -5,6 +5,9 @@
 //! with the margin m equal to the error of the latest predictions, so that it also contains failures that the interpolant misses.
 //! Further evaluations search for other regions of failure: samples with a small ĝ > m, far from all evaluations, and samples
 //! furthest from all evaluations.
+//!
+//! If a few points of the first design predict the evaluations of one search, learning ends there. Otherwise the whole first design
+//! is evaluated. If learning does not end, [`Learning::located`] runs subset simulation on the limit state itself.
 
 use std::convert::Infallible;
 
@@ -28,8 +31,14 @@ const MOVES: usize = 2;
 const RANDOM: usize = 8;
 /// Evaluations of the first round that search for other regions; each round has one more.
 const SEARCH: usize = 4;
+/// Samples per level of subset simulation on the limit state, and failures that are kept and added there.
+const LEVEL_SAMPLES: usize = 1000;
+const FAILURES: usize = 200;
 /// Fraction of true failures, and of samples that fail without the margin, at which learning ends.
 const SETTLED: f64 = 0.5;
+/// Points of the first design that are evaluated at first, beside two per variable, and evaluations of the search that checks them.
+const FEW: usize = 4;
+const FIRST_SEARCH: usize = 4;
 /// Power of the distance that selects the candidate furthest from all evaluations.
 const FURTHEST: f64 = 12.0;
 /// Random directions among the candidates of the search.
@@ -57,6 +66,8 @@ pub(super) struct Learning {
     range: [f64; 2],
     rounds: u64,
     margin: f64,
+    /// Points of the first design that are not evaluated yet.
+    design: Vec<Vec<f64>>,
     /// Number of successive rounds with accurate predictions.
     confirmed: usize,
 }
@@ -71,7 +82,8 @@ pub(super) struct Region {
 }
 
 impl Learning {
-    /// Evaluates the first design: scrambled Sobol' directions, norms from those of standard normal variables to far outside.
+    /// Evaluates a few points of the first design: scrambled Sobol' directions, norms from those of standard normal variables to
+    /// far outside.
     pub(super) fn new<G, E: Send>(
         variables: usize,
         seed: u64,
@@ -82,7 +94,7 @@ impl Learning {
     {
         let count = 24 + 2 * variables;
         let design = Design::new(SamplingMethod::Sobol, seed, "chaos/rare/design", count, variables)?;
-        let points: Vec<Vec<f64>> = (0..count)
+        let mut points: Vec<Vec<f64>> = (0..count)
             .map(|index| {
                 let xi = design.xi(index);
                 let norm = xi.iter().map(|xi| xi * xi).sum::<f64>().sqrt();
@@ -91,8 +103,22 @@ impl Learning {
                 xi.iter().map(|xi| factor * xi).collect()
             })
             .collect();
+        let rest = points.split_off(FEW + 2 * variables);
         let values = state.evaluate(&points)?;
-        Ok(Self { variables, seed, range: range(&values), points, values, rounds: 0, margin: 0.0, confirmed: 0 })
+        let range = range(&values);
+        Ok(Self { variables, seed, range, points, values, rounds: 0, margin: 0.0, design: rest, confirmed: 0 })
+    }
+
+    /// Evaluates the rest of the first design.
+    fn complete_design<G, E: Send>(&mut self, state: &mut LimitState<'_, G>) -> Result<(), RareError<E>>
+    where
+        G: Fn(&[f64]) -> Result<f64, E> + Sync,
+    {
+        let design = std::mem::take(&mut self.design);
+        let values = state.evaluate(&design)?;
+        self.add(&design, &values);
+        self.range = range(&self.values);
+        Ok(())
     }
 
     /// Adds evaluations.
@@ -127,10 +153,13 @@ impl Learning {
             if round == rounds || state.left() < RANDOM + SEARCH + round {
                 return Ok(None);
             }
+            // The first search checks the few points of the design.
+            let first = !self.design.is_empty();
+            let (random, search) = if first { (0, FIRST_SEARCH) } else { (RANDOM, SEARCH + round) };
             let mut batch: Vec<Vec<f64>> =
-                level.points.iter().step_by(level.points.len() / RANDOM).take(RANDOM).cloned().collect();
+                level.points.iter().step_by(level.points.len() / RANDOM).take(random).cloned().collect();
             let candidates = self.candidates(&level, &interpolant);
-            for number in 0..SEARCH + round {
+            for number in 0..search {
                 // The error of cubic interpolation grows as d³ᐟ²; a large power selects the candidate furthest from all evaluations.
                 let power = if number % 2 == 0 { 1.5 } else { FURTHEST };
                 batch.extend(self.search(power, &candidates, &batch));
@@ -142,19 +171,61 @@ impl Learning {
             // Mean depth of the failures: lowering g by so much multiplies the probability by about e.
             let depth = -level.values.iter().sum::<f64>() / level.values.len() as f64;
             // Errors far from failure matter less.
-            let searched = errors[RANDOM..].iter().zip(&predicted[RANDOM..]);
+            let searched = errors[random..].iter().zip(&predicted[random..]);
             let worst = searched.fold(0.0_f64, |worst, (error, found)| worst.max(error / (depth + found.max(0.0))));
-            self.margin = (errors[..RANDOM].iter().map(|e| e * e).sum::<f64>() / RANDOM as f64).sqrt();
-            let failures = values[..RANDOM].iter().filter(|g| **g < 0.0).count();
+            let failures = values[..random].iter().filter(|g| **g < 0.0).count();
             self.confirmed = match worst {
-                _ if !level.failed || (failures as f64) < SETTLED * RANDOM as f64 => 0,
+                _ if !level.failed || (failures as f64) < SETTLED * random as f64 => 0,
                 worst if worst < SURE => CONFIRMED,
                 worst if worst < ACCURATE => self.confirmed + 1,
                 _ => 0,
             };
             self.add(&batch, &values);
+            if first {
+                if self.confirmed < CONFIRMED {
+                    self.confirmed = 0;
+                    self.complete_design(state)?;
+                }
+            } else {
+                self.margin = (errors[..random].iter().map(|e| e * e).sum::<f64>() / random as f64).sqrt();
+            }
         }
         Ok(None)
+    }
+
+    /// Returns the region that subset simulation on the limit state itself locates.
+    pub(super) fn located<G, E: Send>(&mut self, state: &mut LimitState<'_, G>) -> Result<Option<Region>, RareError<E>>
+    where
+        G: Fn(&[f64]) -> Result<f64, E> + Sync,
+    {
+        let levels = state.left() / LEVEL_SAMPLES / 2;
+        if levels < 2 {
+            return Ok(None);
+        }
+        let mut draws = stream(self.seed, "chaos/rare/located", 0);
+        let plan = Plan { variables: self.variables, samples: LEVEL_SAMPLES, fraction: 0.1, levels };
+        let mut level = descend(plan, &mut draws, |points| state.evaluate(points))?;
+        if !level.failed {
+            return Ok(None);
+        }
+        // Failures of the learning start chains too, because the levels lose small regions.
+        level.thin(FAILURES);
+        let norm = |z: &[f64]| z.iter().map(|z| z * z).sum::<f64>();
+        let furthest = level.points.iter().map(|z| norm(z)).fold(0.0, f64::max);
+        for (point, value) in self.points.iter().zip(&self.values) {
+            if *value < 0.0 && norm(point) <= furthest {
+                level.points.push(point.clone());
+                level.values.push(*value);
+            }
+        }
+        let count = level.points.len() + FAILURES;
+        level.fill(count, |value| value < 0.0, &mut 0.6, &mut draws, |points| state.evaluate(points))?;
+        let [_, (points, values)] = &level.before;
+        self.add(points, values);
+        self.add(&level.points, &level.values);
+        let Some(interpolant) = Interpolant::new(&self.points, &self.clipped()) else { return Ok(None) };
+        let directions = interpolant.descents(&level.points);
+        Ok(Some(Region { points: level.points, directions, interpolant }))
     }
 
     /// Returns predicted safe points among which a missed region may be, with ĝ − m: the samples of the last levels, and random
