@@ -32,8 +32,14 @@ const RANDOM: usize = 8;
 /// Evaluations of the first round that search for other regions; each round has one more.
 const SEARCH: usize = 4;
 /// Samples per level of subset simulation on the limit state, and failures that are kept and added there.
-const LEVEL_SAMPLES: usize = 1000;
+const LEVEL_SAMPLES: usize = 500;
 const FAILURES: usize = 200;
+/// Latest evaluations of that simulation that the interpolant passes through.
+const LATEST: usize = 1500;
+/// Step outwards from which the slope of the limit state is determined.
+const OUTWARDS: f64 = 0.5;
+/// Smallest slope, divided by the median deviation of the values.
+const LEAST_SLOPE: f64 = 0.1;
 /// Fraction of true failures, and of samples that fail without the margin, at which learning ends.
 const SETTLED: f64 = 0.5;
 /// Points of the first design that are evaluated at first, beside two per variable, and evaluations of the search that checks them.
@@ -198,19 +204,34 @@ impl Learning {
     where
         G: Fn(&[f64]) -> Result<f64, E> + Sync,
     {
-        let levels = state.left() / LEVEL_SAMPLES / 2;
-        if levels < 2 {
+        let levels = state.left() / LEVEL_SAMPLES / 4;
+        let least = LEAST_SLOPE * (self.range[1] - self.range[0]) / (2.0 * CLIP);
+        if levels < 2 || !least.is_finite() {
             return Ok(None);
         }
+        // g divided by its slope outwards is about the distance to failure. Levels of g itself lose regions where g is steep.
+        let mut latest: Vec<(Vec<f64>, f64)> = Vec::new();
+        let mut distances = |points: &[Vec<f64>]| {
+            let outside = points.iter().map(|z| {
+                let factor = 1.0 + OUTWARDS / norm(z);
+                z.iter().map(|z| factor * z).collect()
+            });
+            let all: Vec<Vec<f64>> = points.iter().cloned().chain(outside).collect();
+            let values = state.evaluate(&all)?;
+            let (inner, outer) = values.split_at(points.len());
+            let slopes = inner.iter().zip(outer).map(|(g, outer)| ((g - outer) / OUTWARDS).max(least));
+            let distances = inner.iter().zip(slopes).map(|(g, slope)| g / slope).collect();
+            latest.extend(all.into_iter().zip(values));
+            Ok::<Vec<f64>, RareError<E>>(distances)
+        };
         let mut draws = stream(self.seed, "chaos/rare/located", 0);
         let plan = Plan { variables: self.variables, samples: LEVEL_SAMPLES, fraction: 0.1, levels };
-        let mut level = descend(plan, &mut draws, |points| state.evaluate(points))?;
+        let mut level = descend(plan, &mut draws, &mut distances)?;
         if !level.failed {
             return Ok(None);
         }
         // Failures of the learning start chains too, because the levels lose small regions.
         level.thin(FAILURES);
-        let norm = |z: &[f64]| z.iter().map(|z| z * z).sum::<f64>();
         let furthest = level.points.iter().map(|z| norm(z)).fold(0.0, f64::max);
         for (point, value) in self.points.iter().zip(&self.values) {
             if *value < 0.0 && norm(point) <= furthest {
@@ -219,10 +240,9 @@ impl Learning {
             }
         }
         let count = level.points.len() + FAILURES;
-        level.fill(count, |value| value < 0.0, &mut 0.6, &mut draws, |points| state.evaluate(points))?;
-        let [_, (points, values)] = &level.before;
-        self.add(points, values);
-        self.add(&level.points, &level.values);
+        level.fill(count, |value| value < 0.0, &mut 0.6, &mut draws, &mut distances)?;
+        let (points, values): (Vec<_>, Vec<_>) = latest.into_iter().rev().take(LATEST).unzip();
+        self.add(&points, &values);
         let Some(interpolant) = Interpolant::new(&self.points, &self.clipped()) else { return Ok(None) };
         let directions = interpolant.descents(&level.points);
         Ok(Some(Region { points: level.points, directions, interpolant }))
@@ -321,6 +341,11 @@ impl Walk<'_> {
 
 fn shifted(interpolant: &Interpolant, margin: f64, points: &[Vec<f64>]) -> Result<Vec<f64>, Infallible> {
     Ok(interpolant.values(points).into_iter().map(|value| value - margin).collect())
+}
+
+/// Returns the Euclidean norm, which is positive.
+fn norm(z: &[f64]) -> f64 {
+    z.iter().map(|z| z * z).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
 }
 
 fn nearest(points: &[Vec<f64>], z: &[f64]) -> f64 {

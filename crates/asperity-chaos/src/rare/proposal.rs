@@ -29,7 +29,7 @@ const BEGIN: f64 = 0.01;
 /// Smallest weight of a part, divided by the equal weight.
 const LEAST_WEIGHT: f64 = 0.3;
 /// Smallest weight of the half-space of a group, divided by the weight that the group has without it.
-const HALF_SPACE: f64 = 0.5;
+const HALF_SPACE: f64 = 1.5;
 /// Distance of the half-space before that quantile, divided by the mean of a·z beyond it.
 const BEFORE: f64 = 0.15;
 /// Iterations of the grouping and of the weights.
