@@ -32,12 +32,12 @@ const RANDOM: usize = 8;
 /// Evaluations of the first round that search for other regions; each round has one more.
 const SEARCH: usize = 4;
 /// Samples per level of subset simulation on the limit state, and failures that are kept and added there.
-const LEVEL_SAMPLES: usize = 500;
+const LEVEL_SAMPLES: usize = 700;
 const FAILURES: usize = 200;
 /// Latest evaluations of that simulation that the interpolant passes through.
 const LATEST: usize = 1500;
 /// Step outwards from which the slope of the limit state is determined.
-const OUTWARDS: f64 = 0.5;
+const OUTWARDS: f64 = 1.5;
 /// Smallest slope, divided by the median deviation of the values.
 const LEAST_SLOPE: f64 = 0.1;
 /// Fraction of true failures, and of samples that fail without the margin, at which learning ends.
@@ -199,17 +199,19 @@ impl Learning {
         Ok(None)
     }
 
-    /// Returns the region that subset simulation on the limit state itself locates.
+    /// Returns the region that subset simulation on the limit state itself locates; `None` without failures or evaluations.
+    ///
+    /// The levels are those of g divided by its slope outwards, which is about the distance to failure: levels of g itself lose
+    /// regions where g is steep.
     pub(super) fn located<G, E: Send>(&mut self, state: &mut LimitState<'_, G>) -> Result<Option<Region>, RareError<E>>
     where
         G: Fn(&[f64]) -> Result<f64, E> + Sync,
     {
-        let levels = state.left() / LEVEL_SAMPLES / 4;
+        let levels = state.left() / (2 * LEVEL_SAMPLES);
         let least = LEAST_SLOPE * (self.range[1] - self.range[0]) / (2.0 * CLIP);
         if levels < 2 || !least.is_finite() {
             return Ok(None);
         }
-        // g divided by its slope outwards is about the distance to failure. Levels of g itself lose regions where g is steep.
         let mut latest: Vec<(Vec<f64>, f64)> = Vec::new();
         let mut distances = |points: &[Vec<f64>]| {
             let outside = points.iter().map(|z| {

@@ -7,8 +7,8 @@
 //!   limit state that is linear in the group the weights φ/h are constant, and they are bounded inside the half-space;
 //! - normal distributions with the mean and the widened covariance of the group, which follow curved sets in many variables.
 //!
-//! The weights of the parts maximise the likelihood of the samples (expectation maximisation), but the half-space of a group keeps a
-//! third of its weight: samples of Markov chains are correlated, and normal distributions fit their clusters. The number of groups and the
+//! The weights of the parts maximise the likelihood of the samples (expectation maximisation), but the half-space of a group has
+//! most of its weight: samples of Markov chains are correlated, and normal distributions fit their clusters. The number of groups and the
 //! shrinkage of the covariances maximise the likelihood of the samples of the other half.
 //!
 //! # References
