@@ -1,6 +1,8 @@
 """Counts the evaluations that small probabilities take in asperity and OpenTURNS at a true relative error of 0.1.
 
-    python3 benchmarks/rare/run.py [--probabilities 1e-3 1e-6] [--replicates 50] [--print]
+    python3 benchmarks/rare/run.py [--probabilities 1e-3 1e-6] [--replicates 50] [--rows LOG] [--print]
+
+`--rows` takes the rows of all methods but `small_probability` from the printed rows of an earlier run, as far as it has them.
 
 Installs OpenTURNS into a virtual environment under the build folder, which is kept. Writes RESULTS.md beside this file; `--print`
 prints it instead.
@@ -126,6 +128,21 @@ def least(run, effort, most, replicates):
     return found
 
 
+def printed(path):
+    """Rows of an earlier run, from what it printed."""
+    rows = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path else []:
+        cells = [cell.strip() for cell in line.split("|")]
+        if len(cells) == 8:
+            name, variables, probability, title, evaluations, error, coverage, _ = cells
+            reached = evaluations.isdigit()
+            error, error_std = map(float, error.split("±")) if error else (math.nan, math.nan)
+            rows[name, int(variables), float(probability), title] = Found(
+                error, error_std, math.nan, float(evaluations) if reached else math.nan,
+                float(coverage.split()[0]) / 100 if coverage else None, None if reached else evaluations)
+    return rows
+
+
 def evaluated(method, name, variables, b, truth):
     def run(effort, replicates):
         return Found.of([method(name, variables, b, effort, seed) for seed in range(replicates)], truth)
@@ -147,17 +164,23 @@ def table(head, rows):
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
 
 
-def compare(name, variables, probability, replicates):
+def compare(name, variables, probability, replicates, earlier):
     """Rows of all methods, and the row of the summary."""
+
+    def found_earlier(title, run):
+        return earlier.get((name, variables, probability, title)) or run()
+
     b = parameter(name, variables, probability)
     own = ours(name, variables, b, probability, min(replicates, 10) if (name, variables) == ("branches", 10) else replicates)
     own.evaluations *= max(1.0, (own.error / WANTED) ** 2)
     rows = [row("asperity", own)]
-    levels = least(lambda samples, replicates: ours(name, variables, b, probability, replicates, samples), 500, 100_000, replicates)
+    levels = found_earlier("asperity, subset simulation", lambda: least(
+        lambda samples, replicates: ours(name, variables, b, probability, replicates, samples), 500, 100_000, replicates))
     rows.append(row("asperity, subset simulation", levels, own))
     reached, subset = [], None
     for title, method, effort, most in PEERS:
-        found = least(evaluated(method, name, variables, b, probability), effort, most, replicates)
+        found = found_earlier(f"OpenTURNS, {title}", lambda: least(
+            evaluated(method, name, variables, b, probability), effort, most, replicates))
         rows.append(row(f"OpenTURNS, {title}", found, own))
         if not found.failure:
             reached.append((found.evaluations, title))
@@ -178,13 +201,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--probabilities", type=float, nargs="+", default=[1e-3, 1e-4, 1e-5, 1e-6])
     parser.add_argument("--replicates", type=int, default=50)
+    parser.add_argument("--rows", type=Path)
     parser.add_argument("--print", action="store_true")
     arguments = parser.parse_args()
     subprocess.run(["cargo", "build", "--quiet", "-p", "asperity-benchmarks", "--bin", "time_rare"], check=True, cwd=ROOT)
-    summary, parts = [], []
+    summary, parts, earlier = [], [], printed(arguments.rows)
     for name, variables in CASES:
         for probability in arguments.probabilities:
-            rows, line = compare(name, variables, probability, arguments.replicates)
+            rows, line = compare(name, variables, probability, arguments.replicates, earlier)
             summary.append(line)
             parts.append(f"## {name}: {LIMIT_STATES[name][3]}; n = {variables}, P = {probability:.0e}\n\n" + table(
                 ["method", "evaluations", "true error", "coverage", "asperity / this"], rows))
@@ -193,7 +217,8 @@ def main():
     text = "\n".join([
         "# Small probabilities beside OpenTURNS\n",
         f"Made by `python3 benchmarks/rare/run.py` on {datetime.date.today()}, asperity at {commit}; {platform.system()}, "
-        f"{' '.join(rustc)}, Python {platform.python_version()}, OpenTURNS {openturns.__version__}.\n",
+        f"{' '.join(rustc)}, Python {platform.python_version()}, OpenTURNS {openturns.__version__}."
+        + (" Methods other than `small_probability` are from an earlier run." if earlier else "") + "\n",
         ABOUT.format(replicates=arguments.replicates, wanted=WANTED, most=f"{MOST_EVALUATIONS:,}"),
         table(["limit state", "n", "P", "asperity", "best method of OpenTURNS", "asperity / best", "asperity / subset simulation",
                "subset simulations, asperity / OpenTURNS"], summary), *parts])
