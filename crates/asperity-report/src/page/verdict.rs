@@ -19,11 +19,7 @@ use crate::Run;
 use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 pub(super) use crate::verdict::noun as kind_of_motion;
-<<<<<<< HEAD
-use crate::verdict::{Headline, RARE, is_exact, percent, steady_sliding};
-=======
-use crate::verdict::{Headline, MEAN_FRICTION, is_exact, percent, steady_sliding};
->>>>>>> 536570d (Bound absent vibration with 2,000 evaluations and state mean friction of coupled modes)
+use crate::verdict::{Headline, MEAN_FRICTION, RARE, is_exact, percent, steady_sliding};
 
 const SOURCE: &str = "results.json";
 
@@ -82,32 +78,10 @@ fn numbers(verdict: &VerdictResult) -> Html {
             sentences.push(text(format!("From steady sliding {sliding}.")));
         }
     }
-<<<<<<< HEAD
-    sentences.extend(vibration(verdict));
-=======
     if verdict.leaves_out_fluctuation {
         sentences.push(text(MEAN_FRICTION.into()));
     }
-    if let Some(machines) = &verdict.if_vibrating {
-        let shown = |dimension, quantiles: Option<Quantiles>| quantiles.map(|quantiles| between(dimension, quantiles));
-        let (hertz, wide) = shown(Dimension::Frequency, machines.frequency_hz).unwrap_or_default();
-        let amplitudes: Vec<String> = [
-            shown(Dimension::Velocity, machines.velocity_amplitude_m_per_s),
-            shown(Dimension::Length, machines.displacement_amplitude_m),
-        ]
-        .into_iter()
-        .flatten()
-        .map(|(middle, range)| format!("{middle}{range}"))
-        .collect();
-        let amplitudes = match amplitudes.is_empty() {
-            true => String::new(),
-            false => format!(", with amplitudes of {}", amplitudes.join(" and ")),
-        };
-        let (when, ranges) =
-            if is_exact(verdict) { ("It vibrates at", "") } else { ("If it vibrates:", "; ranges hold 90 %") };
-        sentences.push(html!("{} <strong>{}</strong>{}{}{}.", when, hertz, wide, amplitudes, unbroken(ranges)));
-    }
->>>>>>> 536570d (Bound absent vibration with 2,000 evaluations and state mean friction of coupled modes)
+    sentences.extend(vibration(verdict));
     let count = sentences.len();
     let spaced = sentences
         .into_iter()

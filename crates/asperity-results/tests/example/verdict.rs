@@ -42,6 +42,7 @@ pub(crate) fn verdict() -> VerdictResult {
         probability_interval: [0.61, 0.67],
         probability_from_steady_sliding: 0.12,
         probability_from_steady_sliding_interval: [0.1, 0.14],
+        leaves_out_fluctuation: false,
         probability_over_unknowns: Some(Quantiles { q05: 0.22, q50: 0.66, q95: 0.91 }),
         error_sources: vec![
             ErrorSource { source: "machines".into(), half_width: 0.026 },
