@@ -296,7 +296,7 @@ mod tests {
             }
         }
         // 512 machines that ensembles decide have an interval of ± .0044 at 1 %.
-        assert!(widths[1] / f64::from(all / 2) < 2.0 * 0.0044 / 3.0, "{widths:?}");
+        assert!(widths[1] / (0.5 * all as f64) < 2.0 * 0.0044 / 3.0, "{widths:?}");
         assert!(covered >= all - 2, "{covered} of {all}");
     }
 }
