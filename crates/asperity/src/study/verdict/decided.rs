@@ -125,7 +125,7 @@ mod tests {
     fn the_mean_does_not_depend_on_the_machines_that_are_decided() {
         // 1,000 selections of the same machines, of which every tenth vibrates whatever its margin.
         let margins: Vec<f64> = (0..512).map(f64::from).collect();
-        let vibrates = |index: usize| Ok((index < 40) != (index % 10 == 0));
+        let vibrates = |index: usize| Ok((index < 40) != index.is_multiple_of(10));
         let wanted = (0..512).filter(|index| vibrates(*index).unwrap()).count() as f64 / 512.0;
         let means: Vec<f64> = (0..1000)
             .map(|seed| {
