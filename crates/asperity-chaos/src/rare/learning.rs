@@ -207,7 +207,8 @@ impl Learning {
     where
         G: Fn(&[f64]) -> Result<f64, E> + Sync,
     {
-        let levels = state.left() / (2 * LEVEL_SAMPLES);
+        // Replicates of subset simulation need the rest if importance sampling fails.
+        let levels = state.left() / (3 * LEVEL_SAMPLES);
         let least = LEAST_SLOPE * (self.range[1] - self.range[0]) / (2.0 * CLIP);
         if levels < 2 || !least.is_finite() {
             return Ok(None);
@@ -232,7 +233,7 @@ impl Learning {
         if !level.failed {
             return Ok(None);
         }
-        // Failures of the learning start chains too, because the levels lose small regions.
+        // Failures among earlier evaluations start chains too, because the levels lose small regions.
         level.thin(FAILURES);
         let furthest = level.points.iter().map(|z| norm(z)).fold(0.0, f64::max);
         for (point, value) in self.points.iter().zip(&self.values) {
