@@ -214,13 +214,17 @@ fn the_scan_of_a_much_rougher_counterface_is_the_error_of_friction() {
 
 #[test]
 #[ignore = "slow"]
-fn friction_of_drawn_counterface_scans_differs_as_each_of_them_states() {
+fn friction_differs_between_drawn_counterface_scans_as_each_of_them_states() {
     const SCANS: usize = 16;
     let folder = TempDir::new().unwrap();
     let (mut frictions, mut stated) = (Vec::new(), Vec::new());
     for index in 0..SCANS {
         with_counterface(folder.path(), &draw(folder.path(), index, 1.0), "");
-        // All studies have the same strips, so that only the statistics of the scans differ.
+        // With a stated covariance all studies have the same strips, and only the rms heights of the scans differ.
+        let path = folder.path().join("study.toml");
+        let covariance = "covariance = \"squared_exponential\"\ncorrelation_length = \"10 um\"";
+        let study = fs::read_to_string(&path).unwrap().replace("covariance = \"measured\"", covariance);
+        fs::write(&path, study).unwrap();
         let out = format!("run{index}");
         assert_eq!(run_in(folder.path(), &format!("run study.toml --only friction --out {out}")).code, 0);
         let results: Value =
