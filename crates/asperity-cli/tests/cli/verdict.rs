@@ -293,6 +293,7 @@ fn plastic(shear_strength: &str, stribeck: &str) -> Value {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_shear_strength_of_plastic_contacts_decides_through_the_whole_chain() {
     // Nearly rigid bodies touch at the hardness everywhere, so μ = τ/H. ζ = .2229535019 is the limit of μ = .2 (published), and the
     // limit rises with μ: P = P[τ > 20 MPa] = Φ(½).

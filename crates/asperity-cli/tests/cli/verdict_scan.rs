@@ -80,6 +80,7 @@ fn slope_error(folder: &Path) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_error_of_the_slopes_of_a_scan_is_the_error_of_elastic_friction() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[1.0]);
@@ -91,6 +92,7 @@ fn the_error_of_the_slopes_of_a_scan_is_the_error_of_elastic_friction() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn scans_of_different_slopes_differ_in_friction_beyond_their_errors() {
     // Two values that differ by ln 1.5 have the standard deviation ln 1.5/√2; the error of the scans is a few percent of it. k times as
     // high, the surface has the contact area that it had under 1/k of the load.
@@ -116,6 +118,7 @@ fn scans_of_different_slopes_differ_in_friction_beyond_their_errors() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[1.0]);
@@ -130,6 +133,7 @@ fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads()
 }
 
 #[test]
+#[ignore = "slow"]
 fn parts_of_a_rough_slider_differ_as_its_windows_do_over_the_area() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[1.0]);
