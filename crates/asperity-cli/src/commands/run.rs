@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{Stage, write_run};
-use asperity_report::vibration_answer;
+use asperity_report::{verdict_sentence, vibration_answer};
 use clap::Args;
 use serde_json::Value;
 
@@ -91,6 +91,9 @@ fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
 fn headline(results: &Results, folder: &Path) -> Answer {
     let mut answer = Answer::default();
     let mut show = |key: &str, value: Value| answer = std::mem::take(&mut answer).with(key, value);
+    if let Some(verdict) = &results.verdict {
+        show("verdict", verdict_sentence(verdict).into());
+    }
     if let Some(scan) = results.surface.as_ref().map(|surface| &surface.measured) {
         let number = |name: &str| match scan {
             MeasuredSurface::Scan(scan) => Some(scan.number(name)),

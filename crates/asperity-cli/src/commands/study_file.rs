@@ -18,7 +18,8 @@ pub(super) fn read<T>(
     })?;
     let text = String::from_utf8(bytes)
         .map_err(|_| Failure::usage(format_args!("{}: not a text file; a study is a TOML file", path.display())))?;
-    let parsed = parse(&text, &path.display().to_string()).map_err(Failure::usage)?;
+    let parsed = parse(&text, &path.display().to_string())
+        .map_err(|error| Failure::new(if error.in_data { Kind::Data } else { Kind::Usage }, error.to_string()))?;
     Ok((parsed, text))
 }
 

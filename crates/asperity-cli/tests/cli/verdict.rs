@@ -323,6 +323,37 @@ fn an_uncertain_law_decides_over_computed_friction() {
 }
 
 #[test]
+fn samples_with_decimal_commas_wrong_units_or_no_file_are_unusable_data() {
+    let folder = TempDir::new().unwrap();
+    let lines = "damping_ratio = { samples = \"m.csv\" }\n";
+    fs::write(folder.path().join("study.toml"), format!("{MACHINE}dimensionless_belt_velocity = 0.1\n{lines}"))
+        .unwrap();
+    let ended = |samples: Option<&str>| {
+        match samples {
+            Some(text) => fs::write(folder.path().join("m.csv"), text).unwrap(),
+            None => drop(fs::remove_file(folder.path().join("m.csv"))),
+        }
+        run_in(folder.path(), "check study.toml")
+    };
+    for (samples, words) in [
+        (Some("0,10\n0,12\n1,11\n"), "m.csv:1: `0,10` may have a decimal comma"),
+        (Some("damping\n0,10\n0,12\n"), "m.csv:2: `0,10` may have a decimal comma"),
+        (Some("0.10 mm\n0.12\n"), "m.csv:1: "),
+        (Some("damping\n0.10\nnothing\n"), "m.csv:3: "),
+        (None, "m.csv: no such file"),
+    ] {
+        let ended = ended(samples);
+        assert!(ended.code == 3 && ended.stderr.contains(words), "{samples:?}: {:?} {}", ended.code, ended.stderr);
+    }
+    for samples in
+        ["damping,part\n0.10,1\n0.12,2\n", "damping,part\n0,10\n1,12\n", "0.10,1\n0.12,2\n", "damping\n0.10\n0.11\n"]
+    {
+        let ended = ended(Some(samples));
+        assert_eq!(ended.code, 0, "{samples}: {}", ended.stderr);
+    }
+}
+
+#[test]
 fn wrong_uncertain_values_name_their_line() {
     let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n";
     for (more, line, expected) in [
@@ -330,7 +361,6 @@ fn wrong_uncertain_values_name_their_line() {
         ("damping_ratio = \"0.05 ± 0.05\"\n", 12, "distribution"),
         ("damping_ratio = { normal = [0.05] }\n", 12, "a list of 2 values"),
         ("damping_ratio = { normal = [0.05, 0.01], known = true }\n", 12, "unknown key `known`"),
-        ("damping_ratio = { samples = \"none.csv\" }\n", 12, "none.csv"),
         ("damping_ratio = 0.05\nduration = \"640 ± 10\"\n", 13, "cannot be uncertain"),
         ("damping_ratio = \"0.05 ± 0.01\"\n[verdict]\ntargets = [0.0]\n", 14, "a probability strictly between 0 and 1"),
         (

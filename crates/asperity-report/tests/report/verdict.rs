@@ -104,6 +104,12 @@ fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
     let mut lines = text.lines().skip_while(|line| *line != "What would stop it").skip(1);
     let mut column = |words: &str| lines.next().and_then(|line| Some(line[..line.find(words)?].chars().count()));
     assert_eq!(column("Now").unwrap(), column("0.0155").unwrap());
+    let mut met = verdict.clone();
+    // The first target is met, the second is not.
+    met.probability = 0.03;
+    assert!(!verdict_text(&met).contains("Nothing needs to change"), "{}", verdict_text(&met));
+    met.probability = 0.003;
+    assert!(verdict_text(&met).contains("Nothing needs to change: vibration is at most 1 % probable."));
     let mut rare = verdict;
     (rare.probability, rare.probability_interval) = (2e-5, [1e-5, 4e-5]);
     assert!(

@@ -16,6 +16,8 @@ pub struct StudyFileError {
     pub line: usize,
     /// Description of the error and the expected value.
     pub message: String,
+    /// Whether a file of data that the study names is missing or unusable.
+    pub in_data: bool,
 }
 
 impl Study {
@@ -38,7 +40,7 @@ impl StudyFile {
         let written = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
         study.with_defaults_of(&written).map_err(|message| {
             let line = line_of_key(text, "", "unstated");
-            StudyFileError { file: file.into(), line, message }
+            StudyFileError { file: file.into(), line, message, in_data: false }
         })
     }
 }
@@ -46,7 +48,12 @@ impl StudyFile {
 impl StudyFileError {
     /// Returns the error of an invalid value, with the line of its key in `text`.
     pub(super) fn invalid(value: &InvalidValue, text: &str, file: &str) -> Self {
-        Self { file: file.into(), line: line_of_key(text, value.section, value.key), message: value.to_string() }
+        Self {
+            file: file.into(),
+            line: line_of_key(text, value.section, value.key),
+            message: value.to_string(),
+            in_data: false,
+        }
     }
 
     /// Reads TOML into a section or a whole file; errors about unknown keys and wrong units name their line.
@@ -57,7 +64,7 @@ impl StudyFileError {
     /// Returns an error of TOML or of the type of a value, with its line.
     pub(super) fn toml(error: &toml::de::Error, text: &str, file: &str) -> Self {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
-        Self { file: file.into(), line, message: explain(error.message()) }
+        Self { file: file.into(), line, message: explain(error.message()), in_data: false }
     }
 }
 

@@ -61,6 +61,7 @@ impl Specimen {
             file: file.into(),
             line: line_of_key(text, "", "points"),
             message: format!("size and points: {error}"),
+            in_data: false,
         })?;
         let request = section.check().map_err(|value| StudyFileError::invalid(&value, text, file))?;
         Ok(Self { seed, grid, boundary, section, request })

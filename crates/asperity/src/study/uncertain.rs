@@ -6,6 +6,7 @@
 mod keys;
 mod stated;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -147,7 +148,8 @@ pub(super) fn read(text: &str, file: &str) -> Result<StudyFile, StudyFileError> 
             for (element, value) in elements {
                 let found = uncertain_value(section, name, element, value, folder).map_err(|message| {
                     let line = line_of_key(text, section, name);
-                    StudyFileError { file: file.into(), line, message: format!("[{section}] {name}: {message}") }
+                    let message = format!("[{section}] {name}: {message}");
+                    StudyFileError { file: file.into(), line, message, in_data: has_samples(section, name, value) }
                 })?;
                 uncertain.extend(found);
             }
@@ -174,6 +176,13 @@ pub(super) fn read(text: &str, file: &str) -> Result<StudyFile, StudyFileError> 
     let deserializer = toml::de::Deserializer::from(root);
     let study = StudyFile::deserialize(deserializer).map_err(|error| StudyFileError::toml(&error, text, file))?;
     Ok(StudyFile { uncertain, ..study })
+}
+
+/// Returns whether a value that may be uncertain has the distribution of a file of samples.
+fn has_samples(section: &str, name: &str, value: &Value) -> bool {
+    let Ok(Some(Stated { distribution, .. })) = Stated::read(value) else { return false };
+    let is_uncertain = UncertainKey::find(section, name, distribution.example()).is_some();
+    is_uncertain && matches!(distribution, StatedDistribution::Samples(_))
 }
 
 /// Returns the uncertain value at a key, if the value is one.
@@ -224,22 +233,52 @@ fn marginal(key: &UncertainKey, stated: &StatedDistribution, folder: &Path) -> R
     distribution.map_err(|error| error.to_string())
 }
 
-/// Reads samples from the first column of a CSV file: quantities with units, or numbers in SI.
+/// Reads samples from the first column of a CSV file: quantities with units, or numbers in SI. A first line that does not begin with a
+/// number names the columns.
 fn samples(key: &UncertainKey, file: &PathBuf) -> Result<Vec<f64>, String> {
-    let text = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
-    let mut values = Vec::new();
+    const SEPARATORS: [char; 3] = [',', ';', '\t'];
+    let text = std::fs::read_to_string(file).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => format!("{}: no such file", file.display()),
+        ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
+        _ => format!("{}: {error}", file.display()),
+    })?;
+    let begins_with_number = |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    let (mut values, mut columns) = (Vec::new(), 1);
+    // A line with a decimal comma, and whether another line has none.
+    let (mut comma, mut other) = (None, false);
     for (index, line) in text.lines().enumerate() {
-        let cell = line.split([',', ';', '\t']).next().unwrap_or("").trim().trim_matches('"');
+        let mut cells = line.split(SEPARATORS).map(|cell| cell.trim().trim_matches('"'));
+        let cell = cells.next().unwrap_or("");
         if cell.is_empty() || cell.starts_with('#') {
             continue;
         }
-        let value = cell.parse().ok().or_else(|| key.parse(&Value::String(cell.into())).ok());
-        match value.filter(|value: &f64| value.is_finite()) {
-            Some(value) => values.push(value),
-            // The first line may name the columns.
-            None if values.is_empty() && index == 0 => {}
-            None => return Err(format!("{}:{}: `{cell}` is not a number", file.display(), index + 1)),
+        if values.is_empty() && !begins_with_number(cell) {
+            columns = 1 + cells.count();
+            continue;
         }
+        let wrong = |reason: String| format!("{}:{}: {reason}", file.display(), index + 1);
+        let value = match cell.parse() {
+            Ok(number) => number,
+            Err(_) => key.parse(&Value::String(cell.into())).map_err(wrong)?,
+        };
+        if !f64::is_finite(value) {
+            return Err(wrong(format!("`{cell}` is not a number")));
+        }
+        let is_integer = cell.parse::<i64>().is_ok();
+        let fraction = cells.next().filter(|cell| cell.starts_with(|c: char| c.is_ascii_digit()));
+        if columns == 1 && is_integer && line.contains(',') && fraction.is_some() && cells.next().is_none() {
+            comma = comma.or(Some((index + 1, line)));
+        } else {
+            other |= !is_integer;
+        }
+        values.push(value);
     }
-    Ok(values)
+    match comma.filter(|_| !other) {
+        Some((index, line)) => Err(format!(
+            "{}:{index}: `{}` may have a decimal comma; write numbers with a decimal point, or name two columns in the first line",
+            file.display(),
+            line.trim(),
+        )),
+        None => Ok(values),
+    }
 }

@@ -8,6 +8,7 @@ use crate::figures::vibration::outlined;
 use crate::figures::vibration::stability_map::{lines, with_colour_bar};
 use crate::page::{dimension, named, percent};
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
+use crate::verdict::percent as probability;
 use crate::{ReportError, Run};
 
 const CONTOURS: &str = "verdict_map_contours";
@@ -72,11 +73,15 @@ fn axis(axis: &ProbabilityMapAxis, ends: (f64, f64)) -> Axis {
 
 fn caption(verdict: &VerdictResult, map: &ProbabilityMap) -> String {
     let now = |axis: &ProbabilityMapAxis| verdict.remedies.iter().find(|r| r.input == axis.input).map(|r| r.now);
-    let place = |axis: &ProbabilityMapAxis, value: f64| axis_position(&axis.values, value);
-    let here = now(&map.x).zip(now(&map.y)).and_then(|(x, y)| Some([place(&map.x, x)?, place(&map.y, y)?]));
-    let here = here.map_or_else(String::new, |at| {
-        format!(" At the present values it is {} here.", percent(interpolated(map, at), 2))
-    });
+    let holds = |axis: &ProbabilityMapAxis| {
+        now(axis).zip(range(&axis.values)).is_some_and(|(now, (low, high))| (low..=high).contains(&now))
+    };
+    // The map of mean friction has another probability than the verdict, and steps that are too wide for a steep one.
+    let same = map.leaves_out_fluctuation == verdict.leaves_out_fluctuation && holds(&map.x) && holds(&map.y);
+    let here = match same {
+        true => format!(" At the present values it is {}.", probability(verdict.probability)),
+        false => String::new(),
+    };
     let constant = match (map.leaves_out_fluctuation, verdict.leaves_out_fluctuation) {
         (false, _) => "",
         (true, false) => {
@@ -90,14 +95,6 @@ fn caption(verdict: &VerdictResult, map: &ProbabilityMap) -> String {
         "Colours and lines: probability that a machine vibrates whose motion begins in stick, if two central values change and the \
          variability of all values stays.{here}{constant}"
     )
-}
-
-/// Returns the place of a value among rising ones: the index before it and the fraction of the step; `None` outside.
-fn axis_position(values: &[f64], value: f64) -> Option<f64> {
-    let after = values.partition_point(|own| *own <= value).min(values.len().checked_sub(1)?);
-    let before = after.checked_sub(1)?;
-    let fraction = (value - values[before]) / (values[after] - values[before]);
-    (0.0..=1.0).contains(&fraction).then_some(before as f64 + fraction)
 }
 
 /// Interpolates the probability linearly at a place [x, y] between the central values.
@@ -133,11 +130,9 @@ mod tests {
             probability: vec![vec![0.0, 0.2, 0.4], vec![0.4, 0.6, 0.8]],
             leaves_out_fluctuation: false,
         };
-        for (x, y, wanted) in [(1.0, 10.0, 0.0), (4.0, 20.0, 0.8), (3.0, 10.0, 0.3), (1.5, 15.0, 0.3)] {
-            let at = [axis_position(&map.x.values, x), axis_position(&map.y.values, y)].map(Option::unwrap);
-            assert!((interpolated(&map, at) - wanted).abs() < 1e-12, "{x}, {y}");
+        // Places count in steps.
+        for (at, wanted) in [([0.0, 0.0], 0.0), ([2.0, 1.0], 0.8), ([1.5, 0.0], 0.3), ([0.5, 0.5], 0.3)] {
+            assert!((interpolated(&map, at) - wanted).abs() < 1e-12, "{at:?}");
         }
-        assert_eq!(axis_position(&map.x.values, 0.9), None);
-        assert_eq!(axis_position(&map.x.values, 4.1), None);
     }
 }

@@ -33,16 +33,16 @@ fn target(probability: f64) -> String {
     unbroken(&format!("{} %", significant(100.0 * probability, 2)))
 }
 
-/// Returns the smallest relative change that reaches the first target.
+/// Returns the smallest relative change that reaches the first target that is not met.
 pub(super) fn sentence(verdict: &VerdictResult) -> Html {
-    let Some(wanted) = verdict.remedies.iter().find_map(|remedy| Some(remedy.reach.first()?.probability)) else {
-        return Html::default();
-    };
-    if verdict.probability <= wanted {
-        let text = format!("Nothing needs to change: vibration is at most {} probable.", target(wanted));
+    let Some(first) = verdict.remedies.first() else { return Html::default() };
+    let Some(place) = first.reach.iter().position(|reach| reach.probability < verdict.probability) else {
+        let least = first.reach.iter().map(|reach| reach.probability).fold(1.0, f64::min);
+        let text = format!("Nothing needs to change: vibration is at most {} probable.", target(least));
         return html!("{}", text);
-    }
-    let found = verdict.remedies.iter().filter_map(|remedy| Some((remedy, remedy.reach.first()?)));
+    };
+    let wanted = first.reach[place].probability;
+    let found = verdict.remedies.iter().filter_map(|remedy| Some((remedy, remedy.reach.get(place)?)));
     let size = |(remedy, reach): &(&Remedy, &Reach)| reach.value.map(|value| (value / remedy.now).ln().abs());
     let reached = found.filter_map(|change| Some((size(&change)?, change)));
     let Some((_, (remedy, reach))) = reached.min_by(|a, b| a.0.total_cmp(&b.0)) else {

@@ -1,6 +1,6 @@
 //! The verdict as text, for terminals.
 
-use asperity_results::{AreaAsOne, VerdictResult};
+use asperity_results::{AreaAsOne, ModelResult, VerdictResult};
 
 use super::words::named;
 use super::{SOURCE, computed_to, drivers, margin_of, over_unknowns, remedies, tables, vibration};
@@ -20,7 +20,7 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
     if !verdict.remedies.is_empty() {
         sentences.push(remedies::sentence(verdict).text());
     }
-    if !verdict.drivers.is_empty() {
+    if verdict.drivers.len() > 1 {
         sentences.push(drivers::next(&verdict.drivers).text());
     }
     if !is_exact(verdict) {
@@ -41,7 +41,10 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
 fn computation(verdict: &VerdictResult) -> String {
     let part = |source: &str, half_width: f64| format!("{} ±{}", named(source), significant(100.0 * half_width, 2));
     let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(&error.source, error.half_width)).collect();
-    let mut text = format!("{} machines over {} s", count(verdict.evaluations), significant(verdict.duration_s, 3));
+    let mut text = format!("{} machines", count(verdict.evaluations));
+    if verdict.model == ModelResult::StickSlip {
+        text += &format!(" over {} s", significant(verdict.duration_s, 3));
+    }
     if !parts.is_empty() {
         text += &format!("; errors of the probability in percentage points: {}", parts.join(", "));
     }

@@ -22,6 +22,13 @@ pub(crate) fn dimension(unit: &str) -> Dimension {
 /// Returns the name of an input, `vibration.damping_ratio`, in words.
 pub(crate) fn named(input: &str) -> String {
     let (section, key) = input.split_once('.').unwrap_or(("", input));
+    match key {
+        "springs[0]" => return "first spring".into(),
+        "springs[1]" => return "second spring".into(),
+        "spring_angles[0]" => return "angle of the first spring in degrees".into(),
+        "spring_angles[1]" => return "angle of the second spring in degrees".into(),
+        _ => {}
+    }
     let (key, axis) = match key.split_once('[') {
         Some((key, "0]")) => (key, " along x"),
         Some((key, "1]")) => (key, " along y"),
@@ -38,7 +45,8 @@ pub(crate) fn named(input: &str) -> String {
         "high_speed_share" => "friction at high speed over kinetic friction".into(),
         "friction_std" => "standard deviation of friction".into(),
         "linear_weakening" => "weakening of friction with speed".into(),
-        "belt_velocity" | "dimensionless_belt_velocity" => "belt speed".into(),
+        "belt_velocity" => "belt speed".into(),
+        "dimensionless_belt_velocity" => "dimensionless belt speed".into(),
         "stribeck_velocity" => "Stribeck speed".into(),
         "friction_process" => "friction process".into(),
         "static_friction" => "friction coefficient".into(),
@@ -71,6 +79,7 @@ mod tests {
     fn inputs_have_names_and_ranges_have_one_unit() {
         assert_eq!(named("vibration.damping_ratio"), "damping ratio");
         assert_eq!(named("surface.correlation_length[0]"), "correlation length along x");
+        assert_eq!(named("vibration.springs[1]"), "second spring");
         assert_eq!(named("surface.scan"), "surface, as far as the scan tells");
         assert_eq!(named("counterface.between_scans"), "counterface, from part to part");
         assert_eq!(named("counterface.youngs_modulus"), "Young’s modulus of the counterface");

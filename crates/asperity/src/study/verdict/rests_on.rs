@@ -7,6 +7,7 @@ use crate::study::check::VerdictStudy;
 use crate::study::result::{InputKind, InputValue, RestsOn};
 use crate::study::uncertain::Place;
 use crate::study::{Study, StudyFile};
+use crate::vibration::mode_coupling::CoupledParameters;
 
 /// Keys of a study file that decide the vibration, in the order of the chain.
 const INPUTS: [(&str, &str); 33] = [
@@ -59,8 +60,13 @@ const FALLING: [&str; 8] = [
 const BELT: [(&str, &str); 2] = [("vibration", "belt_velocity"), ("vibration", "dimensionless_belt_velocity")];
 
 /// Keys among the inputs that a study file may leave out, with their default values.
-fn defaults() -> [(&'static str, &'static str, Value); 6] {
+fn defaults() -> [(&'static str, &'static str, Value); 9] {
+    let coupled = CoupledParameters::default();
+    let pair = |pair: [f64; 2]| Value::Array(pair.map(Value::Float).into());
     [
+        ("vibration", "spring_angles", pair(coupled.angles_deg)),
+        ("vibration", "springs", pair(coupled.springs)),
+        ("vibration", "contact_spring", Value::Float(coupled.contact_stiffness)),
         ("material", "poisson_ratio", Value::Float(0.3)),
         ("friction", "law", "bowden_tabor".into()),
         ("vibration", "velocity_law", "stribeck".into()),
@@ -85,6 +91,7 @@ impl StudyFile {
             let (section, key, value) = *default;
             let Some(section) = written.get(*section) else { return false };
             match section.get(key) {
+                None if key.contains("spring") => section.get("model").and_then(Value::as_str) == Some("mode_coupling"),
                 None => {
                     *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
                 }
@@ -210,11 +217,15 @@ mod tests {
 
     #[test]
     fn a_key_that_is_left_out_has_the_listed_default() {
-        let study = Study::parse(STUDY, "study.toml").unwrap();
-        let table = study.file().to_table().unwrap();
+        let coupled = STUDY.replace("[vibration]", "[vibration]\nmodel = \"mode_coupling\"");
+        let studies = [STUDY, &coupled].map(|text| Study::parse(text, "study.toml").unwrap());
         for (section, key, value) in defaults() {
-            assert_eq!(table[section][key], value, "{section}.{key}");
-            assert!(study.file().unstated.contains(&format!("{section}.{key}")), "{section}.{key}");
+            let is_spring = key.contains("spring");
+            let file = studies[usize::from(is_spring)].file();
+            assert_eq!(file.to_table().unwrap()[section][key], value, "{section}.{key}");
+            let [alone, coupled] =
+                studies.each_ref().map(|study| study.file().unstated.contains(&format!("{section}.{key}")));
+            assert!(alone != is_spring && coupled, "{section}.{key}");
         }
     }
 
