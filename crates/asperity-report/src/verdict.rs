@@ -88,13 +88,17 @@ fn probability_sentence(verdict: &VerdictResult) -> String {
     if high < RARE {
         return sentence;
     }
+    let interval = match low > 1.0 - RARE {
+        true => String::new(),
+        false => format!(" ({} to {})", percent(low), percent(high)),
+    };
     if verdict.model == ModelResult::ModeCoupling {
         // Coupled modes flutter however their motion begins.
-        return format!("{before}{answer} ({} to {}){after}", percent(low), percent(high));
+        return format!("{before}{answer}{interval}{after}");
     }
     let after = after.trim_end_matches('.');
     let sliding = percent(verdict.probability_from_steady_sliding);
-    format!("{before}{answer} ({} to {}){after}; {sliding} from steady sliding.", percent(low), percent(high))
+    format!("{before}{answer}{interval}{after}; {sliding} from steady sliding.")
 }
 
 /// Returns what becomes of steady sliding in a machine of exact values that vibrates; `None` for a quiet machine.

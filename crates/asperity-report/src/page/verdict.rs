@@ -149,7 +149,8 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             shown(Dimension::None, driver.first_order, Some(driver.first_order_interval)),
             shown(Dimension::None, driver.total, Some(driver.total_interval)),
             shown(Dimension::None, driver.shapley, driver.shapley_interval),
-            table_percent(driver.range_reduction, 2),
+            // The scatter of the samples makes a range that no value narrows slightly wider.
+            table_percent(driver.range_reduction.map(|reduction| reduction.max(0.0)), 2),
         ]
     };
     let headers = ["Value", "First order", "Total", "Shapley effect", "Range narrows by"];

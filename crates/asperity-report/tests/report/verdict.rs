@@ -74,6 +74,8 @@ fn the_sentence_states_the_probability_with_its_interval() {
     let mut certain = likely.clone();
     (certain.probability, certain.probability_interval) = (0.9995, [0.994, 0.9999]);
     assert!(verdict_sentence(&certain).contains("more than 99.9 % (99.4 % to more than 99.9 %)"));
+    (certain.probability, certain.probability_interval) = (0.99995, [0.9995, 0.99999]);
+    assert!(verdict_sentence(&certain).starts_with("Stick–slip is almost certain: more than 99.9 % of machines"));
     let mut exact = likely;
     (exact.evaluations, exact.if_vibrating) = (1, None);
     let sentence = verdict_sentence(&exact);

@@ -20,6 +20,9 @@ fn fraction(driver: &Driver) -> f64 {
 
 /// Formats a fraction as a percentage.
 fn percent(fraction: f64) -> String {
+    if fraction > 0.0 && fraction < 1e-3 {
+        return unbroken("< 0.1 %");
+    }
     unbroken(&format!("{} %", significant(100.0 * fraction, if fraction < 0.01 { 1 } else { 2 })))
 }
 
