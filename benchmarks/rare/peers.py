@@ -1,6 +1,7 @@
 """Methods of OpenTURNS: (limit state, variables, parameter, effort, seed) → (probability, evaluations of the limit state).
 
-The effort is the number of samples of a level or step, or of draws. Differences for derivatives count as evaluations.
+The effort is the number of samples of a level or step, or of draws. Differences for derivatives count as evaluations. A method that takes
+more than a million evaluations is stopped: cross-entropy may take steps for ever where it misses failures.
 """
 
 import numpy as np
@@ -9,14 +10,23 @@ import openturns as ot
 from limit_states import LIMIT_STATES
 
 ot.Log.Show(ot.Log.NONE)
+MOST_EVALUATIONS = 1_000_000
 
 
 class Problem:
     def __init__(self, name, variables, parameter, seed):
         ot.RandomGenerator.SetSeed(seed)
         state = LIMIT_STATES[name][0]
-        self.variables = variables
-        self.function = ot.PythonFunction(variables, 1, func_sample=lambda z: state(np.asarray(z), parameter)[:, None])
+        self.variables, evaluations = variables, 0
+
+        def limited(z):
+            nonlocal evaluations
+            evaluations += len(z)
+            if evaluations > MOST_EVALUATIONS:
+                raise RuntimeError("stopped after a million evaluations")
+            return state(np.asarray(z), parameter)[:, None]
+
+        self.function = ot.PythonFunction(variables, 1, func_sample=limited)
         # One-sided differences take n + 1 evaluations instead of 2 n.
         self.function.setGradient(ot.NonCenteredFiniteDifferenceGradient([1e-6] * variables, self.function.getEvaluation()))
         vector = ot.RandomVector(ot.Normal(variables))

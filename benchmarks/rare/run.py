@@ -51,8 +51,7 @@ PEERS = [
 ]
 ABOUT = """P = P[g < 0] for n standard normal variables z; u and v are orthogonal directions that involve all of them.
 
-- **True error**: root mean square of P/P_exact − 1 over {replicates} replicates (10 of asperity for four branches of ten variables), with its
-  standard error.
+- **True error**: root mean square of P/P_exact − 1 over {replicates} replicates, with its standard error.
 - **Evaluations** of g, differences for derivatives included: the mean at the least effort (samples of a level, draws) that has a true error
   of {wanted}, interpolated between two efforts, or scaled
   by (true error/{wanted})² if the first one sufficed. `small_probability` runs with its default settings. Its evaluations are multiplied by
@@ -108,7 +107,9 @@ def least(run, effort, most, replicates):
         try:
             found = run(round(effort), min(PILOT, replicates) if pilot else replicates)
         except Exception as error:  # OpenTURNS raises TypeError and RuntimeError.
-            return Found(math.nan, math.nan, math.nan, math.nan, failure=str(error).strip().splitlines()[0][:80])
+            stopped = "stopped" in str(error)
+            reason = "stopped after a million evaluations" if stopped else str(error).strip().splitlines()[0][:80]
+            return Found(math.nan, math.nan, math.nan, math.nan, failure=reason)
         if found.error <= WANTED and not pilot:
             if before and before.error > WANTED:
                 part = math.log(before.error / WANTED) / math.log(before.error / found.error)
@@ -171,7 +172,7 @@ def compare(name, variables, probability, replicates, earlier):
         return earlier.get((name, variables, probability, title)) or run()
 
     b = parameter(name, variables, probability)
-    own = ours(name, variables, b, probability, min(replicates, 10) if (name, variables) == ("branches", 10) else replicates)
+    own = ours(name, variables, b, probability, replicates)
     own.evaluations *= max(1.0, (own.error / WANTED) ** 2)
     rows = [row("asperity", own)]
     levels = found_earlier("asperity, subset simulation", lambda: least(
