@@ -223,6 +223,17 @@ fn samples_are_exported_with_their_kind_and_margin() {
 }
 
 #[test]
+fn a_run_prints_the_sentence_of_its_verdict() {
+    let folder = TempDir::new().unwrap();
+    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n\
+                 damping_ratio = \"0.055 ± 0.005\"\n";
+    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
+    let found = run_in(folder.path(), "verdict study.toml --json").json(0);
+    let shown = run_in(folder.path(), "run study.toml --out run");
+    assert!(shown.code == 0 && shown.stdout.contains(found["sentence"].as_str().unwrap()), "{shown:?}");
+}
+
+#[test]
 fn exact_values_vibrate_or_do_not() {
     for (damping, vibrates) in [(0.049, true), (0.051, false)] {
         let found = verdict(&format!(

@@ -2,7 +2,6 @@
 
 use asperity_results::{AreaAsOne, ModelResult, VerdictResult};
 
-use super::words::named;
 use super::{SOURCE, computed_to, drivers, margin_of, over_unknowns, remedies, tables, vibration};
 use crate::format::{count, significant};
 use crate::page::DataTable;
@@ -39,7 +38,7 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
 
 /// Returns what the error of the probability is made of.
 fn computation(verdict: &VerdictResult) -> String {
-    let part = |source: &str, half_width: f64| format!("{} ±{}", named(source), significant(100.0 * half_width, 2));
+    let part = |source: &str, half_width: f64| format!("{} ±{}", source, significant(100.0 * half_width, 2));
     let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(&error.source, error.half_width)).collect();
     let mut text = format!("{} machines", count(verdict.evaluations));
     if verdict.model == ModelResult::StickSlip {

@@ -1,5 +1,7 @@
 //! Probability that a machine vibrates, with its interval.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::dynamics::Margins;
 use super::machines::{Machines, NoAnswer};
 use super::responses::FrictionResponses;
@@ -60,13 +62,7 @@ impl Estimator<'_> {
         let is_complement = 2 * vibrating >= all;
         let few = vibrating.min(all - vibrating) < FEW && event.by_margin;
         let small = if few { self.small(self.machines, event, is_complement)? } else { None };
-        let (value, mut interval) = small.map_or_else(
-            || (share, wilson_interval(vibrating, all)),
-            |(value, interval, evaluations)| {
-                self.evaluations += evaluations;
-                (value, interval)
-            },
-        );
+        let (value, mut interval) = small.unwrap_or_else(|| (share, wilson_interval(vibrating, all)));
         let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
         for (name, error) in self.responses.map_or_else(Vec::new, FrictionResponses::errors) {
             let mut shifted = [value; 2];
@@ -76,7 +72,7 @@ impl Estimator<'_> {
                     None => value + self.sampled.change(&machines, event.margin, self.monitor)?,
                     // A bound holds for any friction near this one.
                     Some(_) if value == 0.0 => value,
-                    Some(_) => self.small(&machines, event, is_complement)?.map_or(value, |(value, ..)| value),
+                    Some(_) => self.small(&machines, event, is_complement)?.map_or(value, |(value, _)| value),
                 };
             }
             sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
@@ -96,16 +92,17 @@ impl Estimator<'_> {
         vibrating == if is_complement { all } else { 0 }
     }
 
-    /// Returns the small probability of an event, or of its complement, with its interval and evaluations; `None` with a warning if there is
-    /// no estimate.
+    /// Returns the small probability of an event, or of its complement, with its interval; `None` with a warning if there is no estimate.
     fn small(
         &mut self,
         machines: &Machines<'_>,
         event: &Event,
         is_complement: bool,
-    ) -> Result<Option<(f64, Interval, usize)>, StudyError> {
+    ) -> Result<Option<(f64, Interval)>, StudyError> {
         let sign = if is_complement { -1.0 } else { 1.0 };
+        let evaluations = AtomicUsize::new(0);
         let response = |variables: &[f64]| {
+            evaluations.fetch_add(1, Ordering::Relaxed);
             let evaluated = machines.at(variables).and_then(|machine| Evaluated::constant_friction(&machine));
             evaluated.map(|machine| sign * (event.margin)(&machine.margins)).map_err(NoAnswer)
         };
@@ -125,11 +122,11 @@ impl Estimator<'_> {
                 Err(_) => true,
             });
         }
-        match found.unwrap_or_else(|| estimate(&settings)) {
-            Ok(SmallProbability::Estimate(found)) => Ok(Some((found.probability, found.interval, found.evaluations))),
-            Ok(SmallProbability::Bound(bound)) => {
-                Ok(Some((0.0, Interval { low: 0.0, high: bound.probability }, bound.evaluations)))
-            }
+        let found = found.unwrap_or_else(|| estimate(&settings));
+        self.evaluations += evaluations.into_inner();
+        match found {
+            Ok(SmallProbability::Estimate(found)) => Ok(Some((found.probability, found.interval))),
+            Ok(SmallProbability::Bound(bound)) => Ok(Some((0.0, Interval { low: 0.0, high: bound.probability }))),
             Err(RareError::Cancelled) => Err(Cancelled.into()),
             Err(error) => {
                 self.warnings.push(format!("the interval of the small probability is wide: {error}"));
