@@ -4,14 +4,18 @@
 //! plain data, so it can be stored or computed elsewhere. Blocks run in parallel. The reduction takes them in index order, so
 //! results do not depend on the number of threads. A loop whose length depends on its results is a sequence of rounds: each
 //! round is planned from the results of the rounds before it.
+//!
+//! The loops of a [`Task`] read and store their blocks in the [`BlockStore`](crate::monitor::BlockStore) of its monitor, if it has one.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{BlockStore, Cancelled, Monitor};
 
 /// Memory limit in bytes for blocks that wait for [`reduce`].
 const WAITING_BYTES: usize = 1 << 27;
@@ -41,9 +45,116 @@ impl<'a> Task<'a> {
             return Err(Cancelled);
         }
         let result = compute();
-        self.monitor.progress(self.name, self.done.fetch_add(1, Ordering::Relaxed) + 1, self.steps);
+        self.advance(1);
         Ok(result)
     }
+
+    /// Reports finished steps.
+    pub fn advance(&self, steps: usize) {
+        let done = self.done.fetch_add(steps, Ordering::Relaxed) + steps;
+        self.monitor.progress(self.name, done.min(self.steps), self.steps);
+    }
+
+    /// Returns the store of a loop. The blocks of a loop inside of a parallel loop are part of the outer block.
+    fn store(&self) -> Option<&'a dyn BlockStore> {
+        self.monitor.store().filter(|_| rayon::current_thread_index().is_none())
+    }
+
+    /// Computes `count` blocks of one step each and returns them in index order.
+    ///
+    /// # Errors
+    /// The error of a block, which is not stored, or the monitor cancelled.
+    pub fn map<B, E>(&self, count: usize, block: impl Fn(usize) -> Result<B, E> + Sync) -> Result<Vec<B>, E>
+    where
+        B: Serialize + DeserializeOwned + Send,
+        E: From<Cancelled> + Send,
+    {
+        let mut found = Vec::with_capacity(count);
+        let loop_ = Loop { count, block_bytes: size_of::<B>(), steps: 1, failed: |_| false };
+        self.reduce(&loop_, || (), |(), index| self.step(|| block(index))?, |_, block| found.push(block))?;
+        Ok(found)
+    }
+
+    /// Computes `count` blocks that may fail, each with its reason, as [`Task::map`].
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub fn try_map<T, R>(
+        &self,
+        count: usize,
+        block: impl Fn(usize) -> Result<T, R> + Sync,
+    ) -> Result<Vec<Result<T, R>>, Cancelled>
+    where
+        T: Serialize + DeserializeOwned + Send,
+        R: Serialize + DeserializeOwned + Send,
+    {
+        let mut found = Vec::with_capacity(count);
+        let loop_ = Loop { count, block_bytes: size_of::<Result<T, R>>(), steps: 1, failed: Result::is_err };
+        self.reduce(&loop_, || (), |(), index| self.step(|| block(index)), |_, block| found.push(block))?;
+        Ok(found)
+    }
+
+    /// Computes the blocks of a loop, or reads them from the store, and passes them to `add` as [`reduce`] does.
+    ///
+    /// # Errors
+    /// The error of a block, which is not stored, or the monitor cancelled.
+    pub fn reduce<W, B, E>(
+        &self,
+        blocks: &Loop<B>,
+        workspace: impl Fn() -> W + Sync,
+        block: impl Fn(&mut W, usize) -> Result<B, E> + Sync,
+        mut add: impl FnMut(usize, B),
+    ) -> Result<(), E>
+    where
+        B: Serialize + DeserializeOwned + Send,
+        E: From<Cancelled> + Send,
+    {
+        let Loop { count, block_bytes, steps, failed } = *blocks;
+        // Cancellation may end a computation in any failure.
+        let computed = |own: &mut W, index: usize| -> Result<B, E> {
+            let found = block(own, index)?;
+            if failed(&found) && self.monitor.cancelled() { Err(Cancelled.into()) } else { Ok(found) }
+        };
+        let Some(store) = self.store() else { return reduce(count, block_bytes, workspace, computed, add) };
+        let round = store.begin(self.name, count);
+        // A workspace may be large and is not needed for stored blocks.
+        let stored_or_computed = |own: &mut Option<W>, index: usize| -> Result<Option<B>, E> {
+            if let Some(found) = store.load(round, index).and_then(|bytes| postcard::from_bytes(&bytes).ok()) {
+                if self.monitor.cancelled() {
+                    return Err(Cancelled.into());
+                }
+                self.advance(steps);
+                return Ok(Some(found));
+            }
+            if !store.computes(index) {
+                return Ok(None);
+            }
+            let found = computed(own.get_or_insert_with(&workspace), index)?;
+            if let Ok(bytes) = postcard::to_allocvec(&found) {
+                store.save(round, index, failed(&found), bytes);
+            }
+            Ok(Some(found))
+        };
+        let mut complete = true;
+        reduce(count, block_bytes, || None, stored_or_computed, |index, block| match block {
+            Some(block) if complete => add(index, block),
+            _ => complete = false,
+        })?;
+        store.end(round, complete);
+        if complete { Ok(()) } else { Err(Cancelled.into()) }
+    }
+}
+
+/// Loop over blocks of type `B`.
+pub struct Loop<B> {
+    /// Number of blocks.
+    pub count: usize,
+    /// Memory of a block in bytes.
+    pub block_bytes: usize,
+    /// Steps of the task in each block.
+    pub steps: usize,
+    /// Whether a block holds the reason of a failure.
+    pub failed: fn(&B) -> bool,
 }
 
 /// Collection of blocks.
@@ -164,6 +275,11 @@ fn over_parts(indices: Range<usize>, work: &(dyn Fn(Range<usize>) + Sync)) {
     });
 }
 
+/// Returns how many blocks of `block_bytes` each wait for [`reduce`] at most.
+pub fn at_once(block_bytes: usize, threads: usize) -> usize {
+    (WAITING_BYTES / block_bytes.max(1)).max(WAITING_PER_THREAD * threads)
+}
+
 /// Computes `count` blocks of `block_bytes` each as [`map_with`] does and passes them to `add` in index order. Blocks that wait
 /// for `add` take at most 128 MiB, or four blocks per thread if that is more.
 ///
@@ -176,7 +292,7 @@ pub fn reduce<W, B: Send, E: Send>(
     block: impl Fn(&mut W, usize) -> Result<B, E> + Sync,
     mut add: impl FnMut(usize, B),
 ) -> Result<(), E> {
-    let at_once = (WAITING_BYTES / block_bytes.max(1)).max(WAITING_PER_THREAD * rayon::current_num_threads());
+    let at_once = at_once(block_bytes, rayon::current_num_threads());
     for first in (0..count).step_by(at_once) {
         let group: Vec<B> = map_with::<_, _, Result<_, E>>(first..count.min(first + at_once), &workspace, &block)?;
         group.into_iter().enumerate().for_each(|(place, block)| add(first + place, block));

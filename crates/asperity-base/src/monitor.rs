@@ -1,6 +1,6 @@
-//! Progress reports and cancellation of long computations.
+//! Progress reports, cancellation and stored blocks of long computations.
 //!
-//! The library uses no clock, terminal or signal handler: a front end passes a [`Monitor`].
+//! The library uses no clock, terminal, signal handler or file: a front end passes a [`Monitor`].
 
 use std::fmt;
 
@@ -11,6 +11,37 @@ pub trait Monitor: Sync {
 
     /// Returns whether the computation should stop at the next block.
     fn cancelled(&self) -> bool;
+
+    /// Returns the store of finished blocks; `None` if every block is to be computed.
+    fn store(&self) -> Option<&dyn BlockStore> {
+        None
+    }
+}
+
+/// Loop whose blocks a [`BlockStore`] holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct RoundId(pub u64);
+
+/// Store of the finished blocks of a computation.
+///
+/// A computation is a sequence of rounds, loops over blocks. It begins its rounds in the same order each time, and a block
+/// depends on the computation, the round, its index and the results of earlier rounds alone; so a block of an interrupted
+/// computation, or of another process, replaces one of this.
+pub trait BlockStore: Sync {
+    /// Begins the next round with this name, of `count` blocks.
+    fn begin(&self, name: &str, count: usize) -> RoundId;
+
+    /// Returns a stored block; `None` if it is missing or damaged.
+    fn load(&self, round: RoundId, index: usize) -> Option<Vec<u8>>;
+
+    /// Stores a finished block. `failed` states that it holds the reason of a failure. The store keeps its own errors.
+    fn save(&self, round: RoundId, index: usize, failed: bool, bytes: Vec<u8>);
+
+    /// Returns whether this process computes the missing block of an index.
+    fn computes(&self, index: usize) -> bool;
+
+    /// Ends a round. It is not `complete` if blocks of other processes are missing; the computation then ends as cancelled.
+    fn end(&self, round: RoundId, complete: bool);
 }
 
 /// Monitor that ignores progress and never cancels.
@@ -25,7 +56,7 @@ impl Monitor for Silent {
     }
 }
 
-/// Monitor that forwards cancellation but not the progress of inner loops.
+/// Monitor that forwards all but the progress of inner loops.
 #[derive(Clone, Copy)]
 pub struct Quiet<'a>(pub &'a dyn Monitor);
 
@@ -34,6 +65,10 @@ impl Monitor for Quiet<'_> {
 
     fn cancelled(&self) -> bool {
         self.0.cancelled()
+    }
+
+    fn store(&self) -> Option<&dyn BlockStore> {
+        self.0.store()
     }
 }
 

@@ -37,7 +37,7 @@ mod tests;
 
 use thiserror::Error;
 
-use asperity_base::monitor::Monitor;
+use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::random::stream;
 use asperity_base::stats::Interval;
 
@@ -98,6 +98,12 @@ pub enum RareError<E> {
     /// The monitor cancelled.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl<E> From<Cancelled> for RareError<E> {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// Settings of [`small_probability`].

@@ -1,13 +1,15 @@
 //! Strips of a random surface, solved at several levels of contact and evaluated by a sliding window.
 
-use ndarray::Array2;
 use std::sync::Arc;
+
+use ndarray::Array2;
+use serde::{Deserialize, Serialize};
 
 use crate::FrictionError;
 use crate::law::WindowLaw;
 use crate::window::Window;
 use crate::{WindowContact, window_contacts};
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::{Loop, Task};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_base::random;
@@ -70,7 +72,7 @@ pub struct Strips<'a> {
 }
 
 /// μ(s) of one strip, or of one track on it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Positions of the window in metre.
     pub position_m: Vec<f64>,
@@ -164,6 +166,7 @@ pub struct SolvedStrips {
 type StripBlock = Vec<Result<StripResult, String>>;
 
 /// One strip at one level.
+#[derive(Serialize, Deserialize)]
 struct StripResult {
     records: Vec<Record>,
     narrower: Vec<Vec<Record>>,
@@ -208,13 +211,17 @@ impl Strips<'_> {
         levels: &[Control],
         task: &Task<'_>,
     ) -> Result<Vec<Result<SolvedStrips, FrictionError>>, Cancelled> {
+        let strips = Loop {
+            count: self.realisations,
+            block_bytes: size_of::<StripBlock>(),
+            steps: levels.len(),
+            failed: |levels: &StripBlock| levels.iter().any(Result::is_err),
+        };
         let workspace = || self.problem.half_space.workspace();
-        let strips: Result<Vec<StripBlock>, Cancelled> =
-            blocks::map_with(0..self.realisations, workspace, |workspace, index| {
-                self.solve_strip(index, levels, task, workspace)
-            });
-        let mut strips: Vec<_> = strips?.into_iter().map(Vec::into_iter).collect();
-        Ok(levels.iter().map(|_| self.gather(strips.iter_mut().filter_map(Iterator::next))).collect())
+        let solve = |workspace: &mut _, index| self.solve_strip(index, levels, task, workspace);
+        let mut solved = Vec::with_capacity(self.realisations);
+        task.reduce(&strips, workspace, solve, |_, strip: StripBlock| solved.push(strip.into_iter()))?;
+        Ok(levels.iter().map(|_| self.gather(solved.iter_mut().filter_map(Iterator::next))).collect())
     }
 
     /// Solves one strip at every level.

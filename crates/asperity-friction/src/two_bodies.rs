@@ -10,7 +10,7 @@
 mod distances;
 mod split;
 
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::{Loop, Task};
 use asperity_base::correlation::{Axis, axis_correlation_length_m};
 use asperity_base::map::HeightMap;
 use asperity_base::monitor::{Cancelled, Monitor};
@@ -67,17 +67,24 @@ impl TwoBodyFriction {
         let solved: Vec<usize> = (0..strips.realisations).filter(|index| !failed(index)).collect();
         let task = Task::new(monitor, "friction of two bodies", solved.len() * distances.moved().len());
         let workspace = || strips.problem.half_space.workspace();
-        let moved: Result<Vec<Result<Vec<_>, String>>, Cancelled> =
-            blocks::map_with(0..solved.len(), workspace, |workspace, place| {
-                let records = distances.moved().iter().map(|cells| {
-                    task.step(|| records_after(strips, solved[place], *cells, window, control, workspace))
-                });
-                records.collect()
+        let blocks = Loop {
+            count: solved.len(),
+            block_bytes: size_of::<Vec<Record>>() * distances.moved().len(),
+            steps: distances.moved().len(),
+            failed: |moved: &Result<Vec<Vec<Record>>, String>| moved.is_err(),
+        };
+        let solve = |workspace: &mut ContactWorkspace, place: usize| -> Result<Result<Vec<_>, _>, Cancelled> {
+            let records = distances.moved().iter().map(|cells| {
+                task.step(|| records_after(strips, solved[place], *cells, window, control, workspace))
             });
+            records.collect()
+        };
+        let mut moved = Vec::with_capacity(solved.len());
+        task.reduce(&blocks, workspace, solve, |_, records| moved.push(records))?;
         let mut failures = level.strips.failures.clone();
         let mut records = Vec::new();
         let resting = level.strips.records.chunks(level.strips.tracks);
-        for ((index, moved), resting) in solved.into_iter().zip(moved?).zip(resting) {
+        for ((index, moved), resting) in solved.into_iter().zip(moved).zip(resting) {
             match moved {
                 Ok(moved) => records.push([vec![resting.to_vec()], moved].concat()),
                 Err(reason) => failures.push(FailedStrip { index, reason }),

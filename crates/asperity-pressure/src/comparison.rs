@@ -144,23 +144,25 @@ impl MethodComparison {
             let stage = "pressure/reference";
             let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_fraction);
             let site_stride = problem.cells_are_alike().then_some(stride);
-            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?, largest_pa)?
+            solve(problem, Sampling { site_stride, ..sampling }, monitor)
         };
         let monte_carlo = {
             let sampling =
                 Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
             let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
-            solve(&whole, kept, monitor)?
+            solve(&whole, kept, monitor)
         };
-        let site_shape = site_shape(problem, stride);
-        let fields = FieldDistributions::new(&monte_carlo, self.variables, self.degree, site_shape);
-        let monte_carlo = monte_carlo.without_fields();
         let stratified = |method, stage| {
             let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_fraction);
             method_error(solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor))
         };
-        let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
-        let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
+        let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube");
+        let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol");
+        // None of these rounds needs another, so all are begun before the first that is not complete ends the computation.
+        let (reference, monte_carlo, latin, sobol) = (self.reference(&reference?, largest_pa)?, monte_carlo?, latin?, sobol?);
+        let site_shape = site_shape(problem, stride);
+        let fields = FieldDistributions::new(&monte_carlo, self.variables, self.degree, site_shape);
+        let monte_carlo = monte_carlo.without_fields();
         let nested = method_error(NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor))?;
         let fresh = |variables| self.fresh_design("pressure/surrogate", variables);
         let rotated = method_error(RotatedSamples::new(problem, &monte_carlo, fresh))?;

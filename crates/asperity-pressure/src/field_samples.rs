@@ -1,6 +1,6 @@
 //! Whole pressure fields of samples within a memory limit.
 
-use ndarray::Array2;
+use serde::{Deserialize, Serialize};
 
 use asperity_base::map::Grid;
 use asperity_contact::{HalfSpace, Solution};
@@ -35,10 +35,9 @@ impl FieldSamples {
 
     /// Adds one sample.
     pub(super) fn add(&mut self, field: Field) {
-        let cells = self.in_contact.iter_mut().zip(&mut self.sums).zip(&field.pressure_pa);
-        for ((count, sum), p) in cells.filter(|(_, p)| **p > 0.0) {
-            *count += 1;
-            *sum += (p / self.unit_pa).round() as u64;
+        for (cell, p) in field.contact_pa {
+            self.in_contact[cell] += 1;
+            self.sums[cell] += (p / self.unit_pa).round() as u64;
         }
         self.kept.extend(field.kept);
     }
@@ -50,19 +49,21 @@ impl FieldSamples {
 }
 
 /// Whole pressure field of one sample.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Field {
-    pressure_pa: Array2<f64>,
+    /// Cells in contact, row by row, with their pressures in pascal.
+    contact_pa: Vec<(usize, f64)>,
     kept: Option<Vec<f32>>,
 }
 
 impl Field {
-    /// Bytes of one point.
-    pub(super) const POINT_BYTES: usize = size_of::<f64>() + size_of::<f32>();
+    /// Bytes of one point in contact.
+    pub(super) const POINT_BYTES: usize = size_of::<(usize, f64)>() + size_of::<f32>();
 
     /// Extracts the field of a solution; `keep` if it is one of the leading samples.
     pub(super) fn new(solution: &Solution, keep: bool) -> Self {
-        Self { pressure_pa: solution.pressure_pa().clone(), kept: keep.then(|| signed(solution)) }
+        let cells = solution.pressure_pa().iter().copied().enumerate();
+        Self { contact_pa: cells.filter(|(_, p)| *p > 0.0).collect(), kept: keep.then(|| signed(solution)) }
     }
 }
 

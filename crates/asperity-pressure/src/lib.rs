@@ -99,7 +99,7 @@ pub enum PressureError {
         /// Index of the first failed sample.
         first_index: usize,
         /// Reason of the first failure.
-        first_reason: FailureReason,
+        first_reason: String,
     },
     /// The design could not be created.
     #[error(transparent)]

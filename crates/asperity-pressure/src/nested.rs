@@ -1,10 +1,12 @@
 //! Samples of a quantity on several models: many on coarse models, few on the fine one.
 
+use serde::{Deserialize, Serialize};
+
 use crate::coarse::{CoarseModel, generation_work, solution_work};
 use crate::multilevel::{self, LevelSamples, MultilevelEstimate, Settings};
 use crate::rotated_variables::RotatedVariables;
 use crate::{CellObservation, MethodError, PressureError, PressureEstimate, Problem, Samples, stiffness};
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::{Loop, Task};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DiscreteDistribution, DiscreteDistributionError, SamplingMethod};
 use asperity_contact::ContactWorkspace;
@@ -114,6 +116,7 @@ enum RoundSamples<'a> {
 }
 
 /// Results of one sample of a round.
+#[derive(Serialize, Deserialize)]
 struct CoarseBlock {
     /// Rotated normal variables; empty for samples with a fine solution.
     variables: Vec<f64>,
@@ -144,9 +147,15 @@ impl Round<'_> {
     fn run(&self, models: &[CoarseModel], monitor: &dyn Monitor) -> Result<Vec<CoarseBlock>, Cancelled> {
         let task = Task::new(monitor, "pressure/coarse", self.blocks());
         let workspaces = || models.iter().map(CoarseModel::workspace).collect::<Vec<_>>();
-        blocks::map_with(0..self.blocks(), workspaces, |workspaces, index| {
-            task.step(|| self.solve(index, models, workspaces))
-        })
+        let coarse = Loop {
+            count: self.blocks(),
+            block_bytes: size_of::<CoarseBlock>(),
+            steps: 1,
+            failed: |block: &CoarseBlock| block.observations.iter().any(Option::is_none),
+        };
+        let solve = |workspaces: &mut Vec<_>, index| task.step(|| self.solve(index, models, workspaces));
+        let mut found = Vec::with_capacity(coarse.count);
+        task.reduce(&coarse, workspaces, solve, |_, block| found.push(block)).map(|()| found)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Random pressure at one cell of a surface.
 
+use serde::{Deserialize, Serialize};
+
 use std::fmt;
 
 use thiserror::Error;
@@ -24,7 +26,7 @@ pub struct Problem<'a> {
 }
 
 /// Results of one contact solution at a cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CellObservation {
     /// Pressure in pascal; 0 out of contact.
     pub pressure_pa: f64,

@@ -1,8 +1,10 @@
 //! Contact solutions on a design of samples ξ.
 
+use serde::{Deserialize, Serialize};
+
 use crate::field_samples::{Field, FieldSamples};
 use crate::{CellObservation, FailureReason, PressureError, Problem};
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::{Loop, Task};
 use asperity_base::monitor::Monitor;
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 use asperity_contact::ContactWorkspace;
@@ -13,7 +15,7 @@ pub struct Failure {
     /// Index of the sample in its design.
     pub index: usize,
     /// Reason of the failure.
-    pub reason: FailureReason,
+    pub reason: String,
 }
 
 /// Settings of a sampled run.
@@ -65,6 +67,7 @@ struct SamplePlan<'a> {
 }
 
 /// Results of one solved sample.
+#[derive(Serialize, Deserialize)]
 struct SampleBlock {
     observation: CellObservation,
     /// Pressures of the sites in pascal.
@@ -135,8 +138,11 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
     let samples = solved.posed();
     let task = Task::new(monitor, sampling.stage, samples);
     let block_bytes = sampling.field_bytes.map_or(0, |_| Field::POINT_BYTES * half_space.grid().points());
-    let block = |workspace: &mut ContactWorkspace, index| task.step(|| plan.solve(index, workspace));
-    blocks::reduce(samples, block_bytes, || half_space.workspace(), block, |index, block| solved.add(index, block))?;
+    let block = |workspace: &mut ContactWorkspace, index| {
+        task.step(|| plan.solve(index, workspace).map_err(|reason| reason.to_string()))
+    };
+    let blocks = Loop { count: samples, block_bytes, steps: 1, failed: Result::is_err };
+    task.reduce(&blocks, || half_space.workspace(), block, |index, block| solved.add(index, block))?;
     match solved.failures.first() {
         Some(first)
             if (solved.len() as f64) < sampling.valid_fraction * samples as f64 || solved.indices.is_empty() =>
@@ -155,7 +161,7 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
 }
 
 impl Samples {
-    fn add(&mut self, index: usize, block: Result<SampleBlock, FailureReason>) {
+    fn add(&mut self, index: usize, block: Result<SampleBlock, String>) {
         match block {
             Ok(SampleBlock { observation, sites, field }) => {
                 self.indices.push(index);
@@ -304,7 +310,7 @@ mod tests {
         let samples = solve_often_flat(-1.644_853_627, 0.95).unwrap();
         assert_eq!((samples.len(), samples.posed(), samples.failures().len()), (38, 40, 2));
         for failure in samples.failures() {
-            assert_eq!(failure.reason, FailureReason::Contact(ContactError::Flat));
+            assert_eq!(failure.reason, ContactError::Flat.to_string());
             assert!((0..samples.len()).all(|i| samples.indices[i] != failure.index));
         }
         assert!((0..samples.len()).all(|i| samples.xi(i)[0] > -1.645));

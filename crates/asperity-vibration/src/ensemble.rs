@@ -5,7 +5,6 @@ mod rate;
 
 use std::f64::consts::TAU;
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::{Deserialize, Serialize};
 
@@ -15,17 +14,13 @@ use super::batch::{Task, simulate_many};
 use super::sample_distribution::{RunningMoments, SampleCollector, SampleDistribution};
 use super::trajectory::{NoObserver, follow};
 use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
-use asperity_base::blocks;
+use asperity_base::blocks::{self, Loop};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
 use asperity_process::{Cancellable, FrictionProcess, Steady};
 
-/// Number of trajectories per block, and largest total time τ of a block. Results are added up after each block; both
-/// limits bound the memory.
-const BLOCK: usize = 1024;
-const BLOCK_TIME: f64 = 1e7;
-/// Number of trajectories per work item of a thread.
-const CHUNK: usize = 32;
+/// Number of trajectories per block.
+const BLOCK: usize = 32;
 
 /// Settings of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,19 +69,16 @@ const VALUE_BYTES: f64 = 24.0;
 const DISTRIBUTIONS: f64 = 3.0;
 
 impl EnsembleSettings {
-    /// Returns the number of trajectories per block.
-    fn block(&self, threads: usize) -> usize {
-        let least = CHUNK * threads.clamp(1, BLOCK / CHUNK);
-        ((BLOCK_TIME / self.duration) as usize).clamp(least, BLOCK)
+    /// Returns an approximate upper bound of the memory of a block in bytes. It assumes one slip per natural period; each
+    /// trajectory keeps at most `sample_capacity` values.
+    fn block_bytes(&self) -> f64 {
+        VALUE_BYTES * DISTRIBUTIONS * (self.duration / TAU).min(self.sample_capacity as f64) * BLOCK as f64
     }
 
-    /// Returns an approximate upper bound of the memory of an ensemble in bytes. It assumes one slip per natural
-    /// period; each trajectory keeps at most `sample_capacity` values.
+    /// Returns an approximate upper bound of the memory of an ensemble in bytes.
     pub fn memory_bytes(&self, threads: usize) -> f64 {
-        let values = (self.duration / TAU).min(self.sample_capacity as f64);
-        VALUE_BYTES
-            * DISTRIBUTIONS
-            * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
+        let waiting = blocks::at_once(self.block_bytes() as usize, threads).min(self.trajectories.div_ceil(BLOCK));
+        self.block_bytes() * waiting as f64 + VALUE_BYTES * DISTRIBUTIONS * self.sample_capacity as f64
     }
 }
 
@@ -148,6 +140,7 @@ pub struct Ensemble {
 }
 
 /// Result of one trajectory.
+#[derive(Serialize, Deserialize)]
 struct Outcome {
     slips: Slips,
     passage: Passage,
@@ -187,14 +180,9 @@ impl<'a> Plan<'a> {
         Ok(Self { oscillator, process, settings, followed, swing_level, cycles_deterministic })
     }
 
-    /// Simulates the trajectories of a block; `finished` is called after each of them.
-    fn block(
-        &self,
-        block: Range<usize>,
-        monitor: &dyn Monitor,
-        finished: impl Fn(),
-    ) -> Vec<Result<Outcome, VibrationError>> {
-        let mut outcomes: Vec<_> = block.clone().map(|_| Err(Cancelled.into())).collect();
+    /// Simulates the trajectories of a block, one step of the task each.
+    fn block(&self, block: Range<usize>, monitor: &dyn Monitor, task: &blocks::Task<'_>) -> Vec<Result<Outcome, String>> {
+        let mut outcomes: Vec<_> = block.clone().map(|_| Err(Cancelled.to_string())).collect();
         simulate_many(
             &self.followed,
             block.clone(),
@@ -207,11 +195,11 @@ impl<'a> Plan<'a> {
                 Ok(Task::new(self.oscillator.clone(), fluctuation, passage).with_swing_level(self.swing_level))
             },
             |index, ended| {
-                outcomes[index - block.start] = ended.map(|mut followed| {
+                outcomes[index - block.start] = ended.map_err(|error| error.to_string()).map(|mut followed| {
                     followed.observer.finish();
                     Outcome { slips: followed.slips, passage: followed.observer }
                 });
-                finished();
+                task.advance(1);
             },
         );
         outcomes
@@ -245,7 +233,7 @@ impl Reduction {
         }
     }
 
-    fn add(&mut self, trajectory: usize, outcome: Result<Outcome, VibrationError>, duration: f64) {
+    fn add(&mut self, trajectory: usize, outcome: Result<Outcome, String>, duration: f64) {
         match outcome {
             Ok(Outcome { slips, passage }) => {
                 self.cycles.add(slips.cycles as f64);
@@ -256,7 +244,7 @@ impl Reduction {
                 self.releases.merge(passage.releases);
                 self.periods.merge(passage.periods);
             }
-            Err(error) => self.failures.push(FailedTrajectory { trajectory, reason: error.to_string() }),
+            Err(reason) => self.failures.push(FailedTrajectory { trajectory, reason }),
         }
     }
 
@@ -291,8 +279,8 @@ impl Reduction {
 impl Ensemble {
     /// Simulates many trajectories in parallel.
     ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks and added up in order. Up
-    /// to 1,024 trajectories are in memory at a time; `sample_capacity` bounds the values of each.
+    /// The result does not depend on the number of threads: trajectories are computed in blocks and added up in order.
+    /// `sample_capacity` bounds the values of each.
     ///
     /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are
     /// valid, or when cancelled.
@@ -304,25 +292,22 @@ impl Ensemble {
     ) -> Result<Self, VibrationError> {
         let plan = Plan::new(oscillator, process, settings, monitor)?;
         let total = settings.trajectories;
-        let done = AtomicUsize::new(0);
-        let finished = || monitor.progress("trajectories", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        let task = blocks::Task::new(monitor, "trajectories", total);
+        let chunks = Loop {
+            count: total.div_ceil(BLOCK),
+            block_bytes: settings.block_bytes() as usize,
+            steps: BLOCK,
+            failed: |outcomes: &Vec<Result<Outcome, String>>| outcomes.iter().any(Result::is_err),
+        };
+        let block = |(): &mut (), index: usize| -> Result<_, Cancelled> {
+            Ok(plan.block(index * BLOCK..total.min((index + 1) * BLOCK), monitor, &task))
+        };
         let mut reduction = Reduction::new(settings);
-        let at_once = settings.block(rayon::current_num_threads());
-        for first in (0..total).step_by(at_once) {
-            let last = total.min(first + at_once);
-            let chunks: Vec<Vec<_>> = blocks::map(0..(last - first).div_ceil(CHUNK), |chunk| {
-                let start = first + chunk * CHUNK;
-                plan.block(start..last.min(start + CHUNK), monitor, finished)
-            });
-            let outcomes: Vec<_> = chunks.into_iter().flatten().collect();
-            // A cancelled trajectory may end in any error, because it was not followed to its end.
-            if monitor.cancelled() && outcomes.iter().any(Result::is_err) {
-                return Err(Cancelled.into());
-            }
-            for (trajectory, outcome) in (first..).zip(outcomes) {
+        task.reduce(&chunks, || (), block, |index, outcomes| {
+            for (trajectory, outcome) in (index * BLOCK..).zip(outcomes) {
                 reduction.add(trajectory, outcome, settings.duration);
             }
-        }
+        })?;
         reduction.finish(&plan)
     }
 }

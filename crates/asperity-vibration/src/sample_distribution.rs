@@ -32,7 +32,7 @@ pub struct SampleDistribution {
 }
 
 /// Count, mean and central sums of powers, updated value by value.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct RunningMoments {
     count: u64,
     mean: f64,
@@ -114,7 +114,7 @@ impl RunningMoments {
 /// Simple random sample of a stream of numbered values: the values with the smallest hashes of their numbers.
 ///
 /// The choice is a function of the numbers alone, so it does not depend on threads or on the order of arrival.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Reservoir {
     capacity: usize,
     /// Heap of (hash, number, bits of the value), with the largest hash on top.
@@ -145,7 +145,7 @@ impl Reservoir {
 }
 
 /// Collector of a [`SampleDistribution`], from the values of one trajectory or by merging collectors.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct SampleCollector {
     sums: RunningMoments,
     reservoir: Reservoir,

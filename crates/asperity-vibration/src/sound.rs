@@ -8,7 +8,7 @@ use super::{
     MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, limit_cycle, positive,
     trajectory_portrait,
 };
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
 use asperity_base::correlation::{RecordEnds, record_spectrum};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{Moments, NORMAL_95};
@@ -84,13 +84,12 @@ impl Sound {
         let points = points as usize + 1;
         let followed = TrajectorySettings { duration: settings.from + step * (points - 1) as f64, ..settings.followed };
         let task = Task::new(monitor, "paths", settings.trajectories);
-        let records: Result<Vec<Vec<f64>>, VibrationError> = blocks::map(0..settings.trajectories, |index| {
+        let records = task.map(settings.trajectories, |index| -> Result<Vec<f64>, VibrationError> {
             let path = Cancellable::new(process.path(settings.seed, index as u64), monitor);
-            let portrait = task.step(|| trajectory_portrait(oscillator, path, &followed, settings.from, points))?;
-            let portrait = portrait.map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
+            let portrait = trajectory_portrait(oscillator, path, &followed, settings.from, points)
+                .map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
             Ok(portrait.iter().map(|point| point.velocity).collect())
-        });
-        let records = records?;
+        })?;
         let squares: Vec<f64> = records.iter().map(|record| Moments::new(record).std.powi(2)).collect();
         let moments = Moments::new(&squares);
         let half_width = NORMAL_95 * moments.standard_error();

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub use self::contour::grid_contour;
 use self::contour::{boundary, contour};
 use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, limit_cycle, limit_damping};
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
 use asperity_base::choice;
 use asperity_base::monitor::{Monitor, Quiet};
 use asperity_process::FrictionProcess;
@@ -249,11 +249,11 @@ pub fn stability_map(
         wanted.dedup();
         wanted.retain(|place| !points.contains_key(place));
         let task = Task::new(monitor, "points of the map", wanted.len());
-        let found: Result<Vec<MapPoint>, VibrationError> = blocks::map(0..wanted.len(), |index| {
+        let found: Vec<MapPoint> = task.map(wanted.len(), |index| {
             let (x, y) = (settings.x.at(wanted[index].0, nx), settings.y.at(wanted[index].1, ny));
-            task.step(|| point(machine, x, y, &settings.ensemble, monitor))?
-        });
-        points.extend(wanted.into_iter().zip(found?));
+            point(machine, x, y, &settings.ensemble, monitor)
+        })?;
+        points.extend(wanted.into_iter().zip(found));
         // Each square is checked with all points on its sides, including points that neighbours added later.
         leaves.append(&mut squares);
         let (halved, kept): (Vec<Square>, Vec<Square>) =

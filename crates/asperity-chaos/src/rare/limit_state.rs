@@ -1,7 +1,7 @@
 //! Evaluation of a limit state in parallel batches.
 
-use asperity_base::blocks::{self, Task};
-use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::blocks::Task;
+use asperity_base::monitor::Monitor;
 
 use super::RareError;
 
@@ -39,11 +39,10 @@ where
     /// g fails or is NaN at a point, or the monitor cancels.
     pub(super) fn evaluate(&mut self, points: &[Vec<f64>]) -> Result<Vec<f64>, RareError<E>> {
         self.evaluations += points.len();
-        blocks::map(0..points.len(), |index| match self.task.step(|| (self.g)(&points[index])) {
-            Err(Cancelled) => Err(RareError::Cancelled),
-            Ok(Err(error)) => Err(RareError::Evaluation(error)),
-            Ok(Ok(value)) if value.is_nan() => Err(RareError::NotANumber { point: points[index].clone() }),
-            Ok(Ok(value)) => Ok(value),
+        self.task.map(points.len(), |index| match (self.g)(&points[index]) {
+            Err(error) => Err(RareError::Evaluation(error)),
+            Ok(value) if value.is_nan() => Err(RareError::NotANumber { point: points[index].clone() }),
+            Ok(value) => Ok(value),
         })
     }
 }

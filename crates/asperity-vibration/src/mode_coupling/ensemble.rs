@@ -1,5 +1,6 @@
 //! Ensembles of trajectories and the probability that they become a vibration.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::super::sample_distribution::RunningMoments;
@@ -7,8 +8,8 @@ use super::super::{Count, FailedTrajectory, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;
 use super::{Contact, CoupledTrajectorySettings, Model, State};
-use asperity_base::blocks::{self, Task};
-use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::blocks::Task;
+use asperity_base::monitor::Monitor;
 use asperity_base::stats::wilson_interval;
 use asperity_process::{Cancellable, Fluctuation, FrictionProcess, Steady};
 
@@ -166,7 +167,7 @@ pub(super) struct Runs<T> {
 }
 
 /// Runs trajectories in parallel; at least the given fraction must be valid.
-pub(super) fn run_all<T: Send>(
+pub(super) fn run_all<T: Serialize + DeserializeOwned + Send>(
     total: usize,
     least_valid_share: f64,
     monitor: &dyn Monitor,
@@ -181,14 +182,12 @@ pub(super) fn run_all<T: Send>(
         return Err(VibrationError::Parameter { parameter: "least_valid_share", value: least_valid_share, wanted });
     }
     let task = Task::new(monitor, "trajectories", total);
-    let found: Vec<Result<T, VibrationError>> = blocks::map(0..total, |index| task.step(|| run(index as u64))?);
+    let found = task.try_map(total, |index| run(index as u64).map_err(|error| error.to_string()))?;
     let mut runs = Runs { values: Vec::with_capacity(total), failures: Vec::new() };
     for (trajectory, value) in found.into_iter().enumerate() {
         match value {
             Ok(value) => runs.values.push(value),
-            // A cancelled trajectory may end in any error, because it was not followed to its end.
-            Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
-            Err(error) => runs.failures.push(FailedTrajectory { trajectory, reason: error.to_string() }),
+            Err(reason) => runs.failures.push(FailedTrajectory { trajectory, reason }),
         }
     }
     let valid = runs.values.len();

@@ -11,7 +11,7 @@ use super::super::weakening::Weakening;
 use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use super::planar::Planar;
 use super::slip_cycle::{ReturnMap, return_map};
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
 use asperity_base::monitor::Monitor;
 use asperity_base::numeric::{bisect, try_root_between};
 use asperity_process::Steady;
@@ -268,14 +268,14 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
     let classifier = StartClassifier::new(oscillator)?;
     let [columns, rows] = area.cells;
     let task = Task::new(monitor, "rows of the basin", rows);
-    let lines: Result<Vec<Vec<MotionKind>>, VibrationError> = blocks::map(0..rows, |row| {
+    let lines = task.map(rows, |row| {
         let start = |column| {
             let [displacement, velocity] = area.centre(column, row);
             classifier.kind(displacement, velocity)
         };
-        task.step(|| (0..columns).map(start).collect())?
-    });
-    let attractors = lines?.concat();
+        (0..columns).map(start).collect::<Result<Vec<MotionKind>, VibrationError>>()
+    })?;
+    let attractors = lines.concat();
     let sliding = attractors.iter().filter(|a| **a == MotionKind::None).count();
     let sliding_share = sliding as f64 / attractors.len() as f64;
     Ok(Basin { area: *area, attractors, sliding_share })

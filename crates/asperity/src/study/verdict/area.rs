@@ -7,7 +7,7 @@
 //! variance along a path: by 1/n. All windows of a part have the statistics of its surface in common, so differences between scans do not
 //! depend on n.
 
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
 
 use super::machines::{Machine, Machines};
 use super::remedies::Evaluate;
@@ -130,8 +130,7 @@ fn counted(
     let (mut vibrating, mut count) = (0, 0);
     for (from, to) in [(0, first), (first, most)] {
         let task = Task::new(monitor, "verdict: area as one", to - from);
-        let answers: Vec<Option<bool>> =
-            blocks::map::<_, Result<_, Cancelled>>(from..to, |index| task.step(|| vibrates(index)))?;
+        let answers = task.map(to - from, |place| Ok::<Option<bool>, Cancelled>(vibrates(from + place)))?;
         vibrating += answers.iter().flatten().filter(|vibrates| **vibrates).count();
         count += answers.iter().flatten().count();
         if vibrating == 0 || vibrating == count {

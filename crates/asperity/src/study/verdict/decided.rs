@@ -15,9 +15,9 @@
 //! # References
 //! Horvitz & Thompson, *J. Am. Stat. Assoc.* **47** (1952) 663, <https://doi.org/10.1080/01621459.1952.10483446>.
 
-use asperity_base::blocks;
+use asperity_base::blocks::Task;
 
-use crate::monitor::Cancelled;
+use crate::monitor::{Cancelled, Monitor, Quiet};
 
 /// Number of machines over the distance in ranks from c up to which every machine is decided.
 const WHOLE: usize = 256;
@@ -31,6 +31,7 @@ pub(super) fn terms(
     margins: &[f64],
     draws: &[f64],
     vibrates: &(dyn Fn(usize) -> Result<bool, Cancelled> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<Vec<f64>, Cancelled> {
     let mut order: Vec<usize> = (0..margins.len()).collect();
     order.sort_by(|a, b| margins[*a].total_cmp(&margins[*b]));
@@ -47,8 +48,9 @@ pub(super) fn terms(
     let below = low.midpoint(high);
     let decided: Vec<usize> =
         (0..order.len()).filter(|&rank| draws[order[rank]] < chance(whole, rank, below)).collect();
-    let answers =
-        blocks::map::<_, Result<Vec<bool>, Cancelled>>(0..decided.len(), |place| vibrates(order[decided[place]]))?;
+    let quiet = Quiet(monitor);
+    let task = Task::new(&quiet, "verdict: decided machines", decided.len());
+    let answers = task.map(decided.len(), |place| vibrates(order[decided[place]]))?;
     let mut terms = vec![0.0; order.len()];
     order[..below].iter().for_each(|machine| terms[*machine] = 1.0);
     for (rank, vibrates) in decided.into_iter().zip(answers) {
@@ -77,6 +79,7 @@ mod tests {
 
     use super::*;
     use crate::distribution::standard_normal_cdf;
+    use crate::monitor::Silent;
     use crate::random::{standard_normal, stream};
     use crate::stats::{Moments, student_quantile};
 
@@ -108,7 +111,7 @@ mod tests {
                     count.fetch_add(1, Ordering::Relaxed);
                     Ok(vibrates(index))
                 };
-                let [found, half_width] = mean_and_half_width(&terms(&margins, &draws, &counted).unwrap());
+                let [found, half_width] = mean_and_half_width(&terms(&margins, &draws, &counted, &Silent).unwrap());
                 covered += usize::from((found - probability).abs() <= half_width);
                 decided += count.into_inner();
                 let all: Vec<f64> = (0..512).map(|index| f64::from(u8::from(vibrates(index)))).collect();
@@ -131,7 +134,7 @@ mod tests {
             .map(|seed| {
                 let draws: Vec<f64> =
                     standard_normal(&mut stream(seed, "test", 0), 512).into_iter().map(standard_normal_cdf).collect();
-                terms(&margins, &draws, &vibrates).unwrap().iter().sum::<f64>() / 512.0
+                terms(&margins, &draws, &vibrates, &Silent).unwrap().iter().sum::<f64>() / 512.0
             })
             .collect();
         let found = Moments::new(&means);
@@ -141,7 +144,7 @@ mod tests {
     #[test]
     fn one_machine_is_decided() {
         for vibrates in [false, true] {
-            assert_eq!(terms(&[0.0], &[0.5], &|_| Ok(vibrates)).unwrap(), [f64::from(u8::from(vibrates))]);
+            assert_eq!(terms(&[0.0], &[0.5], &|_| Ok(vibrates), &Silent).unwrap(), [f64::from(u8::from(vibrates))]);
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Answers of one machine of either model, with constant friction.
 
+use serde::{Deserialize, Serialize};
+
 use crate::friction::WindowFriction;
 use crate::study::check::VibrationStudy;
 use crate::study::coupled_stage;
@@ -21,7 +23,7 @@ pub(super) enum Dynamics {
 ///
 /// With one degree of freedom they are margins of the damping ratio ([`DampingMargins`]). Coupled modes have one margin of the
 /// friction coefficient, μ_c − μ: a machine counts as vibrating if its steady sliding is unstable, however its motion begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Margins {
     pub(super) from_stick: f64,
     pub(super) from_steady_sliding: f64,

@@ -1,10 +1,10 @@
 //! Margins of machines with constant friction at changed central values.
 
-use asperity_base::blocks;
+use asperity_base::blocks::Task;
 
 use super::machines::{Change, Machines};
 use super::sampled::Evaluated;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::file::Hold;
 use crate::study::result::ModelResult;
 use crate::study::uncertain::Place;
@@ -32,19 +32,24 @@ pub(super) fn moved<'a>(machines: &Machines<'a>, changes: &[Change]) -> Moved<'a
     Ok(machines.with_inputs(inputs, hold).with_changes(exact))
 }
 
+/// Number of machines per block.
+const BLOCK: usize = 64;
+
 /// Returns the damping ratio and the margin of the machines at points of the standard normal variables. The margin is −∞ without an
 /// answer, so that the machine counts as vibrating.
 fn answers(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monitor) -> Result<Vec<[f64; 2]>, Cancelled> {
-    blocks::map(0..points.len(), |index| {
-        if monitor.cancelled() {
-            return Err(Cancelled);
-        }
-        let machine = machines.as_ref().map_err(Clone::clone).and_then(|machines| machines.at(&points[index]));
+    let answer = |point: &Vec<f64>| {
+        let machine = machines.as_ref().map_err(Clone::clone).and_then(|machines| machines.at(point));
         let answer = machine.and_then(|machine| {
             Ok([machine.study.damping_ratio, Evaluated::constant_friction(&machine)?.margins.from_stick])
         });
-        Ok(answer.unwrap_or([0.0, f64::NEG_INFINITY]))
-    })
+        answer.unwrap_or([0.0, f64::NEG_INFINITY])
+    };
+    let chunks: Vec<&[Vec<f64>]> = points.chunks(BLOCK).collect();
+    let quiet = Quiet(monitor);
+    let task = Task::new(&quiet, "verdict: margins", chunks.len());
+    let block = |index: usize| Ok::<Vec<_>, Cancelled>(chunks[index].iter().map(answer).collect());
+    Ok(task.map(chunks.len(), block)?.concat())
 }
 
 /// Returns the margins of the machines at points of the standard normal variables; −∞ without an answer.

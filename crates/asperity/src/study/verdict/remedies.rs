@@ -143,7 +143,7 @@ impl Changed<'_> {
             let machine = machines.as_ref().map_err(Clone::clone).and_then(|machines| machines.at(&points[index]));
             Ok(machine.and_then(|machine| evaluate(&machine, index)).map_or(true, |machine| machine.vibrates))
         };
-        let terms = decided::terms(&margins, &self.draws[..count], &vibrates)?;
+        let terms = decided::terms(&margins, &self.draws[..count], &vibrates, self.monitor)?;
         Ok(Answers::with_fluctuation(margins, &terms))
     }
 

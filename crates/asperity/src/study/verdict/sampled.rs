@@ -1,6 +1,7 @@
 //! Evaluated machines, and the probability that one vibrates.
 
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
+use serde::{Deserialize, Serialize};
 
 use super::dynamics::Margins;
 use super::machines::{Machine, Machines};
@@ -16,7 +17,7 @@ pub(in crate::study) const LATER: usize = 256;
 const SHIFTED: usize = 4096;
 
 /// Evaluated machine.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Evaluated {
     pub(super) margins: Margins,
     /// Whether it vibrates if its motion begins in stick.
@@ -73,10 +74,10 @@ impl Sampled {
             let from = sampled.machines.len();
             let to = end_of_round(from, most);
             let task = Task::new(monitor, "verdict", to - from);
-            let evaluated: Result<Vec<_>, Cancelled> = blocks::map(from..to, |index| {
-                task.step(|| machines.at(&machines.variables_of(index)).and_then(|machine| evaluate(&machine, index)))
-            });
-            sampled.machines.extend(evaluated?);
+            sampled.machines.extend(task.try_map(to - from, |place| {
+                let index = from + place;
+                machines.at(&machines.variables_of(index)).and_then(|machine| evaluate(&machine, index))
+            })?);
             if is_narrow(sampled.probability().1, to, half_width) {
                 break;
             }
@@ -94,12 +95,10 @@ impl Sampled {
     ) -> Result<f64, Cancelled> {
         let count = self.machines.len().min(SHIFTED);
         let task = Task::new(monitor, "verdict: friction error", count);
-        let vibrates = blocks::map::<_, Result<Vec<bool>, Cancelled>>(0..count, |index| {
-            task.step(|| {
-                let machine = machines.at(&machines.variables_of(index));
-                let evaluated = machine.and_then(|machine| Evaluated::constant_friction(&machine));
-                evaluated.is_ok_and(|machine| margin(&machine.margins) < 0.0)
-            })
+        let vibrates = task.map(count, |index| {
+            let machine = machines.at(&machines.variables_of(index));
+            let evaluated = machine.and_then(|machine| Evaluated::constant_friction(&machine));
+            Ok::<bool, Cancelled>(evaluated.is_ok_and(|machine| margin(&machine.margins) < 0.0))
         })?;
         let after = vibrates.into_iter().filter(|vibrates| *vibrates).count();
         let before = self.machines[..count].iter().flatten().filter(|machine| margin(&machine.margins) < 0.0).count();
@@ -116,14 +115,12 @@ impl Sampled {
     ) -> Result<f64, Cancelled> {
         let count = self.machines.len().min(LATER);
         let task = Task::new(monitor, "verdict: longer duration", count);
-        let changes = blocks::map::<_, Result<Vec<f64>, Cancelled>>(0..count, |index| {
-            task.step(|| {
-                let machine = machines.at(&machines.variables_of(index));
-                let later = machine.and_then(|machine| vibrates(&machine, index));
-                match (&self.machines[index], later) {
-                    (Ok(before), Ok(later)) => f64::from(u8::from(later)) - f64::from(u8::from(before.vibrates)),
-                    _ => 0.0,
-                }
+        let changes = task.map(count, |index| {
+            let machine = machines.at(&machines.variables_of(index));
+            let later = machine.and_then(|machine| vibrates(&machine, index));
+            Ok::<f64, Cancelled>(match (&self.machines[index], later) {
+                (Ok(before), Ok(later)) => f64::from(u8::from(later)) - f64::from(u8::from(before.vibrates)),
+                _ => 0.0,
             })
         })?;
         Ok(self.probability().0 + changes.iter().sum::<f64>() / count as f64)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::Task;
 
 use super::machines::Machines;
 use super::sampled::Sampled;
@@ -31,15 +31,12 @@ pub(super) fn vibrating_machines(
     let vibrates = |index: &usize| sampled.machines[*index].as_ref().is_ok_and(|m| m.margins.from_stick < 0.0);
     let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(most).collect();
     let task = Task::new(monitor, "verdict: cycles", indices.len());
-    let cycles: Vec<_> = blocks::map::<_, Result<Vec<_>, Cancelled>>(0..indices.len(), |place| {
-        task.step(|| {
-            let machine = machines.at(&machines.variables_of(indices[place])).ok()?;
-            machine.dynamics.cycle(&machine.study.scales).ok()?
-        })
-    })?
-    .into_iter()
-    .flatten()
-    .collect();
+    let cycle = |index: usize| {
+        let machine = machines.at(&machines.variables_of(index)).ok()?;
+        machine.dynamics.cycle(&machine.study.scales).ok()?
+    };
+    let cycles = task.map(indices.len(), |place| Ok::<_, Cancelled>(cycle(indices[place])))?;
+    let cycles: Vec<_> = cycles.into_iter().flatten().collect();
     if cycles.is_empty() {
         return Ok(None);
     }
@@ -71,20 +68,19 @@ pub(super) fn samples_table(
 ) -> Result<CsvTable, Cancelled> {
     let count = sampled.machines.len().min(MOST_ROWS);
     let task = Task::new(monitor, "verdict: samples", count);
-    let rows = blocks::map::<_, Result<Vec<_>, Cancelled>>(0..count, |index| {
-        task.step(|| {
-            let variables = machines.variables_of(index);
-            let margin = sampled.machines[index].as_ref().ok()?.margins.from_stick;
-            let machine = machines.at(&variables).ok()?;
-            Some((
-                machine.dynamics.kind().ok()?.name().to_owned(),
-                machines.inputs().values(&variables),
-                machine.window.mean,
-                machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.study.nominal_area.0),
-                margin,
-            ))
-        })
-    })?;
+    let row = |index: usize| {
+        let variables = machines.variables_of(index);
+        let margin = sampled.machines[index].as_ref().ok()?.margins.from_stick;
+        let machine = machines.at(&variables).ok()?;
+        Some((
+            machine.dynamics.kind().ok()?.name().to_owned(),
+            machines.inputs().values(&variables),
+            machine.window.mean,
+            machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.study.nominal_area.0),
+            margin,
+        ))
+    };
+    let rows = task.map(count, |index| Ok::<_, Cancelled>(row(index)))?;
     let rows: Vec<_> = rows.into_iter().flatten().collect();
     let inputs = machines.inputs().inputs().iter().enumerate();
     let mut columns: Vec<(String, Vec<f64>)> = inputs
