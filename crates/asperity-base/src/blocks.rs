@@ -140,7 +140,7 @@ impl<'a> Task<'a> {
             Some(block) if complete => add(index, block),
             _ => complete = false,
         })?;
-        store.end(round, complete);
+        // Blocks of other processes are missing.
         if complete { Ok(()) } else { Err(Cancelled.into()) }
     }
 }

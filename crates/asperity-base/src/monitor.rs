@@ -39,9 +39,6 @@ pub trait BlockStore: Sync {
 
     /// Returns whether this process computes the missing block of an index.
     fn computes(&self, index: usize) -> bool;
-
-    /// Ends a round. It is not `complete` if blocks of other processes are missing; the computation then ends as cancelled.
-    fn end(&self, round: RoundId, complete: bool);
 }
 
 /// Monitor that ignores progress and never cancels.

@@ -3,6 +3,7 @@
 //! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`write_run`]
 //! writes the run folder through a [`Staging`], so that it appears complete or not at all.
 
+mod blocks;
 mod check;
 mod contact_check;
 mod counterface;
@@ -38,6 +39,7 @@ mod write_run;
 
 use asperity_base::sentence;
 
+pub use blocks::{Program, RoundState, RunBlocks, RunRecord, Share};
 pub use check::{InvalidValue, Study};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};

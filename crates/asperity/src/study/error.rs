@@ -12,7 +12,7 @@ use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
-use crate::study::InvalidValue;
+use crate::study::{InvalidValue, StoreError};
 use crate::study::parse::line_of_key;
 use crate::study::sentence;
 use crate::surface::GeneratorError;
@@ -146,6 +146,12 @@ pub enum StudyError {
     /// The study lacks the section of a stage that was asked for.
     #[error("the study has no [{0}] section")]
     NoStage(&'static str),
+    /// The blocks of the run cannot be stored.
+    #[error(transparent)]
+    Blocks(#[from] StoreError),
+    /// Blocks of other parts of the run are missing.
+    #[error("blocks of other parts are missing")]
+    Incomplete,
     /// Stopped from outside.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -230,7 +236,7 @@ impl StudyError {
             Self::Vibration(VibrationError::FrictionNotPositive { fluctuation, .. }) if *fluctuation >= 0.0 => {
                 FailureKind::Configuration
             }
-            Self::Vibration(_) => FailureKind::Runtime,
+            Self::Vibration(_) | Self::Blocks(_) | Self::Incomplete => FailureKind::Runtime,
         }
     }
 }

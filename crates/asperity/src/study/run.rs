@@ -1,5 +1,6 @@
 //! Run of a study, stage by stage.
 
+use std::fmt::Debug;
 use std::mem;
 use std::path::{Path, PathBuf};
 
@@ -7,15 +8,17 @@ use asperity_base::choice;
 
 use crate::friction::{OperatingLevel, RoughBody, WindowFriction};
 use crate::map::BoundaryKind;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::quantity::Area;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
+use crate::study::store::file_hash;
+use crate::study::write_run::with_paths;
 use crate::study::{
-    Study, StudyError, counterface, coupled_stage, friction_process, friction_stage, implausible_friction,
-    pressure_stage, surface_stage, verdict, vibration_stage,
+    FailureKind, RunBlocks, Study, StudyError, counterface, coupled_stage, friction_process, friction_stage,
+    implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
 };
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
@@ -141,6 +144,22 @@ impl Study {
     /// # Errors
     /// A stage failed, or the study has no section for the stage `only`.
     pub fn run(&self, folder: &Path, only: Option<Stage>, monitor: &dyn Monitor) -> Result<Outcome, StudyError> {
+        self.run_with(None, folder, only, monitor)
+    }
+
+    /// Runs as [`Study::run`], with the blocks that are stored, and stores those that it computes.
+    ///
+    /// # Errors
+    /// As [`Study::run`]; blocks cannot be stored, or blocks of other parts are missing ([`StudyError::Incomplete`]). Stages that do not
+    /// need the missing blocks are computed all the same.
+    pub fn run_with(
+        &self,
+        blocks: Option<&RunBlocks>,
+        folder: &Path,
+        only: Option<Stage>,
+        monitor: &dyn Monitor,
+    ) -> Result<Outcome, StudyError> {
+        let stages = Stages { blocks, monitor };
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
         let wants_verdict = only == Some(Stage::Verdict) || only.is_none() && self.states_verdict();
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration) || wants_verdict;
@@ -153,6 +172,11 @@ impl Study {
         let mut known = if drives { self.known_friction(folder)? } else { None };
         gathered.results.warnings = self.known_warnings(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
+        let without_paths = with_paths(self.file(), |_| PathBuf::new());
+        let of_surface = match blocks {
+            Some(_) => (without_paths.surface.clone(), without_paths.counterface.clone(), self.scan_hashes(folder)?),
+            None => (None, None, Vec::new()),
+        };
         if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
             monitor.progress("surface", 0, 1);
             let mut stage = surface_stage::run(section, request, folder)?;
@@ -167,9 +191,13 @@ impl Study {
         if let (Some(study), Some(surface), true) = (&self.pressure, &surface, wants(Stage::Pressure)) {
             let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
             karhunen_loeve = generated.karhunen_loeve;
-            let stage = pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)?;
-            gathered.add(stage.output);
-            gathered.results.pressure = Some(stage.result);
+            let stage = stages.run(Stage::Pressure, &[&of_surface, study, &self.seed()], |monitor| {
+                pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)
+            })?;
+            if let Some(stage) = stage {
+                gathered.add(stage.output);
+                gathered.results.pressure = Some(stage.result);
+            }
         }
         let mut friction = None;
         if let (Some(study), Some(surface), true) = (&self.friction, &surface, wants_friction) {
@@ -182,7 +210,12 @@ impl Study {
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let stage = friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)?;
+            let depends_on: [&dyn Debug; 5] = [&of_surface, study, &level, &nominal_area_m2, &self.seed()];
+            let stage = stages.run(Stage::Friction, &depends_on, |monitor| {
+                friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)
+            })?;
+            // Nothing that follows is possible without friction.
+            let stage = stage.ok_or(StudyError::Incomplete)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = self
@@ -208,7 +241,15 @@ impl Study {
                 gathered.add(stage.output);
                 gathered.results.mode_coupling = Some(stage.result);
             } else if let Some(window) = wanted {
-                let mut stage = vibration_stage::run(study, window, self.seed(), monitor)?;
+                let mut own = study.clone();
+                if let FrictionSource::File(file) = &mut own.friction {
+                    // The friction of the file is that of the window.
+                    *file = PathBuf::new();
+                }
+                let depends_on: [&dyn Debug; 3] = [&own, window, &self.seed()];
+                let mut stage = stages
+                    .run(Stage::Vibration, &depends_on, |monitor| vibration_stage::run(study, window, self.seed(), monitor))?
+                    .ok_or(StudyError::Incomplete)?;
                 // The friction of a part of a rough slider on a smooth track has no course along the path.
                 if self.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) {
                     (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
@@ -217,12 +258,49 @@ impl Study {
                 gathered.results.vibration = Some(stage.result);
             }
             if let (Some(window), true) = (&window, wants_verdict) {
-                let verdict = verdict::run(self, surface.as_ref(), window, monitor)?;
+                let verdict = stages
+                    .run(Stage::Verdict, &[&of_surface, &without_paths, window], |monitor| {
+                        verdict::run(self, surface.as_ref(), window, monitor)
+                    })?
+                    .ok_or(StudyError::Incomplete)?;
                 gathered.add(verdict.output);
                 gathered.results.verdict = Some(verdict.result);
             }
         }
+        if blocks.is_some_and(RunBlocks::is_incomplete) {
+            return Err(StudyError::Incomplete);
+        }
         gathered.results.surface = surface.map(|stage| stage.result(karhunen_loeve));
         Ok(gathered.outcome())
+    }
+
+    /// Returns the SHA-256 of the scans.
+    fn scan_hashes(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
+        Ok(self.scan_paths(folder).iter().map(|scan| file_hash(scan)).collect::<Result<_, _>>()?)
+    }
+}
+
+/// Stages of a run, with the blocks that are stored.
+struct Stages<'a> {
+    blocks: Option<&'a RunBlocks>,
+    monitor: &'a dyn Monitor,
+}
+
+impl Stages<'_> {
+    /// Runs a stage, a function of `depends_on` alone; `None` if blocks of other parts are missing.
+    fn run<T>(
+        &self,
+        stage: Stage,
+        depends_on: &[&dyn Debug],
+        run: impl FnOnce(&dyn Monitor) -> Result<T, StudyError>,
+    ) -> Result<Option<T>, StudyError> {
+        let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
+        match run(&blocks.stage(stage, depends_on, self.monitor)?) {
+            Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),
+            Err(error) if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() => {
+                Ok(None)
+            }
+            found => found.map(Some),
+        }
     }
 }

@@ -41,6 +41,16 @@ impl UncertainValue {
         self.place
     }
 
+    /// Replaces the path of a file of samples by `name`.
+    pub(super) fn rename(&mut self, name: &impl Fn(&Path) -> PathBuf) {
+        if let Value::Table(stated) = &mut self.written
+            && let Some(Value::String(file)) = stated.get_mut("samples")
+            && let Some(renamed) = name(Path::new(file)).to_str()
+        {
+            *file = renamed.to_owned();
+        }
+    }
+
     /// Writes the value as it was stated into a table of its study file.
     pub(super) fn restore(&self, table: &mut Table) {
         if let Some(value) = self.place.find(table) {

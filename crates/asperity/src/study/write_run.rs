@@ -60,7 +60,10 @@ pub fn write_run(
     outcome: &Outcome,
     provenance: &Provenance,
 ) -> Result<(), StoreError> {
-    let study = toml::to_string(&with_absolute_paths(study.file(), folder).to_table()?)?;
+    // TOML stores only Unicode; any other path is kept unchanged.
+    let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
+    let file = with_paths(study.file(), |name| absolute(name).unwrap_or_else(|| name.to_path_buf()));
+    let study = toml::to_string(&file.to_table()?)?;
     staging.write("study.toml", study.as_bytes())?;
     staging.write("provenance.json", &json_bytes(provenance)?)?;
     staging.write("results.json", &json_bytes(&outcome.results)?)?;
@@ -85,19 +88,18 @@ pub fn write_run(
     Ok(())
 }
 
-/// Returns the study file with absolute paths, which are valid from every folder, including the run folder.
-fn with_absolute_paths(file: &StudyFile, folder: &Path) -> StudyFile {
+/// Returns the study file with each path replaced by `name`. Absolute paths are valid from every folder, including the run folder.
+pub(super) fn with_paths(file: &StudyFile, name: impl Fn(&Path) -> PathBuf) -> StudyFile {
     let mut file = file.clone();
-    // TOML stores only Unicode; any other path is kept unchanged.
-    let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
     let own = file.surface.as_mut().and_then(|surface| surface.file.as_mut());
     let other = file.counterface.as_mut().and_then(|counterface| counterface.file.as_mut());
     for scans in own.into_iter().chain(other) {
-        *scans = scans.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
+        *scans = scans.map(&name);
     }
     if let Some(process) = file.vibration.as_mut().and_then(|vibration| vibration.friction_process.as_mut()) {
-        *process = absolute(process).unwrap_or_else(|| process.clone());
+        *process = name(process);
     }
+    file.uncertain.iter_mut().for_each(|value| value.rename(&name));
     file
 }
 

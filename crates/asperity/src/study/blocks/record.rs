@@ -1,0 +1,128 @@
+//! What is known of a run before it is finished.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use asperity_formats::replace_file;
+use serde::{Deserialize, Serialize};
+
+use crate::study::{Stage, StoreError, json_bytes};
+
+/// Extension of records.
+const EXTENSION: &str = "json";
+
+/// Run whose blocks a folder holds.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Name of the study.
+    pub name: String,
+    /// Study file, an absolute path.
+    pub file: PathBuf,
+    /// Its text.
+    pub study: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// The stage that was asked for, if not all.
+    pub only: Option<Stage>,
+    /// What decides the bits of a block beside the study: program, instruction sets and mathematical library.
+    pub program: Program,
+    /// Number of this part from 1, and of all parts.
+    pub shard: Option<[usize; 2]>,
+    /// Stages begun so far, with the names of the folders of their blocks.
+    pub stages: Vec<(Stage, String)>,
+    /// Whether all stages are finished.
+    pub finished: bool,
+}
+
+/// What decides the bits of a block beside the study.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Program {
+    /// SHA-256 of the program file.
+    pub sha256: String,
+    /// Instruction sets on which the last bits of results may depend.
+    pub instruction_sets: Vec<String>,
+    /// Hash of values of the elementary functions.
+    pub functions: String,
+}
+
+impl Program {
+    /// Returns what decides the bits of blocks that the program file with this SHA-256 computes on this machine.
+    pub fn new(sha256: String, instruction_sets: Vec<String>) -> Self {
+        Self { sha256, instruction_sets, functions: functions() }
+    }
+
+    /// Returns what differs from another program.
+    pub(super) fn difference(&self, other: &Self) -> Option<&'static str> {
+        if self.sha256 != other.sha256 {
+            Some("another program or version")
+        } else if self.instruction_sets != other.instruction_sets {
+            Some("other instruction sets")
+        } else if self.functions != other.functions {
+            Some("another mathematical library")
+        } else {
+            None
+        }
+    }
+}
+
+/// Returns a hash of values of the elementary functions, whose last bits differ between mathematical libraries, and between processors
+/// with the same library.
+fn functions() -> String {
+    const POINTS: u32 = 512;
+    let unary = [f64::exp, f64::ln, f64::sin, f64::cos, f64::tan, f64::atan, f64::tanh, f64::sinh, f64::cbrt, f64::exp_m1, f64::ln_1p];
+    let mut bytes = Vec::new();
+    for point in 1..=POINTS {
+        let x = f64::from(point) * 0.017_320_508;
+        let values = unary.iter().map(|function| function(x)).chain([x.powf(1.7), x.hypot(3.1), x.atan2(0.7)]);
+        values.for_each(|value| bytes.extend(value.to_le_bytes()));
+    }
+    super::hash([bytes.as_slice()])
+}
+
+impl RunRecord {
+    /// Returns the file of the record of a run in a folder of blocks.
+    pub(super) fn path(folder: &Path, run: &Path) -> PathBuf {
+        let mut name = run.file_name().unwrap_or_default().to_os_string();
+        name.push(".");
+        name.push(EXTENSION);
+        folder.join(name)
+    }
+
+    /// Reads a record; `None` if there is none that can be read.
+    pub(super) fn read(path: &Path) -> Option<Self> {
+        serde_json::from_slice(&fs::read(path).ok()?).ok()
+    }
+
+    pub(super) fn write(&self, path: &Path) -> Result<(), StoreError> {
+        let bytes = json_bytes(self)?;
+        replace_file(path, |file| file.write_all(&bytes)).map_err(|source| StoreError::Io { path: path.into(), source })
+    }
+
+    /// Returns the records in a folder of blocks, with their files.
+    pub(super) fn all(folder: &Path) -> Vec<(PathBuf, Self)> {
+        let paths = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let mut found: Vec<_> = paths
+            .filter(|path| path.extension().is_some_and(|extension| extension == EXTENSION))
+            .filter_map(|path| Self::read(&path).map(|record| (path, record)))
+            .collect();
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        found
+    }
+
+    /// Removes the folders of blocks of `before` that no record in `folder` names any more.
+    pub(super) fn remove_unused(folder: &Path, before: &Self) {
+        let used: BTreeSet<String> =
+            Self::all(folder).into_iter().flat_map(|(_, record)| record.stages).map(|(_, name)| name).collect();
+        for (_, name) in before.stages.iter().filter(|(_, name)| !used.contains(name)) {
+            let unused = folder.join(name);
+            for file in super::file::files(&unused) {
+                // Another process may remove it at the same time.
+                let _ = fs::remove_file(file);
+            }
+            // A folder that holds anything else stays.
+            let _ = fs::remove_dir(unused);
+        }
+    }
+}
