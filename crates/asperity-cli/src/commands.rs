@@ -1,12 +1,16 @@
 //! The commands, one per file.
 
 mod check;
+mod computation;
 mod contact;
 mod formats;
 mod friction;
 mod init;
+mod merge;
 mod report;
+mod repro;
 mod run;
+mod status;
 mod study_file;
 mod surface;
 mod verdict;
@@ -24,6 +28,9 @@ pub(crate) enum Command {
     Check(check::Check),
     Run(run::Run),
     Verdict(verdict::Verdict),
+    Merge(merge::Merge),
+    Status(status::Status),
+    Repro(repro::Repro),
     Report(report::Report),
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
@@ -45,6 +52,9 @@ impl Command {
             Self::Check(check) => check.run(monitor),
             Self::Run(run) => run.run(monitor),
             Self::Verdict(verdict) => verdict.run(monitor),
+            Self::Merge(merge) => merge.run(monitor),
+            Self::Status(status) => status.run(monitor),
+            Self::Repro(repro) => repro.run(monitor),
             Self::Report(report) => report.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity::monitor::{Cancelled, Monitor};
@@ -18,6 +18,12 @@ const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// Time after which another signal ends the program immediately. `timeout` sends two in a row.
 const FORCE_EXIT_AFTER: Duration = Duration::from_millis(500);
 
+/// Time after a signal at which the program ends, although blocks are not finished.
+const EXIT_AFTER: Duration = Duration::from_millis(1200);
+
+/// What is left to do before a signal ends the program; `None` once the result is at its destination.
+type Last = Option<Vec<Box<dyn FnOnce() + Send>>>;
+
 /// Progress display on stderr, timer of tasks, and receiver of Ctrl-C and SIGTERM.
 pub(crate) struct Terminal {
     display: Display,
@@ -25,6 +31,9 @@ pub(crate) struct Terminal {
     cancelled: Arc<AtomicBool>,
     /// Set during a computation that cannot be cancelled; a signal then ends the program.
     exit_immediately: Arc<AtomicBool>,
+    last: Arc<Mutex<Last>>,
+    /// Start of the computation, and its time limit.
+    limit: OnceLock<(Instant, Duration)>,
 }
 
 enum Display {
@@ -81,6 +90,8 @@ impl Terminal {
         let cancelled = Arc::new(AtomicBool::new(false));
         let exit_immediately = Arc::new(AtomicBool::new(false));
         let (flag, exit_now) = (Arc::clone(&cancelled), Arc::clone(&exit_immediately));
+        let last = Arc::new(Mutex::new(Some(Vec::new())));
+        let at_exit = Arc::clone(&last);
         let mut first: Option<Instant> = None;
         on_signal(move || {
             flag.store(true, Ordering::SeqCst);
@@ -92,8 +103,10 @@ impl Terminal {
                 std::process::exit(i32::from(Kind::Cancelled.exit_code()));
             }
             if first.is_none() {
-                print_message("stopping after the current block; press Ctrl-C again to stop immediately");
+                print_message("stopping; press Ctrl-C again to stop immediately");
                 first = Some(Instant::now());
+                let last = Arc::clone(&at_exit);
+                std::thread::spawn(move || exit_soon(&last));
             }
         })
         .map_err(|e| Failure::new(Kind::Runtime, format!("cannot listen for Ctrl-C: {e}")))?;
@@ -104,7 +117,33 @@ impl Terminal {
         } else {
             Display::Lines
         };
-        Ok(Self { display, tasks: Mutex::default(), cancelled, exit_immediately })
+        Ok(Self { display, tasks: Mutex::default(), cancelled, exit_immediately, last, limit: OnceLock::new() })
+    }
+
+    /// Adds what is left to do if a signal ends the program before its blocks are finished.
+    pub(crate) fn before_exit(&self, work: impl FnOnce() + Send + 'static) {
+        if let Some(last) = self.last.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+            last.push(Box::new(work));
+        }
+    }
+
+    /// Moves a result to its destination, which no signal interrupts.
+    pub(crate) fn commit<T>(&self, commit: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        self.check()?;
+        let found = commit()?;
+        *last = None;
+        Ok(found)
+    }
+
+    /// Cancels the computation after a time.
+    pub(crate) fn limit_time(&self, time: Duration) {
+        let _ = self.limit.set((Instant::now(), time));
+    }
+
+    /// Returns the time for the computation if it has passed.
+    pub(crate) fn exceeded_time(&self) -> Option<Duration> {
+        self.limit.get().filter(|(started, limit)| started.elapsed() > *limit).map(|(_, limit)| *limit)
     }
 
     /// Prints a message to stderr, unless quiet.
@@ -188,8 +227,18 @@ impl Monitor for Terminal {
     }
 
     fn cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::SeqCst)
+        self.cancelled.load(Ordering::SeqCst) || self.exceeded_time().is_some()
     }
+}
+
+/// Ends the program some time after a signal, unless it ended by itself.
+fn exit_soon(last: &Mutex<Last>) {
+    std::thread::sleep(EXIT_AFTER);
+    // A result that is on its way to its destination comes first.
+    let Some(work) = last.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+    work.into_iter().for_each(|work| work());
+    print_message(&Failure::from(Cancelled).to_string());
+    std::process::exit(i32::from(Kind::Cancelled.exit_code()));
 }
 
 /// Calls `handle` on its own thread for each signal that asks the program to end.

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use asperity::study::Provenance;
+use asperity::study::{Program, Provenance};
 use asperity::study::result::Machine;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Kind};
 use crate::run_folder::load_failure;
 
 /// Starts the provenance record of a computation from `inputs`.
@@ -24,6 +24,14 @@ pub(crate) fn begin(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provena
         },
         ..file_record
     })
+}
+
+/// Returns what decides the last bits of results: this program, and what it finds on this machine.
+pub(crate) fn program() -> Result<Program, Failure> {
+    let failed = |error: &std::io::Error| Failure::io(Kind::Runtime, "the program file", error);
+    let file = std::env::current_exe().map_err(|e| failed(&e))?;
+    let hash = asperity::study::file_hash(&file).map_err(|e| load_failure(&e))?;
+    Ok(Program::new(hash, instruction_sets()))
 }
 
 /// Returns the name of the processor, if the system reports it.

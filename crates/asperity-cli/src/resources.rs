@@ -5,6 +5,15 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::{Failure, Kind};
 
+/// Fails if `bytes` exceed a limit of the user.
+pub(crate) fn limit_memory(bytes: f64, what: &str, most: f64) -> Result<(), Failure> {
+    if bytes <= most {
+        return Ok(());
+    }
+    let message = format!("{what} needs about {}, more than {}", shown(bytes), shown(most));
+    Err(Failure::new(Kind::Resources, message))
+}
+
 /// Fails if `bytes` exceed the free memory. Systems that do not report it pass.
 pub(crate) fn require_memory(bytes: f64, what: &str) -> Result<(), Failure> {
     let free = fs::read_to_string("/proc/meminfo").ok().and_then(|text| available_bytes(&text));
@@ -65,7 +74,8 @@ mod tests {
         let meminfo = "MemTotal:       16000000 kB\nMemFree:  1 kB\nMemAvailable:    8000000 kB\n";
         assert_eq!(available_bytes(meminfo), Some(8_192_000_000.0));
         assert_eq!(available_bytes("nothing"), None);
-        assert!(require_memory(1e3, "a test").is_ok());
+        assert!(require_memory(1e3, "a test").is_ok() && limit_memory(1e3, "a test", 1e3).is_ok());
+        assert_eq!(limit_memory(1e3, "a test", 999.0).unwrap_err().kind(), Kind::Resources);
         assert!(require_disk(1.0, Path::new("no/such/folder"), "a test").is_ok());
         let refused = require_disk(1e30, Path::new("no/such/folder"), "a test");
         assert!(refused.map_or_else(|e| e.kind() == Kind::Resources, |()| cfg!(not(unix))));

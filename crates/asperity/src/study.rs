@@ -39,7 +39,7 @@ mod write_run;
 
 use asperity_base::sentence;
 
-pub use blocks::{Program, RoundState, RunBlocks, RunRecord, Share};
+pub use blocks::{Program, RoundState, RunBlocks, RunRecord, RunStatus, Share};
 pub use check::{InvalidValue, Study};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};
@@ -56,7 +56,7 @@ pub use result::{
 pub use run::Stage;
 pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen};
-pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
+pub use store::{Staging, StoreError, StoredField, StoredRun, file_hash, json_bytes};
 pub use surface_result::{part_statistics, surface_statistics};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
@@ -64,4 +64,4 @@ pub use verdict::VERDICT_SAMPLES;
 pub use vibration_stage::{
     clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
 };
-pub use write_run::{provenance, write_run};
+pub use write_run::{provenance, resolved_study, result_files, write_run};

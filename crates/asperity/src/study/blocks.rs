@@ -10,11 +10,12 @@ mod writer;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Debug;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use asperity_base::monitor::{BlockStore, Monitor, RoundId};
-use asperity_formats::remove_abandoned_files;
+use asperity_formats::{remove_abandoned_files, replace_file};
 use sha2::{Digest, Sha256};
 
 use self::file::{Block, Entry, Round};
@@ -92,7 +93,7 @@ impl RunBlocks {
     ///
     /// # Errors
     /// The folder of blocks cannot be written.
-    pub fn open(run: &Path, record: RunRecord, share: Share) -> Result<Self, StoreError> {
+    pub fn open(run: &Path, mut record: RunRecord, share: Share) -> Result<Self, StoreError> {
         let shared = beside(run);
         let (folder, beside) = match share {
             Share::Part { .. } => (run.join(FOLDER), vec![shared]),
@@ -103,6 +104,7 @@ impl RunBlocks {
         remove_abandoned_files(&folder);
         let path = RunRecord::path(&folder, run);
         let before = RunRecord::read(&path);
+        record.earlier = before.iter().flat_map(RunRecord::folders).cloned().collect();
         let (record, rounds) = (Mutex::new(record), Mutex::default());
         let blocks = Self { writer: Writer::start().map_err(at)?, folder, beside, share, record, path, before, rounds };
         lock(&blocks.record).write(&blocks.path)?;
@@ -162,11 +164,94 @@ impl RunBlocks {
         self.flush()?;
         let mut record = lock(&self.record);
         record.finished = true;
+        let earlier = std::mem::take(&mut record.earlier);
         record.write(&self.path)?;
-        if let Some(before) = &self.before {
-            RunRecord::remove_unused(&self.folder, before);
+        RunRecord::remove_unused(&self.folder, &earlier);
+        Ok(())
+    }
+
+    /// Copies the blocks of a part of this run from its folder.
+    ///
+    /// # Errors
+    /// A file of blocks cannot be read or written.
+    pub fn import(&self, part: &Path) -> Result<(), StoreError> {
+        let at = |path: &Path, source| StoreError::Io { path: path.into(), source };
+        let folders = fs::read_dir(part.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
+        for from in folders.flat_map(|folder| file::files(&folder)) {
+            let names = from.parent().and_then(Path::file_name).zip(from.file_name());
+            let Some(to) = names.map(|(folder, name)| self.folder.join(folder).join(name)) else { continue };
+            // The name is the hash of the content, and a damaged file is absent.
+            if to.exists() || file::read_header(&from).is_err() {
+                continue;
+            }
+            let bytes = fs::read(&from).map_err(|source| at(&from, source))?;
+            to.parent().map_or(Ok(()), fs::create_dir_all).map_err(|source| at(&to, source))?;
+            replace_file(&to, |file| file.write_all(&bytes)).map_err(|source| at(&to, source))?;
         }
         Ok(())
+    }
+}
+
+impl Drop for RunBlocks {
+    fn drop(&mut self) {
+        let _ = self.flush();
+        let record = lock(&self.record);
+        let is_empty = record.stages.iter().all(|(_, name)| file::files(&self.folder.join(name)).is_empty());
+        if record.finished || !is_empty {
+            return;
+        }
+        // Nothing is lost if one of these stays.
+        let _ = match &self.before {
+            Some(before) => before.write(&self.path).is_ok(),
+            None => fs::remove_file(&self.path).and_then(|()| fs::remove_dir(&self.folder)).is_ok(),
+        };
+    }
+}
+
+/// State of a run, finished or not, from its blocks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunStatus {
+    /// The run.
+    pub record: RunRecord,
+    /// Loops with at least one finished block; loops of the same stage and name count as one.
+    pub rounds: Vec<RoundState>,
+}
+
+impl RunStatus {
+    /// Reads the state of the run in the folder `run`, or of the part whose blocks it holds; `None` if nothing is known of it.
+    pub fn read(run: &Path) -> Option<Self> {
+        let own = run.join(FOLDER);
+        let (folder, record) = match RunRecord::all(&own).into_iter().next() {
+            Some((_, record)) => (own, record),
+            None => {
+                let folder = beside(run);
+                let record = RunRecord::read(&RunRecord::path(&folder, run))?;
+                (folder, record)
+            }
+        };
+        let mut rounds: Vec<RoundState> = Vec::new();
+        for (stage, name) in &record.stages {
+            let known = Known::read([folder.join(name)].into_iter());
+            let first = rounds.len();
+            let mut of_stage: BTreeMap<&str, RoundState> = BTreeMap::new();
+            let empty = |name: &str| RoundState { stage: *stage, name: name.into(), expected: 0, done: 0, failed: 0 };
+            for round in known.rounds.values() {
+                of_stage.entry(&round.name).or_insert_with(|| empty(&round.name)).expected += round.count;
+            }
+            for ((round, _), (.., entry)) in &known.blocks {
+                let state = known.rounds.get(round).and_then(|round| of_stage.get_mut(round.name.as_str()));
+                if let Some(state) = state {
+                    state.done += 1;
+                    state.failed += usize::from(entry.failed);
+                }
+            }
+            rounds.extend(of_stage.into_values());
+            // A stage without a finished block.
+            if rounds.len() == first {
+                rounds.push(empty(stage.name()));
+            }
+        }
+        Some(Self { record, rounds })
     }
 }
 

@@ -177,7 +177,10 @@ struct Version {
 }
 
 /// Returns the SHA-256 of a file as lower-case hexadecimal digits.
-pub(super) fn file_hash(file: &Path) -> Result<String, StoreError> {
+///
+/// # Errors
+/// The file cannot be read.
+pub fn file_hash(file: &Path) -> Result<String, StoreError> {
     manifest::hash(file).map_err(at(file))
 }
 
@@ -210,12 +213,17 @@ pub struct StoredRun {
 }
 
 impl StoredRun {
+    /// Returns whether `dir` is the folder of a finished run.
+    pub fn is_run(dir: &Path) -> bool {
+        dir.join(COMPLETE).is_file()
+    }
+
     /// Reads the run folder `dir`.
     ///
     /// # Errors
     /// The folder is no finished run, or one of its files cannot be read.
     pub fn load(dir: &Path) -> Result<Self, StoreError> {
-        if !dir.join(COMPLETE).is_file() {
+        if !Self::is_run(dir) {
             return Err(StoreError::NotARun { path: dir.into(), missing: COMPLETE });
         }
         let read = |relative: &str| {

@@ -60,27 +60,10 @@ pub fn write_run(
     outcome: &Outcome,
     provenance: &Provenance,
 ) -> Result<(), StoreError> {
-    // TOML stores only Unicode; any other path is kept unchanged.
-    let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
-    let file = with_paths(study.file(), |name| absolute(name).unwrap_or_else(|| name.to_path_buf()));
-    let study = toml::to_string(&file.to_table()?)?;
+    let study = resolved_study(study, folder)?;
     staging.write("study.toml", study.as_bytes())?;
     staging.write("provenance.json", &json_bytes(provenance)?)?;
-    staging.write("results.json", &json_bytes(&outcome.results)?)?;
-    for (name, table) in &outcome.tables {
-        staging.write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
-    }
-    if let Some(process) = &outcome.friction_process {
-        staging.write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
-    }
-    let mut index = BTreeMap::new();
-    for (name, field) in &outcome.fields {
-        let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
-        index.insert(name.clone(), entry);
-        let heights = asperity_formats::Scan::new(field.values.clone(), None);
-        staging.write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&heights))?;
-    }
-    staging.write(FIELD_INDEX, &json_bytes(&index)?)?;
+    result_files(outcome, |relative, bytes| staging.write(relative, bytes))?;
     #[cfg(feature = "report")]
     for (relative, bytes) in super::report::new_report(&study, outcome, provenance)? {
         staging.write(&relative, &bytes)?;
@@ -88,7 +71,44 @@ pub fn write_run(
     Ok(())
 }
 
-/// Returns the study file with each path replaced by `name`. Absolute paths are valid from every folder, including the run folder.
+/// Returns the text of a study with all its values and absolute paths, which are valid from every folder.
+///
+/// # Errors
+/// The study cannot be written as TOML.
+pub fn resolved_study(study: &Study, folder: &Path) -> Result<String, StoreError> {
+    // TOML stores only Unicode; any other path is kept unchanged.
+    let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
+    let file = with_paths(study.file(), |name| absolute(name).unwrap_or_else(|| name.to_path_buf()));
+    Ok(toml::to_string(&file.to_table()?)?)
+}
+
+/// Passes the files of a run folder that equal studies give equal bytes to `write`, each with its relative name: results, tables,
+/// friction process and fields.
+///
+/// # Errors
+/// A result cannot be written in its format, or `write` fails.
+pub fn result_files(
+    outcome: &Outcome,
+    mut write: impl FnMut(&str, &[u8]) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    write("results.json", &json_bytes(&outcome.results)?)?;
+    for (name, table) in &outcome.tables {
+        write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
+    }
+    if let Some(process) = &outcome.friction_process {
+        write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
+    }
+    let mut index = BTreeMap::new();
+    for (name, field) in &outcome.fields {
+        let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
+        index.insert(name.clone(), entry);
+        let heights = asperity_formats::Scan::new(field.values.clone(), None);
+        write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&heights))?;
+    }
+    write(FIELD_INDEX, &json_bytes(&index)?)
+}
+
+/// Returns the study file with each path replaced by `name`.
 pub(super) fn with_paths(file: &StudyFile, name: impl Fn(&Path) -> PathBuf) -> StudyFile {
     let mut file = file.clone();
     let own = file.surface.as_mut().and_then(|surface| surface.file.as_mut());

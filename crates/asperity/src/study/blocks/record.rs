@@ -14,7 +14,7 @@ use crate::study::{Stage, StoreError, json_bytes};
 const EXTENSION: &str = "json";
 
 /// Run whose blocks a folder holds.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Name of the study.
     pub name: String,
@@ -32,6 +32,8 @@ pub struct RunRecord {
     pub shard: Option<[usize; 2]>,
     /// Stages begun so far, with the names of the folders of their blocks.
     pub stages: Vec<(Stage, String)>,
+    /// Folders of blocks that earlier runs of the same name used.
+    pub earlier: BTreeSet<String>,
     /// Whether all stages are finished.
     pub finished: bool,
 }
@@ -54,7 +56,7 @@ impl Program {
     }
 
     /// Returns what differs from another program.
-    pub(super) fn difference(&self, other: &Self) -> Option<&'static str> {
+    pub fn difference(&self, other: &Self) -> Option<&'static str> {
         if self.sha256 != other.sha256 {
             Some("another program or version")
         } else if self.instruction_sets != other.instruction_sets {
@@ -82,6 +84,15 @@ fn functions() -> String {
 }
 
 impl RunRecord {
+    /// Returns what differs from another part of the same run.
+    pub fn difference(&self, other: &Self) -> Option<&'static str> {
+        let of_study = |record: &Self| (record.study.clone(), record.seed, record.only);
+        if of_study(self) != of_study(other) {
+            return Some("another study, seed or stage");
+        }
+        self.program.difference(&other.program)
+    }
+
     /// Returns the file of the record of a run in a folder of blocks.
     pub(super) fn path(folder: &Path, run: &Path) -> PathBuf {
         let mut name = run.file_name().unwrap_or_default().to_os_string();
@@ -111,11 +122,16 @@ impl RunRecord {
         found
     }
 
-    /// Removes the folders of blocks of `before` that no record in `folder` names any more.
-    pub(super) fn remove_unused(folder: &Path, before: &Self) {
-        let used: BTreeSet<String> =
-            Self::all(folder).into_iter().flat_map(|(_, record)| record.stages).map(|(_, name)| name).collect();
-        for (_, name) in before.stages.iter().filter(|(_, name)| !used.contains(name)) {
+    /// Returns the folders of blocks that this run and earlier ones of its name use.
+    pub(super) fn folders(&self) -> impl Iterator<Item = &String> {
+        self.stages.iter().map(|(_, name)| name).chain(&self.earlier)
+    }
+
+    /// Removes those of the folders `names` of blocks that no run in `folder` uses.
+    pub(super) fn remove_unused(folder: &Path, names: &BTreeSet<String>) {
+        let records = Self::all(folder);
+        let used: BTreeSet<&String> = records.iter().flat_map(|(_, record)| record.folders()).collect();
+        for name in names.iter().filter(|name| !used.contains(name)) {
             let unused = folder.join(name);
             for file in super::file::files(&unused) {
                 // Another process may remove it at the same time.

@@ -70,6 +70,11 @@ impl Staging {
         &self.destination
     }
 
+    /// Returns the hidden folder that becomes the destination.
+    pub fn partial(&self) -> &Path {
+        &self.partial
+    }
+
     /// Writes one file; `relative` may name a subfolder.
     ///
     /// # Errors

@@ -1,0 +1,43 @@
+//! State of a run.
+
+use std::path::PathBuf;
+
+use asperity::study::{RunStatus, StoredRun};
+use clap::Args;
+
+use super::computation::as_json;
+use crate::failure::{Failure, Kind};
+use crate::monitor::Terminal;
+use crate::output::Answer;
+
+/// Shows how far a run is, finished or not, or a part of one: expected, done, failed and missing blocks of each loop that was begun.
+#[derive(Debug, Args)]
+pub(crate) struct Status {
+    /// Folder of the run, which need not exist yet, or of the part.
+    dir: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Status {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let complete = StoredRun::is_run(&self.dir);
+        let Some(status) = RunStatus::read(&self.dir) else {
+            if complete {
+                monitor.note("the blocks of this run are not stored any more");
+                return Answer::default().with("complete", true).with("rounds", as_json(&[])).print(self.json);
+            }
+            return Err(Failure::new(Kind::Data, format!("{}: no run, and no blocks of one", self.dir.display())));
+        };
+        let record = &status.record;
+        Answer::default()
+            .with("study", record.file.display().to_string())
+            .with("seed", record.seed)
+            .with("part", record.shard.map(|[number, _]| number))
+            .with("parts", record.shard.map(|[_, of]| of))
+            .with("complete", complete || record.finished)
+            .with("rounds", as_json(&status.rounds))
+            .print(self.json)
+    }
+}
