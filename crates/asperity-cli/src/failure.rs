@@ -9,6 +9,9 @@ use asperity_formats::refusal;
 
 use crate::output::Answer;
 
+/// Error number of a failed device on Unix.
+const EIO: i32 = 5;
+
 /// Kind of an error; it determines the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -70,6 +73,8 @@ impl Failure {
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem if kind == Kind::Runtime => {
                 Kind::Resources
             }
+            // A disk that fails to write is a lack of one.
+            _ if kind == Kind::Runtime && cause.raw_os_error() == Some(EIO) => Kind::Resources,
             _ => kind,
         };
         Self::new(kind, format!("{what}: {}", refusal(cause)))

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot run the program has failed")]
 
+mod blocks;
 mod bodies;
 mod contact;
 mod contact_analysis;

@@ -77,8 +77,6 @@ pub struct RunBlocks {
     share: Share,
     record: Mutex<RunRecord>,
     path: PathBuf,
-    /// Earlier record of a run of the same name.
-    before: Option<RunRecord>,
     writer: Writer,
     /// Rounds in their order.
     rounds: Mutex<Vec<RoundState>>,
@@ -89,38 +87,31 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl RunBlocks {
-    /// Opens the blocks of the run in the folder `run`, which need not exist. The blocks of a part are in its own folder.
+    /// Opens the blocks of the run in the folder `run`, which need not exist. The blocks of a part are in its own folder. Nothing is
+    /// written before the first block.
     ///
     /// # Errors
-    /// The folder of blocks cannot be written.
+    /// No thread can be started.
     pub fn open(run: &Path, mut record: RunRecord, share: Share) -> Result<Self, StoreError> {
         let shared = beside(run);
         let (folder, beside) = match share {
             Share::Part { .. } => (run.join(FOLDER), vec![shared]),
             Share::All | Share::None => (shared, Vec::new()),
         };
-        let at = |source| StoreError::Io { path: folder.clone(), source };
-        fs::create_dir_all(&folder).map_err(at)?;
         remove_abandoned_files(&folder);
         let path = RunRecord::path(&folder, run);
-        let before = RunRecord::read(&path);
-        record.earlier = before.iter().flat_map(RunRecord::folders).cloned().collect();
-        let (record, rounds) = (Mutex::new(record), Mutex::default());
-        let blocks = Self { writer: Writer::start().map_err(at)?, folder, beside, share, record, path, before, rounds };
-        lock(&blocks.record).write(&blocks.path)?;
-        Ok(blocks)
+        record.earlier = RunRecord::read(&path).iter().flat_map(RunRecord::folders).cloned().collect();
+        let writer = Writer::start(path.clone()).map_err(|source| StoreError::Io { path: folder.clone(), source })?;
+        Ok(Self { folder, beside, share, record: Mutex::new(record), path, writer, rounds: Mutex::default() })
     }
 
     /// Begins a stage, a function of `depends_on` alone.
-    ///
-    /// # Errors
-    /// The record of the run cannot be written.
     pub(super) fn stage<'a>(
         &'a self,
         stage: Stage,
         depends_on: &[&dyn Debug],
         monitor: &'a dyn Monitor,
-    ) -> Result<StageBlocks<'a>, StoreError> {
+    ) -> StageBlocks<'a> {
         let mut record = lock(&self.record);
         let mut parts = vec![format!("{:?}", record.program), stage.name().to_owned()];
         parts.extend(depends_on.iter().map(|part| format!("{part:?}")));
@@ -129,8 +120,8 @@ impl RunBlocks {
         remove_abandoned_files(&folder);
         let known = Known::read(self.beside.iter().map(|other| other.join(&name)).chain([folder.clone()]));
         record.stages.push((stage, name));
-        record.write(&self.path)?;
-        Ok(StageBlocks { run: self, stage, folder, monitor, known, ordinals: Mutex::default() })
+        self.writer.set_record(record.clone());
+        StageBlocks { run: self, stage, folder, monitor, known, ordinals: Mutex::default() }
     }
 
     /// Returns the rounds that were begun, in their order.
@@ -165,6 +156,9 @@ impl RunBlocks {
         let mut record = lock(&self.record);
         record.finished = true;
         let earlier = std::mem::take(&mut record.earlier);
+        if !self.folder.is_dir() {
+            return Ok(());
+        }
         record.write(&self.path)?;
         RunRecord::remove_unused(&self.folder, &earlier);
         Ok(())
@@ -189,22 +183,6 @@ impl RunBlocks {
             replace_file(&to, |file| file.write_all(&bytes)).map_err(|source| at(&to, source))?;
         }
         Ok(())
-    }
-}
-
-impl Drop for RunBlocks {
-    fn drop(&mut self) {
-        let _ = self.flush();
-        let record = lock(&self.record);
-        let is_empty = record.stages.iter().all(|(_, name)| file::files(&self.folder.join(name)).is_empty());
-        if record.finished || !is_empty {
-            return;
-        }
-        // Nothing is lost if one of these stays.
-        let _ = match &self.before {
-            Some(before) => before.write(&self.path).is_ok(),
-            None => fs::remove_file(&self.path).and_then(|()| fs::remove_dir(&self.folder)).is_ok(),
-        };
     }
 }
 

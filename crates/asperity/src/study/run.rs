@@ -295,7 +295,7 @@ impl Stages<'_> {
         run: impl FnOnce(&dyn Monitor) -> Result<T, StudyError>,
     ) -> Result<Option<T>, StudyError> {
         let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
-        match run(&blocks.stage(stage, depends_on, self.monitor)?) {
+        match run(&blocks.stage(stage, depends_on, self.monitor)) {
             Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),
             Err(error) if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() => {
                 Ok(None)

@@ -59,7 +59,7 @@ pub(super) struct Block {
 }
 
 /// Writes blocks as a new file of `folder`, which appears complete or not at all.
-pub(super) fn write(folder: &Path, rounds: Vec<Round>, blocks: &[Block]) -> io::Result<PathBuf> {
+pub(super) fn write(folder: &Path, rounds: Vec<Round>, blocks: &[Block]) -> io::Result<()> {
     let entry = |block: &Block| Entry {
         round: block.round.0,
         index: block.index,
@@ -81,8 +81,7 @@ pub(super) fn write(folder: &Path, rounds: Vec<Round>, blocks: &[Block]) -> io::
         blocks.iter().try_for_each(|block| file.write_all(&block.bytes))?;
         file.flush()
     })?;
-    sync_folder(folder)?;
-    Ok(path)
+    sync_folder(folder)
 }
 
 /// Waits until the names in a folder are on the disk.

@@ -108,7 +108,9 @@ impl RunRecord {
 
     pub(super) fn write(&self, path: &Path) -> Result<(), StoreError> {
         let bytes = json_bytes(self)?;
-        replace_file(path, |file| file.write_all(&bytes)).map_err(|source| StoreError::Io { path: path.into(), source })
+        let folder = path.parent().unwrap_or(path);
+        let written = fs::create_dir_all(folder).and_then(|()| replace_file(path, |file| file.write_all(&bytes)));
+        written.map_err(|source| StoreError::Io { path: path.into(), source })
     }
 
     /// Returns the records in a folder of blocks, with their files.

@@ -1,16 +1,17 @@
 //! Thread that writes finished blocks.
 //!
 //! The computation does not wait for the disk: blocks are queued, and the thread writes all that wait as one file per
-//! stage. Files are some seconds apart, so a lost process loses little and the disk synchronises seldom.
+//! stage. Files are some time apart, so a lost process loses little and the disk synchronises seldom.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::file::{self, Block, Round};
+use super::record::RunRecord;
 use crate::study::StoreError;
 
 /// Bytes of waiting blocks at which they are written, and at which the computation waits.
@@ -18,7 +19,7 @@ const WRITTEN_BYTES: usize = 1 << 24;
 const MOST_BYTES: usize = 1 << 27;
 /// Times between two files: a hundredth of the time that has passed, within these limits. A lost process loses a hundredth
 /// of its work, and a long one leaves some hundred files.
-const SHORTEST: Duration = Duration::from_secs(1);
+const SHORTEST: Duration = Duration::from_millis(100);
 const LONGEST: Duration = Duration::from_secs(60);
 const SHARE: u32 = 100;
 
@@ -27,6 +28,8 @@ struct Queue {
     /// Waiting blocks by folder, with the rounds that they belong to.
     waiting: BTreeMap<PathBuf, (Vec<Round>, Vec<Block>)>,
     bytes: usize,
+    /// Record of the run to write before the next blocks.
+    record: Option<RunRecord>,
     /// Whether a file is being written.
     writing: bool,
     /// Whether to write without delay.
@@ -52,7 +55,7 @@ impl Shared {
     }
 
     /// Writes blocks until the writer ends.
-    fn run(&self) {
+    fn run(&self, path: &Path) {
         let started = Instant::now();
         let mut last = started;
         let mut queue = self.lock();
@@ -67,14 +70,14 @@ impl Shared {
                 queue.flush = false;
                 queue = self.wait(queue);
             } else if urgent || left.is_zero() {
-                let waiting = std::mem::take(&mut queue.waiting);
+                let (waiting, record) = (std::mem::take(&mut queue.waiting), queue.record.take());
                 (queue.bytes, queue.writing) = (0, true);
                 drop(queue);
-                let written = waiting.into_iter().try_for_each(|(folder, (rounds, blocks))| {
-                    file::write(&folder, rounds, &blocks)
-                        .map(|_| ())
-                        .map_err(|source| StoreError::Io { path: folder, source })
-                });
+                let mut written = record.map_or(Ok(()), |record| record.write(path));
+                for (folder, (rounds, blocks)) in waiting {
+                    let write = |()| file::write(&folder, rounds, &blocks);
+                    written = written.and_then(|()| write(()).map_err(|source| StoreError::Io { path: folder.clone(), source }));
+                }
                 last = Instant::now();
                 queue = self.lock();
                 queue.writing = false;
@@ -98,11 +101,17 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    pub(super) fn start() -> std::io::Result<Self> {
+    /// Starts the thread of a run whose record has this path.
+    pub(super) fn start(path: PathBuf) -> std::io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let own = Arc::clone(&shared);
-        let thread = std::thread::Builder::new().name("blocks".into()).spawn(move || own.run())?;
+        let thread = std::thread::Builder::new().name("blocks".into()).spawn(move || own.run(&path))?;
         Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Writes the record of the run before the next blocks.
+    pub(super) fn set_record(&self, record: RunRecord) {
+        self.shared.lock().record = Some(record);
     }
 
     /// Queues a block. Waits while too many bytes are queued.

@@ -1,0 +1,393 @@
+//! Tests of stored blocks: interrupted runs go on, parts make the whole, and damage is found.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+#[cfg(target_os = "linux")]
+use std::process::{Command, Stdio};
+#[cfg(target_os = "linux")]
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+#[cfg(target_os = "linux")]
+use crate::support::{Finished, run_and_signal, send, start_in, wait_for};
+use crate::support::{listing, run_in};
+
+/// All stages, in less than a second.
+const STUDY: &str = r#"seed = 5
+[surface]
+covariance = "exponential"
+marginal = "normal"
+rms_height = "1 um"
+correlation_length = "20 um"
+[material]
+youngs_modulus = "210 GPa"
+hardness = "2 GPa"
+shear_strength = "385 MPa"
+[pressure]
+size = ["100 um", "100 um"]
+points = [16, 16]
+percentile = 50.0
+fine_solves = 200
+reference_samples = 400
+variables = 4
+degree = 2
+[friction]
+strip = ["800 um", "50 um"]
+points = [128, 8]
+window = "100 um"
+percentiles = [25.0, 50.0]
+realisations = 12
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = "0.17 ± 0.02"
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+stribeck = 4.2
+damping_sweep = [0.1, 0.3, 3]
+trajectories = 128
+duration = 200.0
+[verdict]
+half_width = 0.1
+"#;
+const BLOCKS: &str = ".asperity-blocks";
+
+fn bench() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("study.toml"), STUDY).unwrap();
+    folder
+}
+
+/// Returns the files of a run that equal studies give equal bytes.
+fn results(run: &Path) -> Vec<(String, Vec<u8>)> {
+    let names = |folder: &str| -> Vec<String> {
+        listing(&run.join(folder)).into_iter().map(|name| format!("{folder}/{name}")).collect()
+    };
+    let single = ["results.json".to_owned(), "friction_process.json".to_owned()];
+    let names = names("tables").into_iter().chain(names("fields")).chain(single);
+    names.map(|name| (name.clone(), fs::read(run.join(&name)).unwrap())).collect()
+}
+
+/// Asserts that a run has the results of another, and names the first file that differs.
+fn assert_same(run: &Path, wanted: &[(String, Vec<u8>)], case: &str) {
+    let found = results(run);
+    assert_eq!(found.len(), wanted.len(), "{case}");
+    for ((name, found), (_, wanted)) in found.iter().zip(wanted) {
+        assert!(found == wanted, "{case}: {name} differs");
+    }
+}
+
+/// Returns the files of blocks in a folder of blocks.
+fn block_files(folder: &Path) -> Vec<PathBuf> {
+    let stages = listing(folder).into_iter().map(|name| folder.join(name)).filter(|path| path.is_dir());
+    stages.flat_map(|stage| listing(&stage).into_iter().map(move |name| stage.join(name))).collect()
+}
+
+/// Returns the results of the study, computed in one piece without interruption.
+fn whole(at: &Path) -> Vec<(String, Vec<u8>)> {
+    let found = run_in(at, "run study.toml --out whole/run");
+    assert_eq!(found.code, 0, "{found:?}");
+    results(&at.join("whole/run"))
+}
+
+#[test]
+fn parts_make_the_whole() {
+    let folder = bench();
+    let at = folder.path();
+    let wanted = whole(at);
+    for (number, threads) in [(1, 1), (2, 3)] {
+        let line = format!("run study.toml --shard {number}/2 --out parts/{number} --threads {threads} --json");
+        let part = run_in(at, &line).json(0);
+        assert_eq!((part["complete"].as_bool(), part["part"].as_u64()), (Some(false), Some(number)));
+        let rounds = part["rounds"].as_array().unwrap();
+        // Pressure and friction need nothing of each other.
+        for task in ["pressure/reference", "pressure/sobol", "friction"] {
+            let round = rounds.iter().find(|round| round["task"] == task).unwrap();
+            let (expected, missing) = (round["expected"].as_u64().unwrap(), round["missing"].as_u64().unwrap());
+            assert_eq!(missing, expected / 2, "{round}");
+        }
+    }
+    let status = run_in(at, "status parts/2 --json").json(0);
+    assert_eq!((status["part"].as_u64(), status["parts"].as_u64()), (Some(2), Some(2)));
+    assert_eq!(status["complete"], false);
+    let rounds = status["rounds"].as_array().unwrap();
+    let reference = rounds.iter().find(|round| round["task"] == "pressure/reference").unwrap();
+    assert_eq!((reference["done"].as_u64(), reference["missing"].as_u64()), (Some(200), Some(200)));
+    // The parts do not hold the rounds that follow.
+    run_in(at, "merge parts/1 parts/2 --out parts/all").refuses(3, &["blocks are missing", "--finish"]);
+    assert!(!at.join("parts/all").exists());
+    // Beside the merged blocks, the parts compute what follows.
+    let mut merged = 3;
+    for _ in 0..500 {
+        for number in [1, 2] {
+            assert_eq!(run_in(at, &format!("run study.toml --shard {number}/2 --out parts/{number}")).code, 0);
+        }
+        merged = run_in(at, "merge parts/1 parts/2 --out parts/all").code;
+        if merged != 3 {
+            break;
+        }
+    }
+    assert_eq!(merged, 0);
+    assert_same(&at.join("parts/all"), &wanted, "parts, round by round");
+}
+
+#[test]
+fn a_changed_stage_leaves_the_blocks_of_the_others() {
+    let folder = bench();
+    let at = folder.path();
+    whole(at);
+    let stages = || listing(&at.join("whole").join(BLOCKS)).into_iter().filter(|name| name != "run.json");
+    let before: Vec<String> = stages().collect();
+    let changed = STUDY.replace("trajectories = 128", "trajectories = 96");
+    fs::write(at.join("study.toml"), &changed).unwrap();
+    assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
+    let after: Vec<String> = stages().collect();
+    // Pressure and friction are the same; the blocks of the earlier vibration and verdict went with their run.
+    let same = after.iter().filter(|stage| before.contains(stage)).count();
+    assert_eq!((before.len(), after.len(), same), (4, 4, 2));
+    // Without pressure there is nothing to keep of it, unless another run uses it.
+    assert_eq!(run_in(at, "run study.toml --out whole/other").code, 0);
+    fs::write(at.join("study.toml"), changed.replace("fine_solves = 200", "fine_solves = 220")).unwrap();
+    assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
+    assert_eq!(listing(&at.join("whole").join(BLOCKS)).len(), 4 + 1 + 2, "{:?}", listing(&at.join("whole").join(BLOCKS)));
+}
+
+#[test]
+fn a_finished_run_is_resumed_reproduced_and_never_mixed_with_another() {
+    let folder = bench();
+    let at = folder.path();
+    whole(at);
+    // No folder, the finished run, another study.
+    assert_eq!(run_in(at, "run study.toml --out whole/new --resume").code, 0);
+    assert_eq!(run_in(at, "run study.toml --out whole/run --resume").code, 0);
+    assert_eq!(run_in(at, "run study.toml --out whole/run").code, 2);
+    run_in(at, "run study.toml --out whole/run --resume --seed 6").refuses(2, &["another study"]);
+    assert_eq!(run_in(at, "repro whole/run").stdout, "IDENTICAL\n");
+    let table = at.join("whole/run/tables/pressure_cdf.csv");
+    let text = fs::read_to_string(&table).unwrap();
+    fs::write(&table, text.replacen("0.", "1.", 1)).unwrap();
+    let found = run_in(at, "repro whole/run");
+    assert!(found.code == 1 && found.stdout.starts_with("tables/pressure_cdf.csv:"), "{found:?}");
+    let results = at.join("whole/run/results.json");
+    let text = fs::read_to_string(&results).unwrap();
+    fs::write(&results, text.replacen("\"seed\": 5", "\"seed\": 6", 1)).unwrap();
+    assert_eq!(run_in(at, "repro whole/run").stdout, "results.json: seed 6 before, 5 now\n");
+}
+
+#[test]
+fn parts_of_another_study_or_program_are_not_merged() {
+    let folder = bench();
+    let at = folder.path();
+    for (number, seed) in [(1, 5), (2, 6)] {
+        let line = format!("run study.toml --only friction --shard {number}/2 --out parts/{number} --seed {seed}");
+        assert_eq!(run_in(at, &line).code, 0);
+    }
+    run_in(at, "merge parts/1 parts/2 --out all").refuses(2, &["parts/2 is of another study"]);
+    let record = at.join("parts/1").join(BLOCKS).join("1.json");
+    let text = fs::read_to_string(&record).unwrap();
+    for (key, words) in [("sha256", "another program"), ("functions", "another mathematical library")] {
+        let begin = text.find(&format!("\"{key}\": \"")).unwrap() + key.len() + 5;
+        let digit = if &text[begin..=begin] == "0" { "1" } else { "0" };
+        fs::write(&record, format!("{}{digit}{}", &text[..begin], &text[begin + 1..])).unwrap();
+        run_in(at, "merge parts/1 --out all --finish").refuses(2, &[words]);
+    }
+    fs::write(&record, &text).unwrap();
+    assert_eq!(run_in(at, "merge parts/1 --out all --finish").code, 0);
+    run_in(at, "merge parts/3 --out other").refuses(3, &["parts/3: no blocks"]);
+    let wrong = [("--shard 3/2", "part"), ("--shard 0/2", "part"), ("--max-memory 4", "size"), ("--max-time 4", "unit")];
+    for (flags, words) in wrong {
+        run_in(at, &format!("run study.toml --out new {flags}")).refuses(2, &[words]);
+    }
+    run_in(at, "run study.toml --out new --max-memory 1kB").refuses(5, &["needs about", "more than 1 kB"]);
+    assert!(!at.join("new").exists());
+}
+
+#[test]
+fn damaged_blocks_are_computed_again() {
+    let folder = bench();
+    let at = folder.path();
+    let wanted = whole(at);
+    let files = block_files(&at.join("whole").join(BLOCKS));
+    assert!(files.len() >= 4);
+    let intact: Vec<Vec<u8>> = files.iter().map(|file| fs::read(file).unwrap()).collect();
+    for case in 0..12 {
+        for (place, (file, bytes)) in files.iter().zip(&intact).enumerate() {
+            let mut damaged = bytes.clone();
+            // Another byte each time, from the first to the last; or the end is missing.
+            let byte = (bytes.len() - 1) * case / 11;
+            if (case + place) % 3 == 0 {
+                damaged.truncate(byte);
+            } else {
+                damaged[byte] ^= 1 << (place % 8);
+            }
+            fs::write(file, damaged).unwrap();
+        }
+        let found = run_in(at, "run study.toml --out whole/run --force");
+        assert_eq!(found.code, 0, "{found:?}");
+        assert_same(&at.join("whole/run"), &wanted, &format!("damage {case}"));
+    }
+}
+
+/// Compiles the library of faults; `None` without a compiler.
+#[cfg(target_os = "linux")]
+fn faults(at: &Path) -> Option<PathBuf> {
+    let (source, library) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/faults.c"), at.join("faults.so"));
+    let mut compiler = Command::new("cc");
+    let done = compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source).arg("-ldl").status();
+    done.is_ok_and(|status| status.success()).then_some(library)
+}
+
+/// Runs the study into `place/run` with faults at calls on files of `place`.
+#[cfg(target_os = "linux")]
+fn faulty(at: &Path, library: &Path, place: &str, call: &str, [first, every, error]: [usize; 3]) -> Finished {
+    let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(["run", "study.toml", "--out", &format!("{place}/run")])
+        .current_dir(at)
+        .env("LD_PRELOAD", library)
+        .env("FAULT_CALL", call)
+        .env("FAULT_PATH", format!("{place}/"))
+        .env("FAULT_AT", first.to_string())
+        .env("FAULT_EVERY", every.to_string())
+        .env("FAULT_ERROR", error.to_string())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    Finished {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow"]
+fn a_run_killed_at_any_write_sync_or_rename_goes_on_with_the_same_results() {
+    let folder = bench();
+    let at = folder.path();
+    let Some(library) = faults(at) else { return println!("skipped: no C compiler") };
+    let wanted = whole(at);
+    for call in ["write", "fsync", "rename"] {
+        for first in 1.. {
+            let place = format!("{call}-{first}");
+            let killed = faulty(at, &library, &place, call, [first, 0, 0]);
+            let finished = run_in(at, &format!("run study.toml --out {place}/run --resume"));
+            assert_eq!(finished.code, 0, "{place}: {finished:?}");
+            assert_same(&at.join(&place).join("run"), &wanted, &place);
+            assert_eq!(listing(&at.join(&place)), [BLOCKS, "run"]);
+            fs::remove_dir_all(at.join(&place)).unwrap();
+            if killed.code == 0 {
+                assert!(first > 5, "{call}: too few calls");
+                break;
+            }
+            assert_eq!(killed.code, -1, "{killed:?}");
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow"]
+fn a_failing_disk_ends_a_run_with_one_message_and_keeps_the_finished_blocks() {
+    const ERRORS: [(usize, &str); 2] = [(28, "the disk is full"), (5, "Input/output error")];
+    const CALLS: [(&str, usize); 7] =
+        [("write", 1), ("write", 2), ("write", 3), ("write", 7), ("write", 40), ("fsync", 2), ("rename", 3)];
+    let folder = bench();
+    let at = folder.path();
+    let Some(library) = faults(at) else { return println!("skipped: no C compiler") };
+    let wanted = whole(at);
+    for (error, words) in ERRORS {
+        for (call, every) in CALLS {
+            let place = format!("{call}-{every}-{error}");
+            let found = faulty(at, &library, &place, call, [every, every, error]);
+            assert!(found.code == 5 && found.stdout.is_empty(), "{place}: {found:?}");
+            let errors: Vec<&str> = found.stderr.lines().filter(|line| line.starts_with("error")).collect();
+            let is_clear = errors.len() == 1 && errors[0].contains("cannot write") && errors[0].contains(words);
+            assert!(is_clear, "{place}: {found:?}");
+            assert!(!at.join(&place).join("run").exists(), "{place}");
+            let finished = run_in(at, &format!("run study.toml --out {place}/run --resume"));
+            assert_eq!(finished.code, 0, "{place}: {finished:?}");
+            assert_same(&at.join(&place).join("run"), &wanted, &place);
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow"]
+fn two_hundred_runs_killed_at_random_times_go_on_with_the_same_results() {
+    let folder = bench();
+    let at = folder.path();
+    let began = Instant::now();
+    let wanted = whole(at);
+    let whole_time = began.elapsed();
+    let (mut state, mut kept) = (0x9e37_79b9_7f4a_7c15_u64, 0);
+    for kill in 0..200 {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let share = (state >> 33) as f64 / (1_u64 << 31) as f64;
+        let started = start_in(at, "run study.toml --out killed/run --resume");
+        std::thread::sleep(whole_time.mul_f64(share));
+        send("-KILL", &started);
+        let killed = wait_for(started);
+        let blocks = at.join("killed").join(BLOCKS);
+        kept += usize::from(blocks.is_dir() && !block_files(&blocks).is_empty());
+        // Some runs go on from several interrupted ones.
+        if kill % 4 < 2 && killed.code != 0 {
+            continue;
+        }
+        let finished = run_in(at, "run study.toml --out killed/run --resume");
+        assert_eq!(finished.code, 0, "{finished:?}");
+        assert_same(&at.join("killed/run"), &wanted, &format!("kill {kill}"));
+        fs::remove_dir_all(at.join("killed")).unwrap();
+    }
+    assert!(kept > 50, "only {kept} of 200 kills left blocks");
+}
+
+#[test]
+#[ignore = "slow"]
+fn threads_parts_and_restarts_give_the_same_bytes() {
+    let folder = bench();
+    let at = folder.path();
+    let wanted = whole(at);
+    for threads in [1, 2, 3, 8] {
+        for parts in [1, 2, 5] {
+            for restarts in 0..2 {
+                let place = format!("t{threads}-{parts}-{restarts}");
+                let folders: Vec<String> = (1..=parts).map(|number| format!("{place}/{number}")).collect();
+                for (number, folder) in (1..).zip(&folders) {
+                    let line = format!("run study.toml --shard {number}/{parts} --out {folder} --threads {threads}");
+                    for _ in 0..=restarts {
+                        assert_eq!(run_in(at, &line).code, 0, "{line}");
+                    }
+                }
+                let merge = format!("merge {} --out {place}/all --finish --threads {threads}", folders.join(" "));
+                let found = run_in(at, &merge);
+                assert_eq!(found.code, 0, "{place}: {found:?}");
+                assert_same(&at.join(&place).join("all"), &wanted, &place);
+            }
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow"]
+fn a_signal_or_the_time_limit_ends_a_run_soon_and_keeps_its_blocks() {
+    let folder = bench();
+    let at = folder.path();
+    let long = STUDY.replace("reference_samples = 400", "reference_samples = 40000");
+    fs::write(at.join("study.toml"), long.replace("points = [16, 16]", "points = [128, 128]")).unwrap();
+    for signal in ["-INT", "-TERM"] {
+        let (found, time) = run_and_signal(at, "run study.toml --out runs/long", signal);
+        assert!(found.code == 130 && time < Duration::from_secs(2), "{time:?}: {found:?}");
+        assert_eq!(listing(&at.join("runs")), [BLOCKS]);
+        assert!(!block_files(&at.join("runs").join(BLOCKS)).is_empty());
+    }
+    let done = |status: &serde_json::Value| status["rounds"][0]["done"].as_u64().unwrap();
+    let before = done(&run_in(at, "status runs/long --json").json(0));
+    run_in(at, "run study.toml --out runs/long --max-time 2s").refuses(5, &["stopped after 2 s", "goes on"]);
+    let after = done(&run_in(at, "status runs/long --json").json(0));
+    assert!(before > 0 && after > before, "{before} {after}");
+}
