@@ -69,7 +69,9 @@ impl Merge {
         let outcome = match computation.compute(&blocks, self.json, monitor) {
             Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => {
                 let rounds = blocks.rounds();
-                Answer::default().with("complete", false).with("rounds", as_json(&rounds)).print(self.json)?;
+                if self.json {
+                    Answer::default().with("complete", false).with("rounds", as_json(&rounds)).print(true)?;
+                }
                 let words = missing(&rounds);
                 let advice = "compute the parts again beside --out, or add --finish";
                 return Err(Failure::new(Kind::Data, format!("blocks are missing: {words}; {advice}")));
