@@ -12,6 +12,9 @@ pub trait Monitor: Sync {
     /// Returns whether the computation should stop at the next block.
     fn cancelled(&self) -> bool;
 
+    /// Reports the begin of a stage of a study. Stages follow each other.
+    fn begin(&self, _stage: &str) {}
+
     /// Returns the store of finished blocks; `None` if every block is to be computed.
     fn store(&self) -> Option<&dyn BlockStore> {
         None

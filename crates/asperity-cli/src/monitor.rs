@@ -7,10 +7,12 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity::monitor::{Cancelled, Monitor};
+use asperity::study::result::StageCost;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::failure::{Failure, Kind};
 use crate::output::{print_message, record_warning};
+use crate::resources::{forget_peak_memory, peak_memory_bytes};
 
 /// Time between two progress lines if stderr is no terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -32,8 +34,16 @@ pub(crate) struct Terminal {
     /// Set during a computation that cannot be cancelled; a signal then ends the program.
     exit_immediately: Arc<AtomicBool>,
     last: Arc<Mutex<Last>>,
+    /// Stages begun, with their starts and peaks of memory.
+    stages: Mutex<Vec<Stage>>,
     /// Start of the computation, and its time limit.
     limit: OnceLock<(Instant, Duration)>,
+}
+
+struct Stage {
+    name: String,
+    started: Instant,
+    ended: Option<(Duration, Option<f64>)>,
 }
 
 enum Display {
@@ -117,7 +127,7 @@ impl Terminal {
         } else {
             Display::Lines
         };
-        Ok(Self { display, tasks: Mutex::default(), cancelled, exit_immediately, last, limit: OnceLock::new() })
+        Ok(Self { display, tasks: Mutex::default(), cancelled, exit_immediately, last, stages: Mutex::default(), limit: OnceLock::new() })
     }
 
     /// Adds what is left to do if a signal ends the program before its blocks are finished.
@@ -186,12 +196,40 @@ impl Terminal {
         self.tasks().iter().map(|(what, task)| (what.clone(), task.time().as_secs_f64())).collect()
     }
 
+    /// Returns the time and the peak of memory of each stage so far.
+    pub(crate) fn stages(&self) -> BTreeMap<String, StageCost> {
+        let mut stages = self.stages.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(last) = stages.last_mut() {
+            last.end();
+        }
+        let cost = |stage: &Stage| {
+            let (time, peak_memory_bytes) = stage.ended.unwrap_or_default();
+            (stage.name.clone(), StageCost { seconds: time.as_secs_f64(), peak_memory_bytes })
+        };
+        stages.iter().map(cost).collect()
+    }
+
     fn tasks(&self) -> MutexGuard<'_, BTreeMap<String, Task>> {
         self.tasks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
+impl Stage {
+    fn end(&mut self) {
+        self.ended.get_or_insert_with(|| (self.started.elapsed(), peak_memory_bytes()));
+    }
+}
+
 impl Monitor for Terminal {
+    fn begin(&self, stage: &str) {
+        let mut stages = self.stages.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(last) = stages.last_mut() {
+            last.end();
+        }
+        forget_peak_memory();
+        stages.push(Stage { name: stage.to_owned(), started: Instant::now(), ended: None });
+    }
+
     fn progress(&self, what: &str, done: usize, total: usize) {
         let mut tasks = self.tasks();
         let task = tasks.entry(what.to_owned()).or_insert_with(Task::new);

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use asperity::study::{Program, Provenance};
-use asperity::study::result::Machine;
+use asperity::study::result::{Machine, Program};
+use asperity::study::{Provenance, elementary_functions};
 
 use crate::failure::{Failure, Kind};
 use crate::run_folder::load_failure;
@@ -19,9 +19,9 @@ pub(crate) fn begin(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provena
             system: std::env::consts::OS.into(),
             architecture: std::env::consts::ARCH.into(),
             processor: processor(),
-            instruction_sets: instruction_sets(),
             threads: rayon::current_num_threads(),
         },
+        program: program()?,
         ..file_record
     })
 }
@@ -31,7 +31,18 @@ pub(crate) fn program() -> Result<Program, Failure> {
     let failed = |error: &std::io::Error| Failure::io(Kind::Runtime, "the program file", error);
     let file = std::env::current_exe().map_err(|e| failed(&e))?;
     let hash = asperity::study::file_hash(&file).map_err(|e| load_failure(&e))?;
-    Ok(Program::new(hash, instruction_sets()))
+    Ok(Program {
+        sha256: hash,
+        dependencies_sha256: dependencies_hash(),
+        instruction_sets: instruction_sets(),
+        functions: elementary_functions(),
+    })
+}
+
+/// Returns the hash of the list of all libraries; empty if it was not known when the program was built.
+fn dependencies_hash() -> String {
+    let list = include_bytes!(concat!(env!("OUT_DIR"), "/Cargo.lock"));
+    if list.is_empty() { String::new() } else { asperity::study::sha256(list) }
 }
 
 /// Returns the name of the processor, if the system reports it.

@@ -51,8 +51,24 @@ fn free_disk_bytes(_path: &Path) -> Option<f64> {
     None
 }
 
+/// Returns the largest resident memory of the program since the last [`forget_peak_memory`], where the system reports it.
+pub(crate) fn peak_memory_bytes() -> Option<f64> {
+    kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
+/// Starts to measure the peak of memory anew, where the system can.
+pub(crate) fn forget_peak_memory() {
+    // Elsewhere the peak is that since the start.
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
 fn available_bytes(meminfo: &str) -> Option<f64> {
-    let line = meminfo.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    kibibytes(meminfo, "MemAvailable:")
+}
+
+/// Returns the bytes of an entry in a list of the system.
+fn kibibytes(list: &str, name: &str) -> Option<f64> {
+    let line = list.lines().find(|line| line.starts_with(name))?;
     let kibibytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kibibytes * 1024.0)
 }

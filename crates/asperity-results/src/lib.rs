@@ -34,7 +34,7 @@ pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
     PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
 };
-pub use provenance::{Machine, Provenance};
+pub use provenance::{Machine, Program, Provenance, StageCost};
 pub use surface::{
     CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface,
     PartStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,

@@ -115,7 +115,7 @@ impl Computation {
         monitor: &Terminal,
     ) -> Result<PathBuf, Failure> {
         outcome.results.warnings.iter().for_each(|warning| monitor.warn(warning));
-        provenance.seconds = monitor.seconds();
+        (provenance.seconds, provenance.stages) = (monitor.seconds(), monitor.stages());
         let folder = study_file::folder_of(&self.file);
         write_run(&staging, &self.study, folder, outcome, &provenance).map_err(|e| store_failure(&e))?;
         let written = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)))?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::study::{RunStatus, Share};
+use asperity::study::{RunStatus, Share, program_difference};
 use clap::Args;
 
 use super::computation::{Computation, as_json, missing, open, removed_at_exit};
@@ -10,7 +10,6 @@ use super::run;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::provenance;
 use crate::run_folder::{begin_folder, store_failure};
 
 /// Makes one run of the parts that `asperity run --shard` computed. The parts are of the same study, and of this program on machines like
@@ -50,7 +49,7 @@ impl Merge {
         }
         let computation = Computation::of(first)?;
         let record = computation.record(None)?;
-        if let Some(difference) = provenance::program()?.difference(&first.program) {
+        if let Some(difference) = program_difference(&record.program, &first.program) {
             return Err(Failure::usage(format_args!(
                 "{} is of {difference} than this program on this machine",
                 self.parts[0].display()

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 #[cfg(target_os = "linux")]
-use crate::support::{Finished, run_and_signal, send, start_in, wait_for};
-use crate::support::{listing, run_in};
+use crate::support::{Finished, run_and_signal, send, start_in, wait_for, whole_listing};
+use crate::support::{BLOCKS, listing, run_in};
 
 /// All stages but the verdict, in some seconds.
 const STUDY: &str = r#"seed = 5
@@ -50,7 +50,6 @@ damping_sweep = [0.3, 0.5, 3]
 trajectories = 64
 duration = 50.0
 "#;
-const BLOCKS: &str = ".asperity-blocks";
 
 fn bench(study: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
@@ -278,7 +277,7 @@ fn a_run_killed_at_any_write_sync_or_rename_goes_on_with_the_same_results() {
             let finished = run_in(at, &format!("run study.toml --out {place}/run --resume"));
             assert_eq!(finished.code, 0, "{place}: {finished:?}");
             assert_same(&at.join(&place).join("run"), &wanted, &place);
-            assert_eq!(listing(&at.join(&place)), [BLOCKS, "run"]);
+            assert_eq!(whole_listing(&at.join(&place)), [BLOCKS, "run"]);
             fs::remove_dir_all(at.join(&place)).unwrap();
             if killed.code == 0 {
                 assert!(first > 5, "{call}: too few calls");
@@ -384,7 +383,7 @@ fn a_signal_or_the_time_limit_ends_a_run_soon_and_keeps_its_blocks() {
     for signal in ["-INT", "-TERM"] {
         let (found, time) = run_and_signal(at, "run study.toml --out runs/long", signal);
         assert!(found.code == 130 && time < Duration::from_secs(2), "{time:?}: {found:?}");
-        assert_eq!(listing(&at.join("runs")), [BLOCKS]);
+        assert_eq!(whole_listing(&at.join("runs")), [BLOCKS]);
         assert!(!block_files(&at.join("runs").join(BLOCKS)).is_empty());
     }
     let done = |status: &serde_json::Value| status["rounds"][0]["done"].as_u64().unwrap();

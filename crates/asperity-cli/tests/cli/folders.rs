@@ -211,7 +211,7 @@ fn two_runs_into_one_new_folder_lose_no_result() {
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "slow"]
-fn sigterm_ends_like_ctrl_c_and_leaves_nothing() {
+fn sigterm_ends_like_ctrl_c_and_leaves_nothing_but_finished_blocks() {
     let folder = bench();
     let at = folder.path();
     let long = STUDY.to_owned()
@@ -230,6 +230,11 @@ fn sigterm_ends_like_ctrl_c_and_leaves_nothing() {
             let (found, _) = run_and_signal(at, &line, signal);
             assert_eq!((found.code, found.stdout.as_str()), (130, ""), "{line} {signal}: {found:?}");
             assert!(found.stderr.contains("cancelled"), "{line} {signal}: {found:?}");
+            if line.starts_with("run") {
+                // The finished blocks, from which the run goes on.
+                assert_eq!(listing(&at.join("deep")), [""; 0], "{line} {signal}");
+                fs::remove_dir_all(at.join("deep")).unwrap();
+            }
             assert_eq!(listing(at), INPUTS, "{line} {signal}");
         }
     }

@@ -189,8 +189,18 @@ pub(crate) fn written(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Returns the sorted names in a folder.
+/// Name of the folder of stored blocks beside runs.
+pub(crate) const BLOCKS: &str = ".asperity-blocks";
+
+/// Returns the sorted names in a folder, without that of stored blocks, which every run may leave.
 pub(crate) fn listing(folder: &Path) -> Vec<String> {
+    let mut names = whole_listing(folder);
+    names.retain(|name| name != BLOCKS);
+    names
+}
+
+/// Returns the sorted names in a folder.
+pub(crate) fn whole_listing(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();

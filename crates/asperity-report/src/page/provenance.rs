@@ -12,7 +12,8 @@ const LISTED: usize = 12;
 /// Returns every entry of `provenance.json`: the run, its inputs, the machine and the computing times.
 pub(super) fn table(provenance: &Provenance) -> DataTable {
     let machine = &provenance.machine;
-    let sets = &machine.instruction_sets;
+    let program = &provenance.program;
+    let sets = &program.instruction_sets;
     let sets = if sets.len() <= LISTED { sets.join(", ") } else { format!("{} values", sets.len()) };
     let rows = [
         ("version of asperity", provenance.asperity.clone()),
@@ -26,12 +27,26 @@ pub(super) fn table(provenance: &Provenance) -> DataTable {
         ("processor", machine.processor.clone().unwrap_or_else(|| DASH.into())),
         ("instruction sets", if sets.is_empty() { DASH.into() } else { sets }),
         ("threads", machine.threads.to_string()),
+        ("Program (SHA-256)", String::new()),
+        ("program file", or_dash(&program.sha256)),
+        ("list of libraries", or_dash(&program.dependencies_sha256)),
+        ("elementary functions", or_dash(&program.functions)),
         ("Inputs (SHA-256)", String::new()),
     ];
     let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(provenance.inputs.clone());
+    let stages = provenance.stages.iter().map(|(stage, cost)| {
+        let time = Dimension::Time.show_short(cost.seconds);
+        let memory = cost.peak_memory_bytes.map_or_else(String::new, |bytes| format!(", {:.0} MB", 1e-6 * bytes));
+        (format!("{stage} stage"), time + &memory)
+    });
     let time = |(task, seconds): (&String, &f64)| (task.replace('_', " "), Dimension::Time.show_short(*seconds));
-    let times = std::iter::once(("Computing time".into(), String::new())).chain(provenance.seconds.iter().map(time));
+    let heading = ("Computing time, largest memory".into(), String::new());
+    let times = std::iter::once(heading).chain(stages).chain(provenance.seconds.iter().map(time));
     DataTable::properties("", rows.chain(times), "provenance.json")
+}
+
+fn or_dash(text: &str) -> String {
+    if text.is_empty() { DASH.into() } else { text.into() }
 }
 
 /// Formats seconds since 1970-01-01 as date and time in UTC (H. Hinnant's algorithm for days of the Gregorian calendar).

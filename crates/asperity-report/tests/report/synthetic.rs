@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use asperity_report::{Field, Input, Run, Table};
-use asperity_results::{Machine, Provenance, Results};
+use asperity_results::{Machine, Program, Provenance, Results};
 
 /// A reproducible number in [0, 1) for texture (a hash of the index, no statistics are drawn from it).
 fn noise(index: u64) -> f64 {
@@ -490,7 +490,8 @@ fn build() -> Run {
             study: "brake".into(),
             seed: 2016,
             inputs: BTreeMap::from([("brake_disc.x3p".into(), "sha256:9f86d081884c7d65".into())]),
-            machine: Machine { threads: 2, instruction_sets: vec!["avx2".into()], ..Machine::default() },
+            machine: Machine { threads: 2, ..Machine::default() },
+            program: Program { instruction_sets: vec!["avx2".into()], ..Program::default() },
             ..Provenance::default()
         }),
     }

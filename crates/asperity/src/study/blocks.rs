@@ -19,12 +19,17 @@ use asperity_formats::{remove_abandoned_files, replace_file};
 use sha2::{Digest, Sha256};
 
 use self::file::{Block, Entry, Round};
-pub use self::record::{Program, RunRecord};
+pub use self::record::{RunRecord, elementary_functions, program_difference};
 use self::writer::Writer;
 use crate::study::{Stage, StoreError};
 
 /// Name of the folder of blocks beside a run.
 const FOLDER: &str = ".asperity-blocks";
+
+/// Returns the SHA-256 of bytes as lower-case hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    file::hex(&Sha256::digest(bytes))
+}
 
 /// Returns the SHA-256 of parts as hexadecimal digits.
 fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {

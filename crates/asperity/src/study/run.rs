@@ -178,12 +178,11 @@ impl Study {
             None => (None, None, Vec::new()),
         };
         if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
-            monitor.progress("surface", 0, 1);
+            monitor.begin(Stage::Surface.name());
             let mut stage = surface_stage::run(section, request, folder)?;
             if let Some(counterface) = &self.counterface {
                 gathered.results.counterface = Some(counterface.add_to(&mut stage, folder)?);
             }
-            monitor.progress("surface", 1, 1);
             stage.output.assumptions.extend(counterface::contact_sentence(self.file()));
             gathered.add(mem::take(&mut stage.output));
             surface = Some(stage);
@@ -294,6 +293,7 @@ impl Stages<'_> {
         depends_on: &[&dyn Debug],
         run: impl FnOnce(&dyn Monitor) -> Result<T, StudyError>,
     ) -> Result<Option<T>, StudyError> {
+        self.monitor.begin(stage.name());
         let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
         match run(&blocks.stage(stage, depends_on, self.monitor)) {
             Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use asperity_formats::replace_file;
 use serde::{Deserialize, Serialize};
 
+use crate::study::result::Program;
 use crate::study::{Stage, StoreError, json_bytes};
 
 /// Extension of records.
@@ -38,40 +39,22 @@ pub struct RunRecord {
     pub finished: bool,
 }
 
-/// What decides the bits of a block beside the study.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Program {
-    /// SHA-256 of the program file.
-    pub sha256: String,
-    /// Instruction sets on which the last bits of results may depend.
-    pub instruction_sets: Vec<String>,
-    /// Hash of values of the elementary functions.
-    pub functions: String,
-}
-
-impl Program {
-    /// Returns what decides the bits of blocks that the program file with this SHA-256 computes on this machine.
-    pub fn new(sha256: String, instruction_sets: Vec<String>) -> Self {
-        Self { sha256, instruction_sets, functions: functions() }
-    }
-
-    /// Returns what differs from another program.
-    pub fn difference(&self, other: &Self) -> Option<&'static str> {
-        if self.sha256 != other.sha256 {
-            Some("another program or version")
-        } else if self.instruction_sets != other.instruction_sets {
-            Some("other instruction sets")
-        } else if self.functions != other.functions {
-            Some("another mathematical library")
-        } else {
-            None
-        }
+/// Returns what differs between two programs.
+pub fn program_difference(one: &Program, other: &Program) -> Option<&'static str> {
+    if (&one.sha256, &one.dependencies_sha256) != (&other.sha256, &other.dependencies_sha256) {
+        Some("another program or version")
+    } else if one.instruction_sets != other.instruction_sets {
+        Some("other instruction sets")
+    } else if one.functions != other.functions {
+        Some("another mathematical library")
+    } else {
+        None
     }
 }
 
-/// Returns a hash of values of the elementary functions, whose last bits differ between mathematical libraries, and between processors
+/// Returns the SHA-256 of values of the elementary functions, whose last bits differ between mathematical libraries, and between processors
 /// with the same library.
-fn functions() -> String {
+pub fn elementary_functions() -> String {
     const POINTS: u32 = 512;
     let unary = [f64::exp, f64::ln, f64::sin, f64::cos, f64::tan, f64::atan, f64::tanh, f64::sinh, f64::cbrt, f64::exp_m1, f64::ln_1p];
     let mut bytes = Vec::new();
@@ -80,7 +63,7 @@ fn functions() -> String {
         let values = unary.iter().map(|function| function(x)).chain([x.powf(1.7), x.hypot(3.1), x.atan2(0.7)]);
         values.for_each(|value| bytes.extend(value.to_le_bytes()));
     }
-    super::hash([bytes.as_slice()])
+    super::sha256(&bytes)
 }
 
 impl RunRecord {
@@ -90,7 +73,7 @@ impl RunRecord {
         if of_study(self) != of_study(other) {
             return Some("another study, seed or stage");
         }
-        self.program.difference(&other.program)
+        program_difference(&self.program, &other.program)
     }
 
     /// Returns the file of the record of a run in a folder of blocks.
