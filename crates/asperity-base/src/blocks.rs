@@ -7,6 +7,7 @@
 //!
 //! The loops of a [`Task`] read and store their blocks in the [`BlockStore`](crate::monitor::BlockStore) of its monitor, if it has one.
 
+use std::fmt::Display;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -70,7 +71,7 @@ impl<'a> Task<'a> {
         E: From<Cancelled> + Send,
     {
         let mut found = Vec::with_capacity(count);
-        let loop_ = Loop { count, block_bytes: size_of::<B>(), steps: 1, failed: |_| false };
+        let loop_ = Loop { count, block_bytes: size_of::<B>(), steps: 1, failure: |_| None };
         self.reduce(&loop_, || (), |(), index| self.step(|| block(index))?, |_, block| found.push(block))?;
         Ok(found)
     }
@@ -86,10 +87,11 @@ impl<'a> Task<'a> {
     ) -> Result<Vec<Result<T, R>>, Cancelled>
     where
         T: Serialize + DeserializeOwned + Send,
-        R: Serialize + DeserializeOwned + Send,
+        R: Display + Serialize + DeserializeOwned + Send,
     {
         let mut found = Vec::with_capacity(count);
-        let loop_ = Loop { count, block_bytes: size_of::<Result<T, R>>(), steps: 1, failed: Result::is_err };
+        let failure = |block: &Result<T, R>| block.as_ref().err().map(R::to_string);
+        let loop_ = Loop { count, block_bytes: size_of::<Result<T, R>>(), steps: 1, failure };
         self.reduce(&loop_, || (), |(), index| self.step(|| block(index)), |_, block| found.push(block))?;
         Ok(found)
     }
@@ -109,11 +111,11 @@ impl<'a> Task<'a> {
         B: Serialize + DeserializeOwned + Send,
         E: From<Cancelled> + Send,
     {
-        let Loop { count, block_bytes, steps, failed } = *blocks;
+        let Loop { count, block_bytes, steps, failure } = *blocks;
         // Cancellation may end a computation in any failure.
         let computed = |own: &mut W, index: usize| -> Result<B, E> {
             let found = block(own, index)?;
-            if failed(&found) && self.monitor.cancelled() { Err(Cancelled.into()) } else { Ok(found) }
+            if failure(&found).is_some() && self.monitor.cancelled() { Err(Cancelled.into()) } else { Ok(found) }
         };
         let Some(store) = self.store() else { return reduce(count, block_bytes, workspace, computed, add) };
         let round = store.begin(self.name, count);
@@ -131,15 +133,21 @@ impl<'a> Task<'a> {
             }
             let found = computed(own.get_or_insert_with(&workspace), index)?;
             if let Ok(bytes) = postcard::to_allocvec(&found) {
-                store.save(round, index, failed(&found), bytes);
+                store.save(round, index, failure(&found), bytes);
             }
             Ok(Some(found))
         };
         let mut complete = true;
-        reduce(count, block_bytes, || None, stored_or_computed, |index, block| match block {
-            Some(block) if complete => add(index, block),
-            _ => complete = false,
-        })?;
+        reduce(
+            count,
+            block_bytes,
+            || None,
+            stored_or_computed,
+            |index, block| match block {
+                Some(block) if complete => add(index, block),
+                _ => complete = false,
+            },
+        )?;
         // Blocks of other processes are missing.
         if complete { Ok(()) } else { Err(Cancelled.into()) }
     }
@@ -153,8 +161,8 @@ pub struct Loop<B> {
     pub block_bytes: usize,
     /// Steps of the task in each block.
     pub steps: usize,
-    /// Whether a block holds the reason of a failure.
-    pub failed: fn(&B) -> bool,
+    /// Reason of the failure that a block holds.
+    pub failure: fn(&B) -> Option<String>,
 }
 
 /// Collection of blocks.

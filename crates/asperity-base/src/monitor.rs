@@ -37,8 +37,8 @@ pub trait BlockStore: Sync {
     /// Returns a stored block; `None` if it is missing or damaged.
     fn load(&self, round: RoundId, index: usize) -> Option<Vec<u8>>;
 
-    /// Stores a finished block. `failed` states that it holds the reason of a failure. The store keeps its own errors.
-    fn save(&self, round: RoundId, index: usize, failed: bool, bytes: Vec<u8>);
+    /// Stores a finished block, with the reason if it holds a failure. The store keeps its own errors.
+    fn save(&self, round: RoundId, index: usize, failure: Option<String>, bytes: Vec<u8>);
 
     /// Returns whether this process computes the missing block of an index.
     fn computes(&self, index: usize) -> bool;

@@ -185,10 +185,21 @@ pub(crate) fn non_negative(text: &str) -> Result<f64, Refusal> {
 
 /// Parses a number of bytes with its unit, such as `4 GB`.
 pub(crate) fn bytes(text: &str) -> Result<f64, Refusal> {
-    const UNITS: [(&str, f64); 7] =
-        [("KiB", 1024.0), ("MiB", 1_048_576.0), ("GiB", 1_073_741_824.0), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
-    let found = UNITS.iter().find_map(|(unit, bytes)| Some(text.trim().strip_suffix(unit)?.trim().parse::<f64>().ok()? * bytes));
-    found.filter(|bytes| *bytes > 0.0 && bytes.is_finite()).ok_or_else(|| format!("`{text}` is not a size such as 4 GB").into())
+    const UNITS: [(&str, f64); 7] = [
+        ("KiB", 1024.0),
+        ("MiB", 1_048_576.0),
+        ("GiB", 1_073_741_824.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+    ];
+    let found = UNITS
+        .iter()
+        .find_map(|(unit, bytes)| Some(text.trim().strip_suffix(unit)?.trim().parse::<f64>().ok()? * bytes));
+    found
+        .filter(|bytes| *bytes > 0.0 && bytes.is_finite())
+        .ok_or_else(|| format!("`{text}` is not a size such as 4 GB").into())
 }
 
 /// Parses one part of several, `I/N` with I from 1.

@@ -127,7 +127,15 @@ impl Terminal {
         } else {
             Display::Lines
         };
-        Ok(Self { display, tasks: Mutex::default(), cancelled, exit_immediately, last, stages: Mutex::default(), limit: OnceLock::new() })
+        Ok(Self {
+            display,
+            tasks: Mutex::default(),
+            cancelled,
+            exit_immediately,
+            last,
+            stages: Mutex::default(),
+            limit: OnceLock::new(),
+        })
     }
 
     /// Adds what is left to do if a signal ends the program before its blocks are finished.

@@ -19,8 +19,6 @@ use asperity_contact::{
 };
 use asperity_surface::RandomSurface;
 
-/// Least fraction of strips that must converge at a level.
-const LEAST_VALID_FRACTION: f64 = 0.95;
 /// Tolerance of the contact stiffness; the relative error of the stiffness is of the order of its square.
 const STIFFNESS_TOLERANCE: f64 = 1e-3;
 
@@ -37,6 +35,8 @@ pub struct StripProblem {
     pub hardness_pa: Option<f64>,
     /// Contact solver.
     pub solver: Solver,
+    /// Least share of strips that must converge at a level.
+    pub valid_share: f64,
 }
 
 impl StripProblem {
@@ -215,7 +215,7 @@ impl Strips<'_> {
             count: self.realisations,
             block_bytes: size_of::<StripBlock>(),
             steps: levels.len(),
-            failed: |levels: &StripBlock| levels.iter().any(Result::is_err),
+            failure: |levels: &StripBlock| levels.iter().find_map(|level| level.as_ref().err().cloned()),
         };
         let workspace = || self.problem.half_space.workspace();
         let solve = |workspace: &mut _, index| self.solve_strip(index, levels, task, workspace);
@@ -362,7 +362,7 @@ impl Strips<'_> {
                 Err(reason) => level.failures.push(FailedStrip { index, reason }),
             }
         }
-        check_valid(&level.failures, self.realisations)?;
+        self.check_valid(&level.failures)?;
         let count = (self.realisations - level.failures.len()) as f64;
         level.penetration_m /= count;
         level.mean_pressure_pa /= count;
@@ -372,12 +372,15 @@ impl Strips<'_> {
     }
 }
 
-/// Returns an error if too few of `total` strips converged.
-pub(super) fn check_valid(failures: &[FailedStrip], total: usize) -> Result<(), FrictionError> {
-    let valid = total - failures.len();
-    if (valid as f64) < LEAST_VALID_FRACTION * total as f64 {
-        let first = failures.first().map_or_else(String::new, |failure| failure.reason.clone());
-        return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_FRACTION, first });
+impl Strips<'_> {
+    /// Returns an error if too few strips converged.
+    pub(super) fn check_valid(&self, failures: &[FailedStrip]) -> Result<(), FrictionError> {
+        let (total, wanted) = (self.realisations, self.problem.valid_share);
+        let valid = total - failures.len();
+        if (valid as f64) < wanted * total as f64 {
+            let first = failures.first().map_or_else(String::new, |failure| failure.reason.clone());
+            return Err(FrictionError::TooFewValid { valid, total, wanted, first });
+        }
+        Ok(())
     }
-    Ok(())
 }

@@ -22,7 +22,7 @@ pub use self::distances::DISTANCES;
 use self::distances::Distances;
 use crate::FrictionError;
 use crate::solved_level::SolvedLevel;
-use crate::strip::{FailedStrip, Record, Strips, check_valid};
+use crate::strip::{FailedStrip, Record, Strips};
 use crate::window::Window;
 use crate::window_contact::window_contacts;
 
@@ -71,12 +71,13 @@ impl TwoBodyFriction {
             count: solved.len(),
             block_bytes: size_of::<Vec<Record>>() * distances.moved().len(),
             steps: distances.moved().len(),
-            failed: |moved: &Result<Vec<Vec<Record>>, String>| moved.is_err(),
+            failure: |moved: &Result<Vec<Vec<Record>>, String>| moved.as_ref().err().cloned(),
         };
         let solve = |workspace: &mut ContactWorkspace, place: usize| -> Result<Result<Vec<_>, _>, Cancelled> {
-            let records = distances.moved().iter().map(|cells| {
-                task.step(|| records_after(strips, solved[place], *cells, window, control, workspace))
-            });
+            let records = distances
+                .moved()
+                .iter()
+                .map(|cells| task.step(|| records_after(strips, solved[place], *cells, window, control, workspace)));
             records.collect()
         };
         let mut moved = Vec::with_capacity(solved.len());
@@ -90,7 +91,7 @@ impl TwoBodyFriction {
                 Err(reason) => failures.push(FailedStrip { index, reason }),
             }
         }
-        check_valid(&failures, strips.realisations)?;
+        strips.check_valid(&failures)?;
         Ok(Some(split::split(&deviations(&records), &distances, level.process.moments.std, window.length_m())))
     }
 }

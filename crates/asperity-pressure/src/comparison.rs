@@ -159,7 +159,8 @@ impl MethodComparison {
         let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube");
         let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol");
         // None of these rounds needs another, so all are begun before the first that is not complete ends the computation.
-        let (reference, monte_carlo, latin, sobol) = (self.reference(&reference?, largest_pa)?, monte_carlo?, latin?, sobol?);
+        let (reference, monte_carlo, latin, sobol) =
+            (self.reference(&reference?, largest_pa)?, monte_carlo?, latin?, sobol?);
         let site_shape = site_shape(problem, stride);
         let fields = FieldDistributions::new(&monte_carlo, self.variables, self.degree, site_shape);
         let monte_carlo = monte_carlo.without_fields();

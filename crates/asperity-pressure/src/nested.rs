@@ -151,7 +151,10 @@ impl Round<'_> {
             count: self.blocks(),
             block_bytes: size_of::<CoarseBlock>(),
             steps: 1,
-            failed: |block: &CoarseBlock| block.observations.iter().any(Option::is_none),
+            failure: |block: &CoarseBlock| {
+                let fails = block.observations.iter().any(Option::is_none);
+                fails.then(|| "a coarser grid has no solution".to_owned())
+            },
         };
         let solve = |workspaces: &mut Vec<_>, index| task.step(|| self.solve(index, models, workspaces));
         let mut found = Vec::with_capacity(coarse.count);

@@ -141,7 +141,12 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
     let block = |workspace: &mut ContactWorkspace, index| {
         task.step(|| plan.solve(index, workspace).map_err(|reason| reason.to_string()))
     };
-    let blocks = Loop { count: samples, block_bytes, steps: 1, failed: Result::is_err };
+    let blocks = Loop {
+        count: samples,
+        block_bytes,
+        steps: 1,
+        failure: |block: &Result<_, String>| block.as_ref().err().cloned(),
+    };
     task.reduce(&blocks, || half_space.workspace(), block, |index, block| solved.add(index, block))?;
     match solved.failures.first() {
         Some(first)

@@ -181,7 +181,12 @@ impl<'a> Plan<'a> {
     }
 
     /// Simulates the trajectories of a block, one step of the task each.
-    fn block(&self, block: Range<usize>, monitor: &dyn Monitor, task: &blocks::Task<'_>) -> Vec<Result<Outcome, String>> {
+    fn block(
+        &self,
+        block: Range<usize>,
+        monitor: &dyn Monitor,
+        task: &blocks::Task<'_>,
+    ) -> Vec<Result<Outcome, String>> {
         let mut outcomes: Vec<_> = block.clone().map(|_| Err(Cancelled.to_string())).collect();
         simulate_many(
             &self.followed,
@@ -297,17 +302,22 @@ impl Ensemble {
             count: total.div_ceil(BLOCK),
             block_bytes: settings.block_bytes() as usize,
             steps: BLOCK,
-            failed: |outcomes: &Vec<Result<Outcome, String>>| outcomes.iter().any(Result::is_err),
+            failure: |outcomes: &Vec<Result<Outcome, String>>| outcomes.iter().find_map(|o| o.as_ref().err().cloned()),
         };
         let block = |(): &mut (), index: usize| -> Result<_, Cancelled> {
             Ok(plan.block(index * BLOCK..total.min((index + 1) * BLOCK), monitor, &task))
         };
         let mut reduction = Reduction::new(settings);
-        task.reduce(&chunks, || (), block, |index, outcomes| {
-            for (trajectory, outcome) in (index * BLOCK..).zip(outcomes) {
-                reduction.add(trajectory, outcome, settings.duration);
-            }
-        })?;
+        task.reduce(
+            &chunks,
+            || (),
+            block,
+            |index, outcomes| {
+                for (trajectory, outcome) in (index * BLOCK..).zip(outcomes) {
+                    reduction.add(trajectory, outcome, settings.duration);
+                }
+            },
+        )?;
         reduction.finish(&plan)
     }
 }

@@ -39,7 +39,10 @@ mod write_run;
 
 use asperity_base::sentence;
 
-pub use blocks::{RoundState, RunBlocks, RunRecord, RunStatus, Share, elementary_functions, program_difference, sha256};
+pub use blocks::{
+    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, elementary_functions,
+    program_difference, sha256,
+};
 pub use check::{InvalidValue, Study};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};

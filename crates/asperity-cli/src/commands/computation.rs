@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use asperity::study::{
-    FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Staging, Stage, Study, StudyError, write_run,
+    FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging, Study, StudyError,
+    write_run,
 };
 use serde_json::{Value, json};
 
@@ -68,13 +69,18 @@ impl Computation {
         Ok(Provenance { only: self.only.map(|stage| stage.name().to_owned()), ..provenance })
     }
 
-    /// Fails if the memory of the machine, or a limit in bytes, is too small, or the disk of the destination.
-    pub(super) fn require_resources(&self, destination: &Path, most_bytes: Option<f64>) -> Result<(), Failure> {
+    /// Fails if the memory of the machine, or a limit in bytes, is too small.
+    pub(super) fn require_memory(&self, most_bytes: Option<f64>) -> Result<(), Failure> {
         for stage in self.study.estimate(rayon::current_num_threads()) {
             let what = format!("the {} stage", stage.stage.name());
             require_memory(stage.memory_bytes, &what)?;
             most_bytes.map_or(Ok(()), |most| limit_memory(stage.memory_bytes, &what, most))?;
         }
+        Ok(())
+    }
+
+    /// Fails if the disk of the destination is too small.
+    pub(super) fn require_disk(&self, destination: &Path) -> Result<(), Failure> {
         require_disk(self.study.disk_bytes() + scan_field_bytes(&self.data()), destination, "the run")
     }
 
@@ -115,6 +121,11 @@ impl Computation {
         monitor: &Terminal,
     ) -> Result<PathBuf, Failure> {
         outcome.results.warnings.iter().for_each(|warning| monitor.warn(warning));
+        let failed: usize = blocks.rounds().iter().map(|round| round.failed).sum();
+        if failed > 0 {
+            let (noun, run) = (if failed == 1 { "sample" } else { "samples" }, staging.destination().display());
+            monitor.note(&format!("{failed} {noun} failed; `asperity status {run}` lists them"));
+        }
         (provenance.seconds, provenance.stages) = (monitor.seconds(), monitor.stages());
         let folder = study_file::folder_of(&self.file);
         write_run(&staging, &self.study, folder, outcome, &provenance).map_err(|e| store_failure(&e))?;
@@ -157,7 +168,8 @@ pub(super) fn as_json(rounds: &[RoundState]) -> Vec<Value> {
 /// Returns which loops lack blocks, in words.
 pub(super) fn missing(rounds: &[RoundState]) -> String {
     let lacks = rounds.iter().filter(|round| round.done < round.expected);
-    let words = lacks.map(|round| format!("{} ({} of {} blocks)", round.name, round.expected - round.done, round.expected));
+    let words =
+        lacks.map(|round| format!("{} ({} of {} blocks)", round.name, round.expected - round.done, round.expected));
     words.collect::<Vec<_>>().join(", ")
 }
 

@@ -55,12 +55,13 @@ impl Merge {
                 self.parts[0].display()
             )));
         }
-        computation.require_resources(&self.out, None)?;
+        computation.require_memory(None)?;
         let provenance = computation.provenance()?;
         let inputs = computation.inputs();
         let inputs: Vec<&Path> = inputs.iter().chain(&self.parts).map(PathBuf::as_path).collect();
         let staging = begin_folder("--out", &self.out, self.force, &inputs)?;
         removed_at_exit(&staging, monitor);
+        computation.require_disk(&self.out)?;
         let blocks = open(&self.out, record, if self.finish { Share::All } else { Share::None })?;
         for part in &self.parts {
             blocks.import(part).map_err(|e| store_failure(&e))?;
@@ -78,8 +79,7 @@ impl Merge {
             outcome => outcome?,
         };
         let written = computation.write(staging, &outcome, provenance, &blocks, monitor)?;
-        let answer =
-            if self.json { Answer::new(&outcome.results)? } else { run::headline(&outcome.results, &written) };
+        let answer = if self.json { Answer::new(&outcome.results)? } else { run::headline(&outcome.results, &written) };
         answer.print(self.json)
     }
 }

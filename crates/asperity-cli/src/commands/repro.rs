@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::PathBuf;
 
-use asperity::study::{StoredRun, StoreError, result_files};
+use asperity::study::{BlockPlace, RunStatus, Share, StoreError, StoredRun, program_difference, result_files};
 use clap::Args;
 use serde_json::Value;
 
-use super::computation::Computation;
+use super::computation::{Computation, open};
 use super::study_file;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
@@ -15,15 +15,22 @@ use crate::output::print;
 use crate::run_folder::{load_failure, store_failure};
 
 /// Computes a finished run again, without its stored blocks, and compares all results, tables and fields: prints IDENTICAL, or the first
-/// difference (exit code 1).
+/// difference (exit code 1). With --sample, computes one sample again, of a run that need not be finished.
 #[derive(Debug, Args)]
 pub(crate) struct Repro {
-    /// Folder of a finished run.
+    /// Folder of the run.
     dir: PathBuf,
+    /// Compute this sample alone, named as `asperity status` lists failed ones; prints the reason of its failure, and whether the stored
+    /// sample is identical.
+    #[arg(long, value_name = "TASK:INDEX")]
+    sample: Option<BlockPlace>,
 }
 
 impl Repro {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        if let Some(place) = &self.sample {
+            return self.sample(place, monitor);
+        }
         let stored = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let only = stored.provenance.only.as_deref().map(str::parse).transpose();
         let only = only.map_err(|error| Failure::data(self.dir.display(), &error))?;
@@ -49,6 +56,32 @@ impl Repro {
                 print(&format!("{difference}\n"))?;
                 Err(Failure::new(Kind::Runtime, "the run is not reproduced"))
             }
+        }
+    }
+
+    /// Computes one sample again.
+    fn sample(&self, place: &BlockPlace, monitor: &Terminal) -> Result<(), Failure> {
+        let unknown = || Failure::new(Kind::Data, format!("{}: no blocks of a run", self.dir.display()));
+        let record = RunStatus::read(&self.dir).ok_or_else(unknown)?.record;
+        let computation = Computation::of(&record)?;
+        let own = computation.record(record.shard)?;
+        if let Some(difference) = program_difference(&own.program, &record.program) {
+            let dir = self.dir.display();
+            return Err(Failure::usage(format_args!("{dir} is of {difference} than this program on this machine")));
+        }
+        let blocks = open(&self.dir, own, Share::Again(place.clone()))?;
+        let found = computation.compute(&blocks, false, monitor);
+        let Some(replay) = blocks.replay() else {
+            found?;
+            return Err(Failure::usage(format_args!("--sample {place}: the run has no such sample")));
+        };
+        if let Some(reason) = &replay.failure {
+            print(&format!("{reason}\n"))?;
+        }
+        match replay.identical {
+            Some(true) => print("IDENTICAL\n"),
+            Some(false) => Err(Failure::new(Kind::Runtime, format!("{place} differs from the stored sample"))),
+            None => print(if replay.failure.is_some() { "" } else { "the sample does not fail; none is stored\n" }),
         }
     }
 }
@@ -85,7 +118,9 @@ fn first_value(before: &Value, now: &Value) -> Option<String> {
         }
         (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
             let mut pairs = old.iter().zip(new).enumerate();
-            pairs.find_map(|(place, (old, new))| first_value(old, new).map(|found| format!("{place}.{found}").replace(". ", " ")))
+            pairs.find_map(|(place, (old, new))| {
+                first_value(old, new).map(|found| format!("{place}.{found}").replace(". ", " "))
+            })
         }
         _ => (before != now).then(|| format!(" {before} before, {now} now")),
     }

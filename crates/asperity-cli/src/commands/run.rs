@@ -10,8 +10,8 @@ use asperity_report::{verdict_sentence, vibration_answer};
 use clap::Args;
 use serde_json::Value;
 
-use super::study_file::folder_of;
 use super::computation::{Computation, as_json, missing, open, removed_at_exit};
+use super::study_file::folder_of;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -62,7 +62,7 @@ impl Run {
         if let Some(time) = self.max_time {
             monitor.limit_time(Duration::try_from_secs_f64(time.0).unwrap_or(Duration::MAX));
         }
-        computation.require_resources(&destination, self.max_memory)?;
+        computation.require_memory(self.max_memory)?;
         if let Some(shard) = self.shard {
             return self.part(&computation, shard, monitor);
         }
@@ -78,6 +78,7 @@ impl Run {
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         let staging = begin_folder("--out", &destination, self.force, &inputs)?;
         removed_at_exit(&staging, monitor);
+        computation.require_disk(&destination)?;
         let blocks = open(&destination, computation.record(None)?, Share::All)?;
         let outcome = computation.compute(&blocks, self.json, monitor)?;
         let written = computation.write(staging, &outcome, provenance, &blocks, monitor)?;
@@ -92,7 +93,10 @@ impl Run {
             default_destination(&self.study).with_file_name(name)
         });
         if StoredRun::is_run(&folder) {
-            return Err(Failure::usage(format_args!("--out {} is a run; give another folder for the blocks", folder.display())));
+            return Err(Failure::usage(format_args!(
+                "--out {} is a run; give another folder for the blocks",
+                folder.display()
+            )));
         }
         let blocks = open(&folder, computation.record(Some(shard))?, Share::Part { number, of })?;
         let complete = match computation.compute(&blocks, self.json, monitor) {

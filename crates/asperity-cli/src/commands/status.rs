@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use asperity::study::{RunStatus, StoredRun};
 use clap::Args;
+use serde_json::{Value, json};
 
 use super::computation::as_json;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Shows how far a run is, finished or not, or a part of one: expected, done, failed and missing blocks of each loop that was begun.
+/// Shows how far a run is, finished or not, or a part of one: expected, done, failed and missing samples of each task that was begun, and
+/// the reason of each failure. `asperity repro DIR --sample TASK:INDEX` computes one of them again.
 #[derive(Debug, Args)]
 pub(crate) struct Status {
     /// Folder of the run, which need not exist yet, or of the part.
@@ -31,6 +33,19 @@ impl Status {
             return Err(Failure::new(Kind::Data, format!("{}: no run, and no blocks of one", self.dir.display())));
         };
         let record = &status.record;
+        let failures: Vec<Value> = status
+            .failures
+            .iter()
+            .map(|failure| {
+                json!({
+                    "stage": failure.stage.name(),
+                    "sample": failure.place.to_string(),
+                    "index": failure.place.index,
+                    "seed": record.seed,
+                    "reason": failure.reason,
+                })
+            })
+            .collect();
         Answer::default()
             .with("study", record.file.display().to_string())
             .with("seed", record.seed)
@@ -38,6 +53,7 @@ impl Status {
             .with("parts", record.shard.map(|[_, of]| of))
             .with("complete", complete || record.finished)
             .with("rounds", as_json(&status.rounds))
+            .with("failures", failures)
             .print(self.json)
     }
 }

@@ -418,11 +418,14 @@ fn a_failed_run_leaves_no_folder_and_keeps_existing_ones() {
     let folder = folder_with(&STUDY.replace("percentile = 50.0", "percentile = 50.0\ntolerance = 1e-30"));
     let failed = run_in(folder.path(), "run study.toml --only pressure --json").json(4);
     assert_eq!(failed["converged"], false);
+    // The blocks alone stay.
+    assert_eq!(listing(&folder.path().join("runs")), [""; 0]);
+    fs::remove_dir_all(folder.path().join("runs")).unwrap();
     assert_eq!(listing(folder.path()), ["study.toml"]);
     fs::create_dir(folder.path().join("mine")).unwrap();
     assert_eq!(run_in(folder.path(), "run study.toml --only pressure --out mine/a/b").code, 4);
     assert_eq!(listing(folder.path()), ["mine", "study.toml"]);
-    assert!(listing(&folder.path().join("mine")).is_empty());
+    assert_eq!(listing(&folder.path().join("mine/a")), [""; 0]);
     assert_eq!(run_in(folder.path(), "run study.toml --only surface --out mine/a/b --quiet").code, 0);
     assert!(folder.path().join("mine/a/b/COMPLETE").is_file());
 }

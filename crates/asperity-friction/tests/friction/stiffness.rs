@@ -41,6 +41,7 @@ impl RandomSurface for Wave {
 
 fn problem(grid: Grid, boundary: Boundary, hardness_pa: Option<f64>) -> StripProblem {
     StripProblem {
+        valid_share: 0.95,
         half_space: HalfSpace::new(grid, MODULUS_PA, boundary).unwrap(),
         window: Window::new(16.0 * grid.dx_m(), grid).unwrap(),
         law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),

@@ -157,6 +157,7 @@ fn windows_that_do_not_fit_their_strip_are_refused() {
 
 fn problem(half_space: HalfSpace, law: &BowdenTabor, hardness_pa: f64, window: &Window) -> StripProblem {
     StripProblem {
+        valid_share: 0.95,
         half_space,
         window: window.clone(),
         law: Arc::new(*law),

@@ -37,6 +37,7 @@ fn slide(std_m: [f64; 2], pressure_pa: f64, periodic: bool) -> (SolvedLevel, Opt
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
     let boundary = if periodic { Boundary::Periodic { mean_compliance_m_per_pa } } else { Boundary::Free };
     let problem = StripProblem {
+        valid_share: 0.95,
         half_space: HalfSpace::new(grid, MODULUS_PA, boundary).unwrap(),
         window: Window::new(48e-6, grid).unwrap(),
         law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),

@@ -8,10 +8,11 @@ mod record;
 mod writer;
 
 use std::collections::{BTreeMap, HashMap};
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use asperity_base::monitor::{BlockStore, Monitor, RoundId};
@@ -43,7 +44,7 @@ fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
 }
 
 /// Which blocks a process computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Share {
     /// All that are missing.
     All,
@@ -56,6 +57,8 @@ pub enum Share {
     },
     /// None: stored blocks only.
     None,
+    /// One block again; all others if they are missing.
+    Again(BlockPlace),
 }
 
 /// Blocks of one loop.
@@ -73,6 +76,60 @@ pub struct RoundState {
     pub failed: usize,
 }
 
+/// Place of a block in a run. Its text is `TASK:INDEX`, or `TASK#N:INDEX` in the loop number N, from 2, of a task.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BlockPlace {
+    /// Name of the loop.
+    pub task: String,
+    /// Number of the earlier loops of the stage with this name.
+    pub ordinal: u64,
+    /// Index of the block.
+    pub index: usize,
+}
+
+impl fmt::Display for BlockPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.ordinal {
+            0 => write!(f, "{}:{}", self.task, self.index),
+            ordinal => write!(f, "{}#{}:{}", self.task, ordinal + 1, self.index),
+        }
+    }
+}
+
+impl FromStr for BlockPlace {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let refused = || format!("`{text}` is no sample; write TASK:INDEX as `asperity status` does");
+        let (task, index) = text.rsplit_once(':').ok_or_else(refused)?;
+        let index = index.parse().map_err(|_| refused())?;
+        let numbered = task.rsplit_once('#').and_then(|(task, number)| Some((task, number.parse::<u64>().ok()?)));
+        let (task, number) = numbered.unwrap_or((task, 1));
+        let ordinal = number.checked_sub(1).ok_or_else(refused)?;
+        Ok(Self { task: task.to_owned(), ordinal, index })
+    }
+}
+
+/// Finished block that holds the reason of a failure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FailedBlock {
+    /// Stage of the loop.
+    pub stage: Stage,
+    /// Place of the block.
+    pub place: BlockPlace,
+    /// Reason of the failure; the first of several.
+    pub reason: String,
+}
+
+/// Block that was computed again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Replay {
+    /// Reason of its failure, if it fails.
+    pub failure: Option<String>,
+    /// Whether the stored block, if there is one, has the same bytes.
+    pub identical: Option<bool>,
+}
+
 /// Blocks of a run that is computed.
 #[derive(Debug)]
 pub struct RunBlocks {
@@ -85,6 +142,7 @@ pub struct RunBlocks {
     writer: Writer,
     /// Rounds in their order.
     rounds: Mutex<Vec<RoundState>>,
+    replay: Mutex<Option<Replay>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -101,13 +159,22 @@ impl RunBlocks {
         let shared = beside(run);
         let (folder, beside) = match share {
             Share::Part { .. } => (run.join(FOLDER), vec![shared]),
-            Share::All | Share::None => (shared, Vec::new()),
+            Share::All | Share::None | Share::Again(_) => (shared, Vec::new()),
         };
         remove_abandoned_files(&folder);
         let path = RunRecord::path(&folder, run);
         record.earlier = RunRecord::read(&path).iter().flat_map(RunRecord::folders).cloned().collect();
         let writer = Writer::start(path.clone()).map_err(|source| StoreError::Io { path: folder.clone(), source })?;
-        Ok(Self { folder, beside, share, record: Mutex::new(record), path, writer, rounds: Mutex::default() })
+        Ok(Self {
+            folder,
+            beside,
+            share,
+            record: Mutex::new(record),
+            path,
+            writer,
+            rounds: Mutex::default(),
+            replay: Mutex::default(),
+        })
     }
 
     /// Begins a stage, a function of `depends_on` alone.
@@ -142,6 +209,11 @@ impl RunBlocks {
     /// Returns whether blocks of other parts are missing.
     pub fn is_incomplete(&self) -> bool {
         lock(&self.rounds).iter().any(|round| round.done < round.expected)
+    }
+
+    /// Returns the block that was computed again, for [`Share::Again`].
+    pub fn replay(&self) -> Option<Replay> {
+        lock(&self.replay).clone()
     }
 
     /// Waits until all finished blocks are on the disk.
@@ -194,6 +266,8 @@ impl RunBlocks {
 /// State of a run, finished or not, from its blocks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunStatus {
+    /// Finished blocks that hold the reason of a failure.
+    pub failures: Vec<FailedBlock>,
     /// The run.
     pub record: RunRecord,
     /// Loops with at least one finished block; loops of the same stage and name count as one.
@@ -212,7 +286,7 @@ impl RunStatus {
                 (folder, record)
             }
         };
-        let mut rounds: Vec<RoundState> = Vec::new();
+        let (mut rounds, mut failures): (Vec<RoundState>, Vec<FailedBlock>) = Default::default();
         for (stage, name) in &record.stages {
             let known = Known::read([folder.join(name)].into_iter());
             let first = rounds.len();
@@ -221,20 +295,29 @@ impl RunStatus {
             for round in known.rounds.values() {
                 of_stage.entry(&round.name).or_insert_with(|| empty(&round.name)).expected += round.count;
             }
-            for ((round, _), (.., entry)) in &known.blocks {
-                let state = known.rounds.get(round).and_then(|round| of_stage.get_mut(round.name.as_str()));
-                if let Some(state) = state {
+            let mut failed = Vec::new();
+            for ((round, index), (.., entry)) in &known.blocks {
+                let Some(round) = known.rounds.get(round) else { continue };
+                if let Some(state) = of_stage.get_mut(round.name.as_str()) {
                     state.done += 1;
-                    state.failed += usize::from(entry.failed);
+                    state.failed += usize::from(entry.failure.is_some());
+                }
+                if let Some(reason) = entry.failure.clone() {
+                    let place = BlockPlace { task: round.name.clone(), ordinal: round.ordinal, index: *index };
+                    failed.push(FailedBlock { stage: *stage, place, reason });
                 }
             }
+            failed.sort_by(|a, b| {
+                (&a.place.task, a.place.ordinal, a.place.index).cmp(&(&b.place.task, b.place.ordinal, b.place.index))
+            });
+            failures.append(&mut failed);
             rounds.extend(of_stage.into_values());
             // A stage without a finished block.
             if rounds.len() == first {
                 rounds.push(empty(stage.name()));
             }
         }
-        Some(Self { record, rounds })
+        Some(Self { failures, record, rounds })
     }
 }
 
@@ -273,7 +356,7 @@ impl Known {
 
     fn load(&self, round: u64, index: usize) -> Option<(Vec<u8>, bool)> {
         let (file, offset, entry) = self.blocks.get(&(round, index))?;
-        Some((file::read_block(&self.files[*file], *offset, entry)?, entry.failed))
+        Some((file::read_block(&self.files[*file], *offset, entry)?, entry.failure.is_some()))
     }
 }
 
@@ -293,6 +376,14 @@ impl StageBlocks<'_> {
         lock(&self.ordinals).1.get(&id).cloned()
     }
 
+    /// Returns whether a block is to be computed again.
+    fn is_again(&self, id: RoundId, index: usize) -> bool {
+        let Share::Again(place) = &self.run.share else { return false };
+        let round = self.round(id);
+        place.index == index
+            && round.is_some_and(|(round, _)| round.name == place.task && round.ordinal == place.ordinal)
+    }
+
     fn count(&self, id: RoundId, failed: bool) {
         if let Some((_, place)) = self.round(id) {
             let round = &mut lock(&self.run.rounds)[place];
@@ -308,7 +399,7 @@ impl Monitor for StageBlocks<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        self.monitor.cancelled() || self.run.writer.failed()
+        self.monitor.cancelled() || self.run.writer.failed() || lock(&self.run.replay).is_some()
     }
 
     fn store(&self) -> Option<&dyn BlockStore> {
@@ -320,33 +411,41 @@ impl BlockStore for StageBlocks<'_> {
     fn begin(&self, name: &str, count: usize) -> RoundId {
         let mut ordinals = lock(&self.ordinals);
         let ordinal = ordinals.0.entry(name.to_owned()).or_default();
-        let key = format!("{name}/{count}/{ordinal}");
+        let (key, own) = (format!("{name}/{count}/{ordinal}"), *ordinal);
         *ordinal += 1;
         let id = RoundId(u64::from_le_bytes(Sha256::digest(key).as_chunks().0[0]));
         let mut rounds = lock(&self.run.rounds);
-        let round = Round { id: id.0, name: name.to_owned(), count };
+        let round = Round { id: id.0, name: name.to_owned(), count, ordinal: own };
         rounds.push(RoundState { stage: self.stage, name: name.to_owned(), expected: count, done: 0, failed: 0 });
         ordinals.1.insert(id, (round, rounds.len() - 1));
         id
     }
 
     fn load(&self, round: RoundId, index: usize) -> Option<Vec<u8>> {
+        if self.is_again(round, index) {
+            return None;
+        }
         let (bytes, failed) = self.known.load(round.0, index)?;
         self.count(round, failed);
         Some(bytes)
     }
 
-    fn save(&self, round: RoundId, index: usize, failed: bool, bytes: Vec<u8>) {
-        self.count(round, failed);
+    fn save(&self, round: RoundId, index: usize, failure: Option<String>, bytes: Vec<u8>) {
+        if self.is_again(round, index) {
+            let identical = self.known.load(round.0, index).map(|(stored, _)| stored == bytes);
+            *lock(&self.run.replay) = Some(Replay { failure, identical });
+            return;
+        }
+        self.count(round, failure.is_some());
         if let Some((name, _)) = self.round(round) {
-            self.run.writer.add(&self.folder, &name, Block { round, index, failed, bytes });
+            self.run.writer.add(&self.folder, &name, Block { round, index, failure, bytes });
         }
     }
 
     fn computes(&self, index: usize) -> bool {
-        match self.run.share {
-            Share::All => true,
-            Share::Part { number, of } => index % of + 1 == number,
+        match &self.run.share {
+            Share::All | Share::Again(_) => true,
+            Share::Part { number, of } => index % of + 1 == *number,
             Share::None => false,
         }
     }

@@ -32,6 +32,9 @@ pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
 pub struct StudyFile {
     /// Seed of every random draw.
     pub seed: u64,
+    /// Least share of valid samples of each kind, above 0, at most 1; statistics of fewer are refused.
+    #[serde(default = "least_valid_share", skip_serializing_if = "is_least_valid_share")]
+    pub valid_share: f64,
     /// Names, `section.key`, of the values below that are defaults because the first study file left them out. The study of a run
     /// folder lists them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -75,6 +78,15 @@ impl StudyFile {
         self.uncertain.iter().for_each(|value| value.restore(&mut table));
         Ok(table)
     }
+}
+
+fn least_valid_share() -> f64 {
+    0.95
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_least_valid_share(share: &f64) -> bool {
+    *share == least_valid_share()
 }
 
 fn solve_tolerance() -> f64 {

@@ -74,7 +74,14 @@ fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>), S
         half_space("friction", grid, material.contact_modulus_pa, study.boundary, compliance)?;
     let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
     let law = Arc::clone(&study.law);
-    let problem = StripProblem { half_space, window, law, hardness_pa: material.hardness_pa, solver };
+    let problem = StripProblem {
+        half_space,
+        window,
+        law,
+        hardness_pa: material.hardness_pa,
+        solver,
+        valid_share: study.valid_share,
+    };
     Ok((problem, mean_compliance_m_per_pa))
 }
 

@@ -247,7 +247,9 @@ impl Study {
                 }
                 let depends_on: [&dyn Debug; 3] = [&own, window, &self.seed()];
                 let mut stage = stages
-                    .run(Stage::Vibration, &depends_on, |monitor| vibration_stage::run(study, window, self.seed(), monitor))?
+                    .run(Stage::Vibration, &depends_on, |monitor| {
+                        vibration_stage::run(study, window, self.seed(), monitor)
+                    })?
                     .ok_or(StudyError::Incomplete)?;
                 // The friction of a part of a rough slider on a smooth track has no course along the path.
                 if self.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) {
@@ -297,7 +299,9 @@ impl Stages<'_> {
         let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
         match run(&blocks.stage(stage, depends_on, self.monitor)) {
             Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),
-            Err(error) if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() => {
+            Err(error)
+                if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() =>
+            {
                 Ok(None)
             }
             found => found.map(Some),

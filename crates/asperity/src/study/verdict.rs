@@ -46,8 +46,6 @@ const NEGLIGIBLE_STD: f64 = 1e-6;
 const LATER: f64 = 4.0;
 /// Fraction of unexplained variance above which there is a warning.
 const UNEXPLAINED: f64 = 0.05;
-/// Smallest fraction of machines that must have an answer.
-const VALID_FRACTION: f64 = 0.95;
 
 /// Name of the table of the sampled machines.
 pub const VERDICT_SAMPLES: &str = "verdict_samples";
@@ -119,7 +117,7 @@ pub(super) fn run(
     let valid = sampled.valid().count();
     let failed = sampled.machines.len() - valid;
     let first_failure = sampled.machines.iter().find_map(|machine| machine.as_ref().err().cloned());
-    if (valid as f64) < VALID_FRACTION * sampled.machines.len() as f64 {
+    if (valid as f64) < study.valid_share * sampled.machines.len() as f64 {
         let reason = first_failure.unwrap_or_default();
         return Err(StudyError::Verdict(format!(
             "{failed} of {} sampled machines have no answer; the first because {reason}",

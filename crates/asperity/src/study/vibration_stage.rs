@@ -166,6 +166,7 @@ impl<'a> Ensembles<'a> {
         EnsembleSettings {
             drive: self.study.drive,
             method: self.study.method,
+            least_valid_share: self.study.valid_share,
             ..EnsembleSettings::new(self.study.trajectories, self.study.duration, self.seed)
         }
     }

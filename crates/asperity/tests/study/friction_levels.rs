@@ -26,6 +26,7 @@ fn with_strips<R>(realisations: usize, test: impl FnOnce(&Strips<'_>) -> R) -> R
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
     let half_space = HalfSpace::new(grid, MODULUS_PA, Boundary::Periodic { mean_compliance_m_per_pa }).unwrap();
     let problem = StripProblem {
+        valid_share: 0.95,
         half_space,
         window: Window::new(40e-6, grid).unwrap(),
         law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),

@@ -105,6 +105,7 @@ fn friction(
     let modulus_pa = contact_modulus_pa(youngs_modulus_pa, POISSON_RATIO);
     let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa);
     let problem = StripProblem {
+        valid_share: 0.95,
         half_space: HalfSpace::new(grid, modulus_pa, Boundary::Periodic { mean_compliance_m_per_pa })?,
         window: Window::rectangle(WINDOW_M, grid.height_m(), grid)?,
         law: Arc::new(law),

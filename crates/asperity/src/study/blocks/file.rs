@@ -29,6 +29,8 @@ pub(super) struct Round {
     /// Name and number of blocks of the loop.
     pub(super) name: String,
     pub(super) count: usize,
+    /// Number of the earlier loops of the stage with this name.
+    pub(super) ordinal: u64,
 }
 
 /// Block in a file.
@@ -36,8 +38,8 @@ pub(super) struct Round {
 pub(super) struct Entry {
     pub(super) round: u64,
     pub(super) index: usize,
-    /// Whether the block holds the reason of a failure.
-    pub(super) failed: bool,
+    /// Reason of the failure that the block holds.
+    pub(super) failure: Option<String>,
     /// Number of bytes.
     pub(super) length: u64,
     hash: Hash,
@@ -54,7 +56,7 @@ pub(super) struct Header {
 pub(super) struct Block {
     pub(super) round: RoundId,
     pub(super) index: usize,
-    pub(super) failed: bool,
+    pub(super) failure: Option<String>,
     pub(super) bytes: Vec<u8>,
 }
 
@@ -63,7 +65,7 @@ pub(super) fn write(folder: &Path, rounds: Vec<Round>, blocks: &[Block]) -> io::
     let entry = |block: &Block| Entry {
         round: block.round.0,
         index: block.index,
-        failed: block.failed,
+        failure: block.failure.clone(),
         length: block.bytes.len() as u64,
         hash: Sha256::digest(&block.bytes).into(),
     };

@@ -76,7 +76,8 @@ impl Shared {
                 let mut written = record.map_or(Ok(()), |record| record.write(path));
                 for (folder, (rounds, blocks)) in waiting {
                     let write = |()| file::write(&folder, rounds, &blocks);
-                    written = written.and_then(|()| write(()).map_err(|source| StoreError::Io { path: folder.clone(), source }));
+                    written = written
+                        .and_then(|()| write(()).map_err(|source| StoreError::Io { path: folder.clone(), source }));
                 }
                 last = Instant::now();
                 queue = self.lock();

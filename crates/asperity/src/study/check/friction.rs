@@ -20,6 +20,8 @@ const UNCERTAINTY: &str = "friction.uncertainty";
 /// Settings of the friction stage: friction of windows on solved strips.
 #[derive(Debug, Clone)]
 pub(in crate::study) struct FrictionStudy {
+    /// Least share of valid samples.
+    pub(in crate::study) valid_share: f64,
     pub(in crate::study) material: Material,
     pub(in crate::study) law: Arc<dyn WindowLaw>,
     /// Bodies that are rough.
@@ -107,6 +109,7 @@ impl StudyFile {
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")?;
         let uncertainty = f.uncertainty.as_ref().map(|u| check_uncertainty(u, surface, f.realisations)).transpose()?;
         let study = FrictionStudy {
+            valid_share: self.valid_share,
             material,
             law,
             body: RoughBody::default(),

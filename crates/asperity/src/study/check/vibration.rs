@@ -35,6 +35,8 @@ fn ratio(value: f64) -> bool {
 /// Settings of the vibration stage: a mass on a belt.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct VibrationStudy {
+    /// Least share of valid samples.
+    pub(in crate::study) valid_share: f64,
     /// Springs of two coupled modes; `None` for stick-slip of a mass with one degree of freedom.
     pub(in crate::study) coupled: Option<CoupledStudy>,
     pub(in crate::study) scales: Scales,
@@ -184,6 +186,7 @@ impl StudyFile {
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
         let study = VibrationStudy {
+            valid_share: self.valid_share,
             coupled,
             scales,
             normal_force: v.normal_force,
