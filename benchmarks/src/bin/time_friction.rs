@@ -74,6 +74,7 @@ fn main() -> Result<()> {
     let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Periodic { mean_compliance_m_per_pa })?;
     let marginal = Marginal::normal(0.0, 1e-6)?;
     let problem = StripProblem {
+        valid_share: 0.95,
         half_space,
         window: Window::new(600e-6, grid)?,
         law: Arc::new(BowdenTabor { shear_strength_pa: 385e6 }),
