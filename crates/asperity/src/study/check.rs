@@ -54,13 +54,17 @@ impl Study {
 
 /// Error of a well-formed value that is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("[{section}] {key}: {message}")]
+#[error("{}{key}: {message}", prefix(section))]
 pub struct InvalidValue {
-    /// Section of the value, such as `friction.uncertainty`.
+    /// Section of the value, such as `friction.uncertainty`; empty above the sections.
     pub section: &'static str,
     /// Key of the value.
     pub key: &'static str,
     message: String,
+}
+
+fn prefix(section: &str) -> String {
+    if section.is_empty() { String::new() } else { format!("[{section}] ") }
 }
 
 fn invalid(section: &'static str, key: &'static str, message: impl Into<String>) -> InvalidValue {

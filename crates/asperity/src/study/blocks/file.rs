@@ -142,3 +142,67 @@ pub(super) fn read_block(path: &Path, offset: u64, entry: &Entry) -> Option<Vec<
 pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> (tempfile::TempDir, Vec<u8>) {
+        let folder = tempfile::tempdir().unwrap();
+        let block = |index: usize, failure: Option<&str>| Block {
+            round: RoundId(7),
+            index,
+            failure: failure.map(str::to_owned),
+            bytes: vec![index as u8; 5 + index],
+        };
+        let rounds = vec![Round { id: 7, name: "pressure/reference".into(), count: 3, ordinal: 0 }];
+        write(folder.path(), rounds, &[block(0, None), block(2, Some("no convergence"))]).unwrap();
+        let bytes = fs::read(&files(folder.path())[0]).unwrap();
+        (folder, bytes)
+    }
+
+    /// Returns the blocks of a file that are not damaged, with the reasons of their failures.
+    fn read(path: &Path) -> Vec<(usize, Option<String>, Vec<u8>)> {
+        let Ok((header, mut offset)) = read_header(path) else { return Vec::new() };
+        let mut found = Vec::new();
+        for entry in header.entries {
+            if let Some(bytes) = read_block(path, offset, &entry) {
+                found.push((entry.index, entry.failure.clone(), bytes));
+            }
+            offset += entry.length;
+        }
+        found
+    }
+
+    #[test]
+    fn blocks_are_read_as_written_and_equal_ones_share_a_file() {
+        let (folder, bytes) = example();
+        let (other, same) = example();
+        assert_eq!((files(folder.path())[0].file_name(), &bytes), (files(other.path())[0].file_name(), &same));
+        let failed = (2, Some("no convergence".to_owned()), vec![2; 7]);
+        assert_eq!(read(&files(folder.path())[0]), [(0, None, vec![0; 5]), failed]);
+        assert!(files(&folder.path().join("none")).is_empty());
+    }
+
+    #[test]
+    fn no_damage_of_a_byte_and_no_missing_end_is_read_as_numbers() {
+        let (folder, bytes) = example();
+        let (path, intact) = (files(folder.path())[0].clone(), read(&files(folder.path())[0]));
+        let lost = |damaged: &[u8]| {
+            fs::write(&path, damaged).unwrap();
+            let found = read(&path);
+            assert!(found.iter().all(|block| intact.contains(block)), "{found:?}");
+            intact.len() - found.len()
+        };
+        for place in 0..bytes.len() {
+            for bit in [1, 16, 128] {
+                let mut damaged = bytes.clone();
+                damaged[place] ^= bit;
+                assert!(lost(&damaged) > 0, "byte {place}");
+            }
+            assert!(lost(&bytes[..place]) > 0, "length {place}");
+        }
+        // Bytes that follow do no harm.
+        assert_eq!(lost(&[bytes, vec![0; 9]].concat()), 0);
+    }
+}
