@@ -23,6 +23,7 @@ pub mod result;
 mod run;
 mod scan_tables;
 pub mod scatter;
+mod schema;
 mod series;
 mod specimen;
 mod spectra;
@@ -52,6 +53,7 @@ pub use result::{
     BandMethod, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
 };
 pub use run::Stage;
+pub use schema::study_schema;
 pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};

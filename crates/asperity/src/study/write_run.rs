@@ -74,6 +74,9 @@ pub fn write_run(
     for (name, field) in &outcome.fields {
         let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
         index.insert(name.clone(), entry);
+        let image =
+            asperity_formats::write_vtk_fields((field.grid.dx_m(), field.grid.dy_m()), &[(name, &field.values)])?;
+        staging.write(&format!("fields/{name}.vti"), &image)?;
         let heights = asperity_formats::Scan::new(field.values.clone(), None);
         staging.write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&heights))?;
     }
