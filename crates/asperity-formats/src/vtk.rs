@@ -26,7 +26,7 @@ pub(crate) const CODEC: Codec = Codec {
         vendor: "Kitware",
         known_by: "",
         reads: "",
-        writes: "float64 `height_m` with a mask `missing`",
+        writes: "float64 `height_m` with a mask `missing`, or fields by name",
         stores_pitch: true,
         missing_points: "NaN, hidden points in vtkGhostType",
         orientation: "y points up: the last row of a scan is written first",

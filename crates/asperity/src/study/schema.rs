@@ -136,3 +136,60 @@ fn uncertain_value(key: &UncertainKey) -> Schema {
         ]
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Returns the sections of the schema by name, those inside others as `outer.inner`.
+    fn sections(name: &str, section: &Value, found: &mut Vec<(String, Value)>) {
+        for (key, value) in section["properties"].as_object().unwrap() {
+            if value["properties"].is_object() {
+                sections(&[name, key].join(".").trim_start_matches('.').to_owned(), value, found);
+            }
+        }
+        found.push((name.to_owned(), section.clone()));
+    }
+
+    #[test]
+    fn every_section_has_the_keys_that_the_parser_knows_and_no_other() {
+        let mut found = Vec::new();
+        sections("", &study_schema().to_value(), &mut found);
+        assert!(found.iter().any(|(name, _)| name == "friction.uncertainty"));
+        for (name, section) in found {
+            let header = if name.is_empty() { String::new() } else { format!("[{name}]\n") };
+            // The error of an unknown key lists all keys.
+            let error = StudyFile::parse(&format!("{header}colour = 1\n"), "study.toml").unwrap_err().message;
+            let known = error.split_once("(known: ").unwrap_or_else(|| panic!("{name}: {error}")).1;
+            let known: BTreeSet<&str> = known.trim_end_matches(')').split(", ").collect();
+            let own: BTreeSet<&str> = section["properties"].as_object().unwrap().keys().map(String::as_str).collect();
+            assert_eq!(own, known, "[{name}]");
+            assert_eq!(section["additionalProperties"], false, "[{name}]");
+            for (key, value) in section["properties"].as_object().unwrap() {
+                let text = value["description"].as_str().unwrap_or_else(|| panic!("[{name}] {key}: no description"));
+                assert!(!text.contains("[`") && !text.contains("crate::"), "[{name}] {key}: {text}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_value_that_may_be_uncertain_has_the_forms_of_its_unit() {
+        let schema = study_schema().to_value();
+        for key in KEYS {
+            let value = &schema["properties"][key.section]["properties"][key.name];
+            let form = json!({ "$ref": format!("#/definitions/{}", definition_name(key)) });
+            let has_form = |value: &Value| value["anyOf"].as_array().is_some_and(|forms| forms.contains(&form));
+            assert!(has_form(value) || has_form(&value["items"]), "{} {}: {value}", key.section, key.name);
+        }
+        let certain = &schema["properties"]["friction"]["properties"]["realisations"];
+        assert_eq!(certain["type"], "integer", "{certain}");
+    }
+
+    #[test]
+    fn the_schema_has_no_null() {
+        let text = study_schema().to_value().to_string();
+        assert!(!text.contains("null"), "{text}");
+    }
+}
