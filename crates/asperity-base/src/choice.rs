@@ -4,6 +4,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use schemars::json_schema;
+#[doc(hidden)]
 pub use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
