@@ -3,6 +3,9 @@
 use std::fmt;
 use std::marker::PhantomData;
 
+use schemars::json_schema;
+#[doc(hidden)]
+pub use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 
@@ -70,7 +73,29 @@ impl<'de, T: Choice> Deserialize<'de> for ByName<T> {
     }
 }
 
-/// Declares an enum of choices, each with its name: `ALL`, `name`, `Display`, `FromStr`, serde and [`Choice`]. The first line of
+/// Returns the JSON Schema of a value by name: each name with its description.
+#[doc(hidden)]
+pub fn schema<T: Choice>() -> Schema {
+    let value = |value: &T| match value.description() {
+        "" => json_schema!({ "const": value.name() }),
+        description => json_schema!({ "const": value.name(), "description": description }),
+    };
+    let values: Vec<Schema> = T::ALL.iter().map(value).collect();
+    json_schema!({ "type": "string", "oneOf": values })
+}
+
+impl<T: Choice> JsonSchema for ByName<T> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        T::NOUN.into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schema::<T>()
+    }
+}
+
+/// Declares an enum of choices, each with its name: `ALL`, `name`, `Display`, `FromStr`, serde, JSON Schema and
+/// [`Choice`]. The first line of
 /// documentation of a variant is its description. The crate that uses it depends on `serde`.
 ///
 /// ```
@@ -126,6 +151,16 @@ macro_rules! choice {
                 match self {
                     $(Self::$variant => $first.trim_start(),)+
                 }
+            }
+        }
+
+        impl $crate::choice::JsonSchema for $name {
+            fn schema_name() -> ::std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(_: &mut $crate::choice::SchemaGenerator) -> $crate::choice::Schema {
+                $crate::choice::schema::<Self>()
             }
         }
 

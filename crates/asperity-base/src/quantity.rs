@@ -6,6 +6,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 
@@ -260,6 +261,25 @@ fn show(value: f64, dimension: &Dimension) -> String {
         .map_or_else(|| format!("{value:?} {}", dimension.si), |(number, unit)| format!("{number} {unit}"))
 }
 
+/// Regular expression of a number in the text of a quantity.
+#[doc(hidden)]
+pub const NUMBER_PATTERN: &str = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?";
+
+/// Returns the regular expression of the units of a dimension.
+fn unit_pattern(dimension: &Dimension) -> String {
+    let units: Vec<String> = dimension.units.iter().map(|(unit, _)| unit.replace('^', r"\^")).collect();
+    format!("({})", units.join("|"))
+}
+
+fn schema(dimension: &Dimension) -> Schema {
+    json_schema!({
+        "type": "string",
+        "description": format!("Text of a number and a unit of {}.", dimension.name),
+        "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{}\s*$", unit_pattern(dimension)),
+        "examples": [dimension.example],
+    })
+}
+
 macro_rules! quantities {
     ($($(#[$doc:meta])* $name:ident = $dimension:ident;)+) => {$(
         $(#[$doc])*
@@ -270,6 +290,24 @@ macro_rules! quantities {
             /// Returns the number in SI.
             fn from(quantity: $name) -> Self {
                 quantity.0
+            }
+        }
+
+        impl $name {
+            /// Returns the regular expression of its units.
+            #[doc(hidden)]
+            pub fn unit_pattern() -> String {
+                unit_pattern(&$dimension)
+            }
+        }
+
+        impl JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                schema(&$dimension)
             }
         }
 

@@ -10,6 +10,7 @@ mod merge;
 mod report;
 mod repro;
 mod run;
+mod schema;
 mod status;
 mod study_file;
 mod surface;
@@ -36,6 +37,7 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Surface(surface::Surface),
     Formats(formats::Formats),
+    Schema(schema::Schema),
     Contact(contact::Contact),
     /// Friction coefficient as a random process: fit measured records, draw new ones.
     #[command(subcommand)]
@@ -58,6 +60,7 @@ impl Command {
             Self::Report(report) => report.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),
+            Self::Schema(schema) => schema.run(monitor),
             Self::Contact(contact) => contact.run(monitor),
             Self::Friction(friction) => friction.run(monitor),
             Self::Vibration(vibration) => vibration.run(monitor),

@@ -31,6 +31,7 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         StoreError::Io { path, source } => write_failure(path, source),
         StoreError::Taken { .. } => Failure::new(Kind::Runtime, error.to_string()),
         StoreError::Table(_)
+        | StoreError::Field(_)
         | StoreError::Process(_)
         | StoreError::Json(_)
         | StoreError::Toml(_)

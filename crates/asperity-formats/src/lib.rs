@@ -71,5 +71,5 @@ pub use selection::{Channel, ReadOptions};
 pub use sur::{SurData, write_sur};
 pub use text::{Separator, write_text};
 pub use unit::LengthUnit;
-pub use vtk::write_vtk;
+pub use vtk::{write_vtk, write_vtk_fields};
 pub use x3p::{X3pData, write_x3p};

@@ -24,6 +24,19 @@ const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 /// Number of rows and number of columns of a map.
 pub(crate) type Shape = (usize, usize);
 
+/// Checks the shape and the pixel size of maps that are to be stored in `format`.
+pub(crate) fn check(format: Format, (ny, nx): Shape, (dx_m, dy_m): (f64, f64)) -> Result<()> {
+    if ny == 0 || nx == 0 {
+        let found = format!("a map of {nx} × {ny} points");
+        return Err(FormatError::not_storable(format, found, "at least one point"));
+    }
+    if [nx as f64 * dx_m, ny as f64 * dy_m].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
+        let found = format!("a pixel size of {dx_m:e} × {dy_m:e} m");
+        return Err(FormatError::not_storable(format, found, "positive numbers"));
+    }
+    Ok(())
+}
+
 /// Measured height map as stated in a file.
 #[derive(Debug, Clone)]
 pub struct Scan {
@@ -71,17 +84,10 @@ impl Scan {
     /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
     /// a pixel size that is not positive.
     pub(crate) fn to_store(&self, format: Format) -> Result<(Shape, (f64, f64))> {
-        let (dx_m, dy_m) = self.pitch_m.ok_or(FormatError::NoPitch { format })?;
-        let (ny, nx) = self.heights_m.dim();
-        if ny == 0 || nx == 0 {
-            let found = format!("a map of {nx} × {ny} points");
-            return Err(FormatError::not_storable(format, found, "at least one point"));
-        }
-        if [nx as f64 * dx_m, ny as f64 * dy_m].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
-            let found = format!("a pixel size of {dx_m:e} × {dy_m:e} m");
-            return Err(FormatError::not_storable(format, found, "positive numbers"));
-        }
-        Ok(((ny, nx), (dx_m, dy_m)))
+        let pitch_m = self.pitch_m.ok_or(FormatError::NoPitch { format })?;
+        let shape = self.heights_m.dim();
+        check(format, shape, pitch_m)?;
+        Ok((shape, pitch_m))
     }
 
     /// Returns the name of the map that was read; `None` for formats with a single map.

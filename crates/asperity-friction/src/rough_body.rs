@@ -14,7 +14,7 @@ choice! {
         Track = "track",
         /// A rough slider on a smooth track carries its contacts along: friction is constant for each part.
         Slider = "slider",
-        /// Both: friction differs from part to part and fluctuates along the path ([`TwoBodyFriction`](crate::TwoBodyFriction)).
+        /// Both: friction differs from part to part and fluctuates along the path.
         Both = "both",
     }
 }

@@ -1,11 +1,12 @@
 //! Friction over the shortest wavelength, in `results.json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Pair;
 
 /// Dependence of the mean friction coefficient on the shortest waves of the random surface.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CutoffResult {
     /// Mean pressure on every strip: the mean pressure at the operating point.
@@ -31,7 +32,7 @@ pub struct CutoffResult {
 }
 
 /// Mean friction without the waves that are shorter than a cut-off.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CutoffPoint {
     /// Cut-off wavelength of the Gaussian filter; the first entry is twice the pitch, without a filter.
@@ -47,7 +48,7 @@ pub struct CutoffPoint {
 }
 
 /// Mean friction of the same surface on cells of half the pitch.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HalvedPitch {
     /// Pitch of the cells.

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{CutoffResult, LawResult, Pair, Prescribed, UncertaintyResult};
 
 /// The friction stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionResult {
     /// Body that is rough. Unless it is the track alone, windows along the strips are no path: correlation lengths, drifts and
@@ -37,7 +38,7 @@ pub struct FrictionResult {
 }
 
 /// Rough body of a sliding contact.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RoughBodyResult {
     /// Track: friction fluctuates along the path.
@@ -51,8 +52,8 @@ pub enum RoughBodyResult {
 
 /// The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the study names or,
 /// without a vibration stage, the level with the highest pressure. Windows are weighted by the load they carry, as in
-/// [`AtMeanLoad`].
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// `at_mean_load`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OperatingPoint {
     /// The level in words.
@@ -87,7 +88,7 @@ pub struct OperatingPoint {
 }
 
 /// One level of the friction stage: the quotient F/N of each window, and under `at_mean_load` the process.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LevelResult {
     /// Whether this level is the operating point.
@@ -108,7 +109,7 @@ pub struct LevelResult {
     pub mean: Option<f64>,
     /// 95 % interval of `mean`, which allows for the correlation along the strips; `null` if they contain too few correlation lengths.
     pub mean_interval: Option<Pair>,
-    /// Standard deviation of F/N. Without a variance, for the reason in [`LevelResult::no_variance`], it is `null`, and so is every
+    /// Standard deviation of F/N. Without a variance, for the reason in `no_variance`, it is `null`, and so is every
     /// other number that needs one.
     pub std: Option<f64>,
     /// 95 % interval of `std`.
@@ -183,7 +184,7 @@ pub struct LevelResult {
 }
 
 /// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; it drives the vibration stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AtMeanLoad {
     /// μ̄ = ΣF/ΣN.
@@ -219,7 +220,7 @@ pub struct AtMeanLoad {
 }
 
 /// A fitted distribution in the ranking.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RankedLawResult {
     /// Name; it begins with `shifted_` if a shift was fitted, and is `empirical` for the windows' own distribution.
@@ -231,7 +232,7 @@ pub struct RankedLawResult {
 }
 
 /// Distances between the windows and the marginal distribution. The p-values allow for the fit and for the correlation of the windows.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GoodnessResult {
     /// Largest difference of the distribution functions.
@@ -245,7 +246,7 @@ pub struct GoodnessResult {
 }
 
 /// A curve fitted to the estimated correlation by least squares.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationCurveResult {
     /// Name of the model.
@@ -257,7 +258,7 @@ pub struct CorrelationCurveResult {
 }
 
 /// A model of the correlation without the window, fitted by likelihood.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationModelResult {
     /// Name of the model.
@@ -273,7 +274,7 @@ pub struct CorrelationModelResult {
 }
 
 /// Tests for drifts of friction along the strips, at the mean load, as p-values of no drift.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StationarityResult {
     /// Slope of μ along the strip.
@@ -291,7 +292,7 @@ pub struct StationarityResult {
 }
 
 /// A correlation coefficient of two quantities of the same windows.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrossResult {
     /// Correlation coefficient.
@@ -301,7 +302,7 @@ pub struct CrossResult {
 }
 
 /// Upper tail of μ: a generalised Pareto distribution of the peaks over a threshold.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TailResult {
     /// Largest value.
@@ -317,7 +318,7 @@ pub struct TailResult {
 }
 
 /// A value that μ exceeds once in a distance on average.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReturnLevelResult {
     /// Sliding distance.
@@ -329,7 +330,7 @@ pub struct ReturnLevelResult {
 }
 
 /// Standard deviation of friction at the mean load under both upscalings.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UpscalingResult {
     /// One window carries the whole normal force (the paper).
@@ -339,7 +340,7 @@ pub struct UpscalingResult {
 }
 
 /// Friction of one window.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaperScatter {
     /// Standard deviation of μ.
@@ -347,7 +348,7 @@ pub struct PaperScatter {
 }
 
 /// Friction of the nominal area.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaScatter {
     /// The nominal area.

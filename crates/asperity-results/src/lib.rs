@@ -11,6 +11,7 @@ mod friction;
 mod mode_coupling;
 mod pressure;
 mod provenance;
+mod schema;
 mod surface;
 mod uncertainty;
 mod verdict;
@@ -19,6 +20,7 @@ mod vibration;
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use companions::{Companions, PooledResult, SpreadResult};
@@ -35,6 +37,9 @@ pub use pressure::{
     PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
 };
 pub use provenance::{Machine, Program, Provenance, StageCost};
+pub use schema::results_schema;
+#[doc(hidden)]
+pub use schema::tidy;
 pub use surface::{
     CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface,
     PartStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,
@@ -56,10 +61,11 @@ pub use vibration::{
 pub const SCHEMA_VERSION: u64 = 1;
 
 /// The content of `results.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Results {
-    /// Version of the keys; [`SCHEMA_VERSION`].
+    /// Version of the keys.
+    #[schemars(extend("const" = SCHEMA_VERSION))]
     pub schema_version: u64,
     /// Seed of the study.
     pub seed: u64,
@@ -109,7 +115,7 @@ impl Default for Results {
 }
 
 /// A fitted or stated distribution.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LawResult {
     /// Name of the distribution.
@@ -119,7 +125,7 @@ pub struct LawResult {
 }
 
 /// Quantity that a level of the friction stage prescribes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Prescribed {
     /// Percentage of the heights above the plane.

@@ -1,11 +1,12 @@
 //! The machine of two modes that friction couples in `results.json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{KindResult, Pair};
 
 /// Model of the machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelResult {
     /// One mass with one degree of freedom. Its margin is one of the damping ratio, ζ − ζ_v.
@@ -16,7 +17,7 @@ pub enum ModelResult {
 }
 
 /// Long-term motion of the machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CoupledMotion {
     /// The motion is periodic.
@@ -31,7 +32,7 @@ pub enum CoupledMotion {
 }
 
 /// The machine with the mean friction coefficient, without fluctuation. Stiffnesses are in units of mω₀².
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModeCouplingResult {
     /// Damping ratio ζ: dampers of 2ζmω₀ along and across the belt.
@@ -71,7 +72,7 @@ pub struct ModeCouplingResult {
 }
 
 /// Limit cycle of two coupled modes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledCycleResult {
     /// Frequency.

@@ -1,11 +1,12 @@
 //! The pressure stage in `results.json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Pair;
 
 /// The pressure stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureResult {
     /// Cell [row, column] whose pressure is studied.
@@ -53,7 +54,7 @@ pub struct PressureResult {
 }
 
 /// One method of the pressure stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MethodEntry {
     /// Name.
@@ -104,7 +105,7 @@ pub struct MethodEntry {
 }
 
 /// Contact solves on one coarser grid.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoarseEntry {
     /// Points along x.
@@ -118,7 +119,7 @@ pub struct CoarseEntry {
 }
 
 /// A quantile of the pressure.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureQuantile {
     /// Probability.
@@ -130,7 +131,7 @@ pub struct PressureQuantile {
 }
 
 /// A quantity of the whole contact, estimated by the default method.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScalarEntry {
     /// Name with the unit of all values.
@@ -148,7 +149,7 @@ pub struct ScalarEntry {
 }
 
 /// A quantile of a scalar.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScalarQuantile {
     /// Probability.
@@ -161,7 +162,7 @@ pub struct ScalarQuantile {
 
 /// Samples and accuracy of the maps of all cells. The maps are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50`
 /// and `_90`, and `expansion_error`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapsEntry {
     /// Samples of contact probabilities and means.
@@ -175,7 +176,7 @@ pub struct MapsEntry {
 }
 
 /// Whether cells differ in contact probability or mean pressure.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HomogeneityEntry {
     /// Cells compared.
@@ -195,7 +196,7 @@ pub struct HomogeneityEntry {
 }
 
 /// An expansion of the pressures of all cells in the leading standard normal variables.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlobalExpansionEntry {
     /// Number of leading standard normal variables.
@@ -211,7 +212,7 @@ pub struct GlobalExpansionEntry {
 }
 
 /// Sobol' indices of one quantity with respect to one set of variables: fractions of the variance that an expansion explains.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensitivityEntry {
     /// Name of the quantity with its unit.
@@ -229,7 +230,7 @@ pub struct SensitivityEntry {
 }
 
 /// Sobol' indices of one variable.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IndexEntry {
     /// Name of the variable.

@@ -1,12 +1,14 @@
 //! The surface stage in `results.json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::LawResult;
 use crate::companions::{Companions, PooledResult, SpreadResult};
 
 /// The surface stage. The statistics stand beside the other keys.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("unevaluatedProperties" = false))]
 pub struct SurfaceResult {
     /// Statistics of the scan or scans.
     #[serde(flatten)]
@@ -33,7 +35,7 @@ impl SurfaceResult {
 }
 
 /// Statistics of the scans of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum MeasuredSurface {
     /// Pooled statistics of several scans of a part.
@@ -51,7 +53,7 @@ impl Default for MeasuredSurface {
 }
 
 /// Statistics of a map after levelling; keys as in `asperity surface stats`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[expect(non_snake_case, reason = "the names of ISO 25178-2 parameters are case-sensitive")]
 pub struct SurfaceStatistics {
     /// Points along x.
@@ -217,7 +219,7 @@ impl SurfaceStatistics {
 /// Each pooled statistic `x` is the weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the
 /// standard error of one scan) and `x_between_std` (the standard deviation between places). All are `null` if `x` is undefined on a
 /// scan.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PartStatistics {
     /// Number of scans.
     pub scan_count: usize,
@@ -251,7 +253,8 @@ pub struct PartStatistics {
 }
 
 /// One scan of a part.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("unevaluatedProperties" = false))]
 pub struct ScanOfPart {
     /// Name of the file.
     pub file: String,
@@ -261,7 +264,7 @@ pub struct ScanOfPart {
 }
 
 /// Covariance of the random surfaces.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CovarianceResult {
     /// Name of the model; `empirical` is the scan's own.
@@ -296,7 +299,7 @@ pub struct CovarianceResult {
 }
 
 /// A covariance that was tried.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CovarianceCandidateResult {
     /// Name of the model; `empirical` is the scan's own.
@@ -308,7 +311,7 @@ pub struct CovarianceCandidateResult {
 }
 
 /// A Karhunen–Loève expansion.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KarhunenLoeveResult {
     /// Number of terms.
@@ -320,7 +323,7 @@ pub struct KarhunenLoeveResult {
 }
 
 /// Changes that made the scan's own autocorrelation a covariance. All correlations are relative to the variance.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EmpiricalCovariance {
     /// Fraction of the variance removed with the map's mean; lags and variance are corrected for it.

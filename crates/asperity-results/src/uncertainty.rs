@@ -1,11 +1,12 @@
 //! Friction over uncertain parameters of the surface.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{LawResult, Pair, Prescribed};
 
 /// `friction.uncertainty` of `results.json`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UncertaintyResult {
     /// Surfaces, each of other parameters.
@@ -19,7 +20,7 @@ pub struct UncertaintyResult {
 }
 
 /// An uncertain parameter of the surface.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UncertainParameter {
     /// `rms_height` in metre, `correlation_length` along x in metre, or `skewness`.
@@ -33,7 +34,7 @@ pub struct UncertainParameter {
 }
 
 /// Friction of one level over the parameters.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UncertainLevel {
     /// Prescribed quantity, the same for all surfaces.
@@ -53,7 +54,7 @@ pub struct UncertainLevel {
 }
 
 /// A point without a result.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FailedPoint {
     /// Place in the design.
@@ -63,7 +64,7 @@ pub struct FailedPoint {
 }
 
 /// One moment of friction over the parameters; `null` where it is undefined, for the `reason`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UncertainResponse {
     /// `mean`, `std`, `coefficient_of_variation` or `correlation_length_m`.
@@ -91,7 +92,7 @@ pub struct UncertainResponse {
 }
 
 /// Sobol' indices of one parameter.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterIndexResult {
     /// Name of the parameter.

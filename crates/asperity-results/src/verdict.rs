@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{AreaAsOne, KindResult, ModelResult, Pair, ProbabilityMap};
 
 /// Probability of vibration over the uncertain values of a study, what decides it and what changes it.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictResult {
     /// Model of the machine. It decides what a margin is.
@@ -24,7 +25,7 @@ pub struct VerdictResult {
     pub probability_from_steady_sliding_interval: Pair,
     /// Quantiles of the probability over the values that are unknown; `null` if none is.
     pub probability_over_unknowns: Option<Quantiles>,
-    /// Parts of the half width of [`VerdictResult::probability_interval`], largest first.
+    /// Parts of the half width of `probability_interval`, largest first.
     pub error_sources: Vec<ErrorSource>,
     /// Friction as a function of the uncertain values; `null` if it does not depend on them.
     pub friction: Option<LearntFriction>,
@@ -68,7 +69,7 @@ pub struct VerdictResult {
 }
 
 /// Cause of a part of the interval of the probability.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorSource {
     /// Name of the cause: `machines`, `strips` or `expansion`.
@@ -78,7 +79,7 @@ pub struct ErrorSource {
 }
 
 /// Friction of the contact as a function of the uncertain values, learnt from solved strips.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LearntFriction {
     /// Names of the values.
@@ -95,7 +96,7 @@ pub struct LearntFriction {
 }
 
 /// Input of the verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RestsOn {
     /// Name of the input, `section.key`.
@@ -109,7 +110,7 @@ pub struct RestsOn {
 }
 
 /// Value of an input.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum InputValue {
     /// Number in SI.
@@ -119,7 +120,7 @@ pub enum InputValue {
 }
 
 /// Origin of the value of an input.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InputKind {
     /// Scan of the surface.
@@ -135,7 +136,7 @@ pub enum InputKind {
 }
 
 /// Quantiles of a distribution.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Quantiles {
     /// 5 % quantile.
@@ -147,7 +148,7 @@ pub struct Quantiles {
 }
 
 /// The machine with all values at their centres.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NominalMachine {
     /// Whether it vibrates if its motion begins in stick.
@@ -166,7 +167,7 @@ pub struct NominalMachine {
 }
 
 /// Vibration of the machines that vibrate.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VibratingMachines {
     /// Fraction of each kind of motion.
@@ -180,7 +181,7 @@ pub struct VibratingMachines {
 }
 
 /// Quantile of the margin.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MarginQuantile {
     /// Probability of a smaller margin.
@@ -190,7 +191,7 @@ pub struct MarginQuantile {
 }
 
 /// Sensitivity to one uncertain value.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Driver {
     /// Name of the value, `section.key`.
@@ -212,7 +213,7 @@ pub struct Driver {
 }
 
 /// Effect of one unknown value.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Guess {
     /// Name of the value, `section.key`.
@@ -224,7 +225,7 @@ pub struct Guess {
 }
 
 /// Change of the central value of one input.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Remedy {
     /// Name of the value, `section.key`.
@@ -240,7 +241,7 @@ pub struct Remedy {
 }
 
 /// Central value that reaches one probability.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reach {
     /// Probability of vibration.

@@ -1,11 +1,12 @@
 //! Tables of numbers in the verdict.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Pair;
 
 /// Probability of vibration if a number of independent windows share the load.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaAsOne {
     /// Number of windows: 1 is the paper's reading, the last is the nominal area over the area of one window.
@@ -20,7 +21,7 @@ pub struct AreaAsOne {
 }
 
 /// Probability of vibration over the central values of two inputs.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProbabilityMap {
     /// First input.
@@ -34,7 +35,7 @@ pub struct ProbabilityMap {
 }
 
 /// One input of a map.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProbabilityMapAxis {
     /// Name of the value, `section.key`.

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{LawResult, Pair};
 
 /// Kind of motion that the machine settles into.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum KindResult {
     /// The mass sticks to the belt in every period.
@@ -40,7 +41,7 @@ impl KindResult {
 }
 
 /// The vibration stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationResult {
     /// The study's own damping ratio ζ.
@@ -88,7 +89,7 @@ pub struct VibrationResult {
 }
 
 /// Parameters and resolution of a stability map.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapResult {
     /// First parameter: `damping_ratio` or `belt_velocity`.
@@ -100,7 +101,7 @@ pub struct MapResult {
 }
 
 /// Resolution of the transition of the probability in a map.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapResolutionResult {
     /// Width of the smallest cells along x.
@@ -113,7 +114,7 @@ pub struct MapResolutionResult {
 }
 
 /// A deterministic limit cycle of any kind; keys as in `asperity vibration cycle`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CycleResult {
     /// Damping ratio.
@@ -135,7 +136,7 @@ pub struct CycleResult {
 }
 
 /// Ensembles over the damping sweep for one upscaling.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnsembleResult {
     /// Standard deviation of μ.
@@ -156,7 +157,7 @@ pub struct EnsembleResult {
 
 /// Damping ratio at which the mean fraction of the second half of the duration spent in vibration, started in stick, falls below
 /// a level.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrossingResult {
     /// Level of the fraction.
@@ -171,7 +172,7 @@ pub struct CrossingResult {
 }
 
 /// Regularity and persistence of vibration.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotionResult {
     /// Mean time τ from one cycle to the next, as long as vibration is not lost.
@@ -201,7 +202,7 @@ pub struct MotionResult {
 }
 
 /// Cycle counts at one damping ratio.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DampingResult {
     /// Damping ratio.
@@ -233,7 +234,7 @@ pub struct DampingResult {
 }
 
 /// Distribution of points along the trajectories.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PointsResult {
     /// Number of points.

@@ -1,11 +1,13 @@
-//! Keys and round trips of `results.json` and `comparison.json`.
+//! Keys, JSON Schema and round trips of `results.json` and `comparison.json`.
 #![expect(clippy::unwrap_used, reason = "a test stops where results are not what they must be")]
 
 mod example;
 
 use std::collections::BTreeSet;
 
-use asperity_results::{Comparison, LawResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult};
+use asperity_results::{
+    Comparison, LawResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult, results_schema,
+};
 use serde_json::Value;
 
 /// Returns the results of one scan, and those of a part of two scans with uncertain parameters and a stated counterface.
@@ -79,6 +81,58 @@ fn every_key_is_in_the_list_and_every_listed_key_is_written() {
             "keys of {file} changed: state it in CHANGELOG.md, and raise SCHEMA_VERSION if a key of results.json was renamed or \
              removed. added: {added:#?}, removed: {removed:#?}"
         );
+    }
+}
+
+/// Collects the schemas of a key of an object, or of the objects of a list, in all forms that a schema allows.
+fn of_key<'s>(root: &'s Value, schema: &'s Value, key: &str, found: &mut Vec<&'s Value>) {
+    if let Some(place) = schema["$ref"].as_str() {
+        of_key(root, root.pointer(place.trim_start_matches('#')).unwrap(), key, found);
+    }
+    schema["anyOf"].as_array().into_iter().flatten().for_each(|form| of_key(root, form, key, found));
+    if schema["items"].is_object() {
+        of_key(root, &schema["items"], key, found);
+    }
+    found.extend(schema["properties"].get(key));
+    // Names that are data.
+    found.extend(Some(&schema["additionalProperties"]).filter(|value| value.is_object()));
+    // Patterns have the form `^(one|two)ending$`.
+    for (pattern, value) in schema["patternProperties"].as_object().into_iter().flatten() {
+        let (names, ending) = pattern.trim_start_matches("^(").trim_end_matches('$').split_once(')').unwrap();
+        if key.strip_suffix(ending).is_some_and(|name| names.split('|').any(|own| own == name)) {
+            found.push(value);
+        }
+    }
+}
+
+#[test]
+fn the_schema_has_every_key_of_the_list() {
+    let schema = results_schema().to_value();
+    for path in include_str!("keys.txt").lines() {
+        let mut schemas = vec![&schema];
+        for key in path.split('/').skip(1) {
+            let mut inner = Vec::new();
+            schemas.iter().for_each(|outer| of_key(&schema, outer, key, &mut inner));
+            schemas = inner;
+        }
+        assert!(!schemas.is_empty(), "{path}");
+    }
+    let mut found = Vec::new();
+    of_key(&schema, &schema["properties"]["surface"], "colour", &mut found);
+    assert!(found.is_empty(), "{found:?}");
+    assert_eq!(schema["properties"]["schema_version"]["const"], SCHEMA_VERSION);
+}
+
+#[test]
+fn every_key_of_the_schema_has_a_description_for_its_reader() {
+    let schema = results_schema().to_value();
+    let definitions = schema["$defs"].as_object().unwrap();
+    for (key, value) in
+        definitions.values().chain([&schema]).filter_map(|part| part["properties"].as_object()).flatten()
+    {
+        let text = value["description"].as_str().unwrap_or_else(|| panic!("{key} has no description"));
+        let of_rust = ["[`", "crate::", "`None`", "\n"].iter().any(|word| text.contains(word));
+        assert!(!of_rust && text.ends_with('.'), "{key}: {text}");
     }
 }
 

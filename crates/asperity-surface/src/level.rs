@@ -5,10 +5,12 @@ mod round;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
 use ndarray::Array2;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -49,6 +51,18 @@ impl Level {
             Self::Cylinder | Self::Sphere => Self::Quadratic,
             level => level,
         }
+    }
+}
+
+impl JsonSchema for Level {
+    fn schema_name() -> Cow<'static, str> {
+        "Level".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let plain = Self::PLAIN.iter().map(Self::to_string).collect::<Vec<_>>().join("|");
+        let degrees = (0..=MAX_DEGREE).map(|degree| degree.to_string()).collect::<Vec<_>>().join("|");
+        json_schema!({ "type": "string", "pattern": format!("^({plain}|polynomial:({degrees}))$") })
     }
 }
 

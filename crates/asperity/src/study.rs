@@ -24,6 +24,7 @@ pub mod result;
 mod run;
 mod scan_tables;
 pub mod scatter;
+mod schema;
 mod series;
 mod specimen;
 mod spectra;
@@ -57,6 +58,7 @@ pub use result::{
     BandMethod, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
 };
 pub use run::Stage;
+pub use schema::study_schema;
 pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, file_hash, json_bytes};

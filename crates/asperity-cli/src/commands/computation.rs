@@ -173,8 +173,9 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
     words.collect::<Vec<_>>().join(", ")
 }
 
-/// Estimates the disk space of the heights of scans in a run folder, raw and prepared. Scans may be compressed.
+/// Estimates the disk space of the heights of scans in a run folder: raw and prepared, each as NPY file and VTK image. Scans may be
+/// compressed.
 fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
-    const BYTES_PER_BYTE: f64 = 8.0;
+    const BYTES_PER_BYTE: f64 = 19.0;
     scans.iter().filter_map(|scan| scan.metadata().ok()).map(|scan| BYTES_PER_BYTE * scan.len() as f64).sum()
 }

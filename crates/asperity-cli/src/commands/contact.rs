@@ -6,6 +6,7 @@ mod layering;
 mod unloading;
 
 use asperity::map::BoundaryKind;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use asperity::contact::{
@@ -15,7 +16,9 @@ use asperity::contact::{
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
 use asperity::study::implausible_material;
+use asperity_formats::{Format, write_vtk_fields};
 use clap::Args;
+use ndarray::Array2;
 
 use analysis::Analysis;
 use counterface::Counterface;
@@ -26,12 +29,14 @@ use super::surface::preparation::LevelOption;
 use crate::failure::{Failure, Kind};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
-use crate::output::{Answer, check_target};
+use crate::output::{Answer, check_target, replace_file};
 use crate::resources::{require_disk, require_memory};
 use crate::{args, npz};
 
-/// Approximate disk space of a cell's compressed fields, in bytes: displacement and gap hardly shrink.
-const FIELD_BYTES: f64 = 20.0;
+/// Approximate disk space of a cell's fields in a NumPy archive, in bytes: displacement and gap hardly shrink.
+const ARCHIVE_BYTES: f64 = 20.0;
+/// Disk space of a cell's fields in a VTK image, in bytes: six doubles in base64.
+const IMAGE_BYTES: f64 = 64.0;
 
 /// Presses a rough surface against a rigid flat, or against a counterface.
 ///
@@ -82,9 +87,10 @@ pub(crate) struct Contact {
     /// is the stiffness of the mean planes, without the mean compliance; infinite (null) in complete contact.
     #[arg(long)]
     stiffness: bool,
-    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, clusters (numbered from
-    /// 1; 0 out of contact), and with --unload residual_height_m.
-    #[arg(long, value_name = "F.npz")]
+    /// Write the fields to a NumPy archive, or to a VTK image for ParaView if the name ends in .vti: pressure_pa,
+    /// displacement_m, gap_m, plastic_displacement_m, clusters (numbered from 1; 0 out of contact), and with --unload
+    /// residual_height_m.
+    #[arg(long, value_name = "F.npz|F.vti")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table.
     #[arg(long)]
@@ -137,7 +143,8 @@ impl Contact {
         let map = input::height_map(scan, &self.file)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
         if let Some(out) = &self.out {
-            require_disk(FIELD_BYTES * map.grid().points() as f64, out, "writing the fields")?;
+            let bytes = if is_image(out) { IMAGE_BYTES } else { ARCHIVE_BYTES };
+            require_disk(bytes * map.grid().points() as f64, out, "writing the fields")?;
         }
         let map = self.level.remove(map, &self.file, monitor)?;
         let map = self.counterface.composite_with(map, &self.options, self.level, monitor)?;
@@ -173,7 +180,7 @@ impl Contact {
             if let Some(Some(unloaded)) = &unloaded {
                 fields.push(("residual_height_m", &unloaded.residual_height_m));
             }
-            npz::write(out, &fields)?;
+            write_fields(out, map.grid(), &fields)?;
         }
         let mut answer = answer(&solution, &analysis);
         if let Some(unloaded) = &unloaded {
@@ -246,6 +253,22 @@ impl Contact {
             _ => Failure::usage(error),
         }
     }
+}
+
+/// Returns whether the name of a file is that of a VTK image.
+fn is_image(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.and_then(Format::from_extension) == Some(Format::Vtk)
+}
+
+/// Writes fields on one grid, and replaces an existing file.
+fn write_fields(path: &Path, grid: Grid, fields: &[(&str, &Array2<f64>)]) -> Result<(), Failure> {
+    if !is_image(path) {
+        return npz::write(path, fields);
+    }
+    let image = write_vtk_fields((grid.dx_m(), grid.dy_m()), fields)
+        .map_err(|error| Failure::new(Kind::Runtime, error.to_string()))?;
+    replace_file(path, |file| file.write_all(&image))
 }
 
 fn answer(solution: &Solution, analysis: &Analysis) -> Answer {

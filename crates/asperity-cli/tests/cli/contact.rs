@@ -10,7 +10,7 @@ use std::time::Duration;
 #[cfg(target_os = "linux")]
 use crate::support::run_and_interrupt;
 use crate::support::{Finished, close, keys, listing, npy, number, run_in};
-use asperity_formats::read_bytes;
+use asperity_formats::{read_bytes, write_vtk_fields};
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -158,6 +158,26 @@ fn the_archive_contains_the_fields_of_the_answer_and_replaces_the_old_file() {
     let plastic = pressure_pa.iter().filter(|p| **p == 2e9).count() as f64 / (24.0 * 32.0);
     assert!(plastic > 0.0);
     close(plastic, number(&json, "plastic_fraction"), 1e-12);
+}
+
+#[test]
+fn a_name_that_ends_in_vti_gives_an_image_with_the_fields_of_the_archive() {
+    let folder = folder_with(rough());
+    for name in ["fields.npz", "fields.VTI"] {
+        let line =
+            format!("--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --unload --out {name}");
+        assert_eq!(press(folder.path(), &line).code, 0);
+    }
+    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
+    let names = ["pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m", "clusters", "residual_height_m"];
+    let fields = names.map(|name| {
+        let mut bytes = Vec::new();
+        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+        read_bytes(&bytes).unwrap().heights_m
+    });
+    let named: Vec<(&str, &Array2<f64>)> = names.into_iter().zip(&fields).collect();
+    let image = fs::read(folder.path().join("fields.VTI")).unwrap();
+    assert!(image == write_vtk_fields((1e-6, 1e-6), &named).unwrap());
 }
 
 #[test]

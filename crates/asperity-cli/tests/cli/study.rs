@@ -5,12 +5,12 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use asperity_formats::{Scan, X3pData, read, write_x3p};
+use asperity_formats::{Scan, X3pData, read, write_vtk_fields, write_x3p};
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{MANIFEST, asperity_in, keys, listing, run_in, written};
+use crate::support::{MANIFEST, asperity_in, keys, listing, number, run_in, written};
 
 /// A small study of every stage but friction; the friction process is stated.
 const STUDY: &str = r#"seed = 5
@@ -137,6 +137,15 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
         assert!(name == other && bytes == others, "{name} and {other} differ");
     }
     assert_eq!(first.len(), second.len());
+    // Each field is an array and an image.
+    let index: Value = serde_json::from_slice(&fs::read(run.join("fields/index.json")).unwrap()).unwrap();
+    assert!(index["pressure_mean"].is_object());
+    for (name, entry) in index.as_object().unwrap() {
+        let values = read(&run.join(format!("fields/{name}.npy"))).unwrap().heights_m;
+        let image =
+            write_vtk_fields((number(entry, "dx_m"), number(entry, "dy_m")), &[(name.as_str(), &values)]).unwrap();
+        assert!(fs::read(run.join(format!("fields/{name}.vti"))).unwrap() == image, "{name}");
+    }
     let provenance: Value = serde_json::from_slice(&fs::read(run.join("provenance.json")).unwrap()).unwrap();
     assert_eq!(provenance["asperity"], env!("CARGO_PKG_VERSION"));
     assert_eq!(provenance["inputs"]["study.toml"].as_str().unwrap().len(), 64);

@@ -11,6 +11,7 @@ fn help_and_version_are_data_and_name_every_command_and_exit_code() {
         "check",
         "run",
         "report",
+        "schema",
         "surface",
         "contact",
         "friction",
@@ -36,6 +37,20 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
     asperity("surface convert a.npy b.npy --threads 0").refuses(2, &["--threads", "at least 1"]);
     asperity("--threads 1000000000 surface convert a.npy b.npy").refuses(2, &["--threads", "at most"]);
     asperity("--threads two surface convert a.npy b.npy").refuses(2, &["--threads", "two"]);
+}
+
+#[test]
+fn a_schema_is_one_json_object_with_the_name_of_its_file() {
+    for (line, id, key) in [
+        ("schema", "urn:asperity:results:1", "schema_version"),
+        ("schema results", "urn:asperity:results:1", "verdict"),
+        ("schema study", "urn:asperity:study", "vibration"),
+    ] {
+        let schema = asperity(line).json(0);
+        assert_eq!(schema["$id"], id, "{line}");
+        assert!(schema["properties"][key]["description"].is_string(), "{line}: {key}");
+    }
+    asperity("schema report").refuses(2, &["report", "study", "results"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! VTK image data.
 
-use asperity_formats::{Format, FormatError, Scan, read_bytes, write_vtk};
+use asperity_formats::{Format, FormatError, Scan, read_bytes, write_vtk, write_vtk_fields};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use ndarray::{Array2, array};
@@ -43,6 +43,31 @@ fn the_last_row_is_written_first_and_missing_points_are_marked() {
     assert_eq!(array_bytes(&text, "UInt8", "missing").unwrap(), [0, 0, 0, 0, 1, 0]);
     // Bit 2 of vtkGhostType hides a point (vtkDataSetAttributes::HIDDENPOINT).
     assert_eq!(array_bytes(&text, "UInt8", "vtkGhostType").unwrap(), [0, 0, 0, 0, 2, 0]);
+}
+
+#[test]
+fn fields_are_point_data_by_name() {
+    let (pressure, gap) = (array![[1e6, 2e6, 0.0], [0.0, 3e6, 4e6]], array![[0.0, 1e-9, NAN], [2e-9, 0.0, 3e-9]]);
+    let bytes = write_vtk_fields((1.5e-6, 2.5e-6), &[("pressure_pa", &pressure), ("gap_m", &gap)]).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    assert!(
+        text.contains(r#"<PointData Scalars="pressure_pa">"#) && text.contains(r#"Spacing="1.5e-6 2.5e-6 1.5e-6""#)
+    );
+    for (name, values) in
+        [("pressure_pa", [0.0, 3e6, 4e6, 1e6, 2e6, 0.0]), ("gap_m", [2e-9, 0.0, 3e-9, 0.0, 1e-9, NAN])]
+    {
+        let found = array_bytes(&text, "Float64", name).unwrap();
+        let found: Vec<u64> = found.as_chunks::<8>().0.iter().map(|raw| u64::from_le_bytes(*raw)).collect();
+        assert_eq!(found, values.map(f64::to_bits), "{name}");
+    }
+    for (pitch_m, fields) in [
+        ((1e-6, 1e-6), vec![]),
+        ((1e-6, 0.0), vec![("gap_m", &gap)]),
+        ((1e-6, 1e-6), vec![("gap_m", &gap), ("other_m", &array![[1.0]])]),
+    ] {
+        let error = write_vtk_fields(pitch_m, &fields).unwrap_err();
+        assert!(matches!(error, FormatError::NotStorable { .. }), "{error}");
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod surface;
 mod verdict;
 mod vibration;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
@@ -27,7 +28,7 @@ pub use verdict::{Hold, JointSection, RemedySection, VerdictSection};
 pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
 
 /// Study file: scan or surface model, stages, and the seed of every random draw.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
     /// Seed of every random draw.

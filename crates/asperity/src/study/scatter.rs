@@ -1,11 +1,13 @@
 //! How uncertain a parameter of the surface is: `"5 %"`, `"0.05 um"`, `0.2`, `"measured"`.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::quantity::Length;
+use crate::quantity::{Length, NUMBER_PATTERN};
 
 /// What stands for the interval that the surface stage measured.
 const MEASURED: &str = "measured";
@@ -68,6 +70,21 @@ fn percent(share: f64) -> f64 {
     if (round / 100.0).to_bits() == share.to_bits() { round } else { exact }
 }
 
+impl JsonSchema for LengthScatter {
+    fn schema_name() -> Cow<'static, str> {
+        "LengthScatter".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let units = Length::unit_pattern();
+        json_schema!({
+            "type": "string",
+            "pattern": format!(r"^\s*({MEASURED}|{NUMBER_PATTERN}\s*(%|{units}))\s*$"),
+            "examples": ["5 %", "0.05 um", MEASURED],
+        })
+    }
+}
+
 impl Serialize for LengthScatter {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
@@ -89,6 +106,16 @@ impl<'de> Deserialize<'de> for LengthScatter {
             }
         }
         deserializer.deserialize_any(Visitor)
+    }
+}
+
+impl JsonSchema for NumberScatter {
+    fn schema_name() -> Cow<'static, str> {
+        "NumberScatter".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "type": "number" }, { "const": MEASURED }] })
     }
 }
 

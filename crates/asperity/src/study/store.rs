@@ -12,7 +12,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use asperity_formats::{refusal, remove_abandoned_files, replace_file};
+use asperity_formats::{FormatError, refusal, remove_abandoned_files, replace_file};
 use thiserror::Error;
 
 use crate::friction::process::ProcessError;
@@ -121,6 +121,9 @@ pub enum StoreError {
     /// A table could not be written.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// A field could not be written.
+    #[error(transparent)]
+    Field(#[from] FormatError),
     /// The friction process is invalid.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),

@@ -13,7 +13,8 @@ use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use self::keys::{LATENT, UncertainKey};
+use self::keys::LATENT;
+pub(super) use self::keys::{KEYS, UncertainKey};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;

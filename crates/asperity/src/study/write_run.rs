@@ -102,6 +102,8 @@ pub fn result_files(
     for (name, field) in &outcome.fields {
         let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
         index.insert(name.clone(), entry);
+        let pitch_m = (field.grid.dx_m(), field.grid.dy_m());
+        write(&format!("fields/{name}.vti"), &asperity_formats::write_vtk_fields(pitch_m, &[(name, &field.values)])?)?;
         let heights = asperity_formats::Scan::new(field.values.clone(), None);
         write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&heights))?;
     }

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::pressure::poisson_ratio;
-use super::surface::one_or_two;
+use super::surface::{one_or_two, one_or_two_schema};
 use super::{ScanFiles, SurfaceSection};
 use crate::contact::Elastic;
 use crate::quantity::{Length, Pressure};
@@ -18,7 +19,7 @@ use crate::translation::TranslationKind;
 /// The roughness keys have the meaning of the same keys of `[surface]`. The counterface is smooth if the section states none of
 /// `file`, `covariance`, `rms_height`, `correlation_length`, `hurst`, `smoothness`, `fractal_dimension` and `marginal`. Its random
 /// maps have the generator, `modes`, `mean_mode` and `rescale` of `[surface]`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CounterfaceSection {
     /// Young's modulus; rigid when left out.
@@ -38,6 +39,7 @@ pub struct CounterfaceSection {
     pub channel: Option<String>,
     /// Pixel size (x, y), or one value for both.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
+    #[schemars(schema_with = "one_or_two_schema")]
     pub pixel_size: Option<[Length; 2]>,
     /// Unit of the heights, such as `um`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -65,6 +67,7 @@ pub struct CounterfaceSection {
     pub rms_height: Option<Length>,
     /// Correlation lengths (x, y), or one for both, if not measured.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
+    #[schemars(schema_with = "one_or_two_schema")]
     pub correlation_length: Option<[Length; 2]>,
     /// Hurst exponent of a self-affine model.
     #[serde(skip_serializing_if = "Option::is_none")]

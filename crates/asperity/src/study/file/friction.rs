@@ -1,6 +1,7 @@
 //! The section `[friction]`.
 
 use asperity_base::choice;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{fixed_list, solve_tolerance};
@@ -9,7 +10,7 @@ use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
 
 choice! {
-    /// Friction law of a window; see [`crate::friction::law`].
+    /// Friction law of a window.
     #[derive(Default)]
     pub enum WindowLawKind: "friction law" {
         /// F = τ_max A_c (the paper's law).
@@ -56,7 +57,7 @@ choice! {
 }
 
 /// The section `[friction]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionSection {
     /// Size (x, y) of a strip; it slides along x.
@@ -117,7 +118,7 @@ pub struct FrictionSection {
 
 /// The section `[friction.uncertainty]`: standard deviations of the surface's parameters about their values in the
 /// study. The parameters are independent. At least one is stated.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UncertaintySection {
     /// Standard deviation of the rms height, which is lognormal.

@@ -1,8 +1,10 @@
 //! Model of the machine in `[vibration]`, and the springs of two coupled modes.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use asperity_base::choice;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 choice! {
@@ -28,6 +30,16 @@ pub enum ContactSpring {
 
 /// Name of the computed stiffness.
 const SURFACE: &str = "surface";
+
+impl JsonSchema for ContactSpring {
+    fn schema_name() -> Cow<'static, str> {
+        "ContactSpring".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "type": "number" }, { "const": SURFACE }] })
+    }
+}
 
 impl Serialize for ContactSpring {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,5 +1,6 @@
 //! The sections `[material]` and `[pressure]`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fixed_list::optional_fixed_list;
@@ -8,7 +9,7 @@ use crate::map::BoundaryKind;
 use crate::quantity::{Compliance, Length, Pressure};
 
 /// The section `[material]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSection {
     /// Young's modulus.
@@ -25,7 +26,7 @@ pub struct MaterialSection {
 }
 
 /// The section `[pressure]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureSection {
     /// Size (x, y) of a patch.

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -16,7 +17,7 @@ use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
 
 /// One scan, or several scans of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected the name of a scan, or a list of names")]
 pub enum ScanFiles {
     /// One scan.
@@ -51,13 +52,12 @@ impl From<&str> for ScanFiles {
 }
 
 /// The section `[surface]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSection {
     /// Scan file, relative to the study file, or a list of scans of one part. The statistics of several scans are
-    /// pooled ([`crate::surface::scanned::PooledStatistics`]). Random surfaces then have the correlation of all pairs of heights
-    /// and the distribution of all heights, each relative to the form of its own scan. All scans must have the same
-    /// pixel size. Maps and figures show the first scan.
+    /// pooled. Random surfaces then have the correlation of all pairs of heights and the distribution of all heights, each relative
+    /// to the form of its own scan. All scans must have the same pixel size. Maps and figures show the first scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<ScanFiles>,
     /// Height map to read from a file that contains several: its name, or its number counted from 1.
@@ -66,6 +66,7 @@ pub struct SurfaceSection {
     /// Pixel size (x, y), or one value for both. Required for a scan that states none; replaces the size stated in the
     /// file.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
+    #[schemars(schema_with = "one_or_two_schema")]
     pub pixel_size: Option<[Length; 2]>,
     /// Unit of the heights, such as `um`. Required for a scan that states none; replaces the unit stated in the file,
     /// and a conversion factor in the header of a text file.
@@ -95,11 +96,11 @@ pub struct SurfaceSection {
     /// Standard deviation of the heights of the random surfaces, if not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<Length>,
-    /// Correlation lengths (x, y) of the random surfaces, or one for both, if not measured: the parameter ℓ of the
-    /// model ([`crate::correlation::CorrelationModel`]). For the exponential and the squared exponential model it is
-    /// the lag at which the correlation is 1/e. For the Matérn model it is the scale and for the self-affine model the
-    /// roll-off length; their correlation falls to 1/e at another lag.
+    /// Correlation lengths (x, y) of the random surfaces, or one for both, if not measured: the parameter ℓ of the model. For the
+    /// exponential and the squared exponential model it is the lag at which the correlation is 1/e. For the Matérn model it is the
+    /// scale and for the self-affine model the roll-off length; their correlation falls to 1/e at another lag.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
+    #[schemars(schema_with = "one_or_two_schema")]
     pub correlation_length: Option<[Length; 2]>,
     /// Hurst exponent of a self-affine model.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -135,6 +136,12 @@ pub struct SurfaceSection {
     /// out, `both` with a rough `[counterface]`, otherwise the track. Friction depends on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<RoughBody>,
+}
+
+/// Returns the JSON Schema of the values that [`one_or_two`] reads.
+pub(super) fn one_or_two_schema(generator: &mut SchemaGenerator) -> Schema {
+    let [one, two] = [generator.subschema_for::<Length>(), generator.subschema_for::<[Length; 2]>()];
+    json_schema!({ "anyOf": [one, two] })
 }
 
 /// Reads one length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.

@@ -1,13 +1,14 @@
 //! The sections `[uncertainty]` and `[verdict]`.
 
 use asperity_base::choice;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::quantity::Time;
 
 /// The section `[uncertainty]`: dependence of the uncertain values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSection {
     /// Spearman's rank correlations of pairs of uncertain values, each named `section.key`.
@@ -19,7 +20,7 @@ pub struct JointSection {
 }
 
 /// The section `[verdict]`: the probability of vibration over the uncertain values, and what changes it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictSection {
     /// Duration T after which a machine with fluctuating friction must still vibrate; that of `[vibration]` when left out.
@@ -39,13 +40,23 @@ pub struct VerdictSection {
     pub evaluations: usize,
 }
 
+/// Number, or quantity with its unit.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum NumberOrQuantity {
+    Number(f64),
+    Quantity(String),
+}
+
 /// Value to change.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RemedySection {
     /// Name of the value, `section.key`.
     pub input: String,
     /// Range of its central value.
+    #[schemars(with = "[NumberOrQuantity; 2]")]
     pub range: [Value; 2],
     /// Constant under a change of mass or frequency.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use asperity_base::choice;
 use asperity_base::choice::ByName;
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::fixed_list::{fixed_list, optional_fixed_list};
@@ -16,7 +17,8 @@ use crate::study::sentence;
 use crate::vibration::{Drive, Integrator, MapOver};
 
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
+#[schemars(untagged)]
 pub enum Stribeck {
     /// Coefficient per unit of dimensionless velocity, N/(mω₀); valid for the stated load, mass and frequency.
     Dimensionless(f64),
@@ -116,7 +118,7 @@ choice! {
 }
 
 /// The section `[vibration.map]`: probability of sustained vibration over two parameters, with the main upscaling.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapSection {
     /// Parameters of the map.
@@ -136,7 +138,7 @@ pub struct MapSection {
 }
 
 /// The section `[vibration]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationSection {
     /// Model of the machine.
@@ -226,9 +228,8 @@ pub struct VibrationSection {
     /// A stability map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapSection>,
-    /// File of a fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, for studies
-    /// without a friction stage: the `friction_process.json` of another study, or the fit of a measured record. If it
-    /// has a Stribeck coefficient, this replaces `stribeck`.
+    /// File of a fitted process, relative to the study file, for studies without a friction stage: the `friction_process.json` of
+    /// another study, or the fit of a measured record. If it has a Stribeck coefficient, this replaces `stribeck`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_process: Option<PathBuf>,
     /// Mean (static) friction coefficient, for studies without a friction stage.

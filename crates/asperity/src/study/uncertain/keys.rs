@@ -25,7 +25,7 @@ const fn key(section: &'static str, name: &'static str, unit: &'static str, low:
 const UNBOUNDED: f64 = f64::INFINITY;
 
 /// All keys whose values may be uncertain.
-pub(super) const KEYS: &[UncertainKey] = &[
+pub(in crate::study) const KEYS: &[UncertainKey] = &[
     key("surface", "rms_height", "m", 0.0, UNBOUNDED),
     key("surface", "correlation_length", "m", 0.0, UNBOUNDED),
     key("surface", "hurst", "", 0.0, 1.0),
@@ -101,6 +101,21 @@ impl UncertainKey {
             other => other.to_string(),
         };
         quantity(self.unit, &text).map_err(|error| error.to_string())
+    }
+
+    /// Returns the name of its dimension and the regular expression of its units; `None` for a number.
+    pub(in crate::study) fn quantity(&self) -> Option<(&'static str, String)> {
+        Some(match self.unit {
+            "" => return None,
+            "m" => ("length", Length::unit_pattern()),
+            "m^2" => ("area", Area::unit_pattern()),
+            "Pa" => ("pressure", Pressure::unit_pattern()),
+            "kg" => ("mass", Mass::unit_pattern()),
+            "N" => ("force", Force::unit_pattern()),
+            "m/s" => ("velocity", Velocity::unit_pattern()),
+            "s/m" => ("inverse_velocity", InverseVelocity::unit_pattern()),
+            _ => ("angular_frequency", AngularFrequency::unit_pattern()),
+        })
     }
 
     /// Returns a number in SI as a study file states it.
