@@ -87,7 +87,8 @@ impl Slurm {
 
 /// Quotes a path for a shell, if necessary.
 fn shell_word(path: &Path) -> Result<String, Failure> {
-    let text = path.to_str().ok_or_else(|| Failure::usage(format_args!("{}: the name is not UTF-8", path.display())))?;
+    let text =
+        path.to_str().ok_or_else(|| Failure::usage(format_args!("{}: the name is not UTF-8", path.display())))?;
     if text.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c)) {
         return Ok(text.to_owned());
     }

@@ -149,7 +149,8 @@ fn a_wrong_study_or_value_writes_no_script_and_a_script_is_not_replaced_unasked(
     run_in(at, "slurm none.toml --tasks 2").refuses(3, &["none.toml: no such file"]);
     fs::write(at.join("brake.toml"), STUDY).unwrap();
     run_in(at, "slurm brake.toml").refuses(2, &["--tasks"]);
-    for (flag, word) in [("--tasks 0", "at least 1"), ("--tasks 2 --time 4", "unit"), ("--tasks 2 --memory 4", "size")] {
+    for (flag, word) in [("--tasks 0", "at least 1"), ("--tasks 2 --time 4", "unit"), ("--tasks 2 --memory 4", "size")]
+    {
         run_in(at, &format!("slurm brake.toml {flag}")).refuses(2, &[word]);
     }
     assert_eq!(listing(at), ["brake.toml", "wrong.toml"]);
