@@ -11,6 +11,7 @@ mod report;
 mod repro;
 mod run;
 mod schema;
+mod slurm;
 mod status;
 mod study_file;
 mod surface;
@@ -32,6 +33,7 @@ pub(crate) enum Command {
     Merge(merge::Merge),
     Status(status::Status),
     Repro(repro::Repro),
+    Slurm(slurm::Slurm),
     Report(report::Report),
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
@@ -57,6 +59,7 @@ impl Command {
             Self::Merge(merge) => merge.run(monitor),
             Self::Status(status) => status.run(monitor),
             Self::Repro(repro) => repro.run(monitor),
+            Self::Slurm(slurm) => slurm.run(monitor),
             Self::Report(report) => report.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),

@@ -104,6 +104,8 @@ impl Run {
             Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => false,
             Err(failure) => return Err(failure),
         };
+        // A merge reads it.
+        blocks.write_record().map_err(|e| store_failure(&e))?;
         let rounds = blocks.rounds();
         if !complete {
             monitor.note(&format!("blocks of other parts are missing: {}", missing(&rounds)));

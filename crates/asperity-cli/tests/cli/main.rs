@@ -12,6 +12,8 @@ mod friction;
 mod headlines;
 mod mode_coupling;
 mod outputs;
+#[cfg(unix)]
+mod slurm;
 mod study;
 mod support;
 mod surface;

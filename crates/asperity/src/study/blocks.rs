@@ -224,6 +224,14 @@ impl RunBlocks {
         self.writer.flush()
     }
 
+    /// Writes the record of the run even if it has no block.
+    ///
+    /// # Errors
+    /// The record could not be written.
+    pub fn write_record(&self) -> Result<(), StoreError> {
+        lock(&self.record).write(&self.path)
+    }
+
     /// Ends a finished run: removes the blocks that only an earlier run of this name used.
     ///
     /// # Errors
