@@ -147,7 +147,7 @@ mod tests {
     fn sections(name: &str, section: &Value, found: &mut Vec<(String, Value)>) {
         for (key, value) in section["properties"].as_object().unwrap() {
             if value["properties"].is_object() {
-                sections(&[name, key].join(".").trim_start_matches('.').to_owned(), value, found);
+                sections([name, key].join(".").trim_start_matches('.'), value, found);
             }
         }
         found.push((name.to_owned(), section.clone()));
