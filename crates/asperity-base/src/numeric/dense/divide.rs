@@ -292,7 +292,7 @@ pub(super) fn implicit_ql(
             }
             for k in (first..last).rev() {
                 let (f, b) = (sin * beside[k], cos * beside[k]);
-                let r = f.hypot(g);
+                let r = (f * f + g * g).sqrt();
                 if k + 1 < last {
                     beside[k + 1] = r;
                 }

@@ -151,12 +151,19 @@ fn eigenvectors_are_orthonormal_and_reproduce_the_matrix() {
         for coupling in [1e-14, 1e-8, 1e-3] {
             let glued = Array2::from_shape_fn((n, n), |(i, j)| match i.abs_diff(j) {
                 0 => (i % 21) as f64 - 10.0,
-                1 => if i.max(j) % 21 == 0 { coupling } else { 1.0 },
+                1 => {
+                    if i.max(j) % 21 == 0 {
+                        coupling
+                    } else {
+                        1.0
+                    }
+                }
                 _ => 0.0,
             });
             check("glued", &glued.mapv(f64::abs));
         }
-        let graded = Array2::from_shape_fn((n, n), |(i, j)| 10.0_f64.powf(-0.1 * (i + j) as f64) * (2.0 - (i * j % 3) as f64));
+        let graded =
+            Array2::from_shape_fn((n, n), |(i, j)| 10.0_f64.powf(-0.1 * (i + j) as f64) * (2.0 - (i * j % 3) as f64));
         check("graded", &graded);
     }
 }

@@ -8,7 +8,7 @@ use crate::wide::{Kernel, wide};
 
 /// Number of rows and of partial sums in the product of a matrix with a vector.
 const ROWS: usize = 4;
-const LANES: usize = 16;
+const LANES: usize = 8;
 
 /// Tridiagonal matrix T = Qᵀ A Q.
 #[derive(Debug, Clone)]
@@ -36,8 +36,8 @@ impl Tridiagonal {
             for j in start..end {
                 let number = j - start;
                 let own = exchanged(&update[number]);
-                let rows = update[number..].iter().enumerate();
-                let mut column: Vec<f64> = rows.map(|(i, row)| matrix[[j + i, j]] - dot(row, &own)).collect();
+                let mut column = matrix.slice(s![j.., j]).to_vec();
+                wide::<Subtract, _>((&update[number..], &own, &mut column[..]));
                 diagonal.push(column[0]);
                 let v = &mut column[1..];
                 beside.push(reflector(v));
@@ -45,7 +45,8 @@ impl Tridiagonal {
                 if let Some(values) = matrix.as_slice() {
                     wide::<Product, _>((&values[(j + 1) * n + j + 1..], n, &*v, &mut image[..]));
                 }
-                wide::<Correct, _>((&update[number + 1..], &*v, &mut image[..]));
+                let sums = wide::<Project, _>((&update[number + 1..], &*v));
+                wide::<Subtract, _>((&update[number + 1..], &exchanged(&sums), &mut image[..]));
                 let along: f64 = v.iter().zip(&image).map(|(v, p)| v * p).sum();
                 for ((row, v), p) in update[number + 1..].iter_mut().zip(&*v).zip(&image) {
                     row[number] = *v;
@@ -71,34 +72,36 @@ fn exchanged(row: &[f64; 2 * BLOCK]) -> [f64; 2 * BLOCK] {
     result
 }
 
-#[inline(always)]
-fn dot(a: &[f64; 2 * BLOCK], b: &[f64; 2 * BLOCK]) -> f64 {
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+/// Kernel that returns the products Vᵀv and Wᵀv.
+struct Project;
+
+impl<'a> Kernel<(&'a [[f64; 2 * BLOCK]], &'a [f64])> for Project {
+    type Output = [f64; 2 * BLOCK];
+
+    #[inline(always)]
+    fn run((update, v): (&'a [[f64; 2 * BLOCK]], &'a [f64])) -> Self::Output {
+        let mut sums = [0.0; 2 * BLOCK];
+        for (row, v) in update.iter().zip(v) {
+            sums = std::array::from_fn(|lane| sums[lane] + row[lane] * v);
         }
+        sums
     }
-    sums.iter().sum()
 }
 
-/// Kernel that subtracts (V Wᵀ + W Vᵀ) v from a vector.
-struct Correct;
+/// Kernel that subtracts the products of all rows with a vector.
+struct Subtract;
 
-impl<'a> Kernel<(&'a [[f64; 2 * BLOCK]], &'a [f64], &'a mut [f64])> for Correct {
+impl<'a> Kernel<(&'a [[f64; 2 * BLOCK]], &'a [f64; 2 * BLOCK], &'a mut [f64])> for Subtract {
     type Output = ();
 
     #[inline(always)]
-    fn run((update, v, image): (&'a [[f64; 2 * BLOCK]], &'a [f64], &'a mut [f64])) {
-        let mut sums = [0.0; 2 * BLOCK];
-        for (row, v) in update.iter().zip(v) {
-            for lane in 0..2 * BLOCK {
-                sums[lane] += v * row[lane];
+    fn run((update, vector, image): (&'a [[f64; 2 * BLOCK]], &'a [f64; 2 * BLOCK], &'a mut [f64])) {
+        for (row, image) in update.iter().zip(image) {
+            let mut sums = [0.0; LANES];
+            for (a, b) in row.as_chunks::<LANES>().0.iter().zip(vector.as_chunks::<LANES>().0) {
+                sums = std::array::from_fn(|lane| sums[lane] + a[lane] * b[lane]);
             }
-        }
-        sums.rotate_left(BLOCK);
-        for (row, p) in update.iter().zip(image) {
-            *p -= dot(row, &sums);
+            *image -= sums.iter().sum::<f64>();
         }
     }
 }
@@ -116,32 +119,32 @@ impl<'a> Kernel<(&'a [f64], usize, &'a [f64], &'a mut [f64])> for Product {
             let end = (start + ROWS).min(v.len());
             // The rows of the block up to its diagonal, in multiples of the lanes.
             let whole = if end == start + ROWS { start - start % LANES } else { 0 };
+            let row = |i: usize| &matrix[i * stride..=i * stride + i];
             if whole > 0 {
-                let rows: [&[[f64; LANES]]; ROWS] =
-                    std::array::from_fn(|r| matrix[(start + r) * stride..][..whole].as_chunks().0);
-                let factors: [f64; ROWS] = std::array::from_fn(|r| v[start + r]);
+                let [a, b, c, d] = [0, 1, 2, 3].map(|r| row(start + r)[..whole].as_chunks::<LANES>().0.iter());
+                let factors = [0, 1, 2, 3].map(|r| v[start + r]);
                 let mut sums = [[0.0; LANES]; ROWS];
                 let (v, p) = (v[..whole].as_chunks::<LANES>().0, image[..whole].as_chunks_mut::<LANES>().0);
-                for (k, (v, p)) in v.iter().zip(p).enumerate() {
-                    for r in 0..ROWS {
-                        let row = &rows[r][k];
-                        for lane in 0..LANES {
-                            sums[r][lane] += row[lane] * v[lane];
-                            p[lane] += row[lane] * factors[r];
-                        }
+                for (((((v, p), a), b), c), d) in v.iter().zip(p).zip(a).zip(b).zip(c).zip(d) {
+                    for (row, sum) in [a, b, c, d].into_iter().zip(&mut sums) {
+                        *sum = std::array::from_fn(|lane| sum[lane] + row[lane] * v[lane]);
+                    }
+                    for (row, factor) in [a, b, c, d].into_iter().zip(factors) {
+                        *p = std::array::from_fn(|lane| p[lane] + row[lane] * factor);
                     }
                 }
-                for r in 0..ROWS {
-                    image[start + r] += sums[r].iter().sum::<f64>();
+                for (image, sums) in image[start..end].iter_mut().zip(&sums) {
+                    *image += sums.iter().sum::<f64>();
                 }
             }
             for i in start..end {
-                let row = &matrix[i * stride..=i * stride + i];
-                for k in whole..i {
-                    image[i] += row[k] * v[k];
-                    image[k] += row[k] * v[i];
+                let row = row(i);
+                let mut sum = row[i] * v[i];
+                for ((a, v_k), p) in row[whole..i].iter().zip(&v[whole..i]).zip(&mut image[whole..i]) {
+                    sum += a * v_k;
+                    *p += a * v[i];
                 }
-                image[i] += row[i] * v[i];
+                image[i] += sum;
             }
         }
     }
