@@ -14,7 +14,7 @@ use crate::wide::{Kernel, wide};
 
 /// Size up to which a problem is not divided.
 const SMALL: usize = 32;
-/// Largest number of iterations per eigenvalue.
+/// Largest number of QL sweeps and of interpolations per eigenvalue.
 const SWEEPS: usize = 60;
 const ROOT_STEPS: usize = 200;
 /// Number of partial sums.
@@ -76,7 +76,7 @@ impl Coupled {
         let weights: Vec<f64> = kept.iter().map(|place| self.strength * self.z[*place].powi(2)).collect();
         let mut gaps = vec![0.0; poles.len()];
         let roots: Vec<Root> = (0..poles.len()).map(|j| Root::new(&poles, &weights, j, &mut gaps)).collect();
-        // The vectors are those of the z of which the computed roots are exact, so that they are orthogonal.
+        // Rounded roots are the exact roots for a slightly different z. Its vectors are orthogonal.
         let size = kept.len();
         let z: Vec<f64> = (0..size)
             .map(|i| {
@@ -160,7 +160,8 @@ impl Root {
     /// R.-C. Li, LAPACK Working Note 89 (1994), <https://www.netlib.org/lapack/lawnspdf/lawn89.pdf>.
     fn new(poles: &[f64], weights: &[f64], j: usize, gaps: &mut [f64]) -> Self {
         let next = poles.get(j + 1);
-        let width = next.map_or_else(|| weights.iter().sum(), |next| next - poles[j]);
+        // The last root is at most the sum of the weights above its pole.
+        let width = next.map_or_else(|| 2.0 * weights.iter().sum::<f64>(), |next| next - poles[j]);
         gaps.iter_mut().zip(poles).for_each(|(gap, pole)| *gap = pole - poles[j]);
         let mut shift = 0.5 * width;
         let (mut low, mut high) = (0.0, width);

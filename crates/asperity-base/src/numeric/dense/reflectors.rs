@@ -4,7 +4,6 @@ use ndarray::linalg::general_mat_mul;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
 
 use super::solve_upper;
-use super::triangular::solve_lower;
 
 /// Turns a vector into the unit normal v of the reflection I − 2vvᵀ that maps it to a multiple of the first axis, and
 /// returns the multiple.
@@ -26,7 +25,9 @@ pub(super) fn reflector(vector: &mut [f64]) -> f64 {
     image * largest
 }
 
-/// Product H₁ H₂ … of reflections H = I − 2vvᵀ, in the form I − V S⁻¹ Vᵀ.
+/// Product H₁ H₂ … of reflections H = I − 2vvᵀ, in the form I − V T Vᵀ.
+///
+/// T⁻¹ is the upper triangle of VᵀV with a diagonal of 1/2.
 ///
 /// # References
 /// Joffrain et al., *ACM Trans. Math. Softw.* **32** (2006) 169, <https://doi.org/10.1145/1141885.1141886>.
@@ -34,31 +35,32 @@ pub(super) fn reflector(vector: &mut [f64]) -> f64 {
 pub(super) struct Reflectors {
     /// Unit vectors v as columns.
     v: Array2<f64>,
-    /// Upper triangle of VᵀV with a diagonal of 1/2.
-    s: Array2<f64>,
+    /// Upper triangle.
+    t: Array2<f64>,
 }
 
 impl Reflectors {
     /// Creates the product from unit vectors, the columns of `v`.
     pub(super) fn new(v: Array2<f64>) -> Self {
-        let mut s = v.t().dot(&v);
-        s.diag_mut().fill(0.5);
-        Self { v, s }
+        let mut inverse = v.t().dot(&v);
+        inverse.diag_mut().fill(0.5);
+        let mut t = Array2::eye(inverse.nrows());
+        solve_upper(inverse.view(), t.view_mut());
+        Self { v, t }
     }
 
     /// Multiplies a matrix by the product from the left.
     pub(super) fn apply(&self, matrix: ArrayViewMut2<'_, f64>) {
-        self.subtract(matrix, |s, projections| solve_upper(s, projections));
+        self.subtract(self.t.view(), matrix);
     }
 
     /// Multiplies a matrix by the transposed product from the left.
     pub(super) fn apply_transposed(&self, matrix: ArrayViewMut2<'_, f64>) {
-        self.subtract(matrix, |s, projections| solve_lower(s.reversed_axes(), projections));
+        self.subtract(self.t.t(), matrix);
     }
 
-    fn subtract(&self, mut matrix: ArrayViewMut2<'_, f64>, solve: fn(ArrayView2<'_, f64>, ArrayViewMut2<'_, f64>)) {
-        let mut projections = self.v.t().dot(&matrix);
-        solve(self.s.view(), projections.view_mut());
-        general_mat_mul(-1.0, &self.v, &projections, 1.0, &mut matrix);
+    fn subtract(&self, middle: ArrayView2<'_, f64>, mut matrix: ArrayViewMut2<'_, f64>) {
+        let projections = self.v.t().dot(&matrix);
+        general_mat_mul(-1.0, &self.v, &middle.dot(&projections), 1.0, &mut matrix);
     }
 }
