@@ -1,10 +1,14 @@
-//! Roots, minima and small linear systems.
+//! Roots, minima and linear systems.
 
+mod dense;
 mod least_squares;
 mod linear;
 mod minimum;
 mod root;
 
+pub use dense::{
+    Cholesky, NotConverged, Qr, SymmetricEigen, dense_solution, solve_upper, symmetric_eigen, triangular_condition,
+};
 pub use least_squares::{Range, least_squares};
 pub use linear::{inverse, solution, solve, solve_positive_definite};
 pub use minimum::{GoldenSection, golden_section, scanned_minimum, simplex};

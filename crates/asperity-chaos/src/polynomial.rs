@@ -50,15 +50,15 @@ impl PolynomialFamily {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::{Mat, Side};
+    use asperity_base::numeric::symmetric_eigen;
+    use ndarray::Array2;
 
     /// Returns the Gauss rule (nodes, weights) for the distribution of the family, from the eigenvalues of its Jacobi
     /// matrix (Golub & Welsch, *Math. Comp.* 23 (1969) 221).
     fn gauss_rule(family: PolynomialFamily, points: usize) -> Vec<(f64, f64)> {
-        let jacobi =
-            Mat::from_fn(points, points, |i, j| if i.abs_diff(j) == 1 { family.recurrence(i.max(j)) } else { 0.0 });
-        let eigen = jacobi.self_adjoint_eigen(Side::Lower).unwrap();
-        (0..points).map(|k| (eigen.S()[k], eigen.U()[(0, k)].powi(2))).collect()
+        let entry = |(i, j): (usize, usize)| if i.abs_diff(j) == 1 { family.recurrence(i.max(j)) } else { 0.0 };
+        let eigen = symmetric_eigen(Array2::from_shape_fn((points, points), entry)).unwrap();
+        (0..points).map(|k| (eigen.values[k], eigen.vectors[[k, 0]].powi(2))).collect()
     }
 
     fn values(family: PolynomialFamily, count: usize, x: f64) -> Vec<f64> {

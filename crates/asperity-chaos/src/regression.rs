@@ -4,12 +4,12 @@ mod many;
 #[cfg(test)]
 mod tests;
 
-use faer::Mat;
-use faer::linalg::solvers::Qr;
-use ndarray::ArrayView2;
+use ndarray::{ArrayView1, ArrayView2, Axis};
 use thiserror::Error;
 
 pub use many::Fits;
+
+use asperity_base::numeric::{Qr, solve_upper, triangular_condition};
 
 /// Reason why a regression failed.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -54,9 +54,7 @@ pub enum RegressionError {
 /// right-hand sides.
 #[derive(Debug)]
 pub struct LeastSquares {
-    qr: Qr<f64>,
-    /// Orthonormal basis of the columns, K × P.
-    q: Mat<f64>,
+    qr: Qr,
     leverages: Vec<f64>,
     condition: f64,
 }
@@ -122,27 +120,23 @@ impl LeastSquares {
         if let Some(sample) = design.rows().into_iter().position(|row| row.iter().any(|a| !a.is_finite())) {
             return Err(RegressionError::NotFinite { sample });
         }
-        let qr = Mat::from_fn(samples, coefficients, |i, j| design[[i, j]]).qr();
-        let condition = condition(&qr);
+        let qr = Qr::new(design);
+        let condition = triangular_condition(qr.r.view());
         if condition > 1.0 / (f64::EPSILON * samples as f64) {
             return Err(RegressionError::RankDeficient { samples, coefficients, condition });
         }
-        let q = qr.compute_thin_Q();
-        let mut leverages = vec![0.0; samples];
-        for column in q.col_iter() {
-            leverages.iter_mut().zip(column.iter()).for_each(|(h, q)| *h += q * q);
-        }
-        Ok(Self { qr, q, leverages, condition })
+        let leverages = qr.q.rows().into_iter().map(|row| row.iter().map(|q| q * q).sum()).collect();
+        Ok(Self { qr, leverages, condition })
     }
 
     /// Returns the number of samples K.
     pub fn samples(&self) -> usize {
-        self.q.nrows()
+        self.qr.q.nrows()
     }
 
     /// Returns the number of coefficients P.
     pub fn coefficients(&self) -> usize {
-        self.q.ncols()
+        self.qr.q.ncols()
     }
 
     /// Returns the leverages h_i, the diagonal of A (AᵀA)⁻¹ Aᵀ. They lie in [0, 1] and sum to P.
@@ -160,21 +154,20 @@ impl LeastSquares {
     /// # Errors
     /// The number of values is wrong, or a value is not finite.
     pub fn fit(&self, response: &[f64]) -> Result<LeastSquaresFit, RegressionError> {
-        let (samples, count) = (self.samples(), self.coefficients());
+        let samples = self.samples();
         if response.len() != samples {
             return Err(RegressionError::Length { values: response.len(), samples });
         }
         if let Some(sample) = response.iter().position(|y| !y.is_finite()) {
             return Err(RegressionError::NotFinite { sample });
         }
-        let y = Mat::from_fn(samples, 1, |i, _| response[i]);
-        let projected = self.q.transpose() * &y;
-        let residual = &y - &self.q * &projected;
-        let mut solution = projected;
-        self.qr.thin_R().solve_upper_triangular_in_place(solution.as_mut());
-        let residuals: Vec<f64> = (0..samples).map(|i| residual[(i, 0)]).collect();
+        let y = ArrayView1::from(response);
+        let projected = self.qr.q.t().dot(&y);
+        let residuals = (&y - &self.qr.q.dot(&projected)).to_vec();
+        let mut solution = projected.insert_axis(Axis(1));
+        solve_upper(self.qr.r.view(), solution.view_mut());
         Ok(LeastSquaresFit {
-            coefficients: (0..count).map(|j| solution[(j, 0)]).collect(),
+            coefficients: solution.iter().copied().collect(),
             leave_one_out: LeaveOneOut::new(response, &residuals, &self.leverages),
             residuals,
         })
@@ -186,15 +179,4 @@ impl LeastSquares {
 /// The square root of a leverage is the length of a row of an orthonormal matrix, which determines its rounding error.
 pub(super) fn is_determined(leverage: f64, samples: f64) -> bool {
     1.0 - leverage > 8.0 * f64::EPSILON * samples
-}
-
-/// Returns the condition number of R, equal to that of the design; infinite when it cannot be computed.
-fn condition(qr: &Qr<f64>) -> f64 {
-    match qr.thin_R().singular_values() {
-        Ok(values) => match (values.first(), values.last()) {
-            (Some(largest), Some(smallest)) => largest / smallest,
-            _ => 1.0,
-        },
-        Err(_) => f64::INFINITY,
-    }
 }

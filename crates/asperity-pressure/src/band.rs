@@ -1,8 +1,9 @@
 //! Standard errors and confidence bands of distribution functions.
 
-use faer::{Mat, Side};
+use ndarray::Array2;
 
 use crate::multilevel::RARE;
+use asperity_base::numeric::symmetric_eigen;
 use asperity_base::random;
 use asperity_base::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
 use asperity_chaos::DiscreteDistribution;
@@ -184,12 +185,12 @@ fn student_95(degrees_of_freedom: usize) -> f64 {
 fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64 {
     let n = standard_errors.len();
     let used: Vec<usize> = (0..n).filter(|i| standard_errors[*i] > 0.0).collect();
-    let correlation = Mat::from_fn(used.len(), used.len(), |a, b| {
+    let correlation = Array2::from_shape_fn((used.len(), used.len()), |(a, b)| {
         let (i, j) = (used[a], used[b]);
         covariance[i * n + j] / (standard_errors[i] * standard_errors[j])
     });
-    let Some(z) = draws(&correlation, DRAWS, seed) else { return f64::INFINITY };
-    quantile_95((0..DRAWS).map(|draw| (0..used.len()).map(|a| z[(a, draw)].abs()).fold(0.0, f64::max)))
+    let Some(z) = draws(correlation, DRAWS, seed) else { return f64::INFINITY };
+    quantile_95((0..DRAWS).map(|draw| (0..used.len()).map(|a| z[[draw, a]].abs()).fold(0.0, f64::max)))
 }
 
 /// Returns the critical value for means of few vectors, each divided by the standard error estimated from these
@@ -212,14 +213,14 @@ fn critical_value_of_groups(values: usize, degrees_of_freedom: usize, seed: u64)
     quantile_95(ratios.chunks_exact(values.max(1)).map(|own| own.iter().copied().fold(0.0, f64::max)))
 }
 
-/// Draws normal vectors with the given correlation.
-fn draws(correlation: &Mat<f64>, count: usize, seed: u64) -> Option<Mat<f64>> {
+/// Draws normal vectors with the given correlation, as rows.
+fn draws(correlation: Array2<f64>, count: usize, seed: u64) -> Option<Array2<f64>> {
     let n = correlation.nrows();
-    let eigen = correlation.self_adjoint_eigen(Side::Lower).ok()?;
-    // Z = U √Λ ξ; rounding leaves some eigenvalues below zero.
-    let factor = Mat::from_fn(n, n, |a, b| eigen.U()[(a, b)] * eigen.S()[b].max(0.0).sqrt());
+    let eigen = symmetric_eigen(correlation).ok()?;
+    // The symmetric root U √Λ Uᵀ does not depend on the signs of the vectors; rounding leaves some eigenvalues below zero.
+    let roots = Array2::from_shape_fn((n, n), |(k, a)| eigen.values[k].max(0.0).sqrt() * eigen.vectors[[k, a]]);
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/band", 0), n * count);
-    Some(&factor * Mat::from_fn(n, count, |a, draw| xi[draw * n + a]))
+    Some(Array2::from_shape_vec((count, n), xi).ok()?.dot(&eigen.vectors.t().dot(&roots)))
 }
 
 fn quantile_95(values: impl Iterator<Item = f64>) -> f64 {

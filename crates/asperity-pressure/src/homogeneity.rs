@@ -1,9 +1,10 @@
 //! Test whether cells have equal distributions.
 
-use faer::{Mat, Side};
+use ndarray::Array2;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::{MethodError, Samples};
+use asperity_base::numeric::symmetric_eigen;
 
 /// Number of cells along either side that are compared, and the same for few samples.
 const LATTICE: usize = 4;
@@ -92,14 +93,14 @@ fn p_value(vectors: &[Vec<f64>]) -> f64 {
         })
         .collect();
     let means: Vec<f64> = (0..m).map(|j| differences.iter().map(|d| d[j]).sum::<f64>() / n).collect();
-    let covariance = Mat::from_fn(m, m, |i, j| {
+    let covariance = Array2::from_shape_fn((m, m), |(i, j)| {
         differences.iter().map(|d| (d[i] - means[i]) * (d[j] - means[j])).sum::<f64>() / (n - 1.0)
     });
-    let Ok(eigen) = covariance.self_adjoint_eigen(Side::Lower) else { return f64::NAN };
+    let Ok(eigen) = symmetric_eigen(covariance) else { return f64::NAN };
     let (mut statistic, mut degrees) = (0.0, 0.0);
     for k in 0..m {
-        let along: f64 = (0..m).map(|i| eigen.U()[(i, k)] * means[i]).sum();
-        let spread = eigen.S()[k];
+        let along: f64 = (0..m).map(|i| eigen.vectors[[k, i]] * means[i]).sum();
+        let spread = eigen.values[k];
         if spread > ROUNDING * variance {
             statistic += n * along * along / spread;
             degrees += 1.0;

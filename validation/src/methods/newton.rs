@@ -1,8 +1,7 @@
 //! Newton's method for concave functions.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-use ndarray::Array2;
+use asperity_base::numeric::dense_solution;
+use ndarray::{Array2, s};
 
 /// Steps at most, and halvings of one.
 const STEPS: usize = 100;
@@ -48,10 +47,11 @@ fn step(here: &Local, last: f64, [least, largest]: [f64; 2]) -> Vec<f64> {
     let n = here.gradient.len();
     let damping = DAMPING * (0..n).map(|i| here.curvature[[i, i]]).fold(0.0, f64::max);
     let solve = |free: usize, along_last: f64| -> Vec<f64> {
-        let curvature = Mat::from_fn(free, free, |i, j| here.curvature[[i, j]] + if i == j { damping } else { 0.0 });
+        let mut curvature = here.curvature.slice(s![..free, ..free]).to_owned();
+        curvature.diag_mut().mapv_inplace(|entry| entry + damping);
         let known = |i: usize| if free < n { here.curvature[[i, free]] * along_last } else { 0.0 };
-        let solution = curvature.partial_piv_lu().solve(Mat::from_fn(free, 1, |i, _| here.gradient[i] - known(i)));
-        (0..free).map(|i| solution[(i, 0)]).collect()
+        let right: Vec<f64> = (0..free).map(|i| here.gradient[i] - known(i)).collect();
+        dense_solution(curvature.view(), &right)
     };
     let whole = solve(n, 0.0);
     let end = last + whole[n - 1];

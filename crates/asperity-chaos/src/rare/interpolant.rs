@@ -3,8 +3,8 @@
 //! ĝ(z) = Σᵢ wᵢ |z − zᵢ|³ + p(z) passes through all values. The polynomial p is linear; it has squares, and products of two
 //! variables, if there are enough points. Limit states of this form are reproduced exactly.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
+use asperity_base::numeric::dense_solution;
+use ndarray::Array2;
 
 /// Number of points per term of the polynomial.
 const POINTS_PER_TERM: f64 = 1.5;
@@ -27,7 +27,7 @@ impl Interpolant {
         let (count, variables) = (points.len(), points.first()?.len());
         let monomials = monomials(variables, count);
         let size = count + monomials.len();
-        let matrix = Mat::from_fn(size, size, |i, j| {
+        let matrix = Array2::from_shape_fn((size, size), |(i, j)| {
             let (low, high) = (i.min(j), i.max(j));
             if high < count {
                 let square: f64 = points[low].iter().zip(&points[high]).map(|(a, b)| (a - b) * (a - b)).sum();
@@ -38,9 +38,8 @@ impl Interpolant {
                 0.0
             }
         });
-        let right = Mat::from_fn(size, 1, |i, _| values.get(i).copied().unwrap_or(0.0));
-        let solution = matrix.partial_piv_lu().solve(right);
-        let solution: Vec<f64> = (0..size).map(|i| solution[(i, 0)]).collect();
+        let right: Vec<f64> = (0..size).map(|i| values.get(i).copied().unwrap_or(0.0)).collect();
+        let solution = dense_solution(matrix.view(), &right);
         solution.iter().all(|value| value.is_finite()).then(|| Self {
             coordinates: (0..variables).map(|k| points.iter().map(|point| point[k]).collect()).collect(),
             weights: solution[..count].to_vec(),

@@ -1,11 +1,11 @@
 //! Least squares with one factorisation and many right-hand sides.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
-use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+use ndarray::linalg::general_mat_mul;
+use ndarray::{Array2, ArrayView2, s};
 
 use super::{LeastSquares, RegressionError};
 use asperity_base::blocks;
+use asperity_base::numeric::solve_upper;
 
 /// Number of right-hand sides that are solved together.
 const BLOCK: usize = 256;
@@ -42,18 +42,15 @@ impl LeastSquares {
         if samples != self.samples() {
             return Err(RegressionError::Length { values: samples, samples: self.samples() });
         }
-        let responses = contiguous(responses);
-        let matrix = matrix(&responses);
-        let blocks: Vec<(Mat<f64>, Vec<Option<f64>>)> = blocks::map(0..count.div_ceil(BLOCK), |block| {
+        let blocks: Vec<(Array2<f64>, Vec<Option<f64>>)> = blocks::map(0..count.div_ceil(BLOCK), |block| {
             let start = block * BLOCK;
-            self.solve_block(matrix.subcols(start, BLOCK.min(count - start)), assess)
+            self.solve_block(responses.slice(s![.., start..(start + BLOCK).min(count)]), assess)
         });
         let mut coefficients = Array2::zeros((self.coefficients(), count));
         let mut relative_errors = Vec::new();
         for (number, (block, errors)) in blocks.into_iter().enumerate() {
-            for (j, mut row) in coefficients.rows_mut().into_iter().enumerate() {
-                row.iter_mut().skip(number * BLOCK).zip(block.row(j).iter()).for_each(|(cell, c)| *cell = *c);
-            }
+            let start = number * BLOCK;
+            coefficients.slice_mut(s![.., start..start + block.ncols()]).assign(&block);
             relative_errors.extend(errors);
         }
         // A value that is not finite spoils all coefficients of its response, so the responses need not be searched
@@ -66,55 +63,36 @@ impl LeastSquares {
         Ok(Fits { coefficients, relative_errors })
     }
 
-    fn solve_block(&self, responses: MatRef<'_, f64>, assess: bool) -> (Mat<f64>, Vec<Option<f64>>) {
-        let mut solution = Mat::zeros(self.coefficients(), responses.ncols());
-        matmul(solution.as_mut(), Accum::Replace, self.q.transpose(), responses, 1.0, Par::Seq);
+    fn solve_block(&self, responses: ArrayView2<'_, f64>, assess: bool) -> (Array2<f64>, Vec<Option<f64>>) {
+        let mut solution = Array2::zeros((self.coefficients(), responses.ncols()));
+        general_mat_mul(1.0, &self.qr.q.t(), &responses, 0.0, &mut solution);
         let errors = if assess { self.relative_errors(responses, &solution) } else { Vec::new() };
-        self.qr.thin_R().solve_upper_triangular_in_place(solution.as_mut());
+        solve_upper(self.qr.r.view(), solution.view_mut());
         (solution, errors)
     }
 
     /// Returns the relative leave-one-out errors of responses with the projections Qᵀy.
-    fn relative_errors(&self, responses: MatRef<'_, f64>, projections: &Mat<f64>) -> Vec<Option<f64>> {
+    fn relative_errors(&self, responses: ArrayView2<'_, f64>, projections: &Array2<f64>) -> Vec<Option<f64>> {
         let n = self.samples() as f64;
         let weights: Option<Vec<f64>> =
             self.leverages.iter().map(|h| super::is_determined(*h, n).then(|| 1.0 / (1.0 - h))).collect();
         let Some(weights) = weights else { return vec![None; responses.ncols()] };
-        // Transposed, so that the sums run over contiguous rows.
-        let mut residuals = responses.transpose().to_owned();
+        // In standard layout, so that the sums run over contiguous rows.
+        let mut residuals = responses.as_standard_layout().into_owned();
         let mut means = vec![0.0; responses.ncols()];
-        for column in residuals.col_iter() {
-            means.iter_mut().zip(column.iter()).for_each(|(mean, y)| *mean += y / n);
+        for row in residuals.rows() {
+            means.iter_mut().zip(row).for_each(|(mean, y)| *mean += y / n);
         }
         let mut variances = vec![0.0; means.len()];
-        for column in residuals.col_iter() {
-            let values = means.iter().zip(column.iter());
+        for row in residuals.rows() {
+            let values = means.iter().zip(row);
             variances.iter_mut().zip(values).for_each(|(sum, (mean, y))| *sum += (y - mean).powi(2) / (n - 1.0));
         }
-        matmul(residuals.as_mut(), Accum::Add, projections.transpose(), self.q.transpose(), -1.0, Par::Seq);
+        general_mat_mul(-1.0, &self.qr.q, projections, 1.0, &mut residuals);
         let mut squares = vec![0.0; means.len()];
-        for (column, weight) in residuals.col_iter().zip(&weights) {
-            squares.iter_mut().zip(column.iter()).for_each(|(sum, r)| *sum += (r * weight).powi(2) / n);
+        for (row, weight) in residuals.rows().into_iter().zip(&weights) {
+            squares.iter_mut().zip(row).for_each(|(sum, r)| *sum += (r * weight).powi(2) / n);
         }
         squares.iter().zip(&variances).map(|(square, variance)| (*variance > 0.0).then(|| square / variance)).collect()
-    }
-}
-
-/// Returns the array itself if its rows or columns are contiguous, and a copy otherwise.
-fn contiguous(array: ArrayView2<'_, f64>) -> CowArray<'_, f64, Ix2> {
-    if array.is_standard_layout() || array.t().is_standard_layout() {
-        CowArray::from(array)
-    } else {
-        CowArray::from(array.as_standard_layout().into_owned())
-    }
-}
-
-/// Views a contiguous array as a matrix.
-fn matrix<'a>(array: &'a CowArray<'_, f64, Ix2>) -> MatRef<'a, f64> {
-    let (rows, columns) = array.dim();
-    match (array.as_slice(), array.as_slice_memory_order()) {
-        (Some(slice), _) => MatRef::from_row_major_slice(slice, rows, columns),
-        (None, Some(slice)) => MatRef::from_column_major_slice(slice, rows, columns),
-        (None, None) => unreachable!("the layout was made contiguous"),
     }
 }

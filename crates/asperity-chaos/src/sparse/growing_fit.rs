@@ -1,11 +1,11 @@
 //! Least squares that adds one column at a time and updates its leave-one-out error.
 
-use faer::Mat;
-use ndarray::ArrayView1;
+use ndarray::{Array2, ArrayView1};
 
 use super::candidates::Candidates;
 use super::{Attempt, mean_and_spread};
 use crate::regression::is_determined;
+use asperity_base::numeric::triangular_condition;
 use asperity_base::wide::{Kernel, wide};
 
 /// Remaining fraction of its length below which a column counts as linearly dependent.
@@ -183,14 +183,8 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
 
     /// Returns the condition number of the columns of the leading terms; infinite if it cannot be computed.
     pub(super) fn condition(&self, terms: usize) -> f64 {
-        let triangle = Mat::from_fn(terms, terms, |i, j| if i <= j { self.triangle_column(j)[i] } else { 0.0 });
-        match triangle.singular_values() {
-            Ok(values) => match (values.first(), values.last()) {
-                (Some(largest), Some(smallest)) => largest / smallest,
-                _ => 1.0,
-            },
-            Err(_) => f64::INFINITY,
-        }
+        let entry = |(i, j): (usize, usize)| if i <= j { self.triangle_column(j)[i] } else { 0.0 };
+        triangular_condition(Array2::from_shape_fn((terms, terms), entry).view())
     }
 }
 

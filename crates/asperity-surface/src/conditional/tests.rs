@@ -1,10 +1,8 @@
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-
 use super::*;
 use crate::{RandomSurface, SpectralField};
 use asperity_base::correlation::{CorrelationModel, Covariance, Rotated};
 use asperity_base::monitor::Silent;
+use asperity_base::numeric::{Qr, solve_upper};
 use asperity_base::random;
 
 fn xi(surface: &NeighbourhoodSurface, index: u64) -> Vec<f64> {
@@ -38,7 +36,12 @@ fn truth(
 }
 
 /// Computes dense kriging: mean and covariance of all points, row by row, given the present heights with noise.
-fn dense(covariance: &dyn StationaryCovariance, measured: &HeightMap, mean: f64, nugget: f64) -> (Vec<f64>, Mat<f64>) {
+fn dense(
+    covariance: &dyn StationaryCovariance,
+    measured: &HeightMap,
+    mean: f64,
+    nugget: f64,
+) -> (Vec<f64>, Array2<f64>) {
     let grid = measured.grid();
     let variance = covariance.std_m().powi(2);
     let c = |p: usize, q: usize| {
@@ -47,16 +50,16 @@ fn dense(covariance: &dyn StationaryCovariance, measured: &HeightMap, mean: f64,
         variance * covariance.correlation(x, y)
     };
     let (at, n) = (places(measured), grid.points());
-    let between =
-        Mat::from_fn(at.len(), at.len(), |i, j| c(at[i], at[j]) + if i == j { nugget * variance } else { 0.0 });
-    let to_all = Mat::from_fn(at.len(), n, |i, p| c(at[i], p));
-    let values: Vec<f64> = measured.present_m().collect();
-    let misses = Mat::from_fn(at.len(), 1, |i, _| values[i] - mean);
-    let factor = between.partial_piv_lu();
-    let (weights, solved) = (factor.solve(&misses), factor.solve(&to_all));
-    let centre = to_all.transpose() * &weights;
-    let known = to_all.transpose() * &solved;
-    ((0..n).map(|p| mean + centre[(p, 0)]).collect(), Mat::from_fn(n, n, |p, q| c(p, q) - known[(p, q)]))
+    let entry = |(i, j): (usize, usize)| c(at[i], at[j]) + if i == j { nugget * variance } else { 0.0 };
+    let between = Array2::from_shape_fn((at.len(), at.len()), entry);
+    let to_all = Array2::from_shape_fn((at.len(), n), |(i, p)| c(at[i], p));
+    let misses: ndarray::Array1<f64> = measured.present_m().map(|value| value - mean).collect();
+    let Qr { q, r } = Qr::new(between.view());
+    let mut solved = q.t().dot(&to_all);
+    solve_upper(r.view(), solved.view_mut());
+    let known = to_all.t().dot(&solved);
+    let centre = solved.t().dot(&misses);
+    ((0..n).map(|p| mean + centre[p]).collect(), Array2::from_shape_fn((n, n), |(p, q)| c(p, q) - known[[p, q]]))
 }
 
 /// Checks that mean and covariance of the maps equal dense kriging at the missing points. The maps are z = m + Bξ, so
@@ -76,20 +79,20 @@ fn is_kriging(covariance: &dyn StationaryCovariance, measured: &HeightMap, nugge
     close(&surface.kriging_mean(&Silent).unwrap());
     let zero = vec![0.0; surface.xi_len()];
     close(&surface.generate(&zero));
-    let mut met = Mat::<f64>::zeros(missing.len(), missing.len());
+    let mut met = Array2::<f64>::zeros((missing.len(), missing.len()));
     for j in 0..surface.xi_len() {
         let mut unit = zero.clone();
         unit[j] = 1.0;
         let part: Vec<f64> = surface.generate(&unit).heights_m().iter().zip(&mean).map(|(z, m)| z - m).collect();
         for (a, p) in missing.iter().enumerate() {
             for (b, q) in missing.iter().enumerate() {
-                met[(a, b)] += part[*p] * part[*q];
+                met[[a, b]] += part[*p] * part[*q];
             }
         }
     }
     for (a, p) in missing.iter().enumerate() {
         for (b, q) in missing.iter().enumerate() {
-            assert!((met[(a, b)] - wanted[(*p, *q)]).abs() < 1e-5, "{p} {q}: {} {}", met[(a, b)], wanted[(*p, *q)]);
+            assert!((met[[a, b]] - wanted[[*p, *q]]).abs() < 1e-5, "{p} {q}: {} {}", met[[a, b]], wanted[[*p, *q]]);
         }
     }
 }

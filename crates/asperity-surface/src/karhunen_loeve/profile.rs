@@ -2,12 +2,11 @@
 
 use std::convert::Infallible;
 
-use faer::{Mat, Side};
-use ndarray::{Array2, ArrayViewMut1};
+use ndarray::{Array2, ArrayViewMut1, s};
 
 use super::parity::Class;
 use crate::GeneratorError;
-use asperity_base::numeric::bisect;
+use asperity_base::numeric::{bisect, symmetric_eigen};
 
 /// Eigenpairs of ∫₀^L ρ(x − y) φ(y) dy = λ φ(x), of unit variance.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,14 +78,13 @@ pub(super) fn dense_eigenpairs(
     n: usize,
     entry: impl Fn(usize, usize) -> f64,
 ) -> Result<(Vec<f64>, Array2<f64>), GeneratorError> {
-    let matrix = Mat::from_fn(n, n, &entry);
-    let eigen = matrix.self_adjoint_eigen(Side::Lower).map_err(|_| GeneratorError::Eigen { points: n })?;
-    let ascending = eigen.S();
+    let matrix = Array2::from_shape_fn((n, n), |(i, j)| if j <= i { entry(i, j) } else { 0.0 });
+    let eigen = symmetric_eigen(matrix).map_err(|_| GeneratorError::Eigen { points: n })?;
+    let ascending = eigen.values;
     let largest = ascending[n - 1].abs();
     let floor = largest * f64::EPSILON * n as f64;
     let values = (0..n).rev().map(|j| if ascending[j] > floor { ascending[j] } else { 0.0 }).collect();
-    let vectors = Array2::from_shape_fn((n, n), |(j, i)| eigen.U()[(i, n - 1 - j)]);
-    Ok((values, vectors))
+    Ok((values, eigen.vectors.slice(s![..;-1, ..]).as_standard_layout().into_owned()))
 }
 
 /// Chooses the sign of a vector so that its first value of at least half the largest magnitude is positive.

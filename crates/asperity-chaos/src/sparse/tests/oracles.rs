@@ -1,11 +1,10 @@
 //! Fast paths compared with slow, direct implementations.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use ndarray::Axis;
 
 use super::*;
 use crate::LeastSquares;
+use asperity_base::numeric::{inverse, solution};
 
 #[test]
 fn few_terms_of_very_many_are_recovered_exactly() {
@@ -57,9 +56,8 @@ fn errors_are_those_of_refitting_without_each_sample() {
         assert!((fit.leave_one_out.relative_error.unwrap() / wanted - 1.0).abs() < 1e-11);
         // tr (AᵀA)⁻¹ from the explicit inverse.
         let terms = fit.terms.len();
-        let gram = Mat::from_fn(terms, terms, |i, j| chosen.column(i).dot(&chosen.column(j)));
-        let inverse = gram.partial_piv_lu().solve(Mat::<f64>::identity(terms, terms));
-        let trace: f64 = (0..terms).map(|i| inverse[(i, i)]).sum();
+        let gram = chosen.t().dot(&chosen).rows().into_iter().map(|row| row.to_vec()).collect();
+        let trace: f64 = inverse(gram).unwrap().iter().enumerate().map(|(i, row)| row[i]).sum();
         let corrected = wanted * 40.0 / (40.0 - terms as f64) * (1.0 + trace);
         assert!((fit.chosen.corrected.unwrap() / corrected - 1.0).abs() < 1e-10, "{method:?}");
         // The chosen model is the minimum of the path.
@@ -105,10 +103,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Solves G x = b with the Gram matrix G of some columns.
 fn solve_gram(columns: &[Vec<f64>], active: &[usize], right: &[f64]) -> Vec<f64> {
-    let m = active.len();
-    let gram = Mat::from_fn(m, m, |i, j| dot(&columns[active[i]], &columns[active[j]]));
-    let solution = gram.partial_piv_lu().solve(Mat::from_fn(m, 1, |i, _| right[i]));
-    (0..m).map(|i| solution[(i, 0)]).collect()
+    let row = |i: &usize| active.iter().map(|j| dot(&columns[*i], &columns[*j])).collect();
+    solution(active.iter().map(row).collect(), right)
 }
 
 /// Computes least-angle regression as Efron et al. define it (equations 2.4 to 2.13), recomputed in every step.

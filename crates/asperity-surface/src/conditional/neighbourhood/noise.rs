@@ -1,11 +1,11 @@
 //! Variance of the measured heights that the correlation does not explain.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use ndarray::Array2;
 
 use crate::conditional::lags::Lags;
 use asperity_base::blocks;
 use asperity_base::map::Grid;
+use asperity_base::numeric::Cholesky;
 
 /// Candidate variances of the noise over the variance of the heights, from [`LEAST_NOISE`] up by factors of ten.
 const DECADES: i32 = 8;
@@ -53,13 +53,11 @@ fn noise(decade: i32) -> f64 {
 /// Returns the logarithm of the Gaussian density of the values of a patch, up to a constant.
 fn likelihood(lags: &Lags, patch: &[(isize, isize, f64)], noise: f64, variance: f64) -> f64 {
     let n = patch.len();
-    let between = Mat::from_fn(n, n, |i, j| {
+    let between = Array2::from_shape_fn((n, n), |(i, j)| {
         lags.at(patch[i].0 - patch[j].0, patch[i].1 - patch[j].1) + if i == j { noise } else { 0.0 }
     });
-    let Ok(factor) = between.llt(Side::Lower) else { return f64::NEG_INFINITY };
-    let values = Mat::from_fn(n, 1, |i, _| patch[i].2);
-    let weights = factor.solve(&values);
-    let misfit: f64 = (0..n).map(|i| values[(i, 0)] * weights[(i, 0)]).sum::<f64>() / variance;
-    let log_determinant: f64 = 2.0 * (0..n).map(|i| factor.L()[(i, i)].ln()).sum::<f64>();
-    -0.5 * (misfit + log_determinant)
+    let Some(factor) = Cholesky::new(between) else { return f64::NEG_INFINITY };
+    let values: Vec<f64> = patch.iter().map(|point| point.2).collect();
+    let misfit = values.iter().zip(factor.solve(&values)).map(|(value, weight)| value * weight).sum::<f64>() / variance;
+    -0.5 * (misfit + factor.log_determinant())
 }

@@ -1,7 +1,7 @@
 //! Kriging weights of one neighbourhood.
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use asperity_base::numeric::Cholesky;
+use ndarray::{Array2, s};
 
 use super::NeighbourhoodSurface;
 use super::groups::Group;
@@ -19,9 +19,10 @@ impl NeighbourhoodSurface {
             group.heights.iter().map(|height| self.column_and_row(self.places[*height as usize])).collect();
         let factor = self.factor(&at);
         // Solved one by one, because the rounding of a joint solve depends on the number of right-hand sides.
-        let solve =
-            |misses: &Vec<f64>| factor.solve(Mat::from_fn(heights, 1, |i, _| misses[group.heights[i] as usize]));
-        let weights: Vec<Mat<f64>> = misses.iter().map(solve).collect();
+        let solve = |misses: &Vec<f64>| -> Vec<f64> {
+            factor.solve(&group.heights.iter().map(|height| misses[*height as usize]).collect::<Vec<f64>>())
+        };
+        let weights: Vec<Vec<f64>> = misses.iter().map(solve).collect();
         let mut correlations = vec![0.0; heights];
         let points = group.targets.iter().zip(&group.weights);
         for ((place, fraction), out) in points.zip(corrections.chunks_exact_mut(count)) {
@@ -30,30 +31,30 @@ impl NeighbourhoodSurface {
                 *value = self.lags.at(column - x, row - y);
             }
             for (weights, out) in weights.iter().zip(out) {
-                *out = fraction * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+                *out = fraction * weights.iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         corrections
     }
 
     /// Factorises the correlation of noisy heights. If rounding leaves it indefinite, the noise is multiplied by ten.
-    fn factor(&self, at: &[(isize, isize)]) -> Llt<f64> {
-        let mut between = Mat::<f64>::zeros(at.len(), at.len());
-        for (j, (x, y)) in at.iter().enumerate() {
-            for (value, (p, q)) in between.col_as_slice_mut(j)[j..].iter_mut().zip(&at[j..]) {
+    fn factor(&self, at: &[(isize, isize)]) -> Cholesky {
+        let mut between = Array2::zeros((at.len(), at.len()));
+        for (i, (p, q)) in at.iter().enumerate() {
+            for (value, (x, y)) in between.slice_mut(s![i, ..=i]).iter_mut().zip(at) {
                 *value = self.lags.at(p - x, q - y);
             }
         }
         let mut noise = self.noise;
         loop {
             for i in 0..at.len() {
-                between[(i, i)] = self.lags.at(0, 0) + noise;
+                between[[i, i]] = self.lags.at(0, 0) + noise;
             }
             // When the noise exceeds the number of heights, the diagonal dominates.
-            match between.llt(Side::Lower) {
-                Ok(factor) => return factor,
-                Err(_) if noise <= at.len() as f64 => noise *= 10.0,
-                Err(_) => unreachable!("correlations are at most 1"),
+            match Cholesky::new(between.clone()) {
+                Some(factor) => return factor,
+                None if noise <= at.len() as f64 => noise *= 10.0,
+                None => unreachable!("correlations are at most 1"),
             }
         }
     }

@@ -1,8 +1,6 @@
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
-
 use super::*;
 use asperity_base::correlation::{CorrelationModel, Covariance, Rotated};
+use asperity_base::numeric::{Qr, solve_upper};
 use asperity_base::random;
 use asperity_testing::AlwaysCancelled;
 
@@ -32,10 +30,11 @@ struct Weighed {
 }
 
 /// Returns the correlations between the measured places, with the noise of the heights.
-fn between(surface: &NeighbourhoodSurface) -> Mat<f64> {
+fn between(surface: &NeighbourhoodSurface) -> Array2<f64> {
     let places = &surface.places;
-    let entry = |i: usize, j: usize| rho(surface, places[i], places[j]) + if i == j { surface.noise } else { 0.0 };
-    Mat::from_fn(places.len(), places.len(), entry)
+    let noise = |i: usize, j: usize| if i == j { surface.noise } else { 0.0 };
+    let entry = |(i, j): (usize, usize)| rho(surface, places[i], places[j]) + noise(i, j);
+    Array2::from_shape_fn((places.len(), places.len()), entry)
 }
 
 fn rho(surface: &NeighbourhoodSurface, p: usize, q: usize) -> f64 {
@@ -44,11 +43,14 @@ fn rho(surface: &NeighbourhoodSurface, p: usize, q: usize) -> f64 {
 }
 
 /// Returns the missing places, their correlations with all heights, and the kriging weights by dense algebra.
-fn dense(surface: &NeighbourhoodSurface) -> (Vec<usize>, Mat<f64>, Mat<f64>) {
+fn dense(surface: &NeighbourhoodSurface) -> (Vec<usize>, Array2<f64>, Array2<f64>) {
     let places = &surface.places;
     let missing: Vec<usize> = (0..surface.grid.points()).filter(|p| places.binary_search(p).is_err()).collect();
-    let to_missing = Mat::from_fn(places.len(), missing.len(), |i, j| rho(surface, places[i], missing[j]));
-    let best = between(surface).llt(Side::Lower).unwrap().solve(&to_missing);
+    let shape = (places.len(), missing.len());
+    let to_missing = Array2::from_shape_fn(shape, |(i, j)| rho(surface, places[i], missing[j]));
+    let Qr { q, r } = Qr::new(between(surface).view());
+    let mut best = q.t().dot(&to_missing);
+    solve_upper(r.view(), best.view_mut());
     (missing, to_missing, best)
 }
 
@@ -60,14 +62,14 @@ fn weighed(surface: &NeighbourhoodSurface) -> Vec<Weighed> {
     let mut maps = vec![Array2::zeros(surface.grid.shape()); n];
     surface.correct(&units, &mut maps, &Silent).unwrap();
     let (missing, to_missing, best) = dense(surface);
-    let weights = Mat::from_fn(n, missing.len(), |i, j| maps[i][[missing[j] / nx, missing[j] % nx]]);
-    let image = &between(surface) * &weights;
+    let weights = Array2::from_shape_fn((n, missing.len()), |(i, j)| maps[i][[missing[j] / nx, missing[j] % nx]]);
+    let image = between(surface).dot(&weights);
     let of = |j: usize| {
         let (mut exact, mut met, mut variance) = (1.0, 1.0, 1.0);
         for i in 0..n {
-            exact -= best[(i, j)] * to_missing[(i, j)];
-            met += weights[(i, j)] * (image[(i, j)] - 2.0 * to_missing[(i, j)]);
-            variance += 2.0 * weights[(i, j)] * (image[(i, j)] - to_missing[(i, j)]);
+            exact -= best[[i, j]] * to_missing[[i, j]];
+            met += weights[[i, j]] * (image[[i, j]] - 2.0 * to_missing[[i, j]]);
+            variance += 2.0 * weights[[i, j]] * (image[[i, j]] - to_missing[[i, j]]);
         }
         Weighed { exact, met, variance }
     };
@@ -201,9 +203,9 @@ fn the_mean_equals_that_of_all_heights() {
         let met = surface.kriging_mean(&Silent).unwrap();
         let (missing, to_missing, best) = dense(&surface);
         for (j, place) in missing.into_iter().enumerate() {
-            let weight = |i: usize| best[(i, j)];
+            let weight = |i: usize| best[[i, j]];
             let wanted: f64 = 0.3 + surface.values.iter().enumerate().map(|(i, value)| weight(i) * value).sum::<f64>();
-            let variance: f64 = 1.0 - (0..surface.values.len()).map(|i| weight(i) * to_missing[(i, j)]).sum::<f64>();
+            let variance: f64 = 1.0 - (0..surface.values.len()).map(|i| weight(i) * to_missing[[i, j]]).sum::<f64>();
             let off = (met.heights_m()[[place / 44, place % 44]] - wanted) / variance.sqrt();
             assert!(off.abs() < 0.02, "{nugget} {place}: {off}");
         }

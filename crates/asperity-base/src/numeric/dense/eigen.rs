@@ -1,0 +1,57 @@
+//! Eigenproblems of symmetric matrices.
+
+use ndarray::{Array2, s};
+use thiserror::Error;
+
+use super::divide::{eigenpairs, implicit_ql};
+use super::tridiagonal::Tridiagonal;
+
+/// The eigenvalues cannot be computed, for example because an entry is not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("the eigenvalues of a matrix cannot be computed")]
+pub struct NotConverged;
+
+/// Eigenpairs of a symmetric matrix.
+#[derive(Debug, Clone)]
+pub struct SymmetricEigen {
+    /// Eigenvalues, rising.
+    pub values: Vec<f64>,
+    /// Orthonormal eigenvectors as rows.
+    pub vectors: Array2<f64>,
+}
+
+/// Computes all eigenpairs of a symmetric matrix in standard layout, whose lower triangle is read.
+///
+/// # Errors
+/// An entry is not finite, or the iteration does not converge.
+///
+/// # Panics
+/// The matrix is not square or not in standard layout.
+pub fn symmetric_eigen(matrix: Array2<f64>) -> Result<SymmetricEigen, NotConverged> {
+    let (scale, reduced) = reduced(matrix)?;
+    let (values, mut vectors) = eigenpairs(reduced.diagonal, &reduced.beside)?;
+    for (first, factor) in reduced.factors.iter().rev() {
+        factor.apply(vectors.slice_mut(s![.., *first..]).reversed_axes());
+    }
+    Ok(SymmetricEigen { values: values.into_iter().map(|value| value * scale).collect(), vectors })
+}
+
+/// Returns the largest eigenvalue; see [`symmetric_eigen`].
+pub(super) fn largest_eigenvalue(matrix: Array2<f64>) -> Result<f64, NotConverged> {
+    let (scale, Tridiagonal { mut diagonal, mut beside, .. }) = reduced(matrix)?;
+    implicit_ql(&mut diagonal, &mut beside, None)?;
+    Ok(scale * diagonal.into_iter().fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// Divides a matrix by its largest entry, which is returned, and makes it tridiagonal.
+fn reduced(mut matrix: Array2<f64>) -> Result<(f64, Tridiagonal), NotConverged> {
+    assert!(matrix.is_square() && matrix.is_standard_layout(), "shape {:?}", matrix.dim());
+    let lower = || matrix.rows().into_iter().enumerate().flat_map(|(i, row)| row.into_iter().take(i + 1));
+    if lower().any(|value| !value.is_finite()) {
+        return Err(NotConverged);
+    }
+    let largest = lower().fold(0.0_f64, |m, value| m.max(value.abs()));
+    let scale = if largest > 0.0 { largest } else { 1.0 };
+    matrix.mapv_inplace(|value| value / scale);
+    Ok((scale, Tridiagonal::new(matrix)))
+}
