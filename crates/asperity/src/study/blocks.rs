@@ -193,7 +193,7 @@ impl RunBlocks {
         let known = Known::read(self.beside.iter().map(|other| other.join(&name)).chain([folder.clone()]));
         record.stages.push((stage, name));
         self.writer.set_record(record.clone());
-        StageBlocks { run: self, stage, folder, monitor, known, ordinals: Mutex::default() }
+        StageBlocks { run: self, stage, folder, monitor, known, begun: Mutex::default() }
     }
 
     /// Returns the rounds that were begun, in their order.
@@ -375,13 +375,21 @@ pub(super) struct StageBlocks<'a> {
     folder: PathBuf,
     monitor: &'a dyn Monitor,
     known: Known,
-    /// Rounds begun by name, and the place of each in the rounds of the run.
-    ordinals: Mutex<(HashMap<String, u64>, HashMap<RoundId, (Round, usize)>)>,
+    begun: Mutex<Begun>,
+}
+
+/// Rounds of a stage that were begun.
+#[derive(Debug, Default)]
+struct Begun {
+    /// Number of rounds by name.
+    counts: HashMap<String, u64>,
+    /// Each round, with its place in the rounds of the run.
+    rounds: HashMap<RoundId, (Round, usize)>,
 }
 
 impl StageBlocks<'_> {
     fn round(&self, id: RoundId) -> Option<(Round, usize)> {
-        lock(&self.ordinals).1.get(&id).cloned()
+        lock(&self.begun).rounds.get(&id).cloned()
     }
 
     /// Returns whether a block is to be computed again.
@@ -417,15 +425,15 @@ impl Monitor for StageBlocks<'_> {
 
 impl BlockStore for StageBlocks<'_> {
     fn begin(&self, name: &str, count: usize) -> RoundId {
-        let mut ordinals = lock(&self.ordinals);
-        let ordinal = ordinals.0.entry(name.to_owned()).or_default();
+        let mut begun = lock(&self.begun);
+        let ordinal = begun.counts.entry(name.to_owned()).or_default();
         let (key, own) = (format!("{name}/{count}/{ordinal}"), *ordinal);
         *ordinal += 1;
         let id = RoundId(u64::from_le_bytes(Sha256::digest(key).as_chunks().0[0]));
         let mut rounds = lock(&self.run.rounds);
         let round = Round { id: id.0, name: name.to_owned(), count, ordinal: own };
         rounds.push(RoundState { stage: self.stage, name: name.to_owned(), expected: count, done: 0, failed: 0 });
-        ordinals.1.insert(id, (round, rounds.len() - 1));
+        begun.rounds.insert(id, (round, rounds.len() - 1));
         id
     }
 
