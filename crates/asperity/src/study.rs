@@ -4,6 +4,7 @@
 //! writes the run folder through a [`Staging`], so that it appears complete or not at all.
 
 mod blocks;
+mod campaign;
 mod check;
 mod contact_check;
 mod counterface;
@@ -40,6 +41,7 @@ mod write_run;
 use asperity_base::sentence;
 
 pub use blocks::{Program, RoundState, RunBlocks, RunRecord, RunStatus, Share};
+pub use campaign::{Campaign, StoredCampaign, write_campaign};
 pub use check::{InvalidValue, Study};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};
@@ -51,7 +53,7 @@ pub use plausibility::{implausible_damping, implausible_friction, implausible_ma
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
 pub use result::{
-    BandMethod, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
+    BandMethod, CampaignResults, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
 };
 pub use run::Stage;
 pub use series::{CsvTable, QuantityMap, TableError};
