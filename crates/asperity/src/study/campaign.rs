@@ -28,7 +28,7 @@ const STAGE: &str = "campaign";
 pub struct Campaign {
     /// Text of the campaign file.
     text: String,
-    /// Folder of the campaign file.
+    /// Folder of the campaign file, an absolute path.
     folder: PathBuf,
     /// Path of the study as the file states it.
     study_path: PathBuf,
@@ -65,11 +65,10 @@ impl Campaign {
         let name = file.display().to_string();
         let reader = Reader { text, name: &name };
         let written = reader.file()?;
-        let folder = match file.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
-            _ => PathBuf::from("."),
-        };
-        let study_file = folder.join(&written.study).display().to_string();
+        let study_file = file.with_file_name("").join(&written.study).display().to_string();
+        let folder = file.parent().unwrap_or(Path::new(""));
+        // Reasons leave the folder out, so that they are the same from every place.
+        let folder = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_path_buf());
         let own_seed = StudyFile::parse(study, &study_file)?.seed;
         let table: Table = StudyFileError::read(study, &study_file)?;
         let other_seed = seed.or(written.seed);
@@ -119,7 +118,6 @@ impl Campaign {
         let folder = self.study_folder();
         let mut found = vec![self.folder.join(&self.study_path)];
         let mut known: BTreeSet<PathBuf> = found.iter().cloned().collect();
-        // Files of a study are values of keys, and so do not depend on the others.
         for member in self.one_by_one() {
             let Ok(study) = self.member(member) else { continue };
             let files = study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder));
@@ -159,7 +157,7 @@ impl Campaign {
 
     fn study_folder(&self) -> PathBuf {
         let study = self.folder.join(&self.study_path);
-        study.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf)
+        study.parent().map_or_else(|| self.folder.clone(), Path::to_path_buf)
     }
 
     /// Returns the choice of each factor of a member.
@@ -176,11 +174,7 @@ impl Campaign {
     /// Returns the path of a scan, relative to the folder of the study if that is the folder of the campaign.
     fn scan_path(&self, name: &str) -> String {
         let is_beside = self.study_path.parent().is_some_and(|folder| folder.as_os_str().is_empty());
-        if is_beside {
-            return name.to_owned();
-        }
-        let path = self.folder.join(name);
-        std::path::absolute(&path).unwrap_or(path).to_string_lossy().into_owned()
+        if is_beside { name.to_owned() } else { self.folder.join(name).to_string_lossy().into_owned() }
     }
 
     /// Returns the table of a study with the choices of some factors.
@@ -319,11 +313,8 @@ impl Campaign {
     /// Returns an error as the reason of a failed member, without the folder, so that it is the same from every place.
     fn reason(&self, error: &StudyError) -> String {
         let mut reason = error.to_string();
-        let absolute = |folder: &Path| std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
         for folder in [self.study_folder(), self.folder.clone()] {
-            for folder in [absolute(&folder), folder] {
-                reason = reason.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "");
-            }
+            reason = reason.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "");
         }
         reason
     }
@@ -362,8 +353,7 @@ impl Campaign {
     /// Returns the text of the campaign file with absolute paths and the seed, which is valid in every folder.
     pub fn resolved(&self) -> String {
         let absolute = |path: &Path| {
-            let path = std::path::absolute(self.folder.join(path)).unwrap_or_else(|_| path.to_path_buf());
-            Value::String(path.to_string_lossy().into_owned()).to_string()
+            Value::String(self.folder.join(path).to_string_lossy().into_owned()).to_string()
         };
         let reader = Reader { text: &self.text, name: "" };
         let mut changes = Vec::new();
@@ -373,8 +363,7 @@ impl Campaign {
         if let (Some(span), Ok(file)) = (reader.span("scans"), reader.file())
             && let Some(pattern) = file.scans.filter(|pattern| Path::new(pattern).is_relative())
         {
-            let folder = std::path::absolute(&self.folder).unwrap_or_else(|_| self.folder.clone());
-            let whole = format!("{}/{pattern}", glob::Pattern::escape(&folder.to_string_lossy()));
+            let whole = format!("{}/{pattern}", glob::Pattern::escape(&self.folder.to_string_lossy()));
             changes.push((span, Value::String(whole).to_string()));
         }
         let mut first = String::new();
