@@ -7,6 +7,7 @@
 //!
 //! The loops of a [`Task`] read and store their blocks in the [`BlockStore`](crate::monitor::BlockStore) of its monitor, if it has one.
 
+use std::cell::Cell;
 use std::fmt::Display;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -270,10 +271,35 @@ pub fn for_each_with<W, T: Send>(
     });
 }
 
+thread_local! {
+    /// Whether loops run on their own thread.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `work` with all its loops on this thread. Blocks that are costly and many keep every thread busy without the loops inside
+/// of them, and a thread then holds the memory of one block.
+pub fn on_one_thread<T>(work: impl FnOnce() -> T) -> T {
+    /// Restores the state of the thread, also after a panic.
+    struct Before(bool);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            ALONE.set(self.0);
+        }
+    }
+    let _before = Before(ALONE.replace(true));
+    work()
+}
+
 /// Distributes the indices over threads as contiguous parts, whose sizes depend on the work that other threads take over.
 ///
 /// All parallel loops call this function: the code that distributes work is compiled once, not once per loop.
 fn over_parts(indices: Range<usize>, work: &(dyn Fn(Range<usize>) + Sync)) {
+    if ALONE.get() {
+        if !indices.is_empty() {
+            work(indices);
+        }
+        return;
+    }
     let extended =
         |part: Range<usize>, index: usize| if part.is_empty() { index..index + 1 } else { part.start..index + 1 };
     indices.into_par_iter().fold(|| 0..0, extended).for_each(|part| {
@@ -362,6 +388,26 @@ mod tests {
                 assert_eq!(map::<_, Vec<usize>>(3..3, |i| i), [0; 0]);
             });
         }
+    }
+
+    #[test]
+    fn loops_on_one_thread_stay_on_it_and_give_the_same() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let inner = |index: usize| -> Vec<usize> { map(0..50, |i| i * index) };
+        let thread = || rayon::current_thread_index();
+        pool.install(|| {
+            let wanted: Vec<Vec<usize>> = map(0..20, inner);
+            let alone: Vec<(Vec<usize>, bool)> = map(0..20, |index| {
+                let own = thread();
+                on_one_thread(|| {
+                    let threads: Vec<Option<usize>> = map(0..50, |_| thread());
+                    (inner(index), threads.iter().all(|thread| *thread == own))
+                })
+            });
+            assert!(alone.iter().all(|(_, own)| *own));
+            assert_eq!(alone.into_iter().map(|(found, _)| found).collect::<Vec<_>>(), wanted);
+            assert!(!ALONE.get());
+        });
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The commands, one per file.
 
+mod campaign;
 mod check;
 mod computation;
 mod contact;
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Init(init::Init),
     Check(check::Check),
     Run(run::Run),
+    Campaign(campaign::Campaign),
     Verdict(verdict::Verdict),
     Merge(merge::Merge),
     Status(status::Status),
@@ -55,6 +57,7 @@ impl Command {
             Self::Init(init) => init.run(monitor),
             Self::Check(check) => check.run(monitor),
             Self::Run(run) => run.run(monitor),
+            Self::Campaign(campaign) => campaign.run(monitor),
             Self::Verdict(verdict) => verdict.run(monitor),
             Self::Merge(merge) => merge.run(monitor),
             Self::Status(status) => status.run(monitor),

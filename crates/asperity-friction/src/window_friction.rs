@@ -3,6 +3,7 @@
 use asperity_base::distribution::Marginal;
 use asperity_base::sentence;
 use asperity_process::{CorrelationShape, FittedProcess, Generator, ProcessModel, TranslationKind};
+use serde::{Deserialize, Serialize};
 
 use crate::rough_body::RoughBody;
 use crate::solved_level::SolvedLevel;
@@ -36,7 +37,7 @@ pub struct StatedFriction {
 }
 
 /// Friction of one window as a process.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct WindowFriction {
     /// Mean friction coefficient.
     pub mean: f64,

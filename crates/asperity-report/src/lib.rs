@@ -9,6 +9,7 @@
 //! - NaN in tables and `None` in results mean undefined. Curves are interrupted there and cells show a dash.
 //! - All text of the caller is escaped: HTML is written from literal templates only.
 
+mod campaign;
 mod figures;
 mod fits;
 mod format;
@@ -24,6 +25,7 @@ use std::collections::BTreeMap;
 use asperity_results::{Provenance, Results, VibrationResult};
 use thiserror::Error;
 
+pub use campaign::{CampaignRun, render_campaign};
 pub use figures::vibration::vibration_figures;
 pub use page::verdict_text;
 pub use record::record_figures;

@@ -19,17 +19,21 @@ mod vibration;
 use std::fmt::{self, Display};
 
 use asperity_results::Provenance;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use sha2::{Digest, Sha256};
 
 pub use self::verdict::verdict_text;
 use crate::figures::{self, CaptionedFigure};
 use crate::markup::{Html, html};
 use crate::{Figure, Report, ReportError, Run};
 pub(crate) use answers::Answer;
-pub(crate) use cells::{DASH, percent, shown};
+pub(crate) use cells::{DASH, percent, shown, yes_or_no};
 pub(crate) use friction::{conditions, distribution_name, operating_level};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
 pub(crate) use verdict::{dimension, named};
+pub(crate) use vibration::kind_in_words;
 
 const STYLE: &str = include_str!("page/style.css");
 
@@ -43,12 +47,14 @@ pub(crate) struct Page<'a> {
     pub(crate) warnings: &'a [String],
     pub(crate) sections: Vec<Section>,
     pub(crate) appendix: Vec<Section>,
+    /// Script of the page, the only one that it lets a browser run; empty for none.
+    pub(crate) script: &'static str,
 }
 
 impl Page<'_> {
     /// Renders the page. Figures are numbered through all sections.
     pub(crate) fn render(self) -> Report {
-        let Self { title, intro, first_screen, answers, warnings, sections, appendix } = self;
+        let Self { title, intro, first_screen, answers, warnings, sections, appendix, script } = self;
         let links = answers.first().map(|_| ("answers", "Answers")).into_iter();
         let links = links.chain(sections.iter().map(|section| (section.id, section.title)));
         let links = links.chain(appendix.first().map(|_| ("appendix", "Appendix")));
@@ -66,9 +72,19 @@ impl Page<'_> {
                 unordered(warnings)
             ),
         };
+        let (script_policy, script) = match script {
+            "" => (Html::default(), Html::default()),
+            script => {
+                let hash = BASE64.encode(Sha256::digest(script));
+                let policy = format!("; script-src 'sha256-{hash}'");
+                (Html::from_markup(policy), Html::from_markup(format!("<script>{script}</script>\n")))
+            }
+        };
         let mut number = 0;
         let html = html!(
             include_str!("page/skeleton.html"),
+            script_policy = script_policy,
+            script = script,
             title = title,
             style = Html::from_markup(STYLE.to_owned()),
             opening = opening,
@@ -114,6 +130,11 @@ impl Section {
     pub(crate) fn sentences(id: &'static str, title: &'static str, lead: &str, items: &[String]) -> Option<Self> {
         let list = unordered(items);
         (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), list, ..Self::default() })
+    }
+
+    /// Returns a section of HTML.
+    pub(crate) fn of_html(id: &'static str, title: &'static str, lead: impl Into<String>, list: Html) -> Self {
+        Self { id, title, lead: lead.into(), list, ..Self::default() }
     }
 
     /// Returns the section of the references.
@@ -390,5 +411,6 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         warnings: &results.warnings,
         sections,
         appendix: [heights, methods, models].into_iter().flatten().collect(),
+        script: "",
     })
 }

@@ -68,6 +68,7 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
         warnings: &comparison.warnings,
         sections: sections.into_iter().flatten().collect(),
         appendix: Vec::new(),
+        script: "",
     };
     Ok(page.render())
 }

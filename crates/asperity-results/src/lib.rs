@@ -1,9 +1,11 @@
-//! The results of asperity as plain types: the content of `results.json`, `provenance.json` and `comparison.json`.
+//! The results of asperity as plain types: the content of `results.json` of runs and campaigns, `provenance.json` and
+//! `comparison.json`.
 //!
 //! A program that reads a run folder needs this crate alone; it computes nothing. Numbers are SI with the unit in the name, an
 //! undefined number is `None` (`null` in the file), and an interval is [low, high] at 95 %. Results hold no clock, host or number of
 //! threads, so equal studies give equal bytes.
 
+mod campaign;
 mod companions;
 mod comparison;
 mod cutoff;
@@ -23,6 +25,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use campaign::{CampaignResults, MemberAnswers, MemberResult, VariedKey};
 pub use companions::{Companions, PooledResult, SpreadResult};
 pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticComparison, TwinModel};
 pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};

@@ -4,6 +4,7 @@
 //! writes the run folder through a [`Staging`], so that it appears complete or not at all.
 
 mod blocks;
+mod campaign;
 mod check;
 mod contact_check;
 mod counterface;
@@ -44,6 +45,7 @@ pub use blocks::{
     BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, elementary_functions,
     program_difference, sha256,
 };
+pub use campaign::{Campaign, StoredCampaign, write_campaign};
 pub use check::{InvalidValue, Study};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};
@@ -55,7 +57,8 @@ pub use plausibility::{implausible_damping, implausible_friction, implausible_ma
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
 pub use result::{
-    BandMethod, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
+    BandMethod, CampaignResults, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison,
+    TwinModel,
 };
 pub use run::Stage;
 pub use schema::study_schema;

@@ -1,61 +1,175 @@
-//! Computation of a study into a run folder, with its stored blocks.
+//! Computation of a study or a campaign into its folder, with its stored blocks.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
+use asperity::quantity::Time;
+use asperity::study::result::Results;
 use asperity::study::{
-    FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging, Study, StudyError,
+    Campaign, CampaignResults, FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage,
+    Staging, StoredCampaign, StoredRun, Study, StudyError, StudyFileError, file_hash, resolved_study, write_campaign,
     write_run,
 };
+use clap::Args;
 use serde_json::{Value, json};
 
-use super::study_file;
+use super::{campaign, run, study_file};
+use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::{Terminal, duration};
 use crate::output::Answer;
 use crate::provenance;
 use crate::resources::{limit_memory, require_disk, require_memory};
-use crate::run_folder::store_failure;
+use crate::run_folder::{begin_folder, load_failure, store_failure};
 
-/// Study to compute.
+/// Bytes of the folder of a campaign per member.
+const MEMBER_BYTES: f64 = 2048.0;
+
+/// Study or campaign to compute.
 pub(super) struct Computation {
-    /// Study file and its text.
-    pub(super) file: PathBuf,
-    pub(super) text: String,
-    pub(super) study: Study,
+    /// Its file and the text of the file.
+    file: PathBuf,
+    text: String,
+    work: Work,
     pub(super) name: String,
-    pub(super) only: Option<Stage>,
+}
+
+enum Work {
+    Study { study: Box<Study>, only: Option<Stage> },
+    Campaign(Box<Campaign>),
+}
+
+/// Results of a computation that was just done.
+pub(super) enum Computed {
+    Run(Box<Outcome>),
+    Campaign(CampaignResults),
+}
+
+/// Results of a finished folder.
+pub(super) enum Found<'a> {
+    Run(&'a Results),
+    Campaign(&'a CampaignResults),
+}
+
+impl Found<'_> {
+    /// Prints the results as JSON, or the main ones with their folder. A campaign without any answer fails.
+    pub(super) fn print(&self, json: bool, folder: &Path) -> Result<(), Failure> {
+        let answer = match self {
+            Self::Run(results) if json => Answer::new(results)?,
+            Self::Run(results) => run::headline(results, folder),
+            Self::Campaign(results) if json => Answer::new(results)?,
+            Self::Campaign(results) => campaign::headline(results, folder),
+        };
+        answer.print(json)?;
+        match self {
+            Self::Campaign(results) => campaign::require_answer(results),
+            Self::Run(_) => Ok(()),
+        }
+    }
+}
+
+impl Computed {
+    pub(super) fn found(&self) -> Found<'_> {
+        match self {
+            Self::Run(outcome) => Found::Run(&outcome.results),
+            Self::Campaign(results) => Found::Campaign(results),
+        }
+    }
 }
 
 impl Computation {
     /// Reads a study file.
-    pub(super) fn read(file: &Path, seed: Option<u64>, only: Option<Stage>) -> Result<Self, Failure> {
+    pub(super) fn study(file: &Path, seed: Option<u64>, only: Option<Stage>) -> Result<Self, Failure> {
         let (study, text) = study_file::study(file, seed)?;
-        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { file: file.into(), text, study, name, only })
+        Ok(Self::new(file, text, Work::Study { study: Box::new(study), only }))
     }
 
-    /// Returns the study of stored blocks.
+    /// Reads a campaign file and the study that its members vary.
+    pub(super) fn campaign(file: &Path, seed: Option<u64>) -> Result<Self, Failure> {
+        let (path, text) = study_file::read(file, |text, _| Campaign::study_path(text, file))?;
+        let parse = |study: &str, _: &str| Campaign::parse(&text, file, study, seed);
+        let (campaign, _) = study_file::read(&study_file::folder_of(file).join(path), parse)?;
+        Ok(Self::new(file, text, Work::Campaign(Box::new(campaign))))
+    }
+
+    fn new(file: &Path, text: String, work: Work) -> Self {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Self { file: file.into(), text, work, name }
+    }
+
+    /// Returns the study or the campaign of stored blocks.
     pub(super) fn of(record: &RunRecord) -> Result<Self, Failure> {
-        let study = Study::parse(&record.study, &record.file.display().to_string())
-            .map_err(|error| Failure::new(if error.in_data { Kind::Data } else { Kind::Usage }, error.to_string()))?
-            .with_seed(record.seed);
-        let RunRecord { file, study: text, name, only, .. } = record.clone();
-        Ok(Self { file, text, study, name, only })
+        let wrong = |error: StudyFileError| {
+            Failure::new(if error.in_data { Kind::Data } else { Kind::Usage }, error.to_string())
+        };
+        let RunRecord { file, study, campaign, seed, only, .. } = record;
+        let Some(text) = campaign else {
+            let study = Study::parse(study, &file.display().to_string()).map_err(wrong)?.with_seed(*seed);
+            return Ok(Self::new(file, record.study.clone(), Work::Study { study: Box::new(study), only: *only }));
+        };
+        let parse = |seed| Campaign::parse(text, file, study, seed).map_err(wrong);
+        let campaign = match parse(None)? {
+            own if own.seed() == *seed => own,
+            _ => parse(Some(*seed))?,
+        };
+        Ok(Self::new(file, text.clone(), Work::Campaign(Box::new(campaign))))
+    }
+
+    fn seed(&self) -> u64 {
+        match &self.work {
+            Work::Study { study, .. } => study.seed(),
+            Work::Campaign(campaign) => campaign.seed(),
+        }
+    }
+
+    fn only(&self) -> Option<Stage> {
+        match &self.work {
+            Work::Study { only, .. } => *only,
+            Work::Campaign(_) => None,
+        }
+    }
+
+    /// Returns the default folder.
+    pub(super) fn destination(&self) -> PathBuf {
+        match &self.work {
+            Work::Study { .. } => run::default_destination(&self.file),
+            Work::Campaign(_) => Path::new("campaigns").join(&self.name),
+        }
+    }
+
+    /// Returns what is computed in words, for a campaign.
+    pub(super) fn extent(&self) -> Option<String> {
+        let Work::Campaign(campaign) = &self.work else { return None };
+        let shared = match campaign.shared_stages() {
+            0 => String::new(),
+            1 => "; one friction stage is common to several".to_owned(),
+            shared => format!("; {shared} friction stages are common to several"),
+        };
+        Some(format!("{} members{shared}", campaign.members()))
     }
 
     /// Returns the record of the run, or of one part of it.
     pub(super) fn record(&self, shard: Option<[usize; 2]>) -> Result<RunRecord, Failure> {
         let file = std::path::absolute(&self.file).map_err(|e| Failure::io(Kind::Data, self.file.display(), &e))?;
-        let (name, study, seed) = (self.name.clone(), self.text.clone(), self.study.seed());
-        let program = provenance::program()?;
-        Ok(RunRecord { name, file, study, seed, only: self.only, program, shard, ..RunRecord::default() })
+        let (study, campaign) = match &self.work {
+            Work::Study { .. } => (self.text.clone(), None),
+            Work::Campaign(campaign) => (campaign.study_text().to_owned(), Some(self.text.clone())),
+        };
+        let (name, seed, only, program) = (self.name.clone(), self.seed(), self.only(), provenance::program()?);
+        Ok(RunRecord { name, file, study, campaign, seed, only, program, shard, ..RunRecord::default() })
     }
 
-    /// Returns the files that the study reads.
-    pub(super) fn data(&self) -> Vec<PathBuf> {
-        let folder = study_file::folder_of(&self.file);
-        self.study.scan_paths(folder).into_iter().chain(self.study.friction_process_path(folder)).collect()
+    /// Returns the files that the study or the campaign reads.
+    fn data(&self) -> Vec<PathBuf> {
+        match &self.work {
+            Work::Study { study, .. } => {
+                let folder = study_file::folder_of(&self.file);
+                study.scan_paths(folder).into_iter().chain(study.friction_process_path(folder)).collect()
+            }
+            Work::Campaign(campaign) => campaign.inputs(),
+        }
     }
 
     /// Returns the files that the computation reads.
@@ -65,13 +179,18 @@ impl Computation {
 
     /// Begins the provenance of the run.
     pub(super) fn provenance(&self) -> Result<Provenance, Failure> {
-        let provenance = provenance::begin(&self.name, self.study.seed(), &self.inputs())?;
-        Ok(Provenance { only: self.only.map(|stage| stage.name().to_owned()), ..provenance })
+        let provenance = provenance::begin(&self.name, self.seed(), &self.inputs())?;
+        Ok(Provenance { only: self.only().map(|stage| stage.name().to_owned()), ..provenance })
     }
 
     /// Fails if the memory of the machine, or a limit in bytes, is too small.
     pub(super) fn require_memory(&self, most_bytes: Option<f64>) -> Result<(), Failure> {
-        for stage in self.study.estimate(rayon::current_num_threads()) {
+        let threads = rayon::current_num_threads();
+        let stages = match &self.work {
+            Work::Study { study, .. } => study.estimate(threads),
+            Work::Campaign(campaign) => campaign.estimate(threads),
+        };
+        for stage in stages {
             let what = format!("the {} stage", stage.stage.name());
             require_memory(stage.memory_bytes, &what)?;
             most_bytes.map_or(Ok(()), |most| limit_memory(stage.memory_bytes, &what, most))?;
@@ -81,17 +200,27 @@ impl Computation {
 
     /// Fails if the disk of the destination is too small.
     pub(super) fn require_disk(&self, destination: &Path) -> Result<(), Failure> {
-        require_disk(self.study.disk_bytes() + scan_field_bytes(&self.data()), destination, "the run")
+        let (what, bytes) = match &self.work {
+            Work::Study { study, .. } => ("the run", study.disk_bytes() + scan_field_bytes(&self.data())),
+            Work::Campaign(campaign) => ("the campaign", MEMBER_BYTES * campaign.members() as f64),
+        };
+        require_disk(bytes, destination, what)
     }
 
-    /// Computes the study with its stored blocks. Keeps the finished ones if it ends early.
-    pub(super) fn compute(&self, blocks: &Arc<RunBlocks>, json: bool, monitor: &Terminal) -> Result<Outcome, Failure> {
+    /// Computes with the stored blocks. Keeps the finished ones if it ends early.
+    pub(super) fn compute(&self, blocks: &Arc<RunBlocks>, json: bool, monitor: &Terminal) -> Result<Computed, Failure> {
         let kept = Arc::clone(blocks);
         monitor.before_exit(move || {
             // The program ends; an error would have no reader.
             let _ = kept.flush();
         });
-        let found = self.study.run_with(Some(blocks), study_file::folder_of(&self.file), self.only, monitor);
+        let (found, text) = match &self.work {
+            Work::Study { study, only } => {
+                let found = study.run_with(Some(blocks), study_file::folder_of(&self.file), *only, monitor);
+                (found.map(|outcome| Computed::Run(Box::new(outcome))), Some(self.text.as_str()))
+            }
+            Work::Campaign(campaign) => (campaign.run_with(Some(blocks), monitor).map(Computed::Campaign), None),
+        };
         let outcome = match found {
             Err(StudyError::Blocks(error)) => Err(store_failure(&error)),
             Err(error) => match monitor.exceeded_time().filter(|_| error.kind() == FailureKind::Cancelled) {
@@ -102,7 +231,7 @@ impl Computation {
                 }
                 None => {
                     let reason = Answer::default().with("reason", error.to_string());
-                    Err(study_file::failure(&self.file, Some(&self.text), &error).print(reason, json)?)
+                    Err(study_file::failure(&self.file, text, &error).print(reason, json)?)
                 }
             },
             Ok(outcome) => Ok(outcome),
@@ -111,28 +240,77 @@ impl Computation {
         outcome
     }
 
-    /// Writes the run folder, and ends the use of its blocks.
+    /// Writes the folder, and ends the use of its blocks.
     pub(super) fn write(
         &self,
         staging: Staging,
-        outcome: &Outcome,
+        computed: &Computed,
         mut provenance: Provenance,
         blocks: &RunBlocks,
         monitor: &Terminal,
     ) -> Result<PathBuf, Failure> {
-        outcome.results.warnings.iter().for_each(|warning| monitor.warn(warning));
+        let warnings = match computed.found() {
+            Found::Run(results) => &results.warnings,
+            Found::Campaign(results) => &results.warnings,
+        };
+        warnings.iter().for_each(|warning| monitor.warn(warning));
         let failed: usize = blocks.rounds().iter().map(|round| round.failed).sum();
         if failed > 0 {
             let (noun, run) = (if failed == 1 { "sample" } else { "samples" }, staging.destination().display());
             monitor.note(&format!("{failed} {noun} failed; `asperity status {run}` lists them"));
         }
         (provenance.seconds, provenance.stages) = (monitor.seconds(), monitor.stages());
-        let folder = study_file::folder_of(&self.file);
-        write_run(&staging, &self.study, folder, outcome, &provenance).map_err(|e| store_failure(&e))?;
+        let written = match (&self.work, computed) {
+            (Work::Study { study, .. }, Computed::Run(outcome)) => {
+                write_run(&staging, study, study_file::folder_of(&self.file), outcome, &provenance)
+            }
+            (Work::Campaign(campaign), Computed::Campaign(results)) => {
+                write_campaign(&staging, campaign, results, &provenance)
+            }
+            _ => unreachable!("a computation has results of its own kind"),
+        };
+        written.map_err(|e| store_failure(&e))?;
         let written = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)))?;
         blocks.finish().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
         Ok(written)
+    }
+
+    /// Prints the results of a finished folder of the same study or campaign, and returns whether there is one. An empty folder counts
+    /// as none.
+    pub(super) fn print_finished(&self, folder: &Path, json: bool) -> Result<bool, Failure> {
+        let is_empty = fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
+        if is_empty {
+            return Ok(false);
+        }
+        let hashes = self.data().iter().map(|file| file_hash(file)).collect::<Result<Vec<_>, _>>();
+        let hashes = hashes.map_err(|e| load_failure(&e))?;
+        let same_inputs =
+            |provenance: &Provenance| hashes.iter().all(|hash| provenance.inputs.values().any(|own| own == hash));
+        let printed = match &self.work {
+            Work::Study { study, only } => {
+                let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
+                let resolved =
+                    resolved_study(study, study_file::folder_of(&self.file)).map_err(|e| store_failure(&e))?;
+                let same = run.study == resolved && run.provenance.only.as_deref() == only.map(|stage| stage.name());
+                (same && same_inputs(&run.provenance)).then(|| Found::Run(&run.results).print(json, folder))
+            }
+            Work::Campaign(campaign) => {
+                let stored = StoredCampaign::load(folder).map_err(|e| load_failure(&e))?;
+                let same = stored.text == campaign.resolved() && same_inputs(&stored.provenance);
+                same.then(|| Found::Campaign(&stored.results).print(json, folder))
+            }
+        };
+        match printed {
+            Some(printed) => printed.map(|()| true),
+            None => {
+                let other = match &self.work {
+                    Work::Study { .. } => "the run of another study",
+                    Work::Campaign(_) => "another campaign",
+                };
+                Err(Failure::usage(format_args!("--resume: {} is {other}", folder.display())))
+            }
+        }
     }
 }
 
@@ -154,7 +332,7 @@ pub(super) fn removed_at_exit(staging: &Staging, monitor: &Terminal) {
 pub(super) fn as_json(rounds: &[RoundState]) -> Vec<Value> {
     let row = |round: &RoundState| {
         json!({
-            "stage": round.stage.name(),
+            "stage": round.stage,
             "task": round.name,
             "expected": round.expected,
             "done": round.done,
@@ -178,4 +356,98 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
 fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
     const BYTES_PER_BYTE: f64 = 19.0;
     scans.iter().filter_map(|scan| scan.metadata().ok()).map(|scan| BYTES_PER_BYTE * scan.len() as f64).sum()
+}
+
+/// Flags of a computation.
+#[derive(Debug, Args)]
+pub(super) struct Options {
+    /// Folder to write; runs/NAME or campaigns/NAME of the file when left out. The folder appears complete or not at all.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Seed to use instead of the file's.
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    pub(super) seed: Option<u64>,
+    /// Replace a folder that asperity wrote. A folder that contains an input, or a file that asperity did not write or
+    /// that has changed, is never replaced.
+    #[arg(long)]
+    force: bool,
+    /// Accept the finished folder of the same file as the result.
+    #[arg(long, conflicts_with = "shard")]
+    resume: bool,
+    /// Compute part I of N, I from 1, of the blocks that can be computed now. --out is then the folder of these blocks;
+    /// `asperity merge` makes the whole of all parts.
+    #[arg(long, value_name = "I/N", value_parser = args::shard)]
+    shard: Option<[usize; 2]>,
+    /// Stop after this time, such as "2 h", and keep the finished blocks (exit code 5).
+    #[arg(long, value_name = "TIME", value_parser = args::positive_quantity::<Time>)]
+    max_time: Option<Time>,
+    /// Refuse a computation that needs more memory, such as "4 GB" (exit code 5).
+    #[arg(long, value_name = "SIZE", value_parser = args::bytes)]
+    max_memory: Option<f64>,
+    /// Print results.json to stdout as well.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Options {
+    /// Computes into a folder, or one part.
+    pub(super) fn run(&self, computation: &Computation, monitor: &Terminal) -> Result<(), Failure> {
+        let destination = self.out.clone().unwrap_or_else(|| computation.destination());
+        if let Some(time) = self.max_time {
+            monitor.limit_time(Duration::try_from_secs_f64(time.0).unwrap_or(Duration::MAX));
+        }
+        computation.require_memory(self.max_memory)?;
+        if let Some(shard) = self.shard {
+            return self.part(computation, shard, monitor);
+        }
+        if self.resume && computation.print_finished(&destination, self.json)? {
+            monitor.note(&format!("{} is finished", destination.display()));
+            return Ok(());
+        }
+        let provenance = computation.provenance()?;
+        // Check the folder before a long computation.
+        let inputs = computation.inputs();
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let staging = begin_folder("--out", &destination, self.force, &inputs)?;
+        removed_at_exit(&staging, monitor);
+        computation.require_disk(&destination)?;
+        let blocks = open(&destination, computation.record(None)?, Share::All)?;
+        let computed = computation.compute(&blocks, self.json, monitor)?;
+        let written = computation.write(staging, &computed, provenance, &blocks, monitor)?;
+        computed.found().print(self.json, &written)
+    }
+
+    /// Computes one part of the blocks.
+    fn part(&self, computation: &Computation, shard: [usize; 2], monitor: &Terminal) -> Result<(), Failure> {
+        let [number, of] = shard;
+        let folder = self.out.clone().unwrap_or_else(|| {
+            let name = format!("{}-part-{number}-of-{of}", computation.name);
+            computation.destination().with_file_name(name)
+        });
+        if StoredRun::is_run(&folder) {
+            return Err(Failure::usage(format_args!(
+                "--out {} is a run; give another folder for the blocks",
+                folder.display()
+            )));
+        }
+        let blocks = open(&folder, computation.record(Some(shard))?, Share::Part { number, of })?;
+        let complete = match computation.compute(&blocks, self.json, monitor) {
+            Ok(_) => true,
+            Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => false,
+            Err(failure) => return Err(failure),
+        };
+        // A merge reads it.
+        blocks.write_record().map_err(|e| store_failure(&e))?;
+        let rounds = blocks.rounds();
+        if !complete {
+            monitor.note(&format!("blocks of other parts are missing: {}", missing(&rounds)));
+        }
+        Answer::default()
+            .with("part", number)
+            .with("parts", of)
+            .with("complete", complete)
+            .with("rounds", as_json(&rounds))
+            .with("folder", folder.display().to_string())
+            .print(self.json)
+    }
 }

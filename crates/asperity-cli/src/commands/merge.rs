@@ -6,13 +6,12 @@ use asperity::study::{RunStatus, Share, program_difference};
 use clap::Args;
 
 use super::computation::{Computation, as_json, missing, open, removed_at_exit};
-use super::run;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
 use crate::run_folder::{begin_folder, store_failure};
 
-/// Makes one run of the parts that `asperity run --shard` computed. The parts are of the same study, and of this program on machines like
+/// Makes one folder of the parts that `asperity run --shard` or `asperity campaign --shard` computed. The parts are of the same file, and of this program on machines like
 /// this one. Names the blocks that are missing (exit code 3).
 #[derive(Debug, Args)]
 pub(crate) struct Merge {
@@ -66,7 +65,7 @@ impl Merge {
         for part in &self.parts {
             blocks.import(part).map_err(|e| store_failure(&e))?;
         }
-        let outcome = match computation.compute(&blocks, self.json, monitor) {
+        let computed = match computation.compute(&blocks, self.json, monitor) {
             Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => {
                 let rounds = blocks.rounds();
                 if self.json {
@@ -76,10 +75,9 @@ impl Merge {
                 let advice = "compute the parts again beside --out, or add --finish";
                 return Err(Failure::new(Kind::Data, format!("blocks are missing: {words}; {advice}")));
             }
-            outcome => outcome?,
+            computed => computed?,
         };
-        let written = computation.write(staging, &outcome, provenance, &blocks, monitor)?;
-        let answer = if self.json { Answer::new(&outcome.results)? } else { run::headline(&outcome.results, &written) };
-        answer.print(self.json)
+        let written = computation.write(staging, &computed, provenance, &blocks, monitor)?;
+        computed.found().print(self.json, &written)
     }
 }

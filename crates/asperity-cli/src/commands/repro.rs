@@ -34,12 +34,11 @@ impl Repro {
         let stored = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let only = stored.provenance.only.as_deref().map(str::parse).transpose();
         let only = only.map_err(|error| Failure::data(self.dir.display(), &error))?;
-        let computation = Computation::read(&self.dir.join("study.toml"), None, only)?;
-        let folder = study_file::folder_of(&computation.file);
-        let outcome = computation
-            .study
-            .run(folder, only, monitor)
-            .map_err(|error| study_file::failure(&computation.file, Some(&computation.text), &error))?;
+        let file = self.dir.join("study.toml");
+        let (study, text) = study_file::study(&file, None)?;
+        let outcome = study
+            .run(study_file::folder_of(&file), only, monitor)
+            .map_err(|error| study_file::failure(&file, Some(&text), &error))?;
         let mut difference = None;
         result_files(&outcome, |name, bytes| {
             if difference.is_none() {

@@ -1,22 +1,18 @@
 //! Run of a study, from its file to a run folder.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use asperity::quantity::Time;
+use asperity::study::Stage;
 use asperity::study::result::{MeasuredSurface, Results};
-use asperity::study::{Share, Stage, StoredRun, file_hash, resolved_study};
 use asperity_report::{verdict_sentence, vibration_answer};
 use clap::Args;
 use serde_json::Value;
 
-use super::computation::{Computation, as_json, missing, open, removed_at_exit};
-use super::study_file::folder_of;
+use super::computation::{Computation, Options};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::run_folder::{begin_folder, load_failure, store_failure};
 
 /// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance. An interrupted run goes on from its
 /// finished blocks when the same command is given again.
@@ -24,125 +20,17 @@ use crate::run_folder::{begin_folder, load_failure, store_failure};
 pub(crate) struct Run {
     /// Study file.
     study: PathBuf,
-    /// Folder to write; runs/NAME of the study when left out. The folder appears complete or not at all.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Seed to use instead of the study's.
-    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
-    seed: Option<u64>,
     /// Compute only this stage and the stages that it needs.
     #[arg(long, value_parser = args::named::<Stage>(), value_name = "STAGE")]
     only: Option<Stage>,
-    /// Replace a folder that asperity wrote. A folder that contains an input, or a file that asperity did not write or
-    /// that has changed, is never replaced.
-    #[arg(long)]
-    force: bool,
-    /// Accept the finished run of the same study as the result.
-    #[arg(long, conflicts_with = "shard")]
-    resume: bool,
-    /// Compute part I of N, I from 1, of the blocks that can be computed now. --out is then the folder of these blocks;
-    /// `asperity merge` makes the run of all parts.
-    #[arg(long, value_name = "I/N", value_parser = args::shard)]
-    shard: Option<[usize; 2]>,
-    /// Stop after this time, such as "2 h", and keep the finished blocks (exit code 5).
-    #[arg(long, value_name = "TIME", value_parser = args::positive_quantity::<Time>)]
-    max_time: Option<Time>,
-    /// Refuse a run that needs more memory, such as "4 GB" (exit code 5).
-    #[arg(long, value_name = "SIZE", value_parser = args::bytes)]
-    max_memory: Option<f64>,
-    /// Print results.json to stdout as well.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    options: Options,
 }
 
 impl Run {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let computation = Computation::read(&self.study, self.seed, self.only)?;
-        let destination = self.out.clone().unwrap_or_else(|| default_destination(&self.study));
-        if let Some(time) = self.max_time {
-            monitor.limit_time(Duration::try_from_secs_f64(time.0).unwrap_or(Duration::MAX));
-        }
-        computation.require_memory(self.max_memory)?;
-        if let Some(shard) = self.shard {
-            return self.part(&computation, shard, monitor);
-        }
-        if self.resume
-            && let Some(results) = finished(&computation, &destination)?
-        {
-            monitor.note(&format!("{} is finished", destination.display()));
-            return self.print(&results, &destination);
-        }
-        let provenance = computation.provenance()?;
-        // Check the folder before a long computation.
-        let inputs = computation.inputs();
-        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        let staging = begin_folder("--out", &destination, self.force, &inputs)?;
-        removed_at_exit(&staging, monitor);
-        computation.require_disk(&destination)?;
-        let blocks = open(&destination, computation.record(None)?, Share::All)?;
-        let outcome = computation.compute(&blocks, self.json, monitor)?;
-        let written = computation.write(staging, &outcome, provenance, &blocks, monitor)?;
-        self.print(&outcome.results, &written)
+        self.options.run(&Computation::study(&self.study, self.options.seed, self.only)?, monitor)
     }
-
-    /// Computes one part of the blocks.
-    fn part(&self, computation: &Computation, shard: [usize; 2], monitor: &Terminal) -> Result<(), Failure> {
-        let [number, of] = shard;
-        let folder = self.out.clone().unwrap_or_else(|| {
-            let name = format!("{}-part-{number}-of-{of}", computation.name);
-            default_destination(&self.study).with_file_name(name)
-        });
-        if StoredRun::is_run(&folder) {
-            return Err(Failure::usage(format_args!(
-                "--out {} is a run; give another folder for the blocks",
-                folder.display()
-            )));
-        }
-        let blocks = open(&folder, computation.record(Some(shard))?, Share::Part { number, of })?;
-        let complete = match computation.compute(&blocks, self.json, monitor) {
-            Ok(_) => true,
-            Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => false,
-            Err(failure) => return Err(failure),
-        };
-        // A merge reads it.
-        blocks.write_record().map_err(|e| store_failure(&e))?;
-        let rounds = blocks.rounds();
-        if !complete {
-            monitor.note(&format!("blocks of other parts are missing: {}", missing(&rounds)));
-        }
-        Answer::default()
-            .with("part", number)
-            .with("parts", of)
-            .with("complete", complete)
-            .with("rounds", as_json(&rounds))
-            .with("folder", folder.display().to_string())
-            .print(self.json)
-    }
-
-    fn print(&self, results: &Results, folder: &Path) -> Result<(), Failure> {
-        let answer = if self.json { Answer::new(results)? } else { headline(results, folder) };
-        answer.print(self.json)
-    }
-}
-
-/// Returns the results of a finished run of the same study; `None` if there is no folder, or an empty one.
-fn finished(computation: &Computation, folder: &Path) -> Result<Option<Results>, Failure> {
-    let is_empty = std::fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
-    if is_empty {
-        return Ok(None);
-    }
-    let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
-    let resolved = resolved_study(&computation.study, folder_of(&computation.file)).map_err(|e| store_failure(&e))?;
-    let only = computation.only.map(|stage| stage.name());
-    let mut same = run.study == resolved && run.provenance.only.as_deref() == only;
-    for file in computation.data() {
-        let hash = file_hash(&file).map_err(|e| load_failure(&e))?;
-        same &= run.provenance.inputs.values().any(|own| *own == hash);
-    }
-    if same {
-        return Ok(Some(run.results));
-    }
-    Err(Failure::usage(format_args!("--resume: {} is the run of another study", folder.display())))
 }
 
 /// Returns the default folder of a run.

@@ -38,7 +38,7 @@ impl Status {
             .iter()
             .map(|failure| {
                 json!({
-                    "stage": failure.stage.name(),
+                    "stage": failure.stage,
                     "sample": failure.place.to_string(),
                     "index": failure.place.index,
                     "seed": record.seed,

@@ -4,6 +4,7 @@
 
 mod blocks;
 mod bodies;
+mod campaigns;
 mod contact;
 mod contact_analysis;
 mod folders;

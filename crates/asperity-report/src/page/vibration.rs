@@ -61,7 +61,7 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
 }
 
 /// Returns the name of a kind of motion for readers.
-pub(super) fn kind_in_words(kind: KindResult) -> &'static str {
+pub(crate) fn kind_in_words(kind: KindResult) -> &'static str {
     match kind {
         KindResult::StickSlip => "stick–slip",
         KindResult::Overtaking => "overtaking",

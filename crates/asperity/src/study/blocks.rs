@@ -22,7 +22,7 @@ use sha2::{Digest, Sha256};
 use self::file::{Block, Entry, Round};
 pub use self::record::{RunRecord, elementary_functions, program_difference};
 use self::writer::Writer;
-use crate::study::{Stage, StoreError};
+use crate::study::StoreError;
 
 /// Name of the folder of blocks beside a run.
 const FOLDER: &str = ".asperity-blocks";
@@ -33,7 +33,7 @@ pub fn sha256(bytes: &[u8]) -> String {
 }
 
 /// Returns the SHA-256 of parts as hexadecimal digits.
-fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
+pub(super) fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut sha256 = Sha256::new();
     for part in parts {
         // The length separates a part from the next.
@@ -64,8 +64,8 @@ pub enum Share {
 /// Blocks of one loop.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RoundState {
-    /// Stage of the loop.
-    pub stage: Stage,
+    /// Stage of the loop: that of a study, or `campaign`.
+    pub stage: String,
     /// Name of the loop.
     pub name: String,
     /// Number of its blocks.
@@ -114,7 +114,7 @@ impl FromStr for BlockPlace {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FailedBlock {
     /// Stage of the loop.
-    pub stage: Stage,
+    pub stage: String,
     /// Place of the block.
     pub place: BlockPlace,
     /// Reason of the failure; the first of several.
@@ -180,20 +180,20 @@ impl RunBlocks {
     /// Begins a stage, a function of `depends_on` alone.
     pub(super) fn stage<'a>(
         &'a self,
-        stage: Stage,
+        stage: &str,
         depends_on: &[&dyn Debug],
         monitor: &'a dyn Monitor,
     ) -> StageBlocks<'a> {
         let mut record = lock(&self.record);
-        let mut parts = vec![format!("{:?}", record.program), stage.name().to_owned()];
+        let mut parts = vec![format!("{:?}", record.program), stage.to_owned()];
         parts.extend(depends_on.iter().map(|part| format!("{part:?}")));
         let name = hash(parts.iter().map(String::as_bytes))[..32].to_owned();
         let folder = self.folder.join(&name);
         remove_abandoned_files(&folder);
         let known = Known::read(self.beside.iter().map(|other| other.join(&name)).chain([folder.clone()]));
-        record.stages.push((stage, name));
+        record.stages.push((stage.to_owned(), name));
         self.writer.set_record(record.clone());
-        StageBlocks { run: self, stage, folder, monitor, known, begun: Mutex::default() }
+        StageBlocks { run: self, stage: stage.to_owned(), folder, monitor, known, begun: Mutex::default() }
     }
 
     /// Returns the rounds that were begun, in their order.
@@ -299,7 +299,8 @@ impl RunStatus {
             let known = Known::read([folder.join(name)].into_iter());
             let first = rounds.len();
             let mut of_stage: BTreeMap<&str, RoundState> = BTreeMap::new();
-            let empty = |name: &str| RoundState { stage: *stage, name: name.into(), expected: 0, done: 0, failed: 0 };
+            let empty =
+                |name: &str| RoundState { stage: stage.clone(), name: name.into(), expected: 0, done: 0, failed: 0 };
             for round in known.rounds.values() {
                 of_stage.entry(&round.name).or_insert_with(|| empty(&round.name)).expected += round.count;
             }
@@ -312,7 +313,7 @@ impl RunStatus {
                 }
                 if let Some(reason) = entry.failure.clone() {
                     let place = BlockPlace { task: round.name.clone(), ordinal: round.ordinal, index: *index };
-                    failed.push(FailedBlock { stage: *stage, place, reason });
+                    failed.push(FailedBlock { stage: stage.clone(), place, reason });
                 }
             }
             failed.sort_by(|a, b| {
@@ -322,7 +323,7 @@ impl RunStatus {
             rounds.extend(of_stage.into_values());
             // A stage without a finished block.
             if rounds.len() == first {
-                rounds.push(empty(stage.name()));
+                rounds.push(empty(stage));
             }
         }
         Some(Self { failures, record, rounds })
@@ -371,7 +372,7 @@ impl Known {
 /// Blocks of one stage, and the monitor of its computation.
 pub(super) struct StageBlocks<'a> {
     run: &'a RunBlocks,
-    stage: Stage,
+    stage: String,
     folder: PathBuf,
     monitor: &'a dyn Monitor,
     known: Known,
@@ -432,7 +433,9 @@ impl BlockStore for StageBlocks<'_> {
         let id = RoundId(u64::from_le_bytes(Sha256::digest(key).as_chunks().0[0]));
         let mut rounds = lock(&self.run.rounds);
         let round = Round { id: id.0, name: name.to_owned(), count, ordinal: own };
-        rounds.push(RoundState { stage: self.stage, name: name.to_owned(), expected: count, done: 0, failed: 0 });
+        let state =
+            RoundState { stage: self.stage.clone(), name: name.to_owned(), expected: count, done: 0, failed: 0 };
+        rounds.push(state);
         begun.rounds.insert(id, (round, rounds.len() - 1));
         id
     }
@@ -450,6 +453,9 @@ impl BlockStore for StageBlocks<'_> {
         if self.is_again(round, index) {
             let identical = self.known.load(round.0, index).map(|(stored, _)| stored == bytes);
             *lock(&self.run.replay) = Some(Replay { failure, identical });
+        }
+        // The computation of one sample changes nothing on the disk.
+        if matches!(self.run.share, Share::Again(_)) {
             return;
         }
         self.count(round, failure.is_some());

@@ -68,7 +68,8 @@ impl StudyFileError {
     }
 }
 
-fn line_at(text: &str, byte: usize) -> usize {
+/// Returns the line of a byte, counted from 1.
+pub(super) fn line_at(text: &str, byte: usize) -> usize {
     text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
 }
 

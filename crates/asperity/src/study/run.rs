@@ -5,19 +5,21 @@ use std::mem;
 use std::path::{Path, PathBuf};
 
 use asperity_base::choice;
+use serde::{Deserialize, Serialize};
 
-use crate::friction::{OperatingLevel, RoughBody, WindowFriction};
+use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
 use crate::quantity::Area;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
-use crate::study::result::Outcome;
+use crate::study::result::{Outcome, Results};
 use crate::study::store::file_hash;
+use crate::study::surface_stage::SurfaceStage;
 use crate::study::write_run::with_paths;
 use crate::study::{
-    FailureKind, RunBlocks, Study, StudyError, counterface, coupled_stage, friction_process, friction_stage,
+    FailureKind, RunBlocks, Study, StudyError, blocks, counterface, coupled_stage, friction_process, friction_stage,
     implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
 };
 
@@ -159,7 +161,133 @@ impl Study {
         only: Option<Stage>,
         monitor: &dyn Monitor,
     ) -> Result<Outcome, StudyError> {
-        let stages = Stages { blocks, monitor };
+        self.run_chain(&Stages { blocks, monitor }, None, folder, only).map(|(outcome, _)| outcome)
+    }
+
+    /// Runs what the verdict needs or, without uncertain values, the last stage, and returns its results with the friction of the
+    /// machine. `friction` is the friction stage of a study that differs in nothing the stage depends on.
+    pub(super) fn run_answers(
+        &self,
+        friction: Option<&SharedFriction>,
+        folder: &Path,
+        monitor: &dyn Monitor,
+    ) -> Result<(Results, Option<WindowFriction>), StudyError> {
+        let stages = [Stage::Vibration, Stage::Friction, Stage::Pressure, Stage::Surface];
+        let last = stages.into_iter().find(|stage| self.has(*stage));
+        let only = if self.states_verdict() { Some(Stage::Verdict) } else { last };
+        let stages = Stages { blocks: None, monitor };
+        let (outcome, window) = self.run_chain(&stages, Some(friction), folder, only)?;
+        let mut results = outcome.results;
+        results.warnings.extend(friction.iter().flat_map(|friction| friction.warnings.iter().cloned()));
+        Ok((results, window))
+    }
+
+    /// Returns what the friction stage and the stages before it depend on, if the friction of the machine is computed.
+    pub(super) fn friction_key(&self, folder: &Path) -> Option<String> {
+        let vibration = self.vibration.as_ref()?;
+        let FrictionSource::Computed(_) = vibration.friction else { return None };
+        let (_, friction) = (self.surface.as_ref()?, self.friction.as_ref()?);
+        let file = self.file();
+        let surface = (&file.surface, &file.counterface, self.scan_paths(folder));
+        let depends_on = (
+            surface,
+            friction,
+            self.operating_level(),
+            self.nominal_area_m2(),
+            vibration.nominal_contact(),
+            self.seed(),
+        );
+        Some(blocks::hash([format!("{depends_on:?}").as_bytes()]))
+    }
+
+    /// Computes the friction of the machine for all studies with this [`Study::friction_key`].
+    pub(super) fn share_friction(&self, folder: &Path, monitor: &dyn Monitor) -> Result<SharedFriction, StudyError> {
+        let mut gathered = Gathered::default();
+        let (Some(surface), Some(vibration)) = (self.run_surface(false, folder, &mut gathered)?, &self.vibration)
+        else {
+            return Err(StudyError::NoStage(Stage::Vibration.name()));
+        };
+        gathered.results.warnings.extend(surface.output.warnings.iter().cloned());
+        let stages = Stages { blocks: None, monitor };
+        let stage = self.run_friction(&stages, &(), &surface, &mut gathered)?;
+        let (level, body) = stage.ok_or(StudyError::NoStage(Stage::Friction.name()))?;
+        // The Stribeck coefficient is that of each machine.
+        let window = WindowFriction::from_level(&level, body, vibration.nominal_contact(), None);
+        Ok(SharedFriction { window, warnings: gathered.results.warnings })
+    }
+
+    /// Returns the nominal area that friction is scaled up to.
+    fn nominal_area_m2(&self) -> f64 {
+        self.stated_nominal_area().unwrap_or(NOMINAL_AREA).0
+    }
+
+    fn stated_nominal_area(&self) -> Option<Area> {
+        let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.nominal_area);
+        self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
+    }
+
+    /// Runs the surface stage, with the tables of the scan or without; `None` if the study has no surface.
+    fn run_surface(
+        &self,
+        tables: bool,
+        folder: &Path,
+        gathered: &mut Gathered,
+    ) -> Result<Option<SurfaceStage>, StudyError> {
+        let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(None) };
+        let run = if tables { surface_stage::run } else { surface_stage::without_tables };
+        let mut stage = run(section, request, folder)?;
+        if let Some(counterface) = &self.counterface {
+            gathered.results.counterface = Some(counterface.add_to(&mut stage, folder)?);
+        }
+        Ok(Some(stage))
+    }
+
+    /// Runs the friction stage; `None` if the study has none. `of_surface` is what the surface depends on.
+    fn run_friction(
+        &self,
+        stages: &Stages<'_>,
+        of_surface: &dyn Debug,
+        surface: &SurfaceStage,
+        gathered: &mut Gathered,
+    ) -> Result<Option<(SolvedLevel, RoughBody)>, StudyError> {
+        let Some(study) = &self.friction else { return Ok(None) };
+        let (level, nominal_area_m2) = (self.operating_level(), self.nominal_area_m2());
+        if self.stated_nominal_area().is_none() {
+            let assumed =
+                format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
+            gathered.results.assumptions.push(assumed);
+        }
+        let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &nominal_area_m2, &self.seed()];
+        let stage = stages.run(Stage::Friction.name(), &depends_on, |monitor| {
+            friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)
+        })?;
+        // Nothing that follows is possible without friction.
+        let stage = stage.ok_or(StudyError::Incomplete)?;
+        gathered.add(stage.output);
+        gathered.results.friction = Some(stage.result);
+        let stribeck_s_per_m = self
+            .vibration
+            .as_ref()
+            .and_then(|vibration| Some(vibration.stribeck?.s_per_m(vibration.scales.velocity_m_per_s())));
+        // The file of a process cannot state differences between parts.
+        let process = (study.body == RoughBody::Track).then(|| stage.level.fitted_process(stribeck_s_per_m));
+        match process.transpose() {
+            Ok(process) => gathered.friction_process = process,
+            Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
+        }
+        Ok(Some((stage.level, study.body)))
+    }
+
+    /// Runs the stages. With `answers` the tables of the scan are left out, and the friction stage too if it is given.
+    fn run_chain(
+        &self,
+        stages: &Stages<'_>,
+        answers: Option<Option<&SharedFriction>>,
+        folder: &Path,
+        only: Option<Stage>,
+    ) -> Result<(Outcome, Option<WindowFriction>), StudyError> {
+        let &Stages { blocks, monitor } = stages;
+        let given = answers.flatten();
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
         let wants_verdict = only == Some(Stage::Verdict) || only.is_none() && self.states_verdict();
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration) || wants_verdict;
@@ -177,20 +305,18 @@ impl Study {
             Some(_) => (without_paths.surface.clone(), without_paths.counterface.clone(), self.scan_hashes(folder)?),
             None => (None, None, Vec::new()),
         };
-        if let (Some(section), Some(request)) = (&self.file().surface, &self.surface) {
+        if self.surface.is_some() && (given.is_none() || wants_verdict) {
             monitor.begin(Stage::Surface.name());
-            let mut stage = surface_stage::run(section, request, folder)?;
-            if let Some(counterface) = &self.counterface {
-                gathered.results.counterface = Some(counterface.add_to(&mut stage, folder)?);
-            }
+            surface = self.run_surface(answers.is_none(), folder, &mut gathered)?;
+        }
+        if let Some(stage) = surface.as_mut().filter(|_| given.is_none()) {
             stage.output.assumptions.extend(counterface::contact_sentence(self.file()));
             gathered.add(mem::take(&mut stage.output));
-            surface = Some(stage);
         }
         if let (Some(study), Some(surface), true) = (&self.pressure, &surface, wants(Stage::Pressure)) {
             let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
             karhunen_loeve = generated.karhunen_loeve;
-            let stage = stages.run(Stage::Pressure, &[&of_surface, study, &self.seed()], |monitor| {
+            let stage = stages.run(Stage::Pressure.name(), &[&of_surface, study, &self.seed()], |monitor| {
                 pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)
             })?;
             if let Some(stage) = stage {
@@ -198,41 +324,18 @@ impl Study {
                 gathered.results.pressure = Some(stage.result);
             }
         }
-        let mut friction = None;
-        if let (Some(study), Some(surface), true) = (&self.friction, &surface, wants_friction) {
-            let level = self.operating_level();
-            let vibration_area = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let stated = study.nominal_area.or_else(vibration_area);
-            let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
-            if stated.is_none() {
-                let assumed =
-                    format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
-                gathered.results.assumptions.push(assumed);
+        let friction = match &surface {
+            Some(surface) if wants_friction && given.is_none() => {
+                self.run_friction(stages, &of_surface, surface, &mut gathered)?
             }
-            let depends_on: [&dyn Debug; 5] = [&of_surface, study, &level, &nominal_area_m2, &self.seed()];
-            let stage = stages.run(Stage::Friction, &depends_on, |monitor| {
-                friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)
-            })?;
-            // Nothing that follows is possible without friction.
-            let stage = stage.ok_or(StudyError::Incomplete)?;
-            gathered.add(stage.output);
-            gathered.results.friction = Some(stage.result);
-            let stribeck_s_per_m = self
-                .vibration
-                .as_ref()
-                .and_then(|vibration| Some(vibration.stribeck?.s_per_m(vibration.scales.velocity_m_per_s())));
-            // The file of a process cannot state differences between parts.
-            let process = (study.body == RoughBody::Track).then(|| stage.level.fitted_process(stribeck_s_per_m));
-            match process.transpose() {
-                Ok(process) => gathered.friction_process = process,
-                Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
-            }
-            friction = Some((stage.level, study.body));
-        }
+            _ => None,
+        };
+        let mut window = None;
         if let (Some(study), true) = (&self.vibration, drives) {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
+            let given = given.map(|given| WindowFriction { stribeck, ..given.window.clone() });
             let computed = friction.map(|(level, body)| WindowFriction::from_level(&level, body, nominal, stribeck));
-            let window = known.or(computed);
+            window = known.or(given).or(computed);
             let wanted = window.as_ref().filter(|_| wants(Stage::Vibration));
             let coupled = wanted.and_then(|window| study.coupled_model(window.mean, window.stiffness_pa_per_m));
             if let (Some(window), Some(model)) = (wanted, coupled) {
@@ -247,7 +350,7 @@ impl Study {
                 }
                 let depends_on: [&dyn Debug; 3] = [&own, window, &self.seed()];
                 let mut stage = stages
-                    .run(Stage::Vibration, &depends_on, |monitor| {
+                    .run(Stage::Vibration.name(), &depends_on, |monitor| {
                         vibration_stage::run(study, window, self.seed(), monitor)
                     })?
                     .ok_or(StudyError::Incomplete)?;
@@ -260,7 +363,7 @@ impl Study {
             }
             if let (Some(window), true) = (&window, wants_verdict) {
                 let verdict = stages
-                    .run(Stage::Verdict, &[&of_surface, &without_paths, window], |monitor| {
+                    .run(Stage::Verdict.name(), &[&of_surface, &without_paths, window], |monitor| {
                         verdict::run(self, surface.as_ref(), window, monitor)
                     })?
                     .ok_or(StudyError::Incomplete)?;
@@ -272,7 +375,7 @@ impl Study {
             return Err(StudyError::Incomplete);
         }
         gathered.results.surface = surface.map(|stage| stage.result(karhunen_loeve));
-        Ok(gathered.outcome())
+        Ok((gathered.outcome(), window))
     }
 
     /// Returns the SHA-256 of the scans.
@@ -281,21 +384,29 @@ impl Study {
     }
 }
 
+/// Friction of the machine that several studies have in common.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct SharedFriction {
+    window: WindowFriction,
+    /// Warnings of the surface and of the friction stage.
+    warnings: Vec<String>,
+}
+
 /// Stages of a run, with the blocks that are stored.
-struct Stages<'a> {
-    blocks: Option<&'a RunBlocks>,
-    monitor: &'a dyn Monitor,
+pub(super) struct Stages<'a> {
+    pub(super) blocks: Option<&'a RunBlocks>,
+    pub(super) monitor: &'a dyn Monitor,
 }
 
 impl Stages<'_> {
     /// Runs a stage, a function of `depends_on` alone; `None` if blocks of other parts are missing.
-    fn run<T>(
+    pub(super) fn run<T>(
         &self,
-        stage: Stage,
+        stage: &str,
         depends_on: &[&dyn Debug],
         run: impl FnOnce(&dyn Monitor) -> Result<T, StudyError>,
     ) -> Result<Option<T>, StudyError> {
-        self.monitor.begin(stage.name());
+        self.monitor.begin(stage);
         let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
         match run(&blocks.stage(stage, depends_on, self.monitor)) {
             Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),

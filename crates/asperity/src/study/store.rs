@@ -25,6 +25,8 @@ pub use staging::Staging;
 const COMPLETE: &str = "COMPLETE";
 /// Name of the file with the friction process of the friction stage.
 pub(super) const FRICTION_PROCESS: &str = "friction_process.json";
+/// Name of the file with the study of the run.
+const STUDY: &str = "study.toml";
 /// Name of the file with the numbers of the run.
 const RESULTS: &str = "results.json";
 /// Name of the file with the provenance of the run.
@@ -229,6 +231,10 @@ impl StoredRun {
         if !Self::is_run(dir) {
             return Err(StoreError::NotARun { path: dir.into(), missing: COMPLETE });
         }
+        // A campaign has no study of its own.
+        if !dir.join(STUDY).is_file() {
+            return Err(StoreError::NotARun { path: dir.into(), missing: STUDY });
+        }
         let read = |relative: &str| {
             let path = dir.join(relative);
             fs::read(&path).map_err(at(&path))
@@ -265,7 +271,7 @@ impl StoredRun {
             let FieldEntry { dx_m, dy_m, unit } = entry;
             fields.insert(name, StoredField { dx_m, dy_m, unit, values: scan.heights_m });
         }
-        let study = String::from_utf8_lossy(&read("study.toml")?).into_owned();
+        let study = String::from_utf8_lossy(&read(STUDY)?).into_owned();
         Ok(Self { study, results, provenance, tables, fields })
     }
 

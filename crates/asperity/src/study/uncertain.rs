@@ -38,6 +38,11 @@ impl UncertainValue {
         &self.input
     }
 
+    /// Returns the value at a standard normal variable as a study file states it.
+    pub(super) fn stated_at(&self, xi: f64) -> Value {
+        self.place.key.show(self.input.value(xi))
+    }
+
     pub(super) fn place(&self) -> Place {
         self.place
     }
@@ -117,6 +122,12 @@ impl Place {
             *place = self.key.show(value);
         }
     }
+}
+
+/// Returns the number in SI that a key states, with its unit; `None` for keys that cannot be uncertain, and for values that are.
+pub(super) fn si_value(section: &str, key: &str, value: &Value) -> Option<(f64, &'static str)> {
+    let key = UncertainKey::find(section, key, value)?;
+    Some((key.parse(value).ok()?, key.unit))
 }
 
 /// Adds the values that no study file states to a table, at their centres.

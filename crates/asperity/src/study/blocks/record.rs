@@ -19,10 +19,13 @@ const EXTENSION: &str = "json";
 pub struct RunRecord {
     /// Name of the study.
     pub name: String,
-    /// Study file, an absolute path.
+    /// File of the study or of the campaign, an absolute path.
     pub file: PathBuf,
-    /// Its text.
+    /// Text of the study; of a campaign, that of the study which its members vary.
     pub study: String,
+    /// Text of the campaign; `None` for the run of a study.
+    #[serde(default)]
+    pub campaign: Option<String>,
     /// Seed of the run.
     pub seed: u64,
     /// The stage that was asked for, if not all.
@@ -31,8 +34,8 @@ pub struct RunRecord {
     pub program: Program,
     /// Number of this part from 1, and of all parts.
     pub shard: Option<[usize; 2]>,
-    /// Stages begun so far, with the names of the folders of their blocks.
-    pub stages: Vec<(Stage, String)>,
+    /// Names of the stages begun so far, with the names of the folders of their blocks.
+    pub stages: Vec<(String, String)>,
     /// Folders of blocks that earlier runs of the same name used.
     pub earlier: BTreeSet<String>,
     /// Whether all stages are finished.
@@ -81,7 +84,7 @@ pub fn elementary_functions() -> String {
 impl RunRecord {
     /// Returns what differs from another part of the same run.
     pub fn difference(&self, other: &Self) -> Option<&'static str> {
-        let of_study = |record: &Self| (record.study.clone(), record.seed, record.only);
+        let of_study = |record: &Self| (record.study.clone(), record.campaign.clone(), record.seed, record.only);
         if of_study(self) != of_study(other) {
             return Some("another study, seed or stage");
         }

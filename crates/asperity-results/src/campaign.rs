@@ -1,0 +1,78 @@
+//! The results of a campaign: `results.json` of its folder.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{InputValue, KindResult, Pair, SCHEMA_VERSION};
+
+/// Rows of all members of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignResults {
+    /// Version of the keys; [`SCHEMA_VERSION`].
+    pub schema_version: u64,
+    /// Seed of the campaign.
+    pub seed: u64,
+    /// Keys that differ between the members, in the order of their values.
+    pub keys: Vec<VariedKey>,
+    /// The members in their order.
+    pub members: Vec<MemberResult>,
+    /// Warnings, in sentences.
+    pub warnings: Vec<String>,
+}
+
+impl Default for CampaignResults {
+    fn default() -> Self {
+        Self { schema_version: SCHEMA_VERSION, seed: 0, keys: Vec::new(), members: Vec::new(), warnings: Vec::new() }
+    }
+}
+
+/// Key of a study that differs between the members.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VariedKey {
+    /// Name, `section.key`.
+    pub key: String,
+    /// SI unit of the values; empty for numbers and texts.
+    pub unit: String,
+    /// Whether the values are draws of a distribution.
+    pub sampled: bool,
+}
+
+/// One member of a campaign: its values, and its answers or the reason why it has none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct MemberResult {
+    /// Scan, relative to the campaign file; absent if the members have the scan of the study.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<String>,
+    /// Values of the keys: numbers in SI, or texts as stated.
+    pub values: Vec<InputValue>,
+    /// Whether the member has no answer.
+    pub failed: bool,
+    /// Reason of the failure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Answers; undefined for a failed member.
+    #[serde(flatten)]
+    pub answers: MemberAnswers,
+}
+
+/// Main results of one study.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct MemberAnswers {
+    /// Mean friction coefficient, of the operating point or as stated.
+    pub friction_mean: Option<f64>,
+    /// Standard deviation of the friction coefficient of one window.
+    pub friction_std: Option<f64>,
+    /// Damping ratio above which no vibration persists, with uncertain values at their centres.
+    pub limit_damping_ratio: Option<f64>,
+    /// Kind of motion, with uncertain values at their centres.
+    pub kind: Option<KindResult>,
+    /// Whether the machine vibrates if its motion begins in stick, with uncertain values at their centres.
+    pub vibrates: Option<bool>,
+    /// Probability of vibration over the uncertain values.
+    pub probability: Option<f64>,
+    /// Its 95 % interval: the error of the computation.
+    pub probability_interval: Option<Pair>,
+    /// Number of warnings.
+    pub warnings: Option<usize>,
+}

@@ -1,0 +1,453 @@
+//! Campaigns: one study over lists, grids and samples of its values, and over many scans.
+//!
+//! A member is a function of the campaign file, the study, the scans and its number alone. Members are the blocks of one loop, so an
+//! interrupted campaign goes on and parts of one are merged as those of a run.
+
+mod factors;
+mod folder;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use asperity_base::blocks::{self, Task};
+use toml::{Table, Value};
+
+use self::factors::{Factor, Key, Reader, SCAN, in_si, set};
+pub use self::folder::{StoredCampaign, write_campaign};
+use crate::friction::WindowFriction;
+use crate::monitor::Monitor;
+use crate::study::result::{CampaignResults, InputValue, KindResult, MemberAnswers, MemberResult, Results, VariedKey};
+use crate::study::run::{SharedFriction, Stages};
+use crate::study::{RunBlocks, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash};
+
+/// Name of the stage that the blocks of a campaign belong to.
+const STAGE: &str = "campaign";
+
+/// One study over many values and scans.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// Text of the campaign file.
+    text: String,
+    /// Folder of the campaign file, an absolute path.
+    folder: PathBuf,
+    /// Path of the study as the file states it.
+    study_path: PathBuf,
+    /// Text of the study.
+    study: String,
+    /// The study as a table.
+    table: Table,
+    seed: u64,
+    /// Seed in place of the study's.
+    other_seed: Option<u64>,
+    /// Factors, the one that changes slowest first.
+    factors: Vec<Factor>,
+    /// Reasons of the members whose values exclude each other.
+    refused: BTreeMap<usize, String>,
+    /// Numbers of the members by the friction stage that they have in common, of friction stages with several members.
+    shared: Vec<Vec<usize>>,
+}
+
+impl Campaign {
+    /// Returns the path of the study that the members of a campaign file vary, relative to the file; `file` names it in errors.
+    ///
+    /// # Errors
+    /// A key or type of the file is wrong.
+    pub fn study_path(text: &str, file: &Path) -> Result<PathBuf, StudyFileError> {
+        Ok(Reader { text, name: &file.display().to_string() }.file()?.study)
+    }
+
+    /// Reads the text of a campaign file and checks all its members. `study` is the text of the study that they vary, and `seed` replaces
+    /// its seed and that of the campaign file.
+    ///
+    /// # Errors
+    /// A key, type, unit or value is wrong, no scan matches, or no member is a valid study.
+    pub fn parse(text: &str, file: &Path, study: &str, seed: Option<u64>) -> Result<Self, StudyFileError> {
+        let name = file.display().to_string();
+        let reader = Reader { text, name: &name };
+        let written = reader.file()?;
+        let study_file = file.with_file_name("").join(&written.study).display().to_string();
+        let folder = file.parent().unwrap_or(Path::new(""));
+        // Reasons leave the folder out, so that they are the same from every place.
+        let folder = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_path_buf());
+        let own_seed = StudyFile::parse(study, &study_file)?.seed;
+        let table: Table = StudyFileError::read(study, &study_file)?;
+        let other_seed = seed.or(written.seed);
+        let seed = other_seed.unwrap_or(own_seed);
+        let factors = reader.factors(&written, &folder, &table, &study_file, seed)?;
+        let count = factors.iter().try_fold(1_usize, |count, factor| count.checked_mul(factor.len()));
+        count.ok_or_else(|| reader.error(1, "the campaign has too many members"))?;
+        let mut campaign = Self {
+            text: text.into(),
+            folder,
+            study_path: written.study,
+            study: study.into(),
+            table,
+            seed,
+            other_seed,
+            factors,
+            refused: BTreeMap::new(),
+            shared: Vec::new(),
+        };
+        campaign.check_values(&reader)?;
+        campaign.check_members(&reader)?;
+        Ok(campaign)
+    }
+
+    /// Returns the seed of the study and of the samples.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Returns the number of members.
+    pub fn members(&self) -> usize {
+        self.factors.iter().map(Factor::len).product()
+    }
+
+    /// Returns the number of friction stages that several members have in common.
+    pub fn shared_stages(&self) -> usize {
+        self.shared.len()
+    }
+
+    /// Returns the text of the study that the members vary.
+    pub fn study_text(&self) -> &str {
+        &self.study
+    }
+
+    /// Returns the study file and the data that the members read, each once.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let folder = self.study_folder();
+        let mut found = vec![self.folder.join(&self.study_path)];
+        let mut known: BTreeSet<PathBuf> = found.iter().cloned().collect();
+        for member in self.one_by_one() {
+            let Ok(study) = self.member(member) else { continue };
+            let files = study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder));
+            found.extend(files.filter(|file| known.insert(file.clone())));
+        }
+        let mut samples = Vec::new();
+        sample_files(&self.table, &mut samples);
+        if let Ok(campaign) = toml::from_str(&self.text) {
+            sample_files(&campaign, &mut samples);
+        }
+        let samples = samples.into_iter().map(|file| folder.join(file));
+        found.extend(samples.filter(|file| known.insert(file.clone())));
+        found
+    }
+
+    /// Returns members that have every choice of every factor at least once.
+    fn one_by_one(&self) -> Vec<usize> {
+        let mut found = vec![0];
+        let mut stride = self.members();
+        for factor in &self.factors {
+            stride /= factor.len();
+            if !factor.is_sampled() {
+                found.extend((1..factor.len()).map(|choice| choice * stride));
+            }
+        }
+        found
+    }
+
+    /// Estimates the memory of the stages of one member.
+    pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
+        let first = (0..self.members()).find_map(|member| self.member(member).ok());
+        let together = self.members().min(threads).max(1);
+        let mut found = first.map_or_else(Vec::new, |study| study.estimate(threads / together));
+        found.iter_mut().for_each(|stage| stage.memory_bytes *= together as f64);
+        found
+    }
+
+    fn study_folder(&self) -> PathBuf {
+        let study = self.folder.join(&self.study_path);
+        study.parent().map_or_else(|| self.folder.clone(), Path::to_path_buf)
+    }
+
+    /// Returns the choice of each factor of a member.
+    fn choices(&self, mut member: usize) -> Vec<usize> {
+        let mut found: Vec<usize> = Vec::with_capacity(self.factors.len());
+        for factor in self.factors.iter().rev() {
+            found.push(member % factor.len());
+            member /= factor.len();
+        }
+        found.reverse();
+        found
+    }
+
+    /// Returns the path of a scan, relative to the folder of the study if that is the folder of the campaign.
+    fn scan_path(&self, name: &str) -> String {
+        let is_beside = self.study_path.parent().is_some_and(|folder| folder.as_os_str().is_empty());
+        if is_beside { name.to_owned() } else { self.folder.join(name).to_string_lossy().into_owned() }
+    }
+
+    /// Returns the table of a study with the choices of some factors.
+    fn table_of<'a>(&self, choices: impl Iterator<Item = (&'a Factor, usize)>) -> Table {
+        let mut table = self.table.clone();
+        for (factor, choice) in choices {
+            if let Factor::Scans(scans) = factor {
+                set(&mut table, SCAN, Value::String(self.scan_path(&scans[choice])));
+            }
+            for (key, value) in factor.keys().into_iter().zip(factor.values(choice)) {
+                set(&mut table, &key.name, value);
+            }
+        }
+        table
+    }
+
+    fn parse_table(&self, table: &Table) -> Result<StudyFile, String> {
+        let text = toml::to_string(table).map_err(|error| error.to_string())?;
+        let file = self.folder.join(&self.study_path).display().to_string();
+        StudyFile::parse(&text, &file).map_err(|error| error.message)
+    }
+
+    /// Returns the study of a member, or the reason why its values are refused.
+    fn member(&self, member: usize) -> Result<Study, String> {
+        let table = self.table_of(self.factors.iter().zip(self.choices(member)));
+        let mut file = self.parse_table(&table)?;
+        let varies_seed = || self.factors.iter().flat_map(Factor::keys).any(|key| key.name == "seed");
+        if let Some(seed) = self.other_seed.filter(|_| !varies_seed()) {
+            file.seed = seed;
+        }
+        file.check().map_err(|error| error.to_string())
+    }
+
+    /// Checks name, type and unit of every value in a list.
+    fn check_values(&self, reader: &Reader<'_>) -> Result<(), StudyFileError> {
+        for factor in self.factors.iter().filter(|factor| !factor.is_sampled()) {
+            for (place, key) in factor.keys().into_iter().enumerate() {
+                for choice in 0..factor.len() {
+                    let value = factor.values(choice).swap_remove(place);
+                    let mut table = self.table.clone();
+                    set(&mut table, &key.name, value);
+                    self.parse_table(&table)
+                        .map_err(|message| reader.error(key.line, format!("{}: {message}", key.name)))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks every member. A value with which no member is a valid study is an error; other refused members have a reason.
+    fn check_members(&mut self, reader: &Reader<'_>) -> Result<(), StudyFileError> {
+        let folder = self.study_folder();
+        let checked: Vec<Result<Option<String>, String>> =
+            blocks::map(0..self.members(), |member| self.member(member).map(|study| study.friction_key(&folder)));
+        let mut valid: Vec<Vec<bool>> = self.factors.iter().map(|factor| vec![false; factor.len()]).collect();
+        let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (member, found) in checked.iter().enumerate() {
+            if let Ok(key) = found {
+                self.choices(member).into_iter().zip(&mut valid).for_each(|(choice, valid)| valid[choice] = true);
+                key.iter().for_each(|key| groups.entry(key).or_default().push(member));
+            }
+        }
+        let mut shared: Vec<Vec<usize>> = groups.into_values().filter(|members| members.len() > 1).collect();
+        shared.sort();
+        let refused =
+            checked.iter().enumerate().filter_map(|(member, found)| Some((member, found.as_ref().err()?.clone())));
+        let refused: BTreeMap<usize, String> = refused.collect();
+        for (&member, reason) in &refused {
+            let choices = self.factors.iter().zip(self.choices(member)).zip(&valid);
+            let wrong =
+                choices.filter(|((factor, choice), valid)| matches!(factor, Factor::Listed(_)) && !valid[*choice]);
+            let wrong: Vec<&Key> = wrong.flat_map(|((factor, _), _)| factor.keys()).collect();
+            let is_named = |key: &&&Key| {
+                key.name
+                    .rsplit_once('.')
+                    .is_some_and(|(section, key)| reason.starts_with(&format!("[{section}] {key}:")))
+            };
+            if let Some(key) = wrong.iter().find(is_named).or(wrong.first()) {
+                return Err(reader.error(key.line, reason.as_str()));
+            }
+        }
+        if let (true, Some((_, reason))) = (refused.len() == checked.len(), refused.first_key_value()) {
+            return Err(reader.error(1, format!("no member is a valid study; the first because {reason}")));
+        }
+        (self.refused, self.shared) = (refused, shared);
+        Ok(())
+    }
+
+    /// Computes all members, with the blocks that are stored, and stores those that it computes.
+    ///
+    /// # Errors
+    /// Blocks cannot be stored, blocks of other parts are missing ([`StudyError::Incomplete`]), or the monitor cancelled. A member that
+    /// fails has its reason in the results.
+    pub fn run_with(&self, blocks: Option<&RunBlocks>, monitor: &dyn Monitor) -> Result<CampaignResults, StudyError> {
+        let hashes = match blocks {
+            Some(_) => self.inputs().iter().skip(1).map(|file| file_hash(file).unwrap_or_default()).collect(),
+            None => Vec::<String>::new(),
+        };
+        let scans: Vec<&Factor> = self.factors.iter().filter(|factor| matches!(factor, Factor::Scans(_))).collect();
+        let stages = Stages { blocks, monitor };
+        let members = stages
+            .run(STAGE, &[&self.text, &self.study, &self.seed, &scans, &hashes], |monitor| self.compute(monitor))?;
+        let members = members.ok_or(StudyError::Incomplete)?;
+        Ok(self.results(members))
+    }
+
+    /// Computes the friction stages that several members have in common, then the members.
+    fn compute(&self, monitor: &dyn Monitor) -> Result<Vec<Result<MemberAnswers, String>>, StudyError> {
+        let inner = Inner(monitor);
+        let folder = self.study_folder();
+        let alone = |count: usize| count >= rayon::current_num_threads();
+        let groups = self.shared.len();
+        let task = Task::new(monitor, "campaign: friction", groups);
+        let shared = task.try_map(groups, |group| {
+            on(alone(groups), || {
+                let study = self.member(self.shared[group][0])?;
+                study.share_friction(&folder, &inner).map_err(|error| self.reason(&error))
+            })
+        })?;
+        let mut shared_of: BTreeMap<usize, &Result<SharedFriction, String>> = BTreeMap::new();
+        for (group, friction) in self.shared.iter().zip(&shared) {
+            shared_of.extend(group.iter().map(|member| (*member, friction)));
+        }
+        let count = self.members();
+        let task = Task::new(monitor, "campaign: members", count);
+        let members = task.try_map(count, |member| {
+            if let Some(reason) = self.refused.get(&member) {
+                return Err(reason.clone());
+            }
+            let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
+            on(alone(count), || {
+                let study = self.member(member)?;
+                let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;
+                Ok(answers(&found.0, found.1.as_ref()))
+            })
+        })?;
+        Ok(members)
+    }
+
+    /// Returns an error as the reason of a failed member, without the folder, so that it is the same from every place.
+    fn reason(&self, error: &StudyError) -> String {
+        let mut reason = error.to_string();
+        for folder in [self.study_folder(), self.folder.clone()] {
+            reason = reason.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "");
+        }
+        reason
+    }
+
+    fn results(&self, answers: Vec<Result<MemberAnswers, String>>) -> CampaignResults {
+        let mut units: Vec<&str> = self.factors.iter().flat_map(Factor::keys).map(|_| "").collect();
+        let members = answers.into_iter().enumerate().map(|(member, found)| {
+            let choices = self.choices(member);
+            let (mut scan, mut values) = (None, Vec::new());
+            for (factor, choice) in self.factors.iter().zip(choices) {
+                if let Factor::Scans(scans) = factor {
+                    scan = Some(scans[choice].clone());
+                }
+                for (key, value) in factor.keys().into_iter().zip(factor.values(choice)) {
+                    values.push(match in_si(&key.name, &value) {
+                        Ok((number, unit)) => {
+                            units[values.len()] = unit;
+                            InputValue::Number(number)
+                        }
+                        Err(text) => InputValue::Name(text),
+                    });
+                }
+            }
+            let (failed, reason) = (found.is_err(), found.as_ref().err().cloned());
+            MemberResult { scan, values, failed, reason, answers: found.unwrap_or_default() }
+        });
+        let members: Vec<MemberResult> = members.collect();
+        let keys =
+            self.factors.iter().flat_map(|factor| factor.keys().into_iter().map(|key| (key, factor.is_sampled())));
+        let keys = keys.zip(units).map(|((key, sampled), unit)| VariedKey {
+            key: key.name.clone(),
+            unit: unit.into(),
+            sampled,
+        });
+        let keys = keys.collect();
+        let failed = members.iter().filter(|member| member.failed).count();
+        let warnings = (failed > 0).then(|| format!("{failed} of {} members have no answer", members.len()));
+        CampaignResults {
+            seed: self.seed,
+            keys,
+            members,
+            warnings: warnings.into_iter().collect(),
+            ..CampaignResults::default()
+        }
+    }
+
+    /// Returns the text of the campaign file with absolute paths and the seed, which is valid in every folder.
+    pub fn resolved(&self) -> String {
+        let absolute = |path: &Path| Value::String(self.folder.join(path).to_string_lossy().into_owned()).to_string();
+        let reader = Reader { text: &self.text, name: "" };
+        let mut changes = Vec::new();
+        if let (Some(span), true) = (reader.span("study"), self.study_path.is_relative()) {
+            changes.push((span, absolute(&self.study_path)));
+        }
+        if let (Some(span), Ok(file)) = (reader.span("scans"), reader.file())
+            && let Some(pattern) = file.scans.filter(|pattern| Path::new(pattern).is_relative())
+        {
+            let whole = format!("{}/{pattern}", glob::Pattern::escape(&self.folder.to_string_lossy()));
+            changes.push((span, Value::String(whole).to_string()));
+        }
+        let mut first = String::new();
+        match (reader.span("seed"), self.other_seed) {
+            (Some(span), Some(seed)) => changes.push((span, seed.to_string())),
+            (None, Some(seed)) => first = format!("seed = {seed}\n"),
+            (_, None) => {}
+        }
+        changes.sort_by_key(|(span, _)| span.start);
+        let mut text = self.text.clone();
+        for (span, value) in changes.into_iter().rev() {
+            text.replace_range(span, &value);
+        }
+        first + &text
+    }
+}
+
+/// Adds the files of samples that distributions in a table name.
+fn sample_files(table: &Table, files: &mut Vec<String>) {
+    fn of_value(value: &Value, files: &mut Vec<String>) {
+        match value {
+            Value::Table(inner) => sample_files(inner, files),
+            Value::Array(list) => list.iter().for_each(|value| of_value(value, files)),
+            _ => {}
+        }
+    }
+    for (name, value) in table {
+        match (name.as_str(), value) {
+            ("samples", Value::String(file)) => files.push(file.clone()),
+            (_, value) => of_value(value, files),
+        }
+    }
+}
+
+/// Runs a block with its loops on one thread, or on all.
+fn on<T>(one_thread: bool, block: impl FnOnce() -> T) -> T {
+    if one_thread { blocks::on_one_thread(block) } else { block() }
+}
+
+/// Monitor of a member: neither its progress is reported nor its blocks are stored.
+struct Inner<'a>(&'a dyn Monitor);
+
+impl Monitor for Inner<'_> {
+    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+/// Returns the main results of a study. `window` is the friction of its machine.
+fn answers(results: &Results, window: Option<&WindowFriction>) -> MemberAnswers {
+    let point = results.friction.as_ref().map(|friction| &friction.operating_point);
+    let mut found = MemberAnswers {
+        friction_mean: window.map(|window| window.mean).or(point.map(|point| point.mean)),
+        friction_std: window.map(|window| window.std).or(point.map(|point| point.std)),
+        warnings: Some(results.warnings.len()),
+        ..MemberAnswers::default()
+    };
+    if let Some(verdict) = &results.verdict {
+        let nominal = &verdict.nominal;
+        found.limit_damping_ratio = nominal.limit_damping_ratio;
+        (found.kind, found.vibrates) = (Some(nominal.kind), Some(nominal.vibrates));
+        found.probability = Some(verdict.probability);
+        found.probability_interval = Some(verdict.probability_interval);
+    } else if let Some(vibration) = &results.vibration {
+        found.limit_damping_ratio = vibration.limit_damping_ratio;
+        (found.kind, found.vibrates) = (Some(vibration.kind), Some(vibration.kind != KindResult::None));
+    } else if let Some(coupled) = &results.mode_coupling {
+        found.limit_damping_ratio = coupled.limit_damping_ratio;
+        (found.kind, found.vibrates) = (Some(coupled.kind), Some(coupled.steady_sliding_unstable));
+    }
+    found
+}
