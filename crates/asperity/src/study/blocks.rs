@@ -450,12 +450,12 @@ impl BlockStore for StageBlocks<'_> {
     }
 
     fn save(&self, round: RoundId, index: usize, failure: Option<String>, bytes: Vec<u8>) {
-        if self.is_again(round, index) {
-            let identical = self.known.load(round.0, index).map(|(stored, _)| stored == bytes);
-            *lock(&self.run.replay) = Some(Replay { failure, identical });
-        }
         // The computation of one sample changes nothing on the disk.
         if matches!(self.run.share, Share::Again(_)) {
+            if self.is_again(round, index) {
+                let identical = self.known.load(round.0, index).map(|(stored, _)| stored == bytes);
+                *lock(&self.run.replay) = Some(Replay { failure, identical });
+            }
             return;
         }
         self.count(round, failure.is_some());
