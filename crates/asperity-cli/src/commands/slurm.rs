@@ -29,8 +29,7 @@ pub(crate) struct Slurm {
     /// Folder of the run; runs/NAME of the study when left out. The parts are in RUN-part-I-of-N.
     #[arg(long, value_name = "RUN")]
     out: Option<PathBuf>,
-    /// Number of arrays, each followed by a merge. An array computes the blocks that need no block of another part from the same array; the
-    /// last merge computes all that are missing then.
+    /// Number of arrays, each followed by a merge. An array computes the loops whose inputs are known; the last merge computes what is left.
     #[arg(long, value_name = "K", value_parser = args::count, default_value = "1")]
     rounds: usize,
     /// Time limit of each job, such as "2 h"; that of the partition when left out.
@@ -58,7 +57,7 @@ impl Slurm {
         let text = self.script()?;
         let verb = write_verb(&script);
         replace_file(&script, |file| file.write_all(text.as_bytes()))?;
-        monitor.note(&format!("{verb} {0}; next: sh {0}", shell_word(&script)?));
+        monitor.note(&format!("{verb} {}; next: sh {}", script.display(), shell_word(&script)?));
         Ok(())
     }
 

@@ -29,16 +29,17 @@ variables = 4
 degree = 2
 "#;
 
-/// Friction that the study states, so the vibration stage is alone.
-const ONE_BLOCK: &str = r#"seed = 5
+/// Constant friction, stated: a study without a block.
+const WITHOUT_BLOCKS: &str = r#"seed = 5
 [vibration]
 mass = "1 kg"
 natural_frequency = "316 rad/s"
 damping_ratio = 0.4
 normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
 dimensionless_belt_velocity = 0.003
 stribeck = 4.2
-friction_mean = 0.1
+static_friction = 0.1
 friction_std = 0.0
 damping_sweep = [0.3, 0.5, 3]
 trajectories = 4
@@ -112,11 +113,11 @@ fn the_jobs_of_a_script_give_the_bytes_of_one_run_whatever_the_paths() {
 }
 
 #[test]
-fn one_task_and_parts_without_a_block_are_merged() {
+fn parts_without_a_block_are_merged_also_a_single_one() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    fs::write(at.join("brake.toml"), ONE_BLOCK).unwrap();
-    for tasks in [1, 40] {
+    fs::write(at.join("brake.toml"), WITHOUT_BLOCKS).unwrap();
+    for tasks in [1, 5] {
         let line = format!("slurm brake.toml --tasks {tasks} --out runs/of-{tasks} --force");
         assert_eq!(run_in(at, &line).code, 0);
         let (output, submissions) = submit(at, "brake.slurm.sh", &[]);
