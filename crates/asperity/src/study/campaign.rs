@@ -287,13 +287,16 @@ impl Campaign {
         let folder = self.study_folder();
         let alone = |count: usize| count >= rayon::current_num_threads();
         let groups = self.shared.len();
-        let task = Task::new(monitor, "campaign: friction", groups);
-        let shared = task.try_map(groups, |group| {
-            on(alone(groups), || {
-                let study = self.member(self.shared[group][0])?;
-                study.share_friction(&folder, &inner).map_err(|error| self.reason(&error))
-            })
-        })?;
+        let mut shared = Vec::new();
+        if groups > 0 {
+            let task = Task::new(monitor, "campaign: friction", groups);
+            shared = task.try_map(groups, |group| {
+                on(alone(groups), || {
+                    let study = self.member(self.shared[group][0])?;
+                    study.share_friction(&folder, &inner).map_err(|error| self.reason(&error))
+                })
+            })?;
+        }
         let mut shared_of: BTreeMap<usize, &Result<SharedFriction, String>> = BTreeMap::new();
         for (group, friction) in self.shared.iter().zip(&shared) {
             shared_of.extend(group.iter().map(|member| (*member, friction)));
@@ -451,3 +454,6 @@ fn answers(results: &Results, window: Option<&WindowFriction>) -> MemberAnswers 
     }
     found
 }
+
+#[cfg(test)]
+mod tests;
