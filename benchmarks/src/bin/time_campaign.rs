@@ -32,7 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         });
         let member = Study::parse(&lines.collect::<String>(), "study.toml").map_err(|error| error.to_string())?;
         let outcome = member.run(Path::new("."), Some(Stage::Vibration), &Silent).map_err(|error| error.to_string())?;
-        outcome.results.vibration.and_then(|vibration| vibration.limit_damping_ratio).ok_or("no limit damping".to_owned())
+        outcome
+            .results
+            .vibration
+            .and_then(|vibration| vibration.limit_damping_ratio)
+            .ok_or("no limit damping".to_owned())
     });
     let answers: Vec<f64> = answers.collect::<Result<_, String>>()?;
     let seconds = began.elapsed().as_secs_f64();

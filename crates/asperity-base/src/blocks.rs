@@ -137,10 +137,16 @@ impl<'a> Task<'a> {
             Ok(Some(found))
         };
         let mut complete = true;
-        reduce(count, block_bytes, || None, stored_or_computed, |index, block| match block {
-            Some(block) if complete => add(index, block),
-            _ => complete = false,
-        })?;
+        reduce(
+            count,
+            block_bytes,
+            || None,
+            stored_or_computed,
+            |index, block| match block {
+                Some(block) if complete => add(index, block),
+                _ => complete = false,
+            },
+        )?;
         // Blocks of other processes are missing.
         if complete { Ok(()) } else { Err(Cancelled.into()) }
     }

@@ -2,12 +2,12 @@
 
 use asperity_results::{CampaignResults, InputValue, MemberResult, Provenance, VariedKey};
 
+use crate::Report;
 use crate::figures::CaptionedFigure;
 use crate::format::{Unit, count, significant};
 use crate::markup::{Html, html};
 use crate::page::{Answer, DASH, Page, Section, dimension, kind_in_words, named, percent, yes_or_no};
 use crate::plot::{Axis, BLUE, Chart, Mark, pen, range};
-use crate::Report;
 
 /// Script that sorts the table.
 const SORT: &str = include_str!("page/sort.js");

@@ -53,7 +53,8 @@ pub use plausibility::{implausible_damping, implausible_friction, implausible_ma
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
 pub use result::{
-    BandMethod, CampaignResults, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison, TwinModel,
+    BandMethod, CampaignResults, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison,
+    TwinModel,
 };
 pub use run::Stage;
 pub use series::{CsvTable, QuantityMap, TableError};

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asperity::quantity::Time;
-use asperity::study::{
-    Campaign, CampaignResults, FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging,
-    StoredCampaign, StoredRun, Study, StudyError, StudyFileError, file_hash, resolved_study, write_campaign, write_run,
-};
 use asperity::study::result::Results;
+use asperity::study::{
+    Campaign, CampaignResults, FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage,
+    Staging, StoredCampaign, StoredRun, Study, StudyError, StudyFileError, file_hash, resolved_study, write_campaign,
+    write_run,
+};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -279,7 +280,8 @@ impl Computation {
         let printed = match &self.work {
             Work::Study { study, only } => {
                 let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
-                let resolved = resolved_study(study, study_file::folder_of(&self.file)).map_err(|e| store_failure(&e))?;
+                let resolved =
+                    resolved_study(study, study_file::folder_of(&self.file)).map_err(|e| store_failure(&e))?;
                 let same = run.study == resolved && run.provenance.only.as_deref() == only.map(|stage| stage.name());
                 (same && same_inputs(&run.provenance)).then(|| Found::Run(&run.results).print(json, folder))
             }
@@ -334,7 +336,8 @@ pub(super) fn as_json(rounds: &[RoundState]) -> Vec<Value> {
 /// Returns which loops lack blocks, in words.
 pub(super) fn missing(rounds: &[RoundState]) -> String {
     let lacks = rounds.iter().filter(|round| round.done < round.expected);
-    let words = lacks.map(|round| format!("{} ({} of {} blocks)", round.name, round.expected - round.done, round.expected));
+    let words =
+        lacks.map(|round| format!("{} ({} of {} blocks)", round.name, round.expected - round.done, round.expected));
     words.collect::<Vec<_>>().join(", ")
 }
 
@@ -410,7 +413,10 @@ impl Options {
             computation.destination().with_file_name(name)
         });
         if StoredRun::is_run(&folder) {
-            return Err(Failure::usage(format_args!("--out {} is a run; give another folder for the blocks", folder.display())));
+            return Err(Failure::usage(format_args!(
+                "--out {} is a run; give another folder for the blocks",
+                folder.display()
+            )));
         }
         let blocks = open(&folder, computation.record(Some(shard))?, Share::Part { number, of })?;
         let complete = match computation.compute(&blocks, self.json, monitor) {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use asperity::study::{StoredRun, StoreError, result_files};
+use asperity::study::{StoreError, StoredRun, result_files};
 use clap::Args;
 use serde_json::Value;
 
@@ -83,7 +83,9 @@ fn first_value(before: &Value, now: &Value) -> Option<String> {
         }
         (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
             let mut pairs = old.iter().zip(new).enumerate();
-            pairs.find_map(|(place, (old, new))| first_value(old, new).map(|found| format!("{place}.{found}").replace(". ", " ")))
+            pairs.find_map(|(place, (old, new))| {
+                first_value(old, new).map(|found| format!("{place}.{found}").replace(". ", " "))
+            })
         }
         _ => (before != now).then(|| format!(" {before} before, {now} now")),
     }

@@ -7,9 +7,9 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::support::{listing, npy, run_in, written};
 #[cfg(target_os = "linux")]
 use crate::support::{send, start_in, wait_for, wait_until};
-use crate::support::{listing, npy, run_in, written};
 
 /// A machine with linear weakening: some milliseconds with its verdict.
 const MACHINE: &str = r#"
@@ -25,6 +25,8 @@ dimensionless_belt_velocity = 0.1
 velocity_law = "linear"
 linear_weakening = "0.1 ± 0.02"
 damping_ratio = 0.05
+[verdict]
+evaluations = 1000
 "#;
 /// A stated surface with friction and vibration, in a second.
 const CHAIN: &str = r#"
@@ -65,7 +67,8 @@ fn bench(study: &str, campaign: &str) -> TempDir {
     folder
 }
 
-const GRID: &str = "[values]\n\"vibration.damping_ratio\" = [0.03, 0.05, 0.08]\nvibration.normal_force = [\"2 kN\", \"4 kN\"]\n";
+const GRID: &str =
+    "[values]\n\"vibration.damping_ratio\" = [0.03, 0.05, 0.08]\nvibration.normal_force = [\"2 kN\", \"4 kN\"]\n";
 
 /// Returns the files of a campaign that equal campaigns give equal bytes.
 fn results(campaign: &Path) -> [Vec<u8>; 2] {
@@ -100,7 +103,8 @@ fn members_equal_single_runs() {
         assert_eq!(member["failed"], false);
     }
     let campaign = at.join("campaigns/sweep");
-    let names = ["COMPLETE", "campaign.toml", "figures", "members.csv", "provenance.json", "report.html", "results.json"];
+    let names =
+        ["COMPLETE", "campaign.toml", "figures", "members.csv", "provenance.json", "report.html", "results.json"];
     assert_eq!(written(&campaign), names);
     let rows = fs::read_to_string(campaign.join("members.csv")).unwrap();
     assert!(rows.starts_with("member,scan,vibration.damping_ratio,vibration.normal_force_n,friction_mean"), "{rows}");
@@ -117,17 +121,20 @@ fn members_equal_single_runs() {
 
 #[test]
 fn members_with_the_same_contact_share_its_solution() {
-    let folder = bench(CHAIN, "[values]\nsurface.rms_height = [\"1 um\", \"2 um\"]\nvibration.damping_ratio = [0.35, 0.45]\n");
+    let folder =
+        bench(CHAIN, "[values]\nsurface.rms_height = [\"1 um\", \"2 um\"]\nvibration.damping_ratio = [0.35, 0.45]\n");
     let at = folder.path();
     let found = run_in(at, "campaign sweep.toml --json");
     assert!(found.stderr.contains("4 members; 2 friction stages"), "{found:?}");
     let members = found.json(0)["members"].clone();
     let status = run_in(at, "status campaigns/sweep --json").json(0);
-    let counts: Vec<_> = status["rounds"].as_array().unwrap().iter().map(|round| round["done"].as_u64().unwrap()).collect();
+    let counts: Vec<_> =
+        status["rounds"].as_array().unwrap().iter().map(|round| round["done"].as_u64().unwrap()).collect();
     assert_eq!(counts, [2, 4], "{status}");
     for (index, (height, damping)) in [("1 um", "0.35"), ("2 um", "0.45")].into_iter().enumerate() {
         let study = CHAIN.replace("rms_height = \"1 um\"", &format!("rms_height = \"{height}\""));
-        fs::write(at.join("one.toml"), study.replace("damping_ratio = 0.4", &format!("damping_ratio = {damping}"))).unwrap();
+        fs::write(at.join("one.toml"), study.replace("damping_ratio = 0.4", &format!("damping_ratio = {damping}")))
+            .unwrap();
         let run = run_in(at, "run one.toml --force --json").json(0);
         let (member, point) = (&members[3 * index], &run["friction"]["operating_point"]);
         assert_eq!((&member["friction_mean"], &member["friction_std"]), (&point["mean"], &point["std"]));
@@ -176,7 +183,7 @@ fn an_unusable_scan_is_a_row_with_its_reason() {
 fn parts_make_the_whole_campaign() {
     let folder = bench(MACHINE, &format!("{GRID}[sample]\ncount = 3\nvibration.static_friction = \"0.3 ± 0.02\"\n"));
     let at = folder.path();
-    assert_eq!(run_in(at, "campaign sweep.toml --out whole").code, 0);
+    assert_eq!(run_in(at, "campaign sweep.toml --out whole/sweep").code, 0);
     for number in [1, 2] {
         let line = format!("campaign sweep.toml --shard {number}/2 --out parts/{number} --threads {number} --json");
         let part = run_in(at, &line).json(0);
@@ -184,18 +191,22 @@ fn parts_make_the_whole_campaign() {
     }
     run_in(at, "merge parts/1 --out all").refuses(3, &["campaign: members (9 of 18 blocks)"]);
     assert_eq!(run_in(at, "merge parts/1 parts/2 --out all").code, 0);
-    assert_eq!(results(&at.join("all")), results(&at.join("whole")));
-    assert_eq!(fs::read(at.join("all/campaign.toml")).unwrap(), fs::read(at.join("whole/campaign.toml")).unwrap());
+    assert_eq!(results(&at.join("all")), results(&at.join("whole/sweep")));
+    assert_eq!(
+        fs::read(at.join("all/campaign.toml")).unwrap(),
+        fs::read(at.join("whole/sweep/campaign.toml")).unwrap()
+    );
     // A campaign with another seed has other samples.
     assert_eq!(run_in(at, "campaign sweep.toml --out other --seed 6").code, 0);
-    assert_ne!(results(&at.join("other")), results(&at.join("whole")));
+    assert_ne!(results(&at.join("other")), results(&at.join("whole/sweep")));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_killed_campaign_goes_on_with_the_same_bytes() {
-    let machine = format!("{MACHINE}[verdict]\nhalf_width = 0.01\n");
-    let folder = bench(&machine, "[values]\nvibration.damping_ratio = [0.03, 0.04, 0.045, 0.05, 0.055, 0.06, 0.065, 0.08]\n");
+    let machine = MACHINE.replace("evaluations = 1000", "evaluations = 4096\nhalf_width = 0.01");
+    let folder =
+        bench(&machine, "[values]\nvibration.damping_ratio = [0.03, 0.04, 0.045, 0.05, 0.055, 0.06, 0.065, 0.08]\n");
     let at = folder.path();
     assert_eq!(run_in(at, "campaign sweep.toml --out whole/sweep").code, 0);
     let started = start_in(at, "campaign sweep.toml --out killed/sweep --threads 1");

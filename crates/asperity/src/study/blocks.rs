@@ -212,7 +212,8 @@ impl RunStatus {
             let known = Known::read([folder.join(name)].into_iter());
             let first = rounds.len();
             let mut of_stage: BTreeMap<&str, RoundState> = BTreeMap::new();
-            let empty = |name: &str| RoundState { stage: stage.clone(), name: name.into(), expected: 0, done: 0, failed: 0 };
+            let empty =
+                |name: &str| RoundState { stage: stage.clone(), name: name.into(), expected: 0, done: 0, failed: 0 };
             for round in known.rounds.values() {
                 of_stage.entry(&round.name).or_insert_with(|| empty(&round.name)).expected += round.count;
             }
@@ -320,7 +321,13 @@ impl BlockStore for StageBlocks<'_> {
         let id = RoundId(u64::from_le_bytes(Sha256::digest(key).as_chunks().0[0]));
         let mut rounds = lock(&self.run.rounds);
         let round = Round { id: id.0, name: name.to_owned(), count };
-        rounds.push(RoundState { stage: self.stage.clone(), name: name.to_owned(), expected: count, done: 0, failed: 0 });
+        rounds.push(RoundState {
+            stage: self.stage.clone(),
+            name: name.to_owned(),
+            expected: count,
+            done: 0,
+            failed: 0,
+        });
         ordinals.1.insert(id, (round, rounds.len() - 1));
         id
     }

@@ -216,7 +216,8 @@ impl Campaign {
                     let value = factor.values(choice).swap_remove(place);
                     let mut table = self.table.clone();
                     set(&mut table, &key.name, value);
-                    self.parse_table(&table).map_err(|message| reader.error(key.line, format!("{}: {message}", key.name)))?;
+                    self.parse_table(&table)
+                        .map_err(|message| reader.error(key.line, format!("{}: {message}", key.name)))?;
                 }
             }
         }
@@ -238,14 +239,18 @@ impl Campaign {
         }
         let mut shared: Vec<Vec<usize>> = groups.into_values().filter(|members| members.len() > 1).collect();
         shared.sort();
-        let refused = checked.iter().enumerate().filter_map(|(member, found)| Some((member, found.as_ref().err()?.clone())));
+        let refused =
+            checked.iter().enumerate().filter_map(|(member, found)| Some((member, found.as_ref().err()?.clone())));
         let refused: BTreeMap<usize, String> = refused.collect();
         for (&member, reason) in &refused {
             let choices = self.factors.iter().zip(self.choices(member)).zip(&valid);
-            let wrong = choices.filter(|((factor, choice), valid)| matches!(factor, Factor::Listed(_)) && !valid[*choice]);
+            let wrong =
+                choices.filter(|((factor, choice), valid)| matches!(factor, Factor::Listed(_)) && !valid[*choice]);
             let wrong: Vec<&Key> = wrong.flat_map(|((factor, _), _)| factor.keys()).collect();
             let is_named = |key: &&&Key| {
-                key.name.rsplit_once('.').is_some_and(|(section, key)| reason.starts_with(&format!("[{section}] {key}:")))
+                key.name
+                    .rsplit_once('.')
+                    .is_some_and(|(section, key)| reason.starts_with(&format!("[{section}] {key}:")))
             };
             if let Some(key) = wrong.iter().find(is_named).or(wrong.first()) {
                 return Err(reader.error(key.line, reason.as_str()));
@@ -270,9 +275,8 @@ impl Campaign {
         };
         let scans: Vec<&Factor> = self.factors.iter().filter(|factor| matches!(factor, Factor::Scans(_))).collect();
         let stages = Stages { blocks, monitor };
-        let members = stages.run(STAGE, &[&self.text, &self.study, &self.seed, &scans, &hashes], |monitor| {
-            self.compute(monitor)
-        })?;
+        let members = stages
+            .run(STAGE, &[&self.text, &self.study, &self.seed, &scans, &hashes], |monitor| self.compute(monitor))?;
         let members = members.ok_or(StudyError::Incomplete)?;
         Ok(self.results(members))
     }
@@ -345,19 +349,28 @@ impl Campaign {
             MemberResult { scan, values, failed, reason, answers: found.unwrap_or_default() }
         });
         let members: Vec<MemberResult> = members.collect();
-        let keys = self.factors.iter().flat_map(|factor| factor.keys().into_iter().map(|key| (key, factor.is_sampled())));
-        let keys = keys.zip(units).map(|((key, sampled), unit)| VariedKey { key: key.name.clone(), unit: unit.into(), sampled });
+        let keys =
+            self.factors.iter().flat_map(|factor| factor.keys().into_iter().map(|key| (key, factor.is_sampled())));
+        let keys = keys.zip(units).map(|((key, sampled), unit)| VariedKey {
+            key: key.name.clone(),
+            unit: unit.into(),
+            sampled,
+        });
         let keys = keys.collect();
         let failed = members.iter().filter(|member| member.failed).count();
         let warnings = (failed > 0).then(|| format!("{failed} of {} members have no answer", members.len()));
-        CampaignResults { seed: self.seed, keys, members, warnings: warnings.into_iter().collect(), ..CampaignResults::default() }
+        CampaignResults {
+            seed: self.seed,
+            keys,
+            members,
+            warnings: warnings.into_iter().collect(),
+            ..CampaignResults::default()
+        }
     }
 
     /// Returns the text of the campaign file with absolute paths and the seed, which is valid in every folder.
     pub fn resolved(&self) -> String {
-        let absolute = |path: &Path| {
-            Value::String(self.folder.join(path).to_string_lossy().into_owned()).to_string()
-        };
+        let absolute = |path: &Path| Value::String(self.folder.join(path).to_string_lossy().into_owned()).to_string();
         let reader = Reader { text: &self.text, name: "" };
         let mut changes = Vec::new();
         if let (Some(span), true) = (reader.span("study"), self.study_path.is_relative()) {

@@ -189,15 +189,22 @@ impl Study {
         let (_, friction) = (self.surface.as_ref()?, self.friction.as_ref()?);
         let file = self.file();
         let surface = (&file.surface, &file.counterface, self.scan_paths(folder));
-        let depends_on =
-            (surface, friction, self.operating_level(), self.nominal_area_m2(), vibration.nominal_contact(), self.seed());
+        let depends_on = (
+            surface,
+            friction,
+            self.operating_level(),
+            self.nominal_area_m2(),
+            vibration.nominal_contact(),
+            self.seed(),
+        );
         Some(blocks::hash([format!("{depends_on:?}").as_bytes()]))
     }
 
     /// Computes the friction of the machine for all studies with this [`Study::friction_key`].
     pub(super) fn share_friction(&self, folder: &Path, monitor: &dyn Monitor) -> Result<SharedFriction, StudyError> {
         let mut gathered = Gathered::default();
-        let (Some(surface), Some(vibration)) = (self.run_surface(false, folder, &mut gathered)?, &self.vibration) else {
+        let (Some(surface), Some(vibration)) = (self.run_surface(false, folder, &mut gathered)?, &self.vibration)
+        else {
             return Err(StudyError::NoStage(Stage::Vibration.name()));
         };
         gathered.results.warnings.extend(surface.output.warnings.iter().cloned());
@@ -403,7 +410,9 @@ impl Stages<'_> {
         let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
         match run(&blocks.stage(stage, depends_on, self.monitor)) {
             Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),
-            Err(error) if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() => {
+            Err(error)
+                if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() =>
+            {
                 Ok(None)
             }
             found => found.map(Some),

@@ -76,7 +76,19 @@ impl Program {
 /// with the same library.
 fn functions() -> String {
     const POINTS: u32 = 512;
-    let unary = [f64::exp, f64::ln, f64::sin, f64::cos, f64::tan, f64::atan, f64::tanh, f64::sinh, f64::cbrt, f64::exp_m1, f64::ln_1p];
+    let unary = [
+        f64::exp,
+        f64::ln,
+        f64::sin,
+        f64::cos,
+        f64::tan,
+        f64::atan,
+        f64::tanh,
+        f64::sinh,
+        f64::cbrt,
+        f64::exp_m1,
+        f64::ln_1p,
+    ];
     let mut bytes = Vec::new();
     for point in 1..=POINTS {
         let x = f64::from(point) * 0.017_320_508;

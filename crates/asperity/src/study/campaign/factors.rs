@@ -170,7 +170,9 @@ impl Reader<'_> {
         let entries = self.entries(section, values).into_iter();
         let lists = entries.map(|(key, value)| match value {
             Value::Array(list) if !list.is_empty() => Ok((key, list)),
-            found => Err(self.error(key.line, format!("[{section}] {}: found {found}, expected a list of values", key.name))),
+            found => {
+                Err(self.error(key.line, format!("[{section}] {}: found {found}, expected a list of values", key.name)))
+            }
         });
         lists.collect()
     }
@@ -231,7 +233,11 @@ impl Reader<'_> {
         let (count, entries): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(key, _)| key.name == COUNT);
         let count = match count.as_slice() {
             [(_, Value::Integer(count))] if *count > 0 => *count as usize,
-            [(key, found)] => return Err(self.error(key.line, format!("[sample] count: found {found}, expected a whole number from 1 on"))),
+            [(key, found)] => {
+                return Err(
+                    self.error(key.line, format!("[sample] count: found {found}, expected a whole number from 1 on"))
+                );
+            }
             _ => return Err(self.error(self.line("sample"), "[sample] has no `count`, the number of samples")),
         };
         let mut inputs = Vec::new();
@@ -240,7 +246,8 @@ impl Reader<'_> {
             set(&mut with, &key.name, value.clone());
             let text = toml::to_string(&with).map_err(|error| self.error(key.line, error.to_string()))?;
             let read = uncertain::read(&text, study_name);
-            let read = read.map_err(|error| StudyFileError { in_data: error.in_data, ..self.error(key.line, error.message) })?;
+            let read =
+                read.map_err(|error| StudyFileError { in_data: error.in_data, ..self.error(key.line, error.message) })?;
             let found = read.uncertain.into_iter().find(|input| input.input().name() == key.name);
             let wrong = || self.error(key.line, format!("[sample] {}: {value} is not a distribution", key.name));
             inputs.push((key.clone(), found.ok_or_else(wrong)?));
@@ -270,7 +277,8 @@ impl Reader<'_> {
             let path = path.map_err(|error| in_data(format!("scans: {error}")))?;
             if path.is_file() {
                 let name = path.strip_prefix(folder).unwrap_or(&path).to_str();
-                let name = name.ok_or_else(|| in_data(format!("scans: the name of {} is not Unicode", path.display())))?;
+                let name =
+                    name.ok_or_else(|| in_data(format!("scans: the name of {} is not Unicode", path.display())))?;
                 found.push(name.to_owned());
             }
         }
