@@ -25,6 +25,8 @@ dimensionless_belt_velocity = 0.1
 velocity_law = "linear"
 linear_weakening = "0.1 ± 0.02"
 damping_ratio = 0.05
+[verdict]
+evaluations = 1000
 "#;
 /// A stated surface with friction and vibration, in a second.
 const CHAIN: &str = r#"
@@ -74,6 +76,7 @@ fn results(campaign: &Path) -> [Vec<u8>; 2] {
 }
 
 #[test]
+#[ignore = "slow"]
 fn members_equal_single_runs() {
     let folder = bench(MACHINE, GRID);
     let at = folder.path();
@@ -118,6 +121,7 @@ fn members_equal_single_runs() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn members_with_the_same_contact_share_its_solution() {
     let folder =
         bench(CHAIN, "[values]\nsurface.rms_height = [\"1 um\", \"2 um\"]\nvibration.damping_ratio = [0.35, 0.45]\n");
@@ -178,31 +182,33 @@ fn an_unusable_scan_is_a_row_with_its_reason() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn parts_make_the_whole_campaign() {
     let folder = bench(MACHINE, &format!("{GRID}[sample]\ncount = 3\nvibration.static_friction = \"0.3 ± 0.02\"\n"));
     let at = folder.path();
-    assert_eq!(run_in(at, "campaign sweep.toml --out whole").code, 0);
+    assert_eq!(run_in(at, "campaign sweep.toml --out whole/sweep").code, 0);
     for number in [1, 2] {
         let line = format!("campaign sweep.toml --shard {number}/2 --out parts/{number} --threads {number} --json");
         let part = run_in(at, &line).json(0);
         assert_eq!((&part["rounds"][0]["done"], &part["rounds"][0]["expected"]), (&Value::from(9), &Value::from(18)));
     }
-    run_in(at, "merge parts/1 --out parts/all").refuses(3, &["campaign: members (9 of 18 blocks)"]);
-    assert_eq!(run_in(at, "merge parts/1 parts/2 --out parts/all").code, 0);
-    assert_eq!(results(&at.join("parts/all")), results(&at.join("whole")));
+    run_in(at, "merge parts/1 --out all").refuses(3, &["campaign: members (9 of 18 blocks)"]);
+    assert_eq!(run_in(at, "merge parts/1 parts/2 --out all").code, 0);
+    assert_eq!(results(&at.join("all")), results(&at.join("whole/sweep")));
     assert_eq!(
-        fs::read(at.join("parts/all/campaign.toml")).unwrap(),
-        fs::read(at.join("whole/campaign.toml")).unwrap()
+        fs::read(at.join("all/campaign.toml")).unwrap(),
+        fs::read(at.join("whole/sweep/campaign.toml")).unwrap()
     );
     // A campaign with another seed has other samples.
     assert_eq!(run_in(at, "campaign sweep.toml --out other --seed 6").code, 0);
-    assert_ne!(results(&at.join("other")), results(&at.join("whole")));
+    assert_ne!(results(&at.join("other")), results(&at.join("whole/sweep")));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow"]
 fn a_killed_campaign_goes_on_with_the_same_bytes() {
-    let machine = format!("{MACHINE}[verdict]\nhalf_width = 0.01\n");
+    let machine = MACHINE.replace("evaluations = 1000", "evaluations = 4096\nhalf_width = 0.01");
     let folder =
         bench(&machine, "[values]\nvibration.damping_ratio = [0.03, 0.04, 0.045, 0.05, 0.055, 0.06, 0.065, 0.08]\n");
     let at = folder.path();
