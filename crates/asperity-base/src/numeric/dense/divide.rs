@@ -4,7 +4,7 @@
 //! matrix of rank one, whose eigenvalues are the roots of a rational function.
 //!
 //! # References
-//! Cuppen, *Numer. Math.* **36** (1981) 177, <https://doi.org/10.1007/BF01396757>.
+//! Cuppen, *Numerische Mathematik* **36** (1981) 177, <https://doi.org/10.1007/BF01396757>.
 //! Gu & Eisenstat, *SIAM J. Matrix Anal. Appl.* **16** (1995) 172, <https://doi.org/10.1137/S0895479892241287>.
 
 use ndarray::{Array2, Axis, s};
@@ -265,7 +265,7 @@ impl<'a> Kernel<(&'a [f64], &'a [f64], f64)> for Sum {
 /// rotations are applied to the rows of `vectors`.
 ///
 /// # References
-/// Dubrulle, Martin & Wilkinson, *Numer. Math.* **12** (1968) 377, <https://doi.org/10.1007/BF02165404>.
+/// Dubrulle, Martin & Wilkinson, *Numerische Mathematik* **12** (1968) 377, <https://doi.org/10.1007/BF02165404>.
 pub(super) fn implicit_ql(
     diagonal: &mut [f64],
     beside: &mut [f64],
