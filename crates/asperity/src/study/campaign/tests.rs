@@ -58,12 +58,12 @@ fn values_that_exclude_each_other_are_a_row_with_the_reason() {
                  correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\n\
                  shear_strength = \"385 MPa\"\n[friction]\nstrip = [\"1600 um\", \"50 um\"]\npoints = [256, 8]\nwindow = \"100 um\"\n\
                  percentiles = [50.0]\nrealisations = 8\n";
-    let lines = "[values]\nfriction.strip = [[\"800 um\", \"50 um\"], [\"1600 um\", \"50 um\"]]\nfriction.window = [\"100 um\", \"1200 um\"]\n";
+    let lines = "[values]\nfriction.strip = [[\"800 um\", \"50 um\"], [\"1600 um\", \"50 um\"]]\nfriction.window = [\"60 um\", \"100 um\"]\n";
     let found = campaign(lines, study, None).unwrap();
     assert_eq!(found.refused.keys().collect::<Vec<_>>(), [&1], "{:?}", found.refused);
     assert!(found.refused[&1].contains("window"), "{:?}", found.refused);
-    // Values without an SI unit in the list of uncertain keys stay as stated.
-    assert_eq!(values(&found)[2][1], InputValue::Name("100 um".into()));
+    // A quantity that cannot be uncertain stays as stated.
+    assert_eq!(values(&found)[2][1], InputValue::Name("60 um".into()));
 }
 
 #[test]
