@@ -124,6 +124,8 @@ impl Writer {
         if queue.error.is_some() {
             return;
         }
+        // The thread waits for the first block, then for the time of the next file or many bytes.
+        let is_first = queue.waiting.is_empty();
         queue.bytes += block.bytes.len() + size_of::<Block>();
         if !queue.waiting.contains_key(folder) {
             queue.waiting.insert(folder.clone(), (Vec::new(), Vec::new()));
@@ -134,7 +136,9 @@ impl Writer {
             }
             blocks.push(block);
         }
-        self.shared.changed.notify_all();
+        if is_first || queue.bytes >= WRITTEN_BYTES {
+            self.shared.changed.notify_all();
+        }
     }
 
     /// Returns whether a file could not be written.
