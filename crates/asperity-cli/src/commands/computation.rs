@@ -207,8 +207,13 @@ impl Computation {
         require_disk(bytes, destination, what)
     }
 
-    /// Computes with the stored blocks. Keeps the finished ones if it ends early.
-    pub(super) fn compute(&self, blocks: &Arc<RunBlocks>, json: bool, monitor: &Terminal) -> Result<Computed, Failure> {
+    /// Computes with the stored blocks; `None` if blocks of other parts are missing. Keeps the finished ones if it ends early.
+    pub(super) fn compute(
+        &self,
+        blocks: &Arc<RunBlocks>,
+        json: bool,
+        monitor: &Terminal,
+    ) -> Result<Option<Computed>, Failure> {
         let kept = Arc::clone(blocks);
         monitor.before_exit(move || {
             // The program ends; an error would have no reader.
@@ -222,6 +227,7 @@ impl Computation {
             Work::Campaign(campaign) => (campaign.run_with(Some(blocks), monitor).map(Computed::Campaign), None),
         };
         let outcome = match found {
+            Err(StudyError::Incomplete) => Ok(None),
             Err(StudyError::Blocks(error)) => Err(store_failure(&error)),
             Err(error) => match monitor.exceeded_time().filter(|_| error.kind() == FailureKind::Cancelled) {
                 Some(limit) => {
@@ -234,7 +240,7 @@ impl Computation {
                     Err(study_file::failure(&self.file, text, &error).print(reason, json)?)
                 }
             },
-            Ok(outcome) => Ok(outcome),
+            Ok(outcome) => Ok(Some(outcome)),
         };
         blocks.flush().map_err(|e| store_failure(&e))?;
         outcome
@@ -413,6 +419,7 @@ impl Options {
         computation.require_disk(&destination)?;
         let blocks = open(&destination, computation.record(None)?, Share::All)?;
         let computed = computation.compute(&blocks, self.json, monitor)?;
+        let computed = computed.ok_or_else(|| Failure::new(Kind::Runtime, StudyError::Incomplete.to_string()))?;
         let written = computation.write(staging, &computed, provenance, &blocks, monitor)?;
         computed.found().print(self.json, &written)
     }
@@ -431,11 +438,7 @@ impl Options {
             )));
         }
         let blocks = open(&folder, computation.record(Some(shard))?, Share::Part { number, of })?;
-        let complete = match computation.compute(&blocks, self.json, monitor) {
-            Ok(_) => true,
-            Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => false,
-            Err(failure) => return Err(failure),
-        };
+        let complete = computation.compute(&blocks, self.json, monitor)?.is_some();
         // A merge reads it.
         blocks.write_record().map_err(|e| store_failure(&e))?;
         let rounds = blocks.rounds();

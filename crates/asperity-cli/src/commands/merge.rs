@@ -65,17 +65,14 @@ impl Merge {
         for part in &self.parts {
             blocks.import(part).map_err(|e| store_failure(&e))?;
         }
-        let computed = match computation.compute(&blocks, self.json, monitor) {
-            Err(_) if blocks.is_incomplete() && monitor.check().is_ok() => {
-                let rounds = blocks.rounds();
-                if self.json {
-                    Answer::default().with("complete", false).with("rounds", as_json(&rounds)).print(true)?;
-                }
-                let words = missing(&rounds);
-                let advice = "compute the parts again beside --out, or add --finish";
-                return Err(Failure::new(Kind::Data, format!("blocks are missing: {words}; {advice}")));
+        let Some(computed) = computation.compute(&blocks, self.json, monitor)? else {
+            let rounds = blocks.rounds();
+            if self.json {
+                Answer::default().with("complete", false).with("rounds", as_json(&rounds)).print(true)?;
             }
-            computed => computed?,
+            let words = missing(&rounds);
+            let advice = "compute the parts again beside --out, or add --finish";
+            return Err(Failure::new(Kind::Data, format!("blocks are missing: {words}; {advice}")));
         };
         let written = computation.write(staging, &computed, provenance, &blocks, monitor)?;
         computed.found().print(self.json, &written)

@@ -286,7 +286,7 @@ fn faults(at: &Path) -> Option<PathBuf> {
     done.is_ok_and(|status| status.success()).then_some(library)
 }
 
-/// Runs the study into `place/run` with faults at calls on files of `place` whose path contains `part`.
+/// Runs the study, or a part of it, into `place/run` with faults at calls on files of `place` whose path contains `part`.
 #[cfg(target_os = "linux")]
 fn faulty(
     at: &Path,
@@ -295,8 +295,10 @@ fn faulty(
     call: &str,
     [first, every, error]: [usize; 3],
 ) -> Finished {
+    let shard: &[&str] = if place.starts_with("part-") { &["--shard", "1/2"] } else { &[] };
     let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
         .args(["run", "study.toml", "--out", &format!("{place}/run")])
+        .args(shard)
         .current_dir(at)
         .env("LD_PRELOAD", library)
         .env("FAULT_CALL", call)
@@ -363,6 +365,9 @@ fn a_failing_disk_ends_a_run_with_one_message_and_keeps_the_finished_blocks() {
             let is_clear = errors.len() == 1 && errors[0].contains("cannot write") && errors[0].contains(words);
             assert!(is_clear, "{place}: {found:?}");
             assert!(!at.join(&place).join("run").exists(), "{place}");
+            // A part does not take its own loss for blocks of other parts.
+            let part = faulty(at, &library, (&format!("part-{place}"), "part-"), call, [1, every, error]);
+            assert_eq!(part.code, 5, "{place}: {part:?}");
             let finished = run_in(at, &format!("run study.toml --out {place}/run --resume"));
             assert_eq!(finished.code, 0, "{place}: {finished:?}");
             assert_same(&at.join(&place).join("run"), &wanted, &place);

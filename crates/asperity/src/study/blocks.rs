@@ -13,6 +13,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use asperity_base::monitor::{BlockStore, Monitor, RoundId};
@@ -142,6 +143,8 @@ pub struct RunBlocks {
     writer: Writer,
     /// Rounds in their order.
     rounds: Mutex<Vec<RoundState>>,
+    /// Whether a block of another part was missing.
+    awaits: AtomicBool,
     replay: Mutex<Option<Replay>>,
 }
 
@@ -173,6 +176,7 @@ impl RunBlocks {
             path,
             writer,
             rounds: Mutex::default(),
+            awaits: AtomicBool::new(false),
             replay: Mutex::default(),
         })
     }
@@ -208,7 +212,7 @@ impl RunBlocks {
 
     /// Returns whether blocks of other parts are missing.
     pub fn is_incomplete(&self) -> bool {
-        lock(&self.rounds).iter().any(|round| round.done < round.expected)
+        self.awaits.load(Ordering::SeqCst)
     }
 
     /// Returns the block that was computed again, for [`Share::Again`].
@@ -465,10 +469,14 @@ impl BlockStore for StageBlocks<'_> {
     }
 
     fn computes(&self, index: usize) -> bool {
-        match &self.run.share {
+        let own = match &self.run.share {
             Share::All | Share::Again(_) => true,
             Share::Part { number, of } => index % of + 1 == *number,
             Share::None => false,
+        };
+        if !own {
+            self.run.awaits.store(true, Ordering::SeqCst);
         }
+        own
     }
 }
