@@ -32,6 +32,9 @@ use maximin::{MAX_SAMPLES, maximin_strata};
 use permutation::Permutation;
 use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 
+/// Largest number of variables whose permutations are kept; others are made anew for each point.
+const KEPT_PERMUTATIONS: usize = 4096;
+
 /// Placement of the points of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SamplingMethod {
@@ -92,6 +95,7 @@ pub enum SamplingError {
 #[derive(Debug, Clone)]
 enum Placement {
     Independent,
+    /// Permutations of the strata of all variables, or of none: they need a kilobyte each.
     Strata(Vec<Permutation>),
     /// Strata of each sample, sample by sample.
     Table(Vec<u16>),
@@ -127,11 +131,10 @@ impl Design {
         let keys = format!("{stage}/keys");
         let placement = match method {
             SamplingMethod::MonteCarlo => Placement::Independent,
-            SamplingMethod::LatinHypercube => Placement::Strata(
-                (0..dimensions as u64)
-                    .map(|dimension| Permutation::new(samples as u64, &mut stream(seed, &keys, dimension)))
-                    .collect(),
-            ),
+            SamplingMethod::LatinHypercube => {
+                let kept = if dimensions <= KEPT_PERMUTATIONS { dimensions } else { 0 };
+                Placement::Strata((0..kept).map(|dimension| permutation(seed, stage, samples, dimension)).collect())
+            }
             SamplingMethod::MaximinLatinHypercube if samples > MAX_SAMPLES => {
                 return Err(SamplingError::TooManyForMaximin { samples, limit: MAX_SAMPLES });
             }
@@ -186,7 +189,11 @@ impl Design {
             let value = match &self.placement {
                 Placement::Independent => jitter,
                 Placement::Strata(permutations) => {
-                    (permutations[dimension].at(index as u64) as f64 + jitter) / self.samples as f64
+                    let stratum = match permutations.get(dimension) {
+                        Some(permutation) => permutation.at(index as u64),
+                        None => permutation(self.seed, &self.stage, self.samples, dimension).at(index as u64),
+                    };
+                    (stratum as f64 + jitter) / self.samples as f64
                 }
                 Placement::Table(strata) => {
                     (f64::from(strata[index * self.dimensions + dimension]) + jitter) / self.samples as f64
@@ -225,6 +232,11 @@ impl Design {
         self.fill_xi(index, &mut xi);
         xi
     }
+}
+
+/// Returns the permutation of the strata of a variable of a Latin hypercube.
+fn permutation(seed: u64, stage: &str, samples: usize, dimension: usize) -> Permutation {
+    Permutation::new(samples as u64, &mut stream(seed, &format!("{stage}/keys"), dimension as u64))
 }
 
 /// Returns a uniform number with 53 exact bits that is neither 0 nor 1.

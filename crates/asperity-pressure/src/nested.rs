@@ -236,10 +236,9 @@ impl NestedSamples {
             return Err(MethodError::TooFewSamples { samples: kept.len(), wanted: multilevel::LEAST_SAMPLES });
         }
         let fine_observations: Vec<CellObservation> = kept.iter().map(|i| fine.observations()[*i]).collect();
-        let xi_samples: Vec<Vec<f64>> = kept.iter().map(|i| fine.xi(*i)).collect();
         let values = Quantity::Pressure.values(&fine_observations, kappa_pa_per_m(&fine_observations));
-        let rotation = RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, &xi_samples, &values)?;
-        let xi = xi_samples.iter().map(|xi| rotation.apply(xi)).collect();
+        let (rotation, xi) =
+            RotatedVariables::new(problem, MOST_VARIABLES, DEGREE, |sample| fine.xi(kept[sample]), &values)?;
         Ok((Self { models, coarse, fine: fine_observations, xi }, rotation))
     }
 

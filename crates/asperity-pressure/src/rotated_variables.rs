@@ -35,21 +35,24 @@ pub(super) struct RotatedVariables {
 }
 
 impl RotatedVariables {
-    /// Selects directions of the cell of `problem` and of rings around it.
+    /// Selects directions of the cell of `problem` and of rings around it. Returns the rotation with the rotated variables of the samples.
     ///
     /// The most important direction comes first. At most `most` directions are kept, each of which improves the
-    /// prediction of `values` by a polynomial of `degree` in ξ. The result is empty if there are too many variables ξ
-    /// or none has a direction of its own for the cell.
+    /// prediction of `values` by a polynomial of `degree` in ξ. `xi` returns the variables ξ of a sample. The result is
+    /// empty if there are too many variables ξ or none has a direction of its own for the cell.
     pub(super) fn new(
         problem: &Problem<'_>,
         most: usize,
         degree: usize,
-        xi_samples: &[Vec<f64>],
+        xi: impl Fn(usize) -> Vec<f64> + Sync,
         values: &[f64],
-    ) -> Result<Self, MethodError> {
-        let mut candidates: Vec<Vec<f64>> = responses(problem).into_iter().map(|(_, response)| response).collect();
-        let (xi_samples, values) =
-            (&xi_samples[..xi_samples.len().min(CHOOSING)], &values[..values.len().min(CHOOSING)]);
+    ) -> Result<(Self, Vec<Vec<f64>>), MethodError> {
+        let responses: Vec<Vec<f64>> = responses(problem).into_iter().map(|(_, response)| response).collect();
+        // The variables ξ of all samples may need much memory, their components along the responses do not.
+        let all = responses.iter().fold(Self::default(), |all, response| all.with(response).unwrap_or(all));
+        let samples: Vec<Vec<f64>> = blocks::map(0..values.len(), |sample| all.apply(&xi(sample)));
+        let mut candidates: Vec<Vec<f64>> = responses.iter().map(|response| all.apply(response)).collect();
+        let used = values.len().min(CHOOSING);
         let mut chosen = Self::default();
         let mut error = 1.0;
         while chosen.directions.len() < most {
@@ -58,8 +61,8 @@ impl RotatedVariables {
             let tried = if chosen.directions.is_empty() { 1 } else { candidates.len() };
             for (place, candidate) in candidates.iter().enumerate().take(tried) {
                 let Some(with) = chosen.with(candidate) else { continue };
-                let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| with.apply(xi)).collect();
-                let found = Predictor::fit(&rows, values, degree)?.relative_error().unwrap_or(1.0);
+                let rows: Vec<Vec<f64>> = samples[..used].iter().map(|sample| with.apply(sample)).collect();
+                let found = Predictor::fit(&rows, &values[..used], degree)?.relative_error().unwrap_or(1.0);
                 if best.as_ref().is_none_or(|(_, _, least)| found < *least) {
                     best = Some((place, with, found));
                 }
@@ -72,7 +75,9 @@ impl RotatedVariables {
                 _ => break,
             }
         }
-        Ok(chosen)
+        let rows = samples.iter().map(|sample| chosen.apply(sample)).collect();
+        let directions = chosen.directions.iter().map(|components| all.combine(components)).collect();
+        Ok((Self { directions }, rows))
     }
 
     /// Creates the rotation from given orthonormal directions.
@@ -83,6 +88,15 @@ impl RotatedVariables {
     /// Returns the rotated variables of ξ.
     pub(super) fn apply(&self, xi: &[f64]) -> Vec<f64> {
         self.directions.iter().map(|direction| dot(direction, xi)).collect()
+    }
+
+    /// Returns the vector with the given components along the directions.
+    fn combine(&self, components: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.directions.first().map_or(0, Vec::len)];
+        for (direction, component) in self.directions.iter().zip(components) {
+            sum.iter_mut().zip(direction).for_each(|(sum, own)| *sum += component * own);
+        }
+        sum
     }
 
     /// Returns the rotation with the orthogonal part of another direction added, or `None` if nothing is left of it.
@@ -235,11 +249,13 @@ mod tests {
         let mean = |i: usize| around.iter().map(|heights| heights[i]).sum::<f64>() / 4.0;
         let values: Vec<f64> =
             heights([3, 5]).iter().enumerate().map(|(i, z)| z + 30.0 * (z - mean(i)) + (z - mean(i)).powi(2)).collect();
-        let rotation = RotatedVariables::new(&problem, 4, 3, &xi_samples, &values).unwrap();
+        let (rotation, rows) = RotatedVariables::new(&problem, 4, 3, |i| xi_samples[i].clone(), &values).unwrap();
         assert!((2..=4).contains(&rotation.directions.len()), "{}", rotation.directions.len());
         let scale = heights([3, 5])[0] / rotation.apply(&xi_samples[0])[0];
-        for (xi, z) in xi_samples.iter().zip(heights([3, 5])) {
-            assert!((rotation.apply(xi)[0] * scale - z).abs() < 1e-9 * scale.abs());
+        for ((xi, row), z) in xi_samples.iter().zip(&rows).zip(heights([3, 5])) {
+            let rotated = rotation.apply(xi);
+            assert!((rotated[0] * scale - z).abs() < 1e-9 * scale.abs());
+            assert!(rotated.len() == row.len() && rotated.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-12));
         }
         for (i, a) in rotation.directions.iter().enumerate() {
             for (j, b) in rotation.directions.iter().enumerate() {

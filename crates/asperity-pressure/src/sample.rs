@@ -212,13 +212,7 @@ impl Samples {
 
     /// Returns the leading `variables` entries of ξ of every solved sample.
     pub fn leading_xi(&self, variables: usize) -> Vec<Vec<f64>> {
-        (0..self.len())
-            .map(|position| {
-                let mut xi = self.xi(position);
-                xi.truncate(variables);
-                xi
-            })
-            .collect()
+        (0..self.len()).map(|position| self.xi(position)[..variables].to_vec()).collect()
     }
 
     /// Returns the number of independent randomisations.

@@ -268,10 +268,9 @@ impl RotatedSamples {
         samples: &Samples,
         design: impl Fn(usize) -> Result<Design, PressureError>,
     ) -> Result<Self, PressureError> {
-        let xi_samples: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.xi(i)).collect();
         let latent = Quantity::Pressure.values(samples.observations(), kappa_pa_per_m(samples.observations()));
-        let rotation = RotatedVariables::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &xi_samples, &latent)?;
-        let rows: Vec<Vec<f64>> = xi_samples.iter().map(|xi| rotation.apply(xi)).collect();
+        let (_, rows) =
+            RotatedVariables::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, |sample| samples.xi(sample), &latent)?;
         let variables = rows.first().map_or(0, Vec::len);
         // A design has at least one variable.
         let design = design(variables.max(1))?;

@@ -28,6 +28,14 @@ fn a_latin_hypercube_has_one_point_in_every_stratum_of_every_variable() {
 }
 
 #[test]
+fn many_variables_have_the_strata_of_few() {
+    let [few, many] =
+        [9, KEPT_PERMUTATIONS + 1].map(|n| Design::new(SamplingMethod::LatinHypercube, 5, "lhs", 7, n).unwrap());
+    assert_eq!(strata(&many, KEPT_PERMUTATIONS, 7), [1; 7]);
+    assert!((0..7).all(|sample| many.unit(sample)[..9] == few.unit(sample)));
+}
+
+#[test]
 fn every_dyadic_prefix_of_sobol_points_is_stratified_in_every_variable() {
     let design = Design::new(SamplingMethod::Sobol, 5, "sobol", 1000, 101).unwrap();
     for dimension in 0..101 {
