@@ -33,7 +33,7 @@ use permutation::Permutation;
 use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 
 /// Largest number of variables whose permutations are kept; others are made anew for each point.
-const KEPT_PERMUTATIONS: usize = 4096;
+const KEPT_PERMUTATIONS: usize = 64;
 
 /// Placement of the points of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

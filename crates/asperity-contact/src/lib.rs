@@ -12,7 +12,7 @@
 
 use thiserror::Error;
 
-use asperity_base::map::Grid;
+use asperity_base::map::{BoundaryKind, Grid};
 
 pub mod area;
 mod bodies;
@@ -54,9 +54,13 @@ pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
 
 /// Returns the memory in byte, about, that a contact problem with this number of cells needs with its workspace and
 /// solution.
-pub fn memory_bytes(cells: usize) -> f64 {
-    const BYTES_PER_CELL: f64 = 300.0;
-    BYTES_PER_CELL * cells as f64
+pub fn memory_bytes(cells: usize, boundary: BoundaryKind) -> f64 {
+    let bytes_per_cell = match boundary {
+        BoundaryKind::Periodic => 90.0,
+        // Transforms are padded.
+        BoundaryKind::Free => 160.0,
+    };
+    bytes_per_cell * cells as f64
 }
 
 /// Reason why a contact problem could not be posed or solved.

@@ -1,7 +1,7 @@
 //! Estimates of one distribution by several methods with the same number of contact solutions, compared with a
 //! reference.
 
-use crate::estimate::{PressureEstimate, ReferenceDistances};
+use crate::estimate::{MOST_POOLED, PressureEstimate, ReferenceDistances};
 use crate::expansion::{self, Response};
 use crate::field::{FIELD_BYTES, FieldDistributions};
 use crate::nested::{CoarseSolves, NestedSamples, Quantity};
@@ -375,13 +375,23 @@ impl Solutions<'_> {
 /// Returns the stride of the cells whose pressures are pooled.
 fn site_stride(problem: &Problem<'_>) -> usize {
     let (ny, nx) = problem.half_space().grid().shape();
-    (nx.min(ny) / SITES).max(1)
+    stride(nx, ny)
 }
 
 /// Returns the rows and columns of the sites.
 fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
     let (ny, nx) = problem.half_space().grid().shape();
     (ny.div_ceil(stride), nx.div_ceil(stride))
+}
+
+fn stride(nx: usize, ny: usize) -> usize {
+    (nx.min(ny) / SITES).max(1)
+}
+
+/// Returns the largest number of pressures that a reference of `samples` solutions on a periodic patch of points (x, y) pools.
+pub fn pooled_pressures([nx, ny]: [usize; 2], samples: usize) -> usize {
+    let stride = stride(nx, ny);
+    (nx.div_ceil(stride) * ny.div_ceil(stride)).saturating_mul(samples).min(MOST_POOLED)
 }
 
 /// Separates the errors of a method from other errors.

@@ -10,7 +10,7 @@ use asperity_chaos::distance::{kolmogorov_smirnov, wasserstein_1};
 /// Number of values at which distribution functions have bands.
 const NODES: usize = 64;
 /// Maximum number of pooled pressures.
-const MOST_POOLED: usize = 1 << 22;
+pub(super) const MOST_POOLED: usize = 1 << 22;
 
 /// Estimated distribution of the pressure.
 #[derive(Debug, Clone, PartialEq)]

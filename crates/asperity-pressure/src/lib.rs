@@ -31,7 +31,7 @@ mod testing;
 pub use band::{Band, QuantileResult};
 #[doc(hidden)]
 pub use comparison::Solutions;
-pub use comparison::{ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult};
+pub use comparison::{ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult, pooled_pressures};
 pub use estimate::{PressureEstimate, ReferenceDistances};
 pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;

@@ -44,7 +44,7 @@ impl Check {
             }
         }
         let threads = rayon::current_num_threads();
-        let stages = study.estimate(threads);
+        let stages = study.estimate(study.scan_points(folder).map_err(failure)?, threads);
         for stage in &stages {
             problems.extend(require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err());
         }
@@ -125,6 +125,7 @@ fn describe(stage: &StageEstimate, threads: usize) -> String {
             "{solutions} contact solutions, and solutions on other grids that cost up to {:.0} more",
             stage.coarse_solutions.ceil()
         ),
+        _ if stage.stage == Stage::Surface => return format!("surface: {:.0} MB", stage.memory_bytes * 1e-6),
         (solutions, 0) => format!("{solutions} contact solutions"),
         (_, trajectories) => format!("{trajectories} trajectories"),
     };

@@ -187,9 +187,13 @@ impl Computation {
     pub(super) fn require_memory(&self, most_bytes: Option<f64>) -> Result<(), Failure> {
         let threads = rayon::current_num_threads();
         let stages = match &self.work {
-            Work::Study { study, .. } => study.estimate(threads),
+            Work::Study { study, .. } => {
+                let points = study.scan_points(study_file::folder_of(&self.file));
+                points.map(|points| study.estimate(points, threads))
+            }
             Work::Campaign(campaign) => campaign.estimate(threads),
         };
+        let stages = stages.map_err(|error| study_file::failure(&self.file, Some(&self.text), &error))?;
         for stage in stages {
             let what = format!("the {} stage", stage.stage.name());
             require_memory(stage.memory_bytes, &what)?;

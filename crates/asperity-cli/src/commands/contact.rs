@@ -141,7 +141,7 @@ impl Contact {
         let scan = input::scan(&self.file, &self.options, monitor)?;
         let source = input::source(&scan);
         let map = input::height_map(scan, &self.file)?;
-        require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
+        require_memory(memory_bytes(map.grid().points(), self.boundary), "the contact problem")?;
         if let Some(out) = &self.out {
             let bytes = if is_image(out) { IMAGE_BYTES } else { ARCHIVE_BYTES };
             require_disk(bytes * map.grid().points() as f64, out, "writing the fields")?;

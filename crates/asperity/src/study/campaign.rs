@@ -147,12 +147,12 @@ impl Campaign {
     }
 
     /// Estimates the memory of the stages of one member.
-    pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
-        let first = (0..self.members()).find_map(|member| self.member(member).ok());
+    pub fn estimate(&self, threads: usize) -> Result<Vec<StageEstimate>, StudyError> {
+        let Some(first) = (0..self.members()).find_map(|member| self.member(member).ok()) else { return Ok(Vec::new()) };
         let together = self.members().min(threads).max(1);
-        let mut found = first.map_or_else(Vec::new, |study| study.estimate(threads / together));
-        found.iter_mut().for_each(|stage| stage.memory_bytes *= together as f64);
-        found
+        let mut found = first.estimate(first.scan_points(&self.study_folder())?, threads / together);
+        found.iter_mut().for_each(|stage| stage.memory_bytes = stage.memory_together_bytes(together));
+        Ok(found)
     }
 
     fn study_folder(&self) -> PathBuf {

@@ -1,15 +1,13 @@
 //! Rough cost of a study before it is run.
 
+mod memory;
 mod verdict;
 
-use crate::contact::memory_bytes;
 use crate::friction::DISTANCES;
-use crate::friction::cutoff::STRIPS;
 use crate::map::BoundaryKind;
-use crate::study::check::{FrictionSource, FrictionStudy, VibrationStudy};
+use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::friction_stage::cutoff;
 use crate::study::{Stage, Study};
-use crate::surface::model::MOST_MODES;
 use crate::vibration::EnsembleSettings;
 
 /// Iterations of a typical contact solution at the tolerance of a study.
@@ -31,8 +29,6 @@ const CROSSING_ENSEMBLES: usize = 20;
 const FLUCTUATION_VALUES: f64 = 20.0;
 /// Bytes per point of a stability map, including cells and contours.
 const MAP_POINT_BYTES: f64 = 400.0;
-/// Bytes per point of a strip's generator: its embedded covariance of twice the width and height, in complex numbers.
-const GENERATOR_BYTES: f64 = 64.0;
 /// Bytes of a double.
 const DOUBLE_BYTES: f64 = 8.0;
 /// Bytes of a value of a field in a run folder: a double in the NPY file, and in base64 in the VTK image.
@@ -58,38 +54,67 @@ pub struct StageEstimate {
     pub machines: usize,
     /// Time on one core in second.
     pub core_seconds: f64,
-    /// Memory in byte with the given number of threads.
+    /// Memory of the program in byte while the stage runs, with the given number of threads.
     pub memory_bytes: f64,
 }
 
+impl StageEstimate {
+    /// Returns the cost of a stage without solutions.
+    fn new(stage: Stage, memory_bytes: f64) -> Self {
+        Self {
+            stage,
+            contact_solutions: 0,
+            coarse_solutions: 0.0,
+            trajectories: 0,
+            machines: 0,
+            core_seconds: 0.0,
+            memory_bytes,
+        }
+    }
+
+    /// Returns the memory of the program in byte while it runs the stage of several members of a campaign.
+    pub(super) fn memory_together_bytes(&self, members: usize) -> f64 {
+        memory::PROGRAM_BYTES + members as f64 * (self.memory_bytes - memory::PROGRAM_BYTES)
+    }
+}
+
 impl Study {
-    /// Returns the rough cost of every stage of the study with `threads` threads. Reads and computes nothing.
-    pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
-        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, xi_len: usize| {
+    /// Returns the rough cost of every stage of the study with `threads` threads; `scan_points` is the number of heights of its scans
+    /// ([`Study::scan_points`]). Reads and computes nothing.
+    pub fn estimate(&self, scan_points: usize, threads: usize) -> Vec<StageEstimate> {
+        let mut stages = self.stage_estimates(threads);
+        if self.surface.is_some() {
+            let bytes = memory::surface_bytes(scan_points);
+            stages.iter_mut().for_each(|stage| {
+                // Memory that the surface stage has freed serves the stages after it.
+                stage.memory_bytes = (memory::kept_bytes(scan_points) + stage.memory_bytes).max(bytes);
+            });
+            stages.insert(0, StageEstimate::new(Stage::Surface, bytes));
+        }
+        stages.iter_mut().for_each(|stage| stage.memory_bytes += memory::PROGRAM_BYTES);
+        stages
+    }
+
+    /// Returns the rough cost of every stage after the surface, with its own memory.
+    fn stage_estimates(&self, threads: usize) -> Vec<StageEstimate> {
+        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, memory_bytes: f64| {
             let cells = points[0] as f64 * points[1] as f64;
             let per_cell = if boundary == BoundaryKind::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
             StageEstimate {
-                stage,
                 contact_solutions: solutions,
                 coarse_solutions: coarse,
-                trajectories: 0,
-                machines: 0,
                 core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
-                memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
-                    + DOUBLE_BYTES * xi_len as f64 * (cells + solutions as f64),
+                ..StageEstimate::new(stage, memory_bytes)
             }
         };
         let mut stages = Vec::new();
         if let Some(p) = &self.pressure {
-            // If the study states no number of terms, the expansion has at most this many.
-            let stated = self.file().surface.as_ref().map_or(Some(0), |surface| surface.modes);
-            let modes = stated.unwrap_or(MOST_MODES).min(p.grid.points());
-            let modes = if self.counterface.is_some() { 2 * modes } else { modes };
             // The reference, and three samplers that the other methods share.
             let solutions = p.reference_samples + 3 * p.fine_solves;
             let coarse = COARSE_WORK * p.fine_solves as f64;
-            let mut stage =
-                contact(Stage::Pressure, (solutions, coarse), [p.grid.nx(), p.grid.ny()], p.boundary, modes);
+            let points = [p.grid.nx(), p.grid.ny()];
+            let bytes = self.pressure_bytes(p, threads);
+            let mut stage = contact(Stage::Pressure, (solutions, coarse), points, p.boundary, bytes);
             if p.stiffness {
                 // The stiffness of the Monte Carlo samples and of those on coarser grids.
                 let more = STIFFNESS_WORK * (p.fine_solves as f64 + coarse);
@@ -107,24 +132,10 @@ impl Study {
             let solutions = levels * (f.realisations + uncertain) + slid;
             let plan = cutoff::plan(f, levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
-            let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
+            let bytes = self.friction_bytes(f, levels, plan, threads);
+            let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, bytes);
             // The strips of the operating level have a stiffness.
             stage.core_seconds *= 1.0 + STIFFNESS_WORK * f.realisations as f64 / (solutions as f64 + others);
-            // Each thread has a solver, normal variables, a map and its transform.
-            let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
-                let cells = nx.saturating_mul(ny);
-                threads as f64 * (memory_bytes(cells) + cells as f64 * 4.0 * DOUBLE_BYTES)
-            };
-            let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
-            let generator = |[nx, ny]: [usize; 2]| bodies * nx as f64 * ny as f64 * GENERATOR_BYTES;
-            // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
-            let cutoff_bytes = plan.map_or(0.0, |plan| {
-                let halved = plan.points.map(|points| points.saturating_mul(2));
-                generator(plan.points) + solvers(threads.min(STRIPS), halved)
-            });
-            stage.memory_bytes = generator(f.points)
-                + solvers(threads, f.points).max(cutoff_bytes)
-                + levels as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
         if let Some(v) = self.vibration.as_ref().filter(|v| v.coupled.is_none()) {
@@ -136,15 +147,12 @@ impl Study {
             let map = v.map.as_ref().map_or(0, |map| points.saturating_mul(map.trajectories));
             let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
             let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
+            let bytes = EnsembleSettings::new(v.trajectories, v.duration, self.seed()).memory_bytes(threads)
+                + points as f64 * MAP_POINT_BYTES;
             stages.push(StageEstimate {
-                stage: Stage::Vibration,
-                contact_solutions: 0,
-                coarse_solutions: 0.0,
                 trajectories,
-                machines: 0,
                 core_seconds: trajectories as f64 * self.trajectory_seconds(v),
-                memory_bytes: EnsembleSettings::new(v.trajectories, v.duration, self.seed()).memory_bytes(threads)
-                    + points as f64 * MAP_POINT_BYTES,
+                ..StageEstimate::new(Stage::Vibration, bytes)
             });
         }
         if self.states_verdict() {
@@ -178,22 +186,6 @@ impl Study {
         });
         surface + pressure + friction + vibration
     }
-}
-
-/// Returns the bytes of the records of one strip at one level: six numbers at every position of the window and of
-/// windows of a half, a quarter and an eighth of it, and again at the mean load.
-fn record_bytes(study: &FrictionStudy) -> f64 {
-    let ([nx, _], [length_m, width_m]) = (study.points, study.size_m);
-    let [window_length_m, window_width_m] = study.window_m;
-    let cells = (window_length_m / length_m * nx as f64).max(1.0);
-    let positions: f64 = [1.0, 2.0, 4.0, 8.0]
-        .iter()
-        .map(|part| cells / part)
-        .filter(|cells| *cells >= 4.0 || window_length_m >= length_m)
-        .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
-        .sum();
-    let tracks = (width_m / window_width_m).floor().max(1.0);
-    tracks * positions * 12.0 * DOUBLE_BYTES
 }
 
 #[cfg(test)]
@@ -231,7 +223,7 @@ belt_velocity = "23.7 mm/s"
 damping_sweep = [0.05, 0.30, 11]
 trajectories = 50
 "#;
-        let estimate = |text: &str| Study::parse(text, "study.toml").unwrap().estimate(2);
+        let estimate = |text: &str| Study::parse(text, "study.toml").unwrap().estimate(0, 2);
         let stages = estimate(text);
         // Two stated levels and the one at N/A_nom.
         assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);

@@ -130,6 +130,19 @@ impl Study {
         Ok(warnings)
     }
 
+    /// Reads the scans and returns the number of their heights; `folder` is the folder of the study file.
+    ///
+    /// # Errors
+    /// A scan cannot be read.
+    pub fn scan_points(&self, folder: &Path) -> Result<usize, StudyError> {
+        let points = |section: &SurfaceSection| -> Result<usize, StudyError> {
+            Ok(section.read_scans(folder)?.iter().map(|(_, scan)| scan.heights_m.len()).sum())
+        };
+        let own = self.file().surface.as_ref().map_or(Ok(0), points)?;
+        let counterface = self.counterface.as_ref().map_or(Ok(0), |counterface| points(&counterface.section));
+        Ok(own + counterface.map_err(StudyError::of_counterface)?)
+    }
+
     /// Returns the warnings of a run that are known before anything is computed; `folder` is the folder of the study
     /// file.
     ///

@@ -210,7 +210,7 @@ fn a_map_without_fluctuation_ends_with_the_cycle() {
     assert!(at(0.14, 0.001) > 0.9 && at(0.28, 0.001) < 0.1);
     // The estimate counts the trajectories: sweeps of both upscalings, the points of the map, and about twenty
     // ensembles for the crossings of each upscaling.
-    assert_eq!(study.estimate(1)[0].trajectories, 2 * (2 + 20) * 20 + 6 * 20);
+    assert_eq!(study.estimate(0, 1)[0].trajectories, 2 * (2 + 20) * 20 + 6 * 20);
     for (wrong, word) in
         [("x = [0.3, 0.2, 2]", "rising"), ("x = [0.1, 0.2, 0]", "at least 1"), ("depth = 9", "at most 8")]
     {

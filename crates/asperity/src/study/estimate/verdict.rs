@@ -81,7 +81,7 @@ impl Study {
             core_seconds: solutions as f64 * cells as f64 * ITERATIONS * per_cell
                 + machines as f64 * MACHINE_SECONDS
                 + paths as f64 * self.trajectory_seconds(vibration) * longer,
-            memory_bytes: if cells > 0 { threads as f64 * memory_bytes(cells) } else { 0.0 },
+            memory_bytes: if cells > 0 { threads as f64 * memory_bytes(cells, BoundaryKind::Periodic) } else { 0.0 },
         })
     }
 }

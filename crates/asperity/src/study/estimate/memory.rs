@@ -1,0 +1,111 @@
+//! Rough memory of the stages of a study: factors on the sizes of its arrays, from runs of the program.
+
+use super::{DOUBLE_BYTES, Study};
+use crate::contact::memory_bytes;
+use crate::friction::cutoff::{CutoffPlan, STRIPS};
+use crate::map::BoundaryKind;
+use crate::pressure::pooled_pressures;
+use crate::study::check::{FrictionStudy, PressureStudy};
+
+/// Bytes of the program itself, its libraries and its threads.
+pub(super) const PROGRAM_BYTES: f64 = 20e6;
+/// Bytes per point of all scans in the surface stage, and those of their statistics per point of at most [`TRIAL_POINTS`].
+const SCAN_BYTES: f64 = 110.0;
+const TRIAL_BYTES: f64 = 400.0;
+const TRIAL_POINTS: usize = 512 * 512;
+/// Bytes per point of the scans in later stages.
+const KEPT_SCAN_BYTES: f64 = 70.0;
+/// Bytes of the distributions of a pressure stage of any size.
+const DISTRIBUTION_BYTES: f64 = 11e6;
+/// Bytes per pooled pressure: the values in single precision, in double precision, sorted, and with their weights.
+const POOLED_BYTES: f64 = 45.0;
+/// Bytes of the results of one contact solution.
+const OBSERVATION_BYTES: f64 = 160.0;
+/// Bytes per normal variable of a patch: the responses of rings of cells, and directions of sensitivities.
+const VARIABLE_BYTES: f64 = 1450.0;
+/// Most bytes of the pressures that the Monte Carlo samples keep, in single precision.
+const MOST_FIELD_BYTES: f64 = 536_870_912.0;
+/// Bytes per point of a strip's generator, and of one whose strips are not periodic.
+const PERIODIC_GENERATOR_BYTES: f64 = 120.0;
+const FREE_GENERATOR_BYTES: f64 = 500.0;
+/// Bytes per point of a strip's normal variables, heights and window sums.
+const STRIP_BYTES: f64 = 42.0;
+/// Copies of the records of friction in its statistics.
+const RECORD_COPIES: f64 = 2.5;
+
+/// Returns the memory of the surface stage.
+pub(super) fn surface_bytes(scan_points: usize) -> f64 {
+    SCAN_BYTES * scan_points as f64 + TRIAL_BYTES * scan_points.min(TRIAL_POINTS) as f64
+}
+
+/// Returns the memory that later stages need for the scans.
+pub(super) fn kept_bytes(scan_points: usize) -> f64 {
+    KEPT_SCAN_BYTES * scan_points as f64
+}
+
+impl Study {
+    /// Returns the memory of the pressure stage.
+    pub(super) fn pressure_bytes(&self, study: &PressureStudy, threads: usize) -> f64 {
+        let (nx, ny) = (study.grid.nx(), study.grid.ny());
+        let cells = nx as f64 * ny as f64;
+        let periodic = study.boundary == BoundaryKind::Periodic;
+        // Without a number of terms, a patch has at most as many variables as its Fourier modes.
+        let stated = self.file().surface.as_ref().and_then(|surface| surface.modes);
+        let fourier = if periodic { cells } else { 4.0 * cells };
+        let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
+        let variables = bodies * stated.map_or(fourier, |modes| (modes as f64).min(fourier));
+        let samples = study.reference_samples as f64;
+        let pooled = if periodic { pooled_pressures([nx, ny], study.reference_samples) as f64 } else { samples };
+        let fields = (4.0 * cells * study.fine_solves as f64).min(MOST_FIELD_BYTES);
+        DISTRIBUTION_BYTES
+            + threads as f64 * memory_bytes(nx.saturating_mul(ny), study.boundary)
+            + VARIABLE_BYTES * variables
+            + POOLED_BYTES * pooled
+            + OBSERVATION_BYTES * samples
+            + fields
+    }
+
+    /// Returns the memory of the friction stage with a number of levels.
+    pub(super) fn friction_bytes(
+        &self,
+        study: &FrictionStudy,
+        levels: usize,
+        plan: Option<CutoffPlan>,
+        threads: usize,
+    ) -> f64 {
+        let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
+        let per_point = match study.boundary {
+            BoundaryKind::Periodic => PERIODIC_GENERATOR_BYTES,
+            BoundaryKind::Free => FREE_GENERATOR_BYTES,
+        };
+        let generator = |[nx, ny]: [usize; 2]| bodies * per_point * nx as f64 * ny as f64;
+        // Each thread has a solver and a strip.
+        let solvers = |threads: usize, [nx, ny]: [usize; 2], strip_bytes: f64| {
+            let cells = nx.saturating_mul(ny);
+            threads as f64 * (memory_bytes(cells, study.boundary) + strip_bytes * cells as f64)
+        };
+        // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
+        let cutoff = plan.map_or(0.0, |plan| {
+            let halved = plan.points.map(|points| points.saturating_mul(2));
+            generator(plan.points) + solvers(threads.min(STRIPS), halved, 0.0)
+        });
+        let strips = generator(study.points) + solvers(threads, study.points, STRIP_BYTES);
+        strips.max(cutoff) + RECORD_COPIES * levels as f64 * study.realisations as f64 * record_bytes(study)
+    }
+}
+
+/// Returns the bytes of the records of one strip at one level: six numbers at every position of the window and of
+/// windows of a half, a quarter and an eighth of it, and again at the mean load.
+fn record_bytes(study: &FrictionStudy) -> f64 {
+    let ([nx, _], [length_m, width_m]) = (study.points, study.size_m);
+    let [window_length_m, window_width_m] = study.window_m;
+    let cells = (window_length_m / length_m * nx as f64).max(1.0);
+    let positions: f64 = [1.0, 2.0, 4.0, 8.0]
+        .iter()
+        .map(|part| cells / part)
+        .filter(|cells| *cells >= 4.0 || window_length_m >= length_m)
+        .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
+        .sum();
+    let tracks = (width_m / window_width_m).floor().max(1.0);
+    tracks * positions * 12.0 * DOUBLE_BYTES
+}
