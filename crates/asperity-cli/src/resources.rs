@@ -74,11 +74,13 @@ fn kibibytes(list: &str, name: &str) -> Option<f64> {
 }
 
 fn shown(bytes: f64) -> String {
-    match bytes {
-        bytes if bytes < 1e6 => format!("{:.0} kB", bytes * 1e-3),
-        bytes if bytes < 1e9 => format!("{:.0} MB", bytes * 1e-6),
-        bytes => format!("{:.1} GB", bytes * 1e-9),
-    }
+    let [number, unit] = match bytes {
+        bytes if bytes < 1e6 => [format!("{:.0}", bytes * 1e-3), "kB".into()],
+        bytes if bytes < 10e6 => [format!("{:.1}", bytes * 1e-6), "MB".into()],
+        bytes if bytes < 1e9 => [format!("{:.0}", bytes * 1e-6), "MB".into()],
+        bytes => [format!("{:.1}", bytes * 1e-9), "GB".into()],
+    };
+    format!("{} {unit}", number.trim_end_matches(".0"))
 }
 
 #[cfg(test)]

@@ -28,6 +28,10 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         StoreError::NotARun { .. } | StoreError::Corrupt { .. } | StoreError::SchemaVersion { .. } => {
             Failure::new(Kind::Data, error.to_string())
         }
+        StoreError::Input { path, source } if source.kind() == io::ErrorKind::NotFound => {
+            Failure::new(Kind::Data, format!("{}: no such file or folder", path.display()))
+        }
+        StoreError::Input { path, source } => Failure::io(Kind::Data, path.display(), source),
         StoreError::Io { path, source } => write_failure(path, source),
         StoreError::Taken { .. } => Failure::new(Kind::Runtime, error.to_string()),
         StoreError::Table(_)

@@ -73,7 +73,7 @@ pub fn is_temporary_suffix(text: &str) -> bool {
 /// # Errors
 /// The file cannot be created.
 pub fn create_locked(path: &Path) -> io::Result<Option<File>> {
-    let file = match OpenOptions::new().write(true).create_new(true).open(path) {
+    let file = match OpenOptions::new().read(true).write(true).create_new(true).open(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => return Ok(None),
         file => file?,
     };

@@ -84,8 +84,8 @@ pub enum PressureError {
     },
     /// Too many contact problems have no converged solution.
     #[error(
-        "{stage}: only {valid} of {samples} contact problems were solved, {wanted_percent} % are wanted; \
-         the first failure, sample {first_index}: {first_reason}"
+        "{stage}: only {valid} of {samples} contact problems were solved, {wanted_percent} % are wanted \
+         (`valid_share`); the first failure, sample {first_index}: {first_reason}"
     )]
     TooFewValid {
         /// Name of the sampled run.

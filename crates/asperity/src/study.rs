@@ -45,7 +45,7 @@ pub use blocks::{
     BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, elementary_functions,
     program_difference, sha256,
 };
-pub use campaign::{Campaign, StoredCampaign, write_campaign};
+pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
 pub use check::{InvalidValue, Study};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};

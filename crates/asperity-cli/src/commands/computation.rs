@@ -1,5 +1,6 @@
 //! Computation of a study or a campaign into its folder, with its stored blocks.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,8 +10,7 @@ use asperity::quantity::Time;
 use asperity::study::result::Results;
 use asperity::study::{
     Campaign, CampaignResults, FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage,
-    Staging, StoredCampaign, StoredRun, Study, StudyError, StudyFileError, file_hash, resolved_study, write_campaign,
-    write_run,
+    Staging, StoredCampaign, StoredRun, Study, StudyError, StudyFileError, resolved_study, write_campaign, write_run,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -19,7 +19,7 @@ use super::{campaign, run, study_file};
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::{Terminal, duration};
-use crate::output::Answer;
+use crate::output::{Answer, print};
 use crate::provenance;
 use crate::resources::{limit_memory, require_disk, require_memory};
 use crate::run_folder::{begin_folder, load_failure, store_failure};
@@ -157,8 +157,9 @@ impl Computation {
             Work::Study { .. } => (self.text.clone(), None),
             Work::Campaign(campaign) => (campaign.study_text().to_owned(), Some(self.text.clone())),
         };
-        let (name, seed, only, program) = (self.name.clone(), self.seed(), self.only(), provenance::program()?);
-        Ok(RunRecord { name, file, study, campaign, seed, only, program, shard, ..RunRecord::default() })
+        let (name, seed, only) = (self.name.clone(), self.seed(), self.only());
+        let (program, inputs) = (provenance::program()?, self.data_hashes()?);
+        Ok(RunRecord { name, file, study, campaign, seed, only, inputs, program, shard, ..RunRecord::default() })
     }
 
     /// Returns the files that the study or the campaign reads.
@@ -170,6 +171,12 @@ impl Computation {
             }
             Work::Campaign(campaign) => campaign.inputs(),
         }
+    }
+
+    /// Returns the SHA-256 of the files that the study or the campaign reads, by name.
+    pub(super) fn data_hashes(&self) -> Result<BTreeMap<String, String>, Failure> {
+        let found = asperity::study::provenance(&self.name, self.seed(), &self.data());
+        found.map(|provenance| provenance.inputs).map_err(|e| store_failure(&e))
     }
 
     /// Returns the files that the computation reads.
@@ -189,17 +196,16 @@ impl Computation {
         let stages = match &self.work {
             Work::Study { study, .. } => {
                 let points = study.scan_points(study_file::folder_of(&self.file));
-                points.map(|points| study.estimate(points, threads))
+                let points = points.map_err(|error| study_file::failure(&self.file, Some(&self.text), &error))?;
+                study.estimate(points, threads)
             }
             Work::Campaign(campaign) => campaign.estimate(threads),
         };
-        let stages = stages.map_err(|error| study_file::failure(&self.file, Some(&self.text), &error))?;
-        for stage in stages {
-            let what = format!("the {} stage", stage.stage.name());
-            require_memory(stage.memory_bytes, &what)?;
-            most_bytes.map_or(Ok(()), |most| limit_memory(stage.memory_bytes, &what, most))?;
-        }
-        Ok(())
+        let largest = stages.iter().max_by(|a, b| a.memory_bytes.total_cmp(&b.memory_bytes));
+        let Some(largest) = largest else { return Ok(()) };
+        let what = format!("the {} stage", largest.stage.name());
+        require_memory(largest.memory_bytes, &what)?;
+        most_bytes.map_or(Ok(()), |most| limit_memory(largest.memory_bytes, &what, most))
     }
 
     /// Fails if the disk of the destination is too small.
@@ -250,6 +256,12 @@ impl Computation {
         outcome
     }
 
+    /// Computes a campaign without stored blocks.
+    pub(super) fn members_again(&self, monitor: &Terminal) -> Result<CampaignResults, Failure> {
+        let Work::Campaign(campaign) = &self.work else { unreachable!("a study has no members") };
+        campaign.run_with(None, monitor).map_err(|error| study_file::failure(&self.file, None, &error))
+    }
+
     /// Writes the folder, and ends the use of its blocks.
     pub(super) fn write(
         &self,
@@ -293,11 +305,15 @@ impl Computation {
         if is_empty {
             return Ok(false);
         }
-        let hashes = self.data().iter().map(|file| file_hash(file)).collect::<Result<Vec<_>, _>>();
-        let hashes = hashes.map_err(|e| load_failure(&e))?;
-        let same_inputs =
-            |provenance: &Provenance| hashes.iter().all(|hash| provenance.inputs.values().any(|own| own == hash));
+        let data = self.data_hashes()?;
+        // The file of the study is an input as well.
+        let same_inputs = |provenance: &Provenance| {
+            let inputs = &provenance.inputs;
+            inputs.len() == data.len() + 1 && data.iter().all(|(name, hash)| inputs.get(name) == Some(hash))
+        };
         let printed = match &self.work {
+            Work::Study { .. } if StoredCampaign::is_campaign(folder) => None,
+            Work::Campaign(_) if StoredRun::is_run(folder) && !StoredCampaign::is_campaign(folder) => None,
             Work::Study { study, only } => {
                 let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
                 let resolved =
@@ -353,6 +369,37 @@ pub(super) fn as_json(rounds: &[RoundState]) -> Vec<Value> {
     rounds.iter().map(row).collect()
 }
 
+/// Returns the state of loops as an aligned table; loops of the same stage and name are one row.
+pub(super) fn as_table(rounds: &[RoundState]) -> String {
+    let mut sums: Vec<RoundState> = Vec::new();
+    for round in rounds {
+        match sums.iter_mut().find(|sum| (&sum.stage, &sum.name) == (&round.stage, &round.name)) {
+            Some(sum) => {
+                sum.expected += round.expected;
+                sum.done += round.done;
+                sum.failed += round.failed;
+            }
+            None => sums.push(round.clone()),
+        }
+    }
+    let head = ["stage", "task", "expected", "done", "failed", "missing"].map(str::to_owned);
+    let row = |round: &RoundState| {
+        let [expected, done, failed] = [round.expected, round.done, round.failed].map(|count| count.to_string());
+        let missing = (round.expected - round.done).to_string();
+        [round.stage.clone(), round.name.clone(), expected, done, failed, missing]
+    };
+    let rows: Vec<[String; 6]> = std::iter::once(head).chain(sums.iter().map(row)).collect();
+    let widths: Vec<usize> =
+        (0..6).map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();
+    rows.iter().fold(String::new(), |mut text, [stage, task, counts @ ..]| {
+        text += &format!("{stage:<0$}  {task:<1$}", widths[0], widths[1]);
+        for (count, width) in counts.iter().zip(&widths[2..]) {
+            text += &format!("  {count:>width$}");
+        }
+        text + "\n"
+    })
+}
+
 /// Returns which loops lack blocks, in words.
 pub(super) fn missing(rounds: &[RoundState]) -> String {
     let lacks = rounds.iter().filter(|round| round.done < round.expected);
@@ -389,7 +436,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "I/N", value_parser = args::shard)]
     shard: Option<[usize; 2]>,
     /// Stop after this time, such as "2 h", and keep the finished blocks (exit code 5).
-    #[arg(long, value_name = "TIME", value_parser = args::positive_quantity::<Time>)]
+    #[arg(long, value_name = "TIME", value_parser = args::positive_quantity::<Time>, allow_hyphen_values = true)]
     max_time: Option<Time>,
     /// Refuse a computation that needs more memory, such as "4 GB" (exit code 5).
     #[arg(long, value_name = "SIZE", value_parser = args::bytes)]
@@ -431,6 +478,7 @@ impl Options {
     /// Computes one part of the blocks.
     fn part(&self, computation: &Computation, shard: [usize; 2], monitor: &Terminal) -> Result<(), Failure> {
         let [number, of] = shard;
+        let record = computation.record(Some(shard))?;
         let folder = self.out.clone().unwrap_or_else(|| {
             let name = format!("{}-part-{number}-of-{of}", computation.name);
             computation.destination().with_file_name(name)
@@ -441,7 +489,7 @@ impl Options {
                 folder.display()
             )));
         }
-        let blocks = open(&folder, computation.record(Some(shard))?, Share::Part { number, of })?;
+        let blocks = open(&folder, record, Share::Part { number, of })?;
         let complete = computation.compute(&blocks, self.json, monitor)?.is_some();
         // A merge reads it.
         blocks.write_record().map_err(|e| store_failure(&e))?;
@@ -449,12 +497,16 @@ impl Options {
         if !complete {
             monitor.note(&format!("blocks of other parts are missing: {}", missing(&rounds)));
         }
+        if !self.json {
+            let rest = if complete { "" } else { ", as far as it can be computed without the other parts" };
+            return print(&format!("part {number} of {of}{rest}: {}\n\n{}", folder.display(), as_table(&rounds)));
+        }
         Answer::default()
             .with("part", number)
             .with("parts", of)
             .with("complete", complete)
             .with("rounds", as_json(&rounds))
             .with("folder", folder.display().to_string())
-            .print(self.json)
+            .print(true)
     }
 }

@@ -36,7 +36,12 @@ impl Merge {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let read = |part: &PathBuf| {
             let status = RunStatus::read(part);
-            status.ok_or_else(|| Failure::new(Kind::Data, format!("{}: no blocks of a run", part.display())))
+            let status = status
+                .ok_or_else(|| Failure::new(Kind::Data, format!("{}: no blocks of a part of a run", part.display())))?;
+            if status.record.shard.is_some() {
+                return Ok(status);
+            }
+            Err(Failure::usage(format_args!("{} is a run, no part of one (`asperity run --shard`)", part.display())))
         };
         let parts = self.parts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let first = &parts[0].record;
@@ -48,6 +53,10 @@ impl Merge {
         }
         let computation = Computation::of(first)?;
         let record = computation.record(None)?;
+        if record.inputs != first.inputs {
+            let part = self.parts[0].display();
+            return Err(Failure::usage(format_args!("{part} is of another version of the scans than the present one")));
+        }
         if let Some(difference) = program_difference(&record.program, &first.program) {
             return Err(Failure::usage(format_args!(
                 "{} is of {difference} than this program on this machine",

@@ -3,7 +3,10 @@
 use std::fs;
 use std::path::PathBuf;
 
-use asperity::study::{BlockPlace, RunStatus, Share, StoreError, StoredRun, program_difference, result_files};
+use asperity::study::{
+    BlockPlace, Provenance, RunStatus, Share, StoreError, StoredCampaign, StoredRun, campaign_files,
+    program_difference, result_files,
+};
 use clap::Args;
 use serde_json::Value;
 
@@ -31,16 +34,47 @@ impl Repro {
         if let Some(place) = &self.sample {
             return self.sample(place, monitor);
         }
+        if StoredCampaign::is_campaign(&self.dir) {
+            return self.campaign(monitor);
+        }
         let stored = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let only = stored.provenance.only.as_deref().map(str::parse).transpose();
         let only = only.map_err(|error| Failure::data(self.dir.display(), &error))?;
         let file = self.dir.join("study.toml");
         let (study, text) = study_file::study(&file, None)?;
+        self.require_inputs(&Computation::study(&file, None, only)?, &stored.provenance)?;
         let outcome = study
             .run(study_file::folder_of(&file), only, monitor)
             .map_err(|error| study_file::failure(&file, Some(&text), &error))?;
+        self.compare(|write| result_files(&outcome, write))
+    }
+
+    /// Computes the members of a campaign again.
+    fn campaign(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let stored = StoredCampaign::load(&self.dir).map_err(|e| load_failure(&e))?;
+        let file = self.dir.join("campaign.toml");
+        let computation = Computation::campaign(&file, None)?;
+        self.require_inputs(&computation, &stored.provenance)?;
+        let results = computation.members_again(monitor)?;
+        self.compare(|write| campaign_files(&results, write))
+    }
+
+    /// Fails if a scan has changed since.
+    fn require_inputs(&self, computation: &Computation, stored: &Provenance) -> Result<(), Failure> {
+        let data = computation.data_hashes()?;
+        let changed = data.iter().find(|(name, hash)| stored.inputs.get(*name).is_some_and(|own| own != *hash));
+        changed.map_or(Ok(()), |(name, _)| {
+            Err(Failure::new(Kind::Data, format!("{name} has changed since {} was computed", self.dir.display())))
+        })
+    }
+
+    /// Compares the files of the folder with those of a repetition.
+    fn compare(
+        &self,
+        files: impl FnOnce(&mut dyn FnMut(&str, &[u8]) -> Result<(), StoreError>) -> Result<(), StoreError>,
+    ) -> Result<(), Failure> {
         let mut difference = None;
-        result_files(&outcome, |name, bytes| {
+        files(&mut |name, bytes| {
             if difference.is_none() {
                 let path = self.dir.join(name);
                 let before = fs::read(&path).map_err(|source| StoreError::Io { path, source })?;
@@ -72,7 +106,15 @@ impl Repro {
         let found = computation.compute(&blocks, false, monitor);
         let Some(replay) = blocks.replay() else {
             found?;
-            return Err(Failure::usage(format_args!("--sample {place}: the run has no such sample")));
+            let of_task: Vec<_> = blocks.rounds().into_iter().filter(|round| round.name == place.task).collect();
+            let has = match of_task.as_slice() {
+                [] => "the run has no such task; `asperity status` lists the tasks".to_owned(),
+                loops => loops.get(usize::try_from(place.ordinal).unwrap_or(usize::MAX)).map_or_else(
+                    || format!("the run has {} loops of this task", loops.len()),
+                    |own| format!("this loop has the indices 0 to {}", own.expected.saturating_sub(1)),
+                ),
+            };
+            return Err(Failure::usage(format_args!("--sample {place}: {has}")));
         };
         if let Some(reason) = &replay.failure {
             print(&format!("{reason}\n"))?;

@@ -6,8 +6,8 @@
 set -eu
 
 if [ -e "$run/COMPLETE" ]; then
-    echo "$run is finished" >&2
-    exit
+    # Refuses the run of another study.
+    exec "$asperity" run "$study" --out "$run" --resume
 fi
 case "${1-}" in
 part)
@@ -30,14 +30,15 @@ merge | finish)
 *)
     merge=
     round=1
+    name=$(basename "$run")
     while [ "$round" -le "$rounds" ]; do
         job=merge
         [ "$round" -lt "$rounds" ] || job=finish
-        array=$(sbatch --parsable "$@" --kill-on-invalid-dep=yes ${merge:+"--dependency=afterok:$merge"} \
+        array=$(sbatch --parsable --job-name="$name-parts" "$@" --kill-on-invalid-dep=yes ${merge:+"--dependency=afterok:$merge"} \
             --array="1-$parts" "$0" part)
         # Slurm prints JOB, or JOB;CLUSTER.
         array=${array%%;*}
-        merge=$(sbatch --parsable "$@" --kill-on-invalid-dep=yes "--dependency=afterok:$array" "$0" "$job")
+        merge=$(sbatch --parsable --job-name="$name-$job" "$@" --kill-on-invalid-dep=yes "--dependency=afterok:$array" "$0" "$job")
         merge=${merge%%;*}
         echo "submitted array $array and merge $merge" >&2
         round=$((round + 1))

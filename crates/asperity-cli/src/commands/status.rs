@@ -6,10 +6,10 @@ use asperity::study::{RunStatus, StoredRun};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::computation::as_json;
+use super::computation::{as_json, as_table};
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::Answer;
+use crate::output::{Answer, print};
 
 /// Shows how far a run is, finished or not, or a part of one: expected, done, failed and missing samples of each task that was begun, and
 /// the reason of each failure. `asperity repro DIR --sample TASK:INDEX` computes one of them again.
@@ -33,6 +33,16 @@ impl Status {
             return Err(Failure::new(Kind::Data, format!("{}: no run, and no blocks of one", self.dir.display())));
         };
         let record = &status.record;
+        let is_complete = complete || record.finished;
+        if !self.json {
+            let state = if is_complete { "finished" } else { "not finished" };
+            let part = record.shard.map_or_else(String::new, |[number, of]| format!(", part {number} of {of}"));
+            let mut text = format!("{}{part}: {state}\n\n{}", record.file.display(), as_table(&status.rounds));
+            for failure in &status.failures {
+                text += &format!("\n{}: {}\n", failure.place, failure.reason);
+            }
+            return print(&text);
+        }
         let failures: Vec<Value> = status
             .failures
             .iter()
@@ -51,9 +61,9 @@ impl Status {
             .with("seed", record.seed)
             .with("part", record.shard.map(|[number, _]| number))
             .with("parts", record.shard.map(|[_, of]| of))
-            .with("complete", complete || record.finished)
+            .with("complete", is_complete)
             .with("rounds", as_json(&status.rounds))
             .with("failures", failures)
-            .print(self.json)
+            .print(true)
     }
 }

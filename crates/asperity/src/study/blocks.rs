@@ -290,7 +290,9 @@ impl RunStatus {
     /// Reads the state of the run in the folder `run`, or of the part whose blocks it holds; `None` if nothing is known of it.
     pub fn read(run: &Path) -> Option<Self> {
         let own = run.join(FOLDER);
-        let (folder, record) = match RunRecord::all(&own).into_iter().next() {
+        // The folder above runs holds the blocks of several; it is itself neither a run nor a part.
+        let part = RunRecord::all(&own).into_iter().find(|(_, record)| record.shard.is_some());
+        let (folder, record) = match part {
             Some((_, record)) => (own, record),
             None => {
                 let folder = beside(run);

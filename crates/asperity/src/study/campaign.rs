@@ -13,7 +13,7 @@ use asperity_base::blocks::{self, Task};
 use toml::{Table, Value};
 
 use self::factors::{Factor, Key, Reader, SCAN, in_si, set};
-pub use self::folder::{StoredCampaign, write_campaign};
+pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
 use crate::study::result::{CampaignResults, InputValue, KindResult, MemberAnswers, MemberResult, Results, VariedKey};
@@ -147,12 +147,14 @@ impl Campaign {
     }
 
     /// Estimates the memory of the stages of one member.
-    pub fn estimate(&self, threads: usize) -> Result<Vec<StageEstimate>, StudyError> {
-        let Some(first) = (0..self.members()).find_map(|member| self.member(member).ok()) else { return Ok(Vec::new()) };
+    pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
+        let Some(first) = (0..self.members()).find_map(|member| self.member(member).ok()) else { return Vec::new() };
         let together = self.members().min(threads).max(1);
-        let mut found = first.estimate(first.scan_points(&self.study_folder())?, threads / together);
+        // A member whose scan cannot be read has the reason in its row.
+        let scan_points = first.scan_points(&self.study_folder()).unwrap_or(0);
+        let mut found = first.estimate(scan_points, threads / together);
         found.iter_mut().for_each(|stage| stage.memory_bytes = stage.memory_together_bytes(together));
-        Ok(found)
+        found
     }
 
     fn study_folder(&self) -> PathBuf {

@@ -10,7 +10,7 @@ use crate::friction::LevelControl;
 use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
 use crate::monitor::Monitor;
-use crate::pressure::{MethodComparison, Problem};
+use crate::pressure::{Method, MethodComparison, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::output::StageOutput;
@@ -42,6 +42,20 @@ pub(super) fn half_space(
     let half_space =
         HalfSpace::new(grid, modulus_pa, boundary).map_err(|error| StudyError::Contact { section, error })?;
     Ok((half_space, compliance))
+}
+
+/// Methods whose contact solutions the others share.
+const DESIGNS: [Method; 3] = [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol];
+
+/// Returns the warning that statistics leave out failed samples.
+pub(super) fn left_out(what: &str, failed: usize, of: usize) -> Option<String> {
+    let percent = sentence::digits(100.0 * failed as f64 / of as f64);
+    (failed > 0).then(|| {
+        format!(
+            "{failed} of {of} {what} failed ({percent} %) and are left out; failures may depend on the surface, so the others need not be a \
+             random choice"
+        )
+    })
 }
 
 /// Output of the pressure stage.
@@ -86,6 +100,15 @@ pub(super) fn run(
         _ => None,
     };
     let mut warnings = generated.warnings.clone();
+    warnings.extend(left_out(
+        "contact solutions of the reference",
+        results.reference.failures.len(),
+        study.reference_samples,
+    ));
+    for method in results.methods.iter().filter(|found| DESIGNS.contains(&found.method)) {
+        let what = format!("contact solutions of {}", method.method.name().replace('_', " "));
+        warnings.extend(left_out(&what, method.failures.len(), method.fine_solves));
+    }
     let patch = [patch_sentence(study, &half_space), expansion_sentence(study, surface)];
     for method in &results.methods {
         let name = method.method.name().replace('_', " ");

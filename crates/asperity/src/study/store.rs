@@ -112,6 +112,14 @@ pub enum StoreError {
         /// Name of the missing file.
         missing: &'static str,
     },
+    /// An input cannot be read.
+    #[error("{}: {source}", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// Reason.
+        source: io::Error,
+    },
     /// A file of the run cannot be read.
     #[error("{}: {reason}", path.display())]
     Corrupt {
@@ -186,7 +194,7 @@ struct Version {
 /// # Errors
 /// The file cannot be read.
 pub fn file_hash(file: &Path) -> Result<String, StoreError> {
-    manifest::hash(file).map_err(at(file))
+    manifest::hash(file).map_err(|source| StoreError::Input { path: file.into(), source })
 }
 
 /// Map read from a run folder.

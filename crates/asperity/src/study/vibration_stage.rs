@@ -21,6 +21,7 @@ use crate::friction::{Upscaling, WindowFriction};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::output::StageOutput;
+use crate::study::pressure_stage::left_out;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
 };
@@ -229,6 +230,9 @@ impl<'a> Ensembles<'a> {
         let sweep = DampingSweep { damping_ratios, ensembles };
         let crossings = sweep.crossings(&self.oscillator, &process, &LEVELS, &self.settings(), monitor)?;
         monitor.progress(&task, count + 2, count + 2);
+        let failed: usize = damping.iter().map(|found: &DampingResult| found.failed_samples).sum();
+        let what = format!("trajectories of the damping sweep with the {upscaling} upscaling");
+        warnings.extend(left_out(&what, failed, count * self.study.trajectories));
         let clipping = clipping_warning(clipped_fraction);
         warnings.extend(clipping.map(|warning| format!("with the {upscaling} upscaling, {warning}")));
         let result = EnsembleResult {

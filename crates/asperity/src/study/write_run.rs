@@ -20,7 +20,8 @@ pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenanc
     for file in inputs {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Two inputs in different folders may have the same name.
-        let name = if provenance.inputs.contains_key(&name) { file.display().to_string() } else { name };
+        let whole = || std::path::absolute(file).unwrap_or_else(|_| file.clone()).display().to_string();
+        let name = if provenance.inputs.contains_key(&name) { whole() } else { name };
         provenance.inputs.insert(name, file_hash(file)?);
     }
     Ok(provenance)

@@ -1,6 +1,6 @@
 //! What is known of a run before it is finished.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,9 @@ pub struct RunRecord {
     pub seed: u64,
     /// The stage that was asked for, if not all.
     pub only: Option<Stage>,
+    /// SHA-256 of the scans and of other files that the study reads, by name.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, String>,
     /// What decides the bits of a block beside the study: program, instruction sets and mathematical library.
     pub program: Program,
     /// Number of this part from 1, and of all parts.
@@ -87,6 +90,9 @@ impl RunRecord {
         let of_study = |record: &Self| (record.study.clone(), record.campaign.clone(), record.seed, record.only);
         if of_study(self) != of_study(other) {
             return Some("another study, seed or stage");
+        }
+        if self.inputs != other.inputs {
+            return Some("another version of the scans");
         }
         program_difference(&self.program, &other.program)
     }

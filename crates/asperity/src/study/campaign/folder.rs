@@ -25,12 +25,17 @@ pub struct StoredCampaign {
 }
 
 impl StoredCampaign {
+    /// Returns whether `dir` is the folder of a finished campaign.
+    pub fn is_campaign(dir: &Path) -> bool {
+        StoredRun::is_run(dir) && dir.join(FILE).is_file()
+    }
+
     /// Reads the folder of a campaign.
     ///
     /// # Errors
     /// The folder is no finished campaign, or one of its files cannot be read.
     pub fn load(dir: &Path) -> Result<Self, StoreError> {
-        if !StoredRun::is_run(dir) || !dir.join(FILE).is_file() {
+        if !Self::is_campaign(dir) {
             return Err(StoreError::NotARun { path: dir.into(), missing: FILE });
         }
         let read = |name: &str| {
@@ -62,8 +67,7 @@ pub fn write_campaign(
 ) -> Result<(), StoreError> {
     staging.write(FILE, campaign.resolved().as_bytes())?;
     staging.write(PROVENANCE, &json_bytes(provenance)?)?;
-    staging.write(RESULTS, &json_bytes(results)?)?;
-    staging.write("members.csv", &members_csv(results)?)?;
+    campaign_files(results, &mut |name, bytes| staging.write(name, bytes))?;
     #[cfg(feature = "report")]
     {
         let run = asperity_report::CampaignRun {
@@ -78,6 +82,18 @@ pub fn write_campaign(
         staging.write("report.html", report.html.as_bytes())?;
     }
     Ok(())
+}
+
+/// Passes the files with the results of a campaign to `write`, by name.
+///
+/// # Errors
+/// The error of `write`.
+pub fn campaign_files(
+    results: &CampaignResults,
+    write: &mut dyn FnMut(&str, &[u8]) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    write(RESULTS, &json_bytes(results)?)?;
+    write("members.csv", &members_csv(results)?)
 }
 
 /// Returns the rows of the members as CSV. Undefined cells are empty; a key with a unit has it at the end of its name.

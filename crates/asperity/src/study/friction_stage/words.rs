@@ -6,6 +6,7 @@ use crate::friction::{DISTANCES, LevelControl, RoughBody, SolvedLevel, TwoBodyFr
 use crate::stats::Interval;
 use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
+use crate::study::pressure_stage::left_out;
 use crate::study::sentence;
 
 /// Probability of a drift under stationarity below which it is warned about.
@@ -142,8 +143,8 @@ pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
         ));
     }
     if !solved.strips.failures.is_empty() {
-        let strips = sentence::count(solved.strips.failures.len(), "strip", "strips");
-        warnings.push(format!("at {name}, {strips} did not converge and were left out"));
+        let of = solved.strips.failures.len() + solved.strips.records.len() / solved.strips.tracks.max(1);
+        warnings.extend(left_out(&format!("strips at {name}"), solved.strips.failures.len(), of));
     }
     warnings
 }

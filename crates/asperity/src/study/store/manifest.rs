@@ -33,7 +33,7 @@ impl Manifest {
     }
 
     /// Parses a manifest. Ignores lines that name no file inside the folder, because unlisted files are never removed.
-    fn parse(text: &str) -> Self {
+    pub(super) fn parse(text: &str) -> Self {
         let inside = |path: &str| Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
         let entries = text.lines().filter_map(|line| line.split_once("  ")).filter(|(_, path)| inside(path));
         Self(entries.map(|(hash, path)| (path.to_owned(), hash.to_owned())).collect())
@@ -51,6 +51,11 @@ impl Manifest {
             self.0.insert(file.to_owned(), hash(&folder.join(file))?);
         }
         Ok(())
+    }
+
+    /// Returns whether the manifest lists all files of another.
+    pub(super) fn has_all_of(&self, other: &Self) -> bool {
+        other.0.keys().all(|file| self.0.contains_key(file))
     }
 
     /// Returns the manifest as text.

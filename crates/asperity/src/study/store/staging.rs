@@ -7,7 +7,7 @@
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, temporary_suffix};
@@ -123,13 +123,22 @@ impl Staging {
         }
     }
 
-    /// Replaces the unfinished manifest by one with the hashes of all files.
+    /// Replaces the unfinished manifest by one with the hashes of all files. Fails if some of them were removed by somebody else.
     fn finish_manifest(&self) -> io::Result<()> {
-        let text = Manifest::from_folder(&self.partial)?.text();
         let mut file = &self.manifest;
         file.rewind()?;
+        let mut written = String::new();
+        file.read_to_string(&mut written)?;
+        let manifest = Manifest::from_folder(&self.partial)?;
+        if !manifest.has_all_of(&Manifest::parse(&written)) {
+            return Err(io::Error::new(io::ErrorKind::NotFound, "the folder was removed while it was written"));
+        }
+        if !self.partial.join(MANIFEST).exists() {
+            return fs::write(self.partial.join(MANIFEST), manifest.text());
+        }
+        file.rewind()?;
         file.set_len(0)?;
-        file.write_all(text.as_bytes())?;
+        file.write_all(manifest.text().as_bytes())?;
         file.sync_all()
     }
 
