@@ -41,7 +41,7 @@ pub use band_slopes::{BandSlopes, Roughness};
 pub use composite::CompositeModel;
 pub use covariance::SurfaceCovariance;
 pub use error::SurfaceModelError;
-pub use generated::{CapturedModes, GAMMA, Generated, MOST_MODES, RIDGES, XiOrder};
+pub use generated::{CapturedModes, GAMMA, Generated, PatchSize, RIDGES, XiOrder};
 pub use request::{CovarianceRequest, Measurable, SurfaceRequest};
 pub use selection::{CovarianceCandidate, SelectedCovariance};
 pub use trial::TrialMaps;

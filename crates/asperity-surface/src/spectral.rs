@@ -56,19 +56,8 @@ impl SpectralField {
     /// # Errors
     /// Only if the padded grid is invalid; never for a valid grid otherwise.
     pub fn free(covariance: &dyn StationaryCovariance, grid: Grid) -> Result<Self, GeneratorError> {
-        let (mut factor_x, mut factor_y) = (2, 2);
-        loop {
-            let (nx, ny) = (good_length(factor_x * grid.nx()), good_length(factor_y * grid.ny()));
-            let domain = Grid::new(nx, ny, grid.dx_m(), grid.dy_m())?;
-            let field = Self::on_domain(covariance, grid, domain);
-            let (across_x, across_y) = largest_across(covariance, domain);
-            let factor = if across_x > across_y { &mut factor_x } else { &mut factor_y };
-            if field.clipped_variance < NEGLIGIBLE || *factor >= LARGEST_FACTOR || 2 * domain.points() > LARGEST_DOMAIN
-            {
-                return Ok(field);
-            }
-            *factor *= 2;
-        }
+        let (domain, fft, spectrum) = embedding(covariance, grid)?;
+        Ok(Self::from_spectrum(grid, domain, fft, covariance.std_m(), &spectrum))
     }
 
     /// Returns the same field with ξ in the order of wavevectors, which is the same for all covariances.
@@ -110,6 +99,35 @@ impl SpectralField {
     /// much.
     pub fn clipped_variance(&self) -> f64 {
         self.clipped_variance
+    }
+}
+
+/// Returns the periodic domain of a free field, with its transforms and its spectrum.
+fn embedding(
+    covariance: &dyn StationaryCovariance,
+    grid: Grid,
+) -> Result<(Grid, RealFft2, WrappedSpectrum), GeneratorError> {
+    let (mut factor_x, mut factor_y) = (2, 2);
+    loop {
+        let (nx, ny) = (good_length(factor_x * grid.nx()), good_length(factor_y * grid.ny()));
+        let domain = Grid::new(nx, ny, grid.dx_m(), grid.dy_m())?;
+        let fft = RealFft2::new(domain.nx(), domain.ny());
+        let spectrum = wrapped_spectrum(covariance, domain, &fft);
+        let (across_x, across_y) = largest_across(covariance, domain);
+        let factor = if across_x > across_y { &mut factor_x } else { &mut factor_y };
+        if spectrum.clipped < NEGLIGIBLE || *factor >= LARGEST_FACTOR || 2 * domain.points() > LARGEST_DOMAIN {
+            return Ok((domain, fft, spectrum));
+        }
+        *factor *= 2;
+    }
+}
+
+/// Returns the number of normal variables of a field: the points of the grid, or of the larger domain of a free field.
+pub(crate) fn variables(covariance: &dyn StationaryCovariance, grid: Grid, periodic: bool) -> usize {
+    if periodic {
+        grid.points()
+    } else {
+        embedding(covariance, grid).map_or(grid.points(), |(domain, ..)| domain.points())
     }
 }
 

@@ -250,6 +250,8 @@ fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     let found = run_in(at, "run study.toml --out runs/strict");
     let words = "samples failed; `asperity status runs/strict` lists them";
     assert!(found.code == 0 && found.stderr.contains(words), "{found:?}");
+    let stored = fs::read_to_string(at.join("runs/strict/results.json")).unwrap();
+    assert!(stored.contains("of 400 contact solutions of the reference failed ("), "{stored}");
     let status = run_in(at, "status runs/strict --json").json(0);
     let rounds = status["rounds"].as_array().unwrap();
     let count = |key: &str| -> u64 { rounds.iter().map(|round| round[key].as_u64().unwrap()).sum() };
@@ -266,7 +268,7 @@ fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     let valid = (0..400).map(|index| format!("pressure/reference:{index}"));
     let valid = valid.into_iter().find(|sample| failures.iter().all(|failure| failure["sample"] != *sample)).unwrap();
     assert_eq!(run_in(at, &format!("repro runs/strict --sample {valid}")).stdout, "IDENTICAL\n");
-    run_in(at, "repro runs/strict --sample pressure/reference:4000").refuses(2, &["no such sample"]);
+    run_in(at, "repro runs/strict --sample pressure/reference:4000").refuses(2, &["indices 0 to 399"]);
     run_in(at, "repro runs/strict --sample pressure").refuses(2, &["TASK:INDEX"]);
     // The default share of valid samples is 95 %; the samples of the refused run are listed, too.
     fs::write(at.join("study.toml"), strict).unwrap();

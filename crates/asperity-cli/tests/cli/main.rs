@@ -14,6 +14,7 @@ mod headlines;
 mod mode_coupling;
 mod outputs;
 #[cfg(unix)]
+mod resumed;
 mod slurm;
 mod study;
 mod support;

@@ -94,10 +94,12 @@ fn the_jobs_of_a_script_give_the_bytes_of_one_run_whatever_the_paths() {
     let (output, submissions) = submit(&at, "my study.slurm.sh", &["--partition=short"]);
     assert!(output.status.success(), "{output:?}");
     let wanted = [
-        "--parsable --partition=short --kill-on-invalid-dep=yes --array=1-3 my study.slurm.sh part",
-        "--parsable --partition=short --kill-on-invalid-dep=yes --dependency=afterok:1 my study.slurm.sh merge",
-        "--parsable --partition=short --kill-on-invalid-dep=yes --dependency=afterok:2 --array=1-3 my study.slurm.sh part",
-        "--parsable --partition=short --kill-on-invalid-dep=yes --dependency=afterok:3 my study.slurm.sh finish",
+        "--parsable --job-name=my study-parts --partition=short --kill-on-invalid-dep=yes --array=1-3 my study.slurm.sh part",
+        "--parsable --job-name=my study-merge --partition=short --kill-on-invalid-dep=yes --dependency=afterok:1 my study.slurm.sh merge",
+        "--parsable --job-name=my study-parts --partition=short --kill-on-invalid-dep=yes --dependency=afterok:2 --array=1-3 \
+         my study.slurm.sh part",
+        "--parsable --job-name=my study-finish --partition=short --kill-on-invalid-dep=yes --dependency=afterok:3 \
+         my study.slurm.sh finish",
     ];
     assert_eq!(submissions, wanted);
     let files = |run: &str| -> Vec<(String, Vec<u8>)> {

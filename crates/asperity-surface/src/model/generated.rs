@@ -7,9 +7,10 @@ use asperity_base::sentence;
 use asperity_base::translation::TranslationKind;
 
 use super::{SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture, TruncatedExpansion};
+use crate::spectral::variables;
 use crate::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
-    TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes,
+    TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes, modes_memory_bytes,
 };
 
 /// Ratio of neighbouring wavenumbers of Weierstrass–Mandelbrot surfaces.
@@ -17,7 +18,7 @@ pub const GAMMA: f64 = 1.5;
 /// Number of ridges of Weierstrass–Mandelbrot surfaces.
 pub const RIDGES: usize = 20;
 /// Largest number of terms of an expansion whose number is not stated; a patch that needs more has all Fourier modes.
-pub const MOST_MODES: usize = 400;
+const MOST_MODES: usize = 400;
 /// Captured fraction of the variance, or of the slope variance, of an expansion below which there is a warning.
 const WANTED_VARIANCE: f64 = 0.9;
 /// Factor on the number of terms that Fourier modes need, because the modes of a patch differ from them.
@@ -47,6 +48,15 @@ pub struct CapturedModes {
     pub captured_variance: f64,
     /// Fraction of the mean squared slope on the patch's grid in these terms.
     pub captured_slope_variance: f64,
+}
+
+/// Size of the generator of a patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PatchSize {
+    /// Largest number of normal variables ξ.
+    pub variables: usize,
+    /// Memory of a Karhunen–Loève expansion in byte; 0 for all Fourier modes.
+    pub expansion_bytes: f64,
 }
 
 /// Generator of random surfaces on a grid, with its approximations.
@@ -95,6 +105,30 @@ impl SurfaceModel {
         }
     }
 
+    /// Returns about the size of the generator of surfaces on a small patch, without making it.
+    pub fn patch_size(&self, grid: Grid, periodic: bool) -> PatchSize {
+        let all_modes = || PatchSize { variables: self.strip_variables(grid, periodic), expansion_bytes: 0.0 };
+        let &Texture::Translated { ref covariance, translation, expansion: Some(expansion) } = &self.texture else {
+            return all_modes();
+        };
+        let field = Field { marginal: &self.marginal, covariance, translation, grid, periodic };
+        let modes = expansion.modes.unwrap_or_else(|| with_margin(field.needed_modes()));
+        if expansion.modes.is_none() && modes > MOST_MODES.min(grid.points()) && field.may_have_all_modes(expansion) {
+            return all_modes();
+        }
+        let modes = if expansion.modes.is_some() { modes } else { modes.min(MOST_MODES) }.min(grid.points());
+        let route = field.route(translation == TranslationKind::Plain && covariance.is_product());
+        PatchSize { variables: modes, expansion_bytes: modes_memory_bytes(&[grid.nx(), grid.ny()], modes, route) }
+    }
+
+    /// Returns the number of normal variables ξ of surfaces on a long strip.
+    pub fn strip_variables(&self, grid: Grid, periodic: bool) -> usize {
+        match &self.texture {
+            Texture::Translated { covariance, .. } => variables(covariance, grid, periodic),
+            Texture::WeierstrassMandelbrot { .. } => grid.points(),
+        }
+    }
+
     /// Makes the generator of surfaces on a long strip. It has all Fourier modes, because a truncated expansion does not contain the
     /// variance of a long strip.
     ///
@@ -114,6 +148,11 @@ impl SurfaceModel {
     }
 }
 
+/// Returns the number of terms of a patch whose Fourier modes would be as many as `needed`.
+fn with_margin(needed: usize) -> usize {
+    (MARGIN * needed as f64).ceil() as usize + 1
+}
+
 /// Translated Gaussian field on a grid.
 struct Field<'a> {
     marginal: &'a Marginal,
@@ -124,15 +163,33 @@ struct Field<'a> {
 }
 
 impl Field<'_> {
+    /// Returns the number of Fourier modes that contain the slopes.
+    fn needed_modes(&self) -> usize {
+        modes_for_slopes(self.covariance, self.grid, WANTED_VARIANCE)
+    }
+
+    /// Returns whether all Fourier modes may replace an expansion with too many terms.
+    fn may_have_all_modes(&self, expansion: TruncatedExpansion) -> bool {
+        expansion.rescale.is_none() && expansion.mean_mode
+    }
+
+    fn route(&self, product: bool) -> ModesRoute {
+        match (self.periodic, product) {
+            (true, _) => ModesRoute::Periodic,
+            (false, true) => ModesRoute::Separable,
+            (false, false) => ModesRoute::General,
+        }
+    }
+
     /// Makes Karhunen–Loève surfaces with the stated number of terms, or with as many as contain the slopes. If these are too many,
-    /// makes spectral surfaces, or surfaces of [`MOST_MODES`] terms if the treatment of the truncated variance is stated.
+    /// makes spectral surfaces, or surfaces of `MOST_MODES` terms if the treatment of the truncated variance is stated.
     fn expansion_or_all_modes(&self, expansion: TruncatedExpansion) -> Result<Generated, SurfaceModelError> {
         if let Some(modes) = expansion.modes {
             return self.expanded(expansion, modes);
         }
-        let needed = modes_for_slopes(self.covariance, self.grid, WANTED_VARIANCE);
         let most = MOST_MODES.min(self.grid.points());
-        let mut modes = (MARGIN * needed as f64).ceil() as usize + 1;
+        let needed = self.needed_modes();
+        let mut modes = with_margin(needed);
         while modes <= most {
             let generated = self.expanded(expansion, modes)?;
             let found = generated.karhunen_loeve;
@@ -141,7 +198,7 @@ impl Field<'_> {
             }
             modes = (GROWTH * modes as f64).ceil() as usize;
         }
-        if expansion.rescale.is_some() || !expansion.mean_mode {
+        if !self.may_have_all_modes(expansion) {
             return self.expanded(expansion, MOST_MODES);
         }
         let generated = self.spectral(XiOrder::Variance)?;
@@ -185,11 +242,7 @@ impl Field<'_> {
         modes: usize,
     ) -> Result<Generated, SurfaceModelError> {
         let &Self { grid, periodic, .. } = self;
-        let route = match (periodic, product) {
-            (true, _) => ModesRoute::Periodic,
-            (false, true) => ModesRoute::Separable,
-            (false, false) => ModesRoute::General,
-        };
+        let route = self.route(product);
         if !mean_mode && !periodic {
             return Err(SurfaceModelError::ConstantMode);
         }

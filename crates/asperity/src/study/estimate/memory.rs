@@ -3,9 +3,10 @@
 use super::{DOUBLE_BYTES, Study};
 use crate::contact::memory_bytes;
 use crate::friction::cutoff::{CutoffPlan, STRIPS};
-use crate::map::BoundaryKind;
+use crate::map::{BoundaryKind, Grid};
 use crate::pressure::pooled_pressures;
 use crate::study::check::{FrictionStudy, PressureStudy};
+use crate::surface::model::{PatchSize, SurfaceModel};
 
 /// Bytes of the program itself, its libraries and its threads.
 pub(super) const PROGRAM_BYTES: f64 = 20e6;
@@ -17,21 +18,31 @@ const TRIAL_POINTS: usize = 512 * 512;
 const KEPT_SCAN_BYTES: f64 = 70.0;
 /// Bytes of the distributions of a pressure stage of any size.
 const DISTRIBUTION_BYTES: f64 = 11e6;
+/// Bytes of the chaos expansions per contact solution, and at most.
+const EXPANSION_BYTES: f64 = 20e3;
+const MOST_EXPANSION_BYTES: f64 = 8e6;
 /// Bytes per pooled pressure: the values in single precision, in double precision, sorted, and with their weights.
-const POOLED_BYTES: f64 = 45.0;
+const POOLED_BYTES: f64 = 48.0;
 /// Bytes of the results of one contact solution.
 const OBSERVATION_BYTES: f64 = 160.0;
-/// Bytes per normal variable of a patch: the responses of rings of cells, and directions of sensitivities.
-const VARIABLE_BYTES: f64 = 1450.0;
+/// Bytes per normal variable of a patch, and per cell: the responses of rings of cells, and directions of sensitivities.
+const VARIABLE_BYTES: f64 = 340.0;
+const CELL_BYTES: f64 = 330.0;
 /// Most bytes of the pressures that the Monte Carlo samples keep, in single precision.
 const MOST_FIELD_BYTES: f64 = 536_870_912.0;
-/// Bytes per point of a strip's generator, and of one whose strips are not periodic.
-const PERIODIC_GENERATOR_BYTES: f64 = 120.0;
-const FREE_GENERATOR_BYTES: f64 = 500.0;
+/// Bytes per normal variable of the generator of strips.
+const GENERATOR_BYTES: f64 = 60.0;
+/// Bytes per point of a strip that all threads share.
+const RECORDS_BYTES: f64 = 80.0;
 /// Bytes per point of a strip's normal variables, heights and window sums.
 const STRIP_BYTES: f64 = 42.0;
 /// Copies of the records of friction in its statistics.
 const RECORD_COPIES: f64 = 2.5;
+
+/// Returns the number of the Fourier modes of a patch or strip of a surface that scans measure.
+fn fourier_modes(grid: Grid, periodic: bool) -> usize {
+    if periodic { grid.points() } else { 8 * grid.points() }
+}
 
 /// Returns the memory of the surface stage.
 pub(super) fn surface_bytes(scan_points: usize) -> f64 {
@@ -44,22 +55,28 @@ pub(super) fn kept_bytes(scan_points: usize) -> f64 {
 }
 
 impl Study {
+    /// Returns the model of a surface that no scan measures.
+    fn stated_surface(&self) -> Option<SurfaceModel> {
+        Some(SurfaceModel::new(self.surface.clone()?, None).ok()?.0)
+    }
+
     /// Returns the memory of the pressure stage.
     pub(super) fn pressure_bytes(&self, study: &PressureStudy, threads: usize) -> f64 {
         let (nx, ny) = (study.grid.nx(), study.grid.ny());
         let cells = nx as f64 * ny as f64;
         let periodic = study.boundary == BoundaryKind::Periodic;
-        // Without a number of terms, a patch has at most as many variables as its Fourier modes.
-        let stated = self.file().surface.as_ref().and_then(|surface| surface.modes);
-        let fourier = if periodic { cells } else { 4.0 * cells };
+        // A surface that is measured on scans has at most all Fourier modes.
+        let all_modes = PatchSize { variables: fourier_modes(study.grid, periodic), expansion_bytes: 0.0 };
+        let size = self.stated_surface().map_or(all_modes, |model| model.patch_size(study.grid, periodic));
         let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
-        let variables = bodies * stated.map_or(fourier, |modes| (modes as f64).min(fourier));
         let samples = study.reference_samples as f64;
         let pooled = if periodic { pooled_pressures([nx, ny], study.reference_samples) as f64 } else { samples };
         let fields = (4.0 * cells * study.fine_solves as f64).min(MOST_FIELD_BYTES);
         DISTRIBUTION_BYTES
             + threads as f64 * memory_bytes(nx.saturating_mul(ny), study.boundary)
-            + VARIABLE_BYTES * variables
+            + (EXPANSION_BYTES * study.fine_solves as f64).min(MOST_EXPANSION_BYTES)
+            + CELL_BYTES * cells
+            + bodies * (VARIABLE_BYTES * size.variables as f64 + size.expansion_bytes)
             + POOLED_BYTES * pooled
             + OBSERVATION_BYTES * samples
             + fields
@@ -74,11 +91,13 @@ impl Study {
         threads: usize,
     ) -> f64 {
         let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
-        let per_point = match study.boundary {
-            BoundaryKind::Periodic => PERIODIC_GENERATOR_BYTES,
-            BoundaryKind::Free => FREE_GENERATOR_BYTES,
+        let (periodic, model) = (study.boundary == BoundaryKind::Periodic, self.stated_surface());
+        let generator = |points: [usize; 2], size_m: [f64; 2]| {
+            let Ok(grid) = Grid::with_size(points[0], points[1], size_m[0], size_m[1]) else { return 0.0 };
+            let all_modes = || fourier_modes(grid, periodic);
+            let variables = model.as_ref().map_or_else(all_modes, |model| model.strip_variables(grid, periodic));
+            bodies * (GENERATOR_BYTES * variables as f64 + RECORDS_BYTES * grid.points() as f64)
         };
-        let generator = |[nx, ny]: [usize; 2]| bodies * per_point * nx as f64 * ny as f64;
         // Each thread has a solver and a strip.
         let solvers = |threads: usize, [nx, ny]: [usize; 2], strip_bytes: f64| {
             let cells = nx.saturating_mul(ny);
@@ -87,9 +106,9 @@ impl Study {
         // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
         let cutoff = plan.map_or(0.0, |plan| {
             let halved = plan.points.map(|points| points.saturating_mul(2));
-            generator(plan.points) + solvers(threads.min(STRIPS), halved, 0.0)
+            generator(plan.points, [plan.length_m, study.size_m[1]]) + solvers(threads.min(STRIPS), halved, 0.0)
         });
-        let strips = generator(study.points) + solvers(threads, study.points, STRIP_BYTES);
+        let strips = generator(study.points, study.size_m) + solvers(threads, study.points, STRIP_BYTES);
         strips.max(cutoff) + RECORD_COPIES * levels as f64 * study.realisations as f64 * record_bytes(study)
     }
 }
