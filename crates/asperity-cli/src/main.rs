@@ -7,7 +7,6 @@ mod commands;
 mod failure;
 mod input;
 mod monitor;
-mod npz;
 mod output;
 mod provenance;
 mod resources;

@@ -60,6 +60,7 @@ pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, to_byt
 pub use format::Format;
 pub use gwy::write_gwy;
 pub use npy::{write_npy, write_series};
+pub use npz::{read_npz, write_npz};
 pub use registry::descriptions;
 pub use replace::{
     check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file,

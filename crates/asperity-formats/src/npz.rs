@@ -10,8 +10,11 @@
 
 use crate::error::Result;
 use std::collections::BTreeMap;
+use std::io::{self, Cursor, Write};
 
 use ndarray::Array2;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
@@ -227,4 +230,62 @@ fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
         heights.iter_mut().for_each(|z| *z /= map.per_metre);
     }
     matrix(Format::Npz, &map.link, Location::Byte(0), (ny, nx), heights)
+}
+
+/// Writes a NumPy archive of named array files ([`crate::write_npy`], [`crate::write_series`]). Equal arrays give equal bytes.
+///
+/// # Errors
+/// A name occurs twice.
+pub fn write_npz(arrays: &[(&str, Vec<u8>)]) -> io::Result<Vec<u8>> {
+    // The archive stores no time and no attributes of this machine.
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .compression_level(Some(1))
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in arrays {
+        archive.start_file(format!("{name}{EXTENSION}"), options)?;
+        archive.write_all(bytes)?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
+
+/// Reads the two-dimensional array of this name from a NumPy archive.
+///
+/// # Errors
+/// The archive is damaged, or has no such array.
+pub fn read_npz(bytes: &[u8], name: &str) -> Result<Array2<f64>> {
+    let mut archive = Archive::open(Format::Npz, bytes)?;
+    let link = format!("{name}{EXTENSION}");
+    let start = archive.read_start(&link, START_BYTES)?;
+    let input = Input::entry(Format::Npz, &link, &start);
+    let header = Header::parse(&input)?;
+    let shape = header.matrix(&input)?;
+    heights(&mut archive, &Map { link, header, shape, per_metre: 1.0, states_unit: false })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{read_bytes, write_npy, write_series};
+    use ndarray::array;
+
+    #[test]
+    fn an_archive_stores_arrays_bit_for_bit_and_equal_arrays_give_equal_bytes() {
+        let (pressure, gap) = (array![[0.1, 2e9], [-0.0, 1.0 / 3.0]], array![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        let file = |values: &Array2<f64>| write_npy(&Scan::new(values.clone(), None));
+        let archive = || {
+            let pitch = write_series(&[1e-6]);
+            write_npz(&[("pressure_pa", file(&pressure)), ("gap_m", file(&gap)), ("dx_m", pitch)]).unwrap()
+        };
+        assert_eq!(archive(), archive());
+        assert_eq!(read_npz(&archive(), "pressure_pa").unwrap(), pressure);
+        assert_eq!(read_npz(&archive(), "gap_m").unwrap(), gap);
+        assert!(read_npz(&archive(), "other").is_err() && read_npz(&archive(), "dx_m").is_err());
+        // As a file of heights, it has the map of lengths and the pitch.
+        let scan = read_bytes(&archive()).unwrap();
+        assert_eq!((scan.heights_m, scan.pitch_m), (gap, Some((1e-6, 1e-6))));
+        assert!(write_npz(&[("a", file(&pressure)), ("a", file(&pressure))]).is_err());
+    }
 }

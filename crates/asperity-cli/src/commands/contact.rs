@@ -16,7 +16,7 @@ use asperity::contact::{
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
 use asperity::study::implausible_material;
-use asperity_formats::{Format, write_vtk_fields};
+use asperity_formats::{Format, Scan, write_npy, write_npz, write_vtk_fields};
 use clap::Args;
 use ndarray::Array2;
 
@@ -263,12 +263,14 @@ fn is_image(path: &Path) -> bool {
 
 /// Writes fields on one grid, and replaces an existing file.
 fn write_fields(path: &Path, grid: Grid, fields: &[(&str, &Array2<f64>)]) -> Result<(), Failure> {
-    if !is_image(path) {
-        return npz::write(path, fields);
-    }
-    let image = write_vtk_fields((grid.dx_m(), grid.dy_m()), fields)
-        .map_err(|error| Failure::new(Kind::Runtime, error.to_string()))?;
-    replace_file(path, |file| file.write_all(&image))
+    let bytes = if is_image(path) {
+        write_vtk_fields((grid.dx_m(), grid.dy_m()), fields)
+            .map_err(|error| Failure::new(Kind::Runtime, error.to_string()))?
+    } else {
+        let arrays = fields.iter().map(|(name, values)| (*name, write_npy(&Scan::new((*values).clone(), None))));
+        write_npz(&arrays.collect::<Vec<_>>()).map_err(|error| Failure::new(Kind::Runtime, error.to_string()))?
+    };
+    replace_file(path, |file| file.write_all(&bytes))
 }
 
 fn answer(solution: &Solution, analysis: &Analysis) -> Answer {

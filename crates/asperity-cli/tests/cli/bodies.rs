@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use asperity_formats::read;
+use asperity_formats::read_npz;
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -224,14 +224,16 @@ fn a_study_presses_a_scanned_counterface_as_asperity_contact_does() {
     );
     let statistics = run_in(folder.path(), "surface stats pad.x3p --level mean --json").json(0);
     assert_eq!(results["counterface"]["Sq_m"], statistics["Sq_m"]);
-    let field =
-        |name: &str| -> Array2<f64> { read(&folder.path().join(format!("pair/fields/{name}.npy"))).unwrap().heights_m };
-    let (pressure_pa, map) = (field("pressure_sample"), field("counterface_sample"));
-    assert_ne!(field("surface_sample"), map);
+    let field = |name: &str, unit: &str| -> Array2<f64> {
+        let archive = fs::read(folder.path().join(format!("pair/fields/{name}.npz"))).unwrap();
+        read_npz(&archive, &format!("{name}_{unit}")).unwrap()
+    };
+    let (pressure_pa, map) = (field("pressure_sample", "pa"), field("counterface_sample", "m"));
+    assert_ne!(field("surface_sample", "m"), map);
     let pressed = run_in(
         folder.path(),
-        "contact pair/fields/surface_sample.npy --counterface pair/fields/counterface_sample.npy --level none --json \
-         --pixel-size 2um,2um --youngs-modulus 210GPa --counterface-youngs-modulus 100GPa --counterface-poisson-ratio 0.4 \
+        "contact pair/fields/surface_sample.npz --counterface pair/fields/counterface_sample.npz --level none --json \
+         --youngs-modulus 210GPa --counterface-youngs-modulus 100GPa --counterface-poisson-ratio 0.4 \
          --hardness 1.5GPa --mean-pressure 300MPa --boundary free --tolerance 1e-6",
     );
     let pressed = pressed.json(0);

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use asperity_formats::{Scan, X3pData, read, write_vtk_fields, write_x3p};
+use asperity_formats::{Scan, X3pData, read, read_npz, write_vtk_fields, write_x3p};
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -141,7 +141,9 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     let index: Value = serde_json::from_slice(&fs::read(run.join("fields/index.json")).unwrap()).unwrap();
     assert!(index["pressure_mean"].is_object());
     for (name, entry) in index.as_object().unwrap() {
-        let values = read(&run.join(format!("fields/{name}.npy"))).unwrap().heights_m;
+        let array = format!("{name}_{}", entry["unit"].as_str().unwrap().to_lowercase());
+        let archive = fs::read(run.join(format!("fields/{name}.npz"))).unwrap();
+        let values = read_npz(&archive, array.trim_end_matches('_')).unwrap();
         let image =
             write_vtk_fields((number(entry, "dx_m"), number(entry, "dy_m")), &[(name.as_str(), &values)]).unwrap();
         assert!(fs::read(run.join(format!("fields/{name}.vti"))).unwrap() == image, "{name}");

@@ -17,6 +17,7 @@ use thiserror::Error;
 
 use crate::friction::process::ProcessError;
 use crate::study::result::{Provenance, Results, SCHEMA_VERSION};
+use crate::study::write_run::array_name;
 use crate::study::{CsvTable, TableError};
 use manifest::{MANIFEST, Manifest};
 pub use staging::Staging;
@@ -273,11 +274,11 @@ impl StoredRun {
             serde_json::from_slice(&read(FIELD_INDEX)?).map_err(|error| corrupt(FIELD_INDEX, error.to_string()))?;
         let mut fields = BTreeMap::new();
         for (name, entry) in index {
-            let relative = format!("fields/{name}.npy");
-            let scan = asperity_formats::read_bytes(&read(&relative)?)
-                .map_err(|error| corrupt(&relative, error.to_string()))?;
+            let relative = format!("fields/{name}.npz");
             let FieldEntry { dx_m, dy_m, unit } = entry;
-            fields.insert(name, StoredField { dx_m, dy_m, unit, values: scan.heights_m });
+            let values = asperity_formats::read_npz(&read(&relative)?, &array_name(&name, &unit))
+                .map_err(|error| corrupt(&relative, error.to_string()))?;
+            fields.insert(name, StoredField { dx_m, dy_m, unit, values });
         }
         let study = String::from_utf8_lossy(&read(STUDY)?).into_owned();
         Ok(Self { study, results, provenance, tables, fields })

@@ -6,7 +6,7 @@ use std::path::{self, Path, PathBuf};
 use asperity_results::Provenance;
 
 use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, file_hash};
-use crate::study::{Outcome, Staging, StoreError, Study, StudyFile, json_bytes};
+use crate::study::{Outcome, QuantityMap, Staging, StoreError, Study, StudyFile, json_bytes};
 
 /// Returns the provenance of a computation from the files `inputs`: version, name, seed and the hash of every file.
 ///
@@ -105,10 +105,23 @@ pub fn result_files(
         index.insert(name.clone(), entry);
         let pitch_m = (field.grid.dx_m(), field.grid.dy_m());
         write(&format!("fields/{name}.vti"), &asperity_formats::write_vtk_fields(pitch_m, &[(name, &field.values)])?)?;
-        let heights = asperity_formats::Scan::new(field.values.clone(), None);
-        write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&heights))?;
+        let archive =
+            npz(name, field).map_err(|source| StoreError::Io { path: format!("fields/{name}.npz").into(), source })?;
+        write(&format!("fields/{name}.npz"), &archive)?;
     }
     write(FIELD_INDEX, &json_bytes(&index)?)
+}
+
+/// Returns a NumPy archive of a field and its pitch. The name of the array ends with the unit.
+fn npz(name: &str, field: &QuantityMap) -> std::io::Result<Vec<u8>> {
+    let values = asperity_formats::write_npy(&asperity_formats::Scan::new(field.values.clone(), None));
+    let [dx, dy] = [field.grid.dx_m(), field.grid.dy_m()].map(|pitch_m| asperity_formats::write_series(&[pitch_m]));
+    asperity_formats::write_npz(&[(&array_name(name, field.unit), values), ("dx_m", dx), ("dy_m", dy)])
+}
+
+/// Returns the name of the array of a field in its archive.
+pub(super) fn array_name(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name}_{}", unit.to_lowercase()) }
 }
 
 /// Returns the study file with each path replaced by `name`.
