@@ -110,6 +110,15 @@ fn differs(results: &CampaignResults, place: usize) -> bool {
     values.any(|value| Some(value) != first)
 }
 
+/// Returns the values of a member that differ between members, without that of one key, in words.
+fn values_in_words(results: &CampaignResults, member: &MemberResult, without: Option<usize>) -> Vec<String> {
+    let is_exact = |key: &VariedKey, value: &InputValue| key.key.ends_with("_std") && number(value) == Some(0.0);
+    let places = (0..results.keys.len()).filter(|place| Some(*place) != without && differs(results, *place));
+    let values = places.map(|place| (&results.keys[place], &member.values[place]));
+    let values = values.filter(|(key, value)| !is_exact(key, value));
+    values.map(|(key, value)| format!("{} {}", key_in_words(key), shown(key, value))).collect()
+}
+
 /// Returns the verdict on a member as one word; a dash without one.
 fn verdict(member: &MemberResult) -> &'static str {
     match member.answers.vibrates {

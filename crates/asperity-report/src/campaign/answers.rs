@@ -2,7 +2,9 @@
 
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
-use super::{capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown};
+use super::{
+    capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown, values_in_words,
+};
 use crate::format::{count, significant};
 use crate::page::Answer;
 
@@ -220,8 +222,7 @@ fn extremes(results: &CampaignResults, answer: impl Fn(&MemberResult) -> Option<
 /// Returns a member with its first values: `member 5 (damping ratio 0.2, a.x3p)`.
 fn member_in_words(results: &CampaignResults, index: usize) -> String {
     let member = &results.members[index];
-    let keys = results.keys.iter().zip(&member.values).enumerate().filter(|(place, _)| differs(results, *place));
-    let values = keys.map(|(_, (key, value))| format!("{} {}", key_in_words(key), shown(key, value)));
+    let values = values_in_words(results, member, None);
     let words: Vec<String> = member.scan.iter().cloned().chain(values).take(MOST_NAMES).collect();
     if words.is_empty() {
         format!("member {}", index + 1)

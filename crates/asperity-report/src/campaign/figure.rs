@@ -2,7 +2,7 @@
 
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
-use super::{SOURCE, capitalised, differs, key_in_words, number, shown, unit_of, verdict};
+use super::{SOURCE, capitalised, differs, key_in_words, number, unit_of, values_in_words, verdict};
 use crate::figures::CaptionedFigure;
 use crate::format::{Unit, count};
 use crate::page::DASH;
@@ -31,9 +31,8 @@ type Group = (String, Vec<(f64, f64)>);
 pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
     let members = &results.members;
     let (title, answer) = QUANTITIES.into_iter().find(|(_, answer)| members.iter().any(|m| answer(m).is_some()))?;
-    let varied = || (0..results.keys.len()).filter(|place| differs(results, *place));
     let is_number = |place: &usize| members.iter().all(|member| matches!(member.values[*place], InputValue::Number(_)));
-    let over = varied().find(is_number);
+    let over = (0..results.keys.len()).find(|place| differs(results, *place) && is_number(place));
     let at = |index: usize, member: &MemberResult| match over {
         Some(place) => number(&member.values[place]).unwrap_or(f64::NAN),
         None => (index + 1) as f64,
@@ -41,7 +40,8 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
     let group = |name: &dyn Fn(&MemberResult) -> String| {
         let mut groups: Vec<Group> = Vec::new();
         for (index, member) in members.iter().enumerate() {
-            let (name, point) = (name(member), (at(index, member), answer(member).unwrap_or(f64::NAN)));
+            let Some(y) = answer(member) else { continue };
+            let (name, point) = (name(member), (at(index, member), y));
             match groups.iter().rposition(|(known, _)| *known == name) {
                 Some(place) => groups[place].1.push(point),
                 None if groups.len() > MOST_CURVES => break,
@@ -51,10 +51,8 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         groups
     };
     let others = |member: &MemberResult| {
-        let keys =
-            varied().filter(|place| Some(*place) != over).map(|place| (&results.keys[place], &member.values[place]));
-        let words = keys.map(|(key, value)| format!("{} {}", key_in_words(key), shown(key, value)));
-        words.chain(member.scan.clone()).collect::<Vec<_>>().join(", ")
+        let values = values_in_words(results, member, over);
+        values.into_iter().chain(member.scan.clone()).collect::<Vec<_>>().join(", ")
     };
     let curves = group(&others);
     let is_curves = over.is_some_and(|place| !results.keys[place].sampled) && curves.len() <= MOST_CURVES;
@@ -65,7 +63,7 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         (false, true) => scans,
         (false, false) => group(&|member: &MemberResult| verdict(member).to_owned()),
     };
-    let all = || groups.iter().flat_map(|(_, points)| points).filter(|(_, y)| y.is_finite());
+    let all = || groups.iter().flat_map(|(_, points)| points);
     let x_ends = range(&all().map(|(x, _)| *x).collect::<Vec<_>>())?;
     let (low, high) = range(&all().map(|(_, y)| *y).collect::<Vec<_>>())?;
     let x = match over.map(|place| &results.keys[place]) {
@@ -119,11 +117,11 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
     figure.map(|figure| CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
 }
 
-/// Returns the name and colour of points without a curve. Failed members have no points, and one group needs no name.
+/// Returns the name and colour of points without a curve. Points without a verdict need no name.
 fn of_group(name: &str, otherwise: Colour) -> (&str, Colour) {
     match name {
         "vibrates" => (name, VERMILION),
-        DASH | "failed" => ("", otherwise),
+        DASH => ("", otherwise),
         _ => (name, otherwise),
     }
 }
