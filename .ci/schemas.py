@@ -53,14 +53,13 @@ rms_height = "0.5 um"
 correlation_length = "20 um"
 """,
 }
-# Members of a campaign over the study "verdict", one of which fails.
+# Members of a campaign over the study "verdict", with a warning of few evaluations.
 CAMPAIGN = """study = "study.toml"
 [values]
 seed = [1, 9007199254740993]
 vibration.normal_force = ["2 kN", "4 ± 0.5 kN"]
-[zip]
-vibration.nominal_area = ["833 mm^2", "833 mm^2"]
-vibration.duration = [100.0, 120.0]
+vibration.damping_ratio = [0.05]
+verdict.evaluations = [1000]
 """
 # Objects whose keys are names of data.
 BY_NAME = {"parameters", "marginal_parameter_intervals", "kinds", "kind_shares"}
