@@ -191,7 +191,7 @@ fn probabilities(results: &CampaignResults) -> Option<Answer> {
     };
     let own = |member: &MemberResult| member.answers.probability.filter(|_| !is_undetermined(member));
     let detail = match extremes(results, own) {
-        Some([(least, low), (largest, high)]) if least != largest => {
+        Some([(least, low), (largest, high)]) if probability(low) != probability(high) => {
             format!("Least in {least} ({}), largest in {largest} ({}).", probability(low), probability(high))
         }
         _ => String::new(),
