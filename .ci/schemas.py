@@ -53,6 +53,14 @@ rms_height = "0.5 um"
 correlation_length = "20 um"
 """,
 }
+# Members of a campaign over the study "verdict", with a warning of few evaluations.
+CAMPAIGN = """study = "study.toml"
+[values]
+seed = [1, 9007199254740993]
+vibration.normal_force = ["2 kN", "4 ± 0.5 kN"]
+vibration.damping_ratio = [0.05]
+verdict.evaluations = [1000]
+"""
 # Objects whose keys are names of data.
 BY_NAME = {"parameters", "marginal_parameter_intervals", "kinds", "kind_shares"}
 
@@ -153,6 +161,9 @@ def check_results(folder: str) -> list[str]:
         pathlib.Path(folder, "study.toml").write_text(text)
         ended = asperity("run", "study.toml", "--out", name, "--quiet", "--json", cwd=folder)
         found[name] = json.loads(ended.stdout)
+    pathlib.Path(folder, "study.toml").write_text(RUNS["verdict"])
+    pathlib.Path(folder, "campaign.toml").write_text(CAMPAIGN)
+    found["campaign"] = json.loads(asperity("campaign", "campaign.toml", "--quiet", "--json", cwd=folder).stdout)
     failed = []
     for name, results in found.items():
         failed += [f"{name}: {wrong}" for wrong in [errors(schema, results)] if wrong]

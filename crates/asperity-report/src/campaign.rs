@@ -1,20 +1,21 @@
-//! The page of a campaign: a table of its members, and a figure of their answer over the values.
+//! The page of a campaign: where the verdict changes, a figure of the main answer over the values, and a table of the members.
 
-use asperity_results::{CampaignResults, InputValue, MemberResult, Provenance, VariedKey};
+mod answers;
+mod figure;
+mod table;
+
+use std::borrow::Cow;
+
+use asperity_results::{CampaignResults, InputValue, MemberResult, MemberWarning, Provenance, VariedKey};
 
 use crate::Report;
-use crate::figures::CaptionedFigure;
-use crate::format::{Unit, count, significant};
-use crate::markup::{Html, html};
-use crate::page::{Answer, DASH, Page, Section, dimension, kind_in_words, named, percent, yes_or_no};
-use crate::plot::{Axis, BLUE, Chart, Mark, pen, range};
+use crate::format::{Unit, count};
+use crate::page::{DASH, Page, Section, dimension, named, percent};
 
 /// Script that sorts the table.
 const SORT: &str = include_str!("page/sort.js");
 /// Largest number of rows of the page.
 const MOST_ROWS: usize = 5000;
-/// Largest number of curves in the figure.
-const MOST_CURVES: usize = 9;
 /// File with the numbers.
 const SOURCE: &str = "members.csv";
 
@@ -38,17 +39,25 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         more => format!(" {} more are in {SOURCE}.", count(more)),
     };
     let lead = format!("A click on the head of a column sorts the table.{rest}");
-    let figures = figure(results).into_iter().collect();
+    let figures = figure::figure(results).into_iter().collect();
+    let warning = |found: &MemberWarning| format!("{} ({})", found.warning, members_in_words(&found.members));
+    let warnings: Vec<String> = results.member_warnings.iter().map(warning).collect();
     let sections = [
         Section::new("comparison", "Comparison", "", Vec::new(), figures),
-        Some(Section::of_html("members", "Members", lead, table(results, shown))),
+        Some(Section::of_html("members", "Members", lead, table::table(results, shown))),
+        Section::sentences(
+            "warnings",
+            "Warnings of the members",
+            "A warning of several members has the numbers of the first of them.",
+            &warnings,
+        ),
         Section::provenance(run.provenance.as_ref()),
     ];
     let page = Page {
         title: run.name.clone(),
         intro: "One study with many values: report of a campaign by asperity.",
         first_screen: None,
-        answers: answers(results),
+        answers: answers::answers(results),
         warnings: &results.warnings,
         sections: sections.into_iter().flatten().collect(),
         appendix: Vec::new(),
@@ -57,65 +66,10 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
     page.render()
 }
 
-fn answers(results: &CampaignResults) -> Vec<Answer> {
-    let members = &results.members;
-    let failed = members.iter().filter(|member| member.failed).count();
-    let mut answers = vec![Answer {
-        question: "How many members are compared?",
-        answer: count(members.len()),
-        detail: match failed {
-            0 => "All have an answer.".into(),
-            failed => format!("{} have none; the table states the reasons.", count(failed)),
-        },
-    }];
-    let vibrating = members.iter().filter(|member| member.answers.vibrates == Some(true)).count();
-    let judged = members.iter().filter(|member| member.answers.vibrates.is_some()).count();
-    if judged > 0 {
-        answers.push(Answer {
-            question: "How many vibrate?",
-            answer: format!("{} of {}", count(vibrating), count(judged)),
-            detail: "Motion begins in stick; uncertain values are at their centres.".into(),
-        });
-    }
-    let probabilities = members.iter().enumerate().filter_map(|(i, member)| Some((i + 1, member.answers.probability?)));
-    let least = probabilities.clone().min_by(|a, b| a.1.total_cmp(&b.1));
-    let largest = probabilities.max_by(|a, b| a.1.total_cmp(&b.1));
-    if let (Some((least, low)), Some((largest, high))) = (least, largest) {
-        answers.push(Answer {
-            question: "How probable is vibration?",
-            answer: format!("{} to {}", percent(low, 3), percent(high, 3)),
-            detail: format!("Least in member {least}, largest in member {largest}."),
-        });
-    }
-    answers
-}
-
-/// Column of the table: its title and the cells, each with the number by which it is sorted.
-struct Column {
-    title: String,
-    cells: Vec<(String, Option<f64>)>,
-}
-
-impl Column {
-    /// Returns a column of numbers in one unit, which the title names.
-    fn numbers(title: &str, unit: &Unit, values: impl Iterator<Item = Option<f64>>) -> Self {
-        let title = if unit.symbol.is_empty() { title.to_owned() } else { format!("{title} ({})", unit.symbol) };
-        let cell = |value: Option<f64>| (value.map_or(DASH.into(), |v| significant(v / unit.si, 4)), value);
-        Self { title, cells: values.map(cell).collect() }
-    }
-
-    fn texts(title: &str, texts: impl Iterator<Item = String>) -> Self {
-        Self { title: title.into(), cells: texts.map(|text| (text, None)).collect() }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.cells.iter().all(|(text, _)| text == DASH)
-    }
-}
-
 /// Returns the number of a value in SI; `None` for a text.
 fn number(value: &InputValue) -> Option<f64> {
     match value {
+        InputValue::Integer(number) => Some(*number as f64),
         InputValue::Number(number) => Some(*number),
         InputValue::Name(_) => None,
     }
@@ -129,160 +83,93 @@ fn unit_of(key: &VariedKey, values: impl Iterator<Item = f64>) -> Unit {
 /// Returns a value with its unit, or a text.
 fn shown(key: &VariedKey, value: &InputValue) -> String {
     match value {
+        InputValue::Integer(number) => number.to_string(),
         InputValue::Number(number) => dimension(&key.unit).show(*number),
         InputValue::Name(text) => text.clone(),
     }
 }
 
-/// Returns the table of the first members.
-fn table(results: &CampaignResults, shown: usize) -> Html {
-    let members = &results.members[..shown];
-    let plain = Unit::none();
-    let of = |answer: fn(&MemberResult) -> Option<f64>| members.iter().map(answer);
-    let text = |answer: fn(&MemberResult) -> String| members.iter().map(answer);
-    let mut columns = vec![
-        Column::numbers("Member", &plain, (1..=shown).map(|number| Some(number as f64))),
-        Column::texts("Scan", text(|member| member.scan.clone().unwrap_or_else(|| DASH.into()))),
-    ];
-    // Numbers of members have no digits to round.
-    columns[0].cells.iter_mut().enumerate().for_each(|(place, cell)| cell.0 = (place + 1).to_string());
-    for (place, key) in results.keys.iter().enumerate() {
-        let values = || members.iter().map(|member| &member.values[place]);
-        let title = named(&key.key);
-        columns.push(match values().map(number).collect::<Option<Vec<f64>>>() {
-            Some(numbers) => {
-                let unit = unit_of(key, numbers.iter().copied());
-                Column::numbers(&title, &unit, numbers.into_iter().map(Some))
-            }
-            None => Column::texts(&title, values().map(|value| self::shown(key, value))),
-        });
+/// Returns the name of a key in words.
+fn key_in_words(key: &VariedKey) -> String {
+    match key.key.strip_suffix("_std").filter(|_| key.key != "vibration.friction_std") {
+        Some(of) => format!("standard deviation of {}", named(of)),
+        None => named(&key.key),
     }
-    columns.extend([
-        Column::numbers("Friction coefficient", &plain, of(|member| member.answers.friction_mean)),
-        Column::numbers("Its standard deviation", &plain, of(|member| member.answers.friction_std)),
-        Column::numbers("Limit damping ratio", &plain, of(|member| member.answers.limit_damping_ratio)),
-        Column::texts("Motion", text(|member| member.answers.kind.map_or(DASH, kind_in_words).into())),
-        Column::texts("Vibrates", text(|member| yes_or_no(member.answers.vibrates).into())),
-        Column {
-            title: "Probability of vibration".into(),
-            cells: of(|member| member.answers.probability).map(|p| (percent(p, 3), p)).collect(),
-        },
-        Column::texts(
-            "95 % interval",
-            text(|member| {
-                let interval = member.answers.probability_interval;
-                interval.map_or(DASH.into(), |[low, high]| format!("{} to {}", percent(low, 3), percent(high, 3)))
-            }),
-        ),
-        Column::numbers("Warnings", &plain, of(|member| Some(member.answers.warnings? as f64))),
-        Column::texts("Reason of the failure", text(|member| member.reason.clone().unwrap_or_else(|| DASH.into()))),
-    ]);
-    columns.retain(|column| !column.is_empty());
-    let headers = columns.iter().map(|column| html!("<th scope=\"col\" data-sort=\"\">{}</th>", &column.title));
-    let cell = |(text, value): &(String, Option<f64>)| match value {
-        Some(value) => html!("<td data-value=\"{}\">{}</td>", format!("{value:?}"), text),
-        None => html!("<td>{}</td>", text),
-    };
-    let rows = (0..shown).map(|row| {
-        let cells = columns.iter().map(|column| cell(&column.cells[row]));
-        html!("<tr>{}</tr>\n", cells.collect::<Html>())
-    });
-    html!(
-        "<div class=\"table\">\n<table class=\"sortable\">\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
-         <p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
-        headers.collect::<Html>(),
-        rows.collect::<Html>(),
-        SOURCE,
-    )
 }
 
-/// Main answer of a member, by title and value.
-type Quantity = (&'static str, fn(&MemberResult) -> Option<f64>);
+/// Returns the text of a value with its first letter in upper case.
+fn capitalised(mut text: String) -> String {
+    text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
+    text
+}
 
-/// Answers in the order in which the figure prefers them.
-const QUANTITIES: [Quantity; 3] = [
-    ("Probability of vibration", |member| member.answers.probability),
-    ("Limit damping ratio", |member| member.answers.limit_damping_ratio),
-    ("Friction coefficient", |member| member.answers.friction_mean),
-];
+/// Returns whether the members have several values of a key.
+fn differs(results: &CampaignResults, place: usize) -> bool {
+    let mut values = results.members.iter().map(|member| &member.values[place]);
+    let first = values.next();
+    values.any(|value| Some(value) != first)
+}
 
-/// Draws the main answer over the first key whose values are numbers, one curve for each choice of the other values; or over the members.
-fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
-    let members = &results.members;
-    let (title, answer) = QUANTITIES.into_iter().find(|(_, answer)| members.iter().any(|m| answer(m).is_some()))?;
-    let is_number = |place: usize| {
-        let mut values = members.iter().map(|member| number(&member.values[place]));
-        let first = values.next().flatten();
-        first.is_some() && values.clone().all(|value| value.is_some()) && values.any(|value| value != first)
-    };
-    let over = (0..results.keys.len()).find(|place| is_number(*place));
-    let at = |index: usize, member: &MemberResult| match over {
-        Some(place) => number(&member.values[place]).unwrap_or(f64::NAN),
-        None => (index + 1) as f64,
-    };
-    // Names of the curves in the order of their members, with their points.
-    let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    let is_sampled = over.is_some_and(|place| results.keys[place].sampled);
-    for (index, member) in members.iter().enumerate() {
-        let others = results.keys.iter().enumerate().filter(|(place, _)| Some(*place) != over && over.is_some());
-        let words = others.map(|(place, key)| format!("{} {}", named(&key.key), shown(key, &member.values[place])));
-        let name = words.chain(member.scan.clone().filter(|_| over.is_some())).collect::<Vec<_>>().join(", ");
-        let name = if is_sampled { String::new() } else { name };
-        let point = (at(index, member), answer(member).unwrap_or(f64::NAN));
-        let known = curves.iter().rposition(|(known, _)| *known == name);
-        match known {
-            Some(place) => curves[place].1.push(point),
-            None if curves.len() <= MOST_CURVES => curves.push((name, vec![point])),
-            // Too many curves: they become points.
-            None => curves[0].1.push(point),
+/// Returns the values of a member that differ between members, without that of one key, in words.
+fn values_in_words(results: &CampaignResults, member: &MemberResult, without: Option<usize>) -> Vec<String> {
+    let is_exact = |key: &VariedKey, value: &InputValue| key.key.ends_with("_std") && number(value) == Some(0.0);
+    let places = (0..results.keys.len()).filter(|place| Some(*place) != without && differs(results, *place));
+    let values = places.map(|place| (&results.keys[place], &member.values[place]));
+    let values = values.filter(|(key, value)| !is_exact(key, value));
+    values.map(|(key, value)| format!("{} {}", key_in_words(key), shown(key, value))).collect()
+}
+
+/// Returns the verdict on a member as one word; a dash without one.
+fn verdict(member: &MemberResult) -> &'static str {
+    match member.answers.vibrates {
+        _ if member.failed => "failed",
+        Some(true) => "vibrates",
+        Some(false) => "quiet",
+        None => DASH,
+    }
+}
+
+/// Formats a probability as a percentage.
+fn probability(probability: f64) -> Cow<'static, str> {
+    match probability {
+        p if p > 0.0 && p < 1e-4 => "< 0.01 %".into(),
+        p if p > 1.0 - 1e-4 && p < 1.0 => "> 99.99 %".into(),
+        p => percent(p, 3).into(),
+    }
+}
+
+/// Returns whether the interval of the probability of a member contains nearly every probability.
+fn is_undetermined(member: &MemberResult) -> bool {
+    member.answers.probability_interval.is_some_and(|[low, high]| high - low > 0.9)
+}
+
+/// Returns numbers of members in words, with the first ranges: `members 1 to 4, 6 and 9`.
+fn members_in_words(members: &[usize]) -> String {
+    const MOST: usize = 6;
+    let mut ranges: Vec<(usize, usize)> = Vec::new();
+    for &member in members {
+        match ranges.last_mut() {
+            Some((_, last)) if *last + 1 == member => *last = member,
+            _ => ranges.push((member, member)),
         }
     }
-    let is_curves = over.is_some() && !is_sampled && curves.len() <= MOST_CURVES;
-    let all = || curves.iter().flat_map(|(_, points)| points);
-    let x_ends = range(&all().map(|(x, _)| *x).collect::<Vec<_>>())?;
-    let y_ends = range(&all().map(|(_, y)| *y).collect::<Vec<_>>())?;
-    let x = match over.map(|place| &results.keys[place]) {
-        Some(key) => {
-            let mut name = named(&key.key);
-            name.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
-            Axis::padded(&name, unit_of(key, [x_ends.0, x_ends.1].into_iter()), x_ends, 0.03)
-        }
-        None => Axis::padded("Member", Unit::none(), x_ends, 0.03),
-    };
-    let y = match title {
-        "Probability of vibration" => Axis::linear(title, Unit::none(), (0.0, 1.0)),
-        _ => Axis::padded(title, Unit::none(), y_ends, 0.06),
-    };
-    let mut chart = Chart::new(x, y);
-    if is_curves {
-        for (place, (name, mut points)) in curves.into_iter().enumerate() {
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-            chart.points(name, &x, &y, pen(place));
-        }
-    } else {
-        let (x, y): (Vec<f64>, Vec<f64>) = curves.into_iter().flat_map(|(_, points)| points).unzip();
-        chart.add("", Mark::Dots { x, y, radius: 3.0, colour: BLUE, opacity: 0.7 });
-    }
-    let failed = members.iter().filter(|member| answer(member).is_none()).count();
-    let mut caption = match over {
-        Some(_) if is_curves => "One point for each member.".to_owned(),
-        Some(_) => "One point for each member; the members differ in other values as well.".to_owned(),
-        None => "One point for each member, in the order of the table.".to_owned(),
-    };
-    match failed {
-        0 => {}
-        1 => caption += " One member has no value.",
-        failed => caption += &format!(" {} members have no value.", count(failed)),
-    }
-    let figure = CaptionedFigure::from_charts("members", title, caption, 1, &[chart], &[]);
-    figure.map(|figure| CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
+    let more: usize = ranges.iter().skip(MOST).map(|(first, last)| last - first + 1).sum();
+    let words = ranges.iter().take(MOST).map(|(first, last)| match last - first {
+        0 => first.to_string(),
+        1 => format!("{first}, {last}"),
+        _ => format!("{first} to {last}"),
+    });
+    let noun = if members.len() == 1 { "member" } else { "members" };
+    let more = if more > 0 { format!(" and {} more", count(more)) } else { String::new() };
+    format!("{noun} {}{more}", words.collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]
 mod tests {
-    use asperity_results::MemberAnswers;
+    use asperity_results::{KindResult, MemberAnswers};
 
+    use super::answers::answers;
+    use super::figure::figure;
     use super::*;
 
     /// Returns a campaign of two hardnesses and three damping ratios, the last of which has no answer.
@@ -308,9 +195,9 @@ mod tests {
     fn the_page_has_a_sortable_row_for_each_member_and_a_curve_for_each_second_value() {
         let run = CampaignRun { name: "sweep".into(), results: campaign(), provenance: None };
         let Report { html, figures } = render_campaign(&run);
-        assert_eq!(html.matches("<tr><td data-value=").count(), 6, "{html}");
-        assert!(html.contains("<td data-value=\"150000000.0\">150</td>") && html.contains("hardness (MPa)"));
-        assert!(html.contains("a &lt;reason&gt;") && html.contains("85 %") && !html.contains("Vibrates</th>"));
+        assert_eq!(html.matches("<tr><td class=\"\" data-value=").count(), 6, "{html}");
+        assert!(html.contains("data-value=\"150000000.0\">150</td>") && html.contains("Hardness (MPa)"));
+        assert!(html.contains("a &lt;reason&gt;") && html.contains("85 %") && !html.contains("Motion</th>"));
         let [figure] = figures.as_slice() else { panic!("{} figures", figures.len()) };
         for name in ["hardness 100", "hardness 150", "Damping ratio", "Probability of vibration"] {
             assert!(figure.svg.contains(name), "{name} is missing: {}", figure.svg);
@@ -324,6 +211,106 @@ mod tests {
         assert!(page.contains("default-src 'none'") && page.contains("script-src 'sha256-"), "{page}");
         let run = crate::render(&crate::Run::default()).unwrap().html;
         assert!(!run.contains("script"));
+    }
+
+    /// Returns a campaign whose machines vibrate below a damping ratio of 0.15, or of 0.08 if they are harder.
+    fn judged() -> CampaignResults {
+        let mut results = campaign();
+        for member in &mut results.members {
+            let [damping, hardness] = [0, 1].map(|place| number(&member.values[place]).unwrap());
+            let limit = if hardness > 1.2e8 { 0.08 } else { 0.15 };
+            (member.failed, member.reason) = (false, None);
+            member.answers = MemberAnswers {
+                vibrates: Some(damping < limit),
+                kind: Some(if damping < limit { KindResult::StickSlip } else { KindResult::None }),
+                limit_damping_ratio: Some(limit),
+                damping_margin: Some(damping - limit),
+                ..MemberAnswers::default()
+            };
+        }
+        results
+    }
+
+    fn answer(results: &CampaignResults, question: &str) -> (String, String) {
+        let found = answers(results).into_iter().find(|answer| answer.question == question);
+        let plain = |text: String| text.replace('\u{a0}', " ");
+        found.map(|found| (plain(found.answer), plain(found.detail))).unwrap()
+    }
+
+    #[test]
+    fn the_first_screen_states_where_the_verdict_changes() {
+        let mut results = judged();
+        let (vibrating, which) = answer(&results, "How many vibrate?");
+        assert!(vibrating == "3 of 6" && which.starts_with("Members 1 to 3."), "{vibrating} {which}");
+        let (place, why) = answer(&results, "Where does it change?");
+        assert_eq!(place, "Between damping ratio 0.05 and 0.2");
+        assert!(
+            why.starts_with("Up to damping ratio 0.05 all members vibrate; from 0.2 on no member vibrates."),
+            "{why}"
+        );
+        assert!(why.contains("other values decide, too"), "{why}");
+        // Scans decide alone.
+        for (index, member) in results.members.iter_mut().enumerate() {
+            member.scan = Some(format!("{}.x3p", index % 2));
+            member.answers.vibrates = Some(index % 2 == 0);
+        }
+        let values = results.keys.iter_mut().map(|key| key.unit.clear()).count();
+        results.members.iter_mut().for_each(|member| member.values = vec![InputValue::Integer(1); values]);
+        let found = answer(&results, "Where does it change?");
+        let why = "All members with scan 0.x3p vibrate. No member with scan 1.x3p vibrates.";
+        assert_eq!(found, ("With the scan".into(), why.into()));
+    }
+
+    #[test]
+    fn the_margin_is_drawn_where_the_limit_does_not_depend_on_the_first_key() {
+        let drawn = figure(&judged()).unwrap();
+        assert_eq!(drawn.title, "Margin of the damping ratio");
+        for words in ["Margin ζ − ζ_v", "ζ &lt; ζ_v: vibrates", "ζ &gt; ζ_v: quiet", "hardness 100"] {
+            assert!(drawn.svg.contains(words), "{words}: {}", drawn.svg);
+        }
+    }
+
+    #[test]
+    fn many_choices_have_the_colour_of_their_scan_or_of_their_verdict() {
+        let mut results = judged();
+        let all: Vec<MemberResult> = (0..10).flat_map(|_| results.members.clone()).collect();
+        results.members = all;
+        for (index, member) in results.members.iter_mut().enumerate() {
+            member.values[1] = InputValue::Number(1e8 + 1e6 * index as f64);
+        }
+        let drawn = figure(&results).unwrap().svg;
+        assert!(drawn.contains(">vibrates<") && drawn.contains(">quiet<"), "{drawn}");
+        for (index, member) in results.members.iter_mut().enumerate() {
+            member.scan = Some(["a.x3p", "b.x3p"][index % 2].into());
+        }
+        let drawn = figure(&results).unwrap().svg;
+        assert!(drawn.contains(">a.x3p<") && drawn.contains(">b.x3p<") && !drawn.contains(">quiet<"), "{drawn}");
+    }
+
+    #[test]
+    fn the_table_has_the_answers_before_the_values() {
+        let mut results = judged();
+        results.members[1].answers = MemberAnswers {
+            vibrates: Some(false),
+            probability: Some(2.93e-12),
+            probability_interval: Some([0.0, 1e-10]),
+            ..MemberAnswers::default()
+        };
+        results.members[2].answers.probability = Some(0.5);
+        results.members[2].answers.probability_interval = Some([0.0, 1.0]);
+        (results.members[3].failed, results.members[3].reason) = (true, Some("no scan".into()));
+        results.member_warnings = vec![MemberWarning { warning: "It is small.".into(), members: vec![1, 2, 4] }];
+        let html = render_campaign(&CampaignRun { results: results.clone(), ..CampaignRun::default() }).html;
+        let place = |words: &str| html.find(words).unwrap_or_else(|| panic!("{words} is missing: {html}"));
+        assert!(place("Verdict</th>") < place("Probability of vibration</th>"));
+        assert!(place("Probability of vibration</th>") < place("Damping ratio</th>"));
+        assert!(
+            place("<span class=\"chip failed\">failed</span> <small class=\"reason\">no scan</small>")
+                > place("chip quiet")
+        );
+        assert!(html.contains("&lt; 0.01 %") && html.contains(">not determined<") && !html.contains("·10"));
+        assert!(html.contains("It is small. (members 1, 2, 4)"));
+        assert_eq!(answer(&results, "How probable is vibration?").0, "Below 5 % in 1, not determined in 1");
     }
 
     #[test]

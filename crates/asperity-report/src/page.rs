@@ -28,7 +28,7 @@ use crate::figures::{self, CaptionedFigure};
 use crate::markup::{Html, html};
 use crate::{Figure, Report, ReportError, Run};
 pub(crate) use answers::Answer;
-pub(crate) use cells::{DASH, percent, shown, yes_or_no};
+pub(crate) use cells::{DASH, percent, shown};
 pub(crate) use friction::{conditions, distribution_name, operating_level};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};

@@ -1,14 +1,16 @@
 //! The results of a campaign: `results.json` of its folder.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{InputValue, KindResult, Pair, SCHEMA_VERSION};
 
 /// Rows of all members of a campaign.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CampaignResults {
-    /// Version of the keys; [`SCHEMA_VERSION`].
+    /// Version of the keys.
+    #[schemars(extend("const" = SCHEMA_VERSION))]
     pub schema_version: u64,
     /// Seed of the campaign.
     pub seed: u64,
@@ -18,19 +20,29 @@ pub struct CampaignResults {
     pub members: Vec<MemberResult>,
     /// Warnings, in sentences.
     pub warnings: Vec<String>,
+    /// Warnings of the members. Warnings that differ in numbers only are one.
+    pub member_warnings: Vec<MemberWarning>,
 }
 
 impl Default for CampaignResults {
     fn default() -> Self {
-        Self { schema_version: SCHEMA_VERSION, seed: 0, keys: Vec::new(), members: Vec::new(), warnings: Vec::new() }
+        Self {
+            schema_version: SCHEMA_VERSION,
+            seed: 0,
+            keys: Vec::new(),
+            members: Vec::new(),
+            warnings: Vec::new(),
+            member_warnings: Vec::new(),
+        }
     }
 }
 
 /// Key of a study that differs between the members.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VariedKey {
-    /// Name, `section.key`.
+    /// Name, `section.key`; of a component of a list `section.key[0]`, of the standard deviations of uncertain values
+    /// `section.key_std`.
     pub key: String,
     /// SI unit of the values; empty for numbers and texts.
     pub unit: String,
@@ -38,13 +50,24 @@ pub struct VariedKey {
     pub sampled: bool,
 }
 
+/// Warning of some members.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MemberWarning {
+    /// The warning with the numbers of the first of these members.
+    pub warning: String,
+    /// Numbers of the members, counted from 1.
+    pub members: Vec<usize>,
+}
+
 /// One member of a campaign: its values, and its answers or the reason why it has none.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct MemberResult {
     /// Scan, relative to the campaign file; absent if the members have the scan of the study.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<String>,
-    /// Values of the keys: numbers in SI, or texts as stated.
+    /// Values of the keys: numbers in SI, uncertain ones at their centres, or texts as stated.
     pub values: Vec<InputValue>,
     /// Whether the member has no answer.
     pub failed: bool,
@@ -57,7 +80,7 @@ pub struct MemberResult {
 }
 
 /// Main results of one study.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MemberAnswers {
     /// Mean friction coefficient, of the operating point or as stated.
     pub friction_mean: Option<f64>,
@@ -65,6 +88,8 @@ pub struct MemberAnswers {
     pub friction_std: Option<f64>,
     /// Damping ratio above which no vibration persists, with uncertain values at their centres.
     pub limit_damping_ratio: Option<f64>,
+    /// Margin of the damping: damping ratio minus `limit_damping_ratio`.
+    pub damping_margin: Option<f64>,
     /// Kind of motion, with uncertain values at their centres.
     pub kind: Option<KindResult>,
     /// Whether the machine vibrates if its motion begins in stick, with uncertain values at their centres.

@@ -6,16 +6,25 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
 use crate::companions::{CompanionCells, Companions};
-use crate::{Results, SCHEMA_VERSION, SurfaceStatistics};
+use crate::{CampaignResults, Results, SCHEMA_VERSION, SurfaceStatistics};
 
-/// Returns the JSON Schema (draft 2020-12) of the `results.json` that this version writes.
+/// Results of a run or of a campaign.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum ResultsFile {
+    Run(Box<Results>),
+    Campaign(CampaignResults),
+}
+
+/// Returns the JSON Schema (draft 2020-12) of the `results.json` that this version writes, of a run or of a campaign.
 ///
-/// Its descriptions are the documentation of the fields of [`Results`]. Every object is closed, so an unknown key is invalid.
+/// Its descriptions are the documentation of the fields of [`Results`] and [`CampaignResults`]. Every object is closed, so an unknown key is invalid.
 pub fn results_schema() -> Schema {
     let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(tidy).with_transform(without_defaults);
-    let mut schema = settings.into_generator().into_root_schema_for::<Results>();
+    let mut schema = settings.into_generator().into_root_schema_for::<ResultsFile>();
     schema.insert("$id".into(), format!("urn:asperity:results:{SCHEMA_VERSION}").into());
-    schema.insert("title".into(), "Results of an asperity study".into());
+    schema.insert("title".into(), "Results of an asperity study or campaign".into());
     schema
 }
 

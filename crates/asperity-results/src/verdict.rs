@@ -113,6 +113,8 @@ pub struct RestsOn {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum InputValue {
+    /// Whole number, such as a seed.
+    Integer(i64),
     /// Number in SI.
     Number(f64),
     /// Name of a choice, such as `stribeck`.

@@ -147,7 +147,8 @@ impl Computation {
             1 => "; one friction stage is common to several".to_owned(),
             shared => format!("; {shared} friction stages are common to several"),
         };
-        Some(format!("{} members{shared}", campaign.members()))
+        let members = campaign.members();
+        Some(format!("{members} {}{shared}", if members == 1 { "member" } else { "members" }))
     }
 
     /// Returns the record of the run, or of one part of it.

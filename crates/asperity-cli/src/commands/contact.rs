@@ -26,12 +26,12 @@ use layering::Layering;
 use unloading::Unloaded;
 
 use super::surface::preparation::LevelOption;
+use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target, replace_file};
 use crate::resources::{require_disk, require_memory};
-use crate::{args, npz};
 
 /// Approximate disk space of a cell's fields in a NumPy archive, in bytes: displacement and gap hardly shrink.
 const ARCHIVE_BYTES: f64 = 20.0;

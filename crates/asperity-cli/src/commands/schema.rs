@@ -24,7 +24,7 @@ pub(crate) struct Schema {
 enum File {
     /// Study files.
     Study,
-    /// The results.json of a run folder.
+    /// The results.json of a run or of a campaign.
     Results,
 }
 

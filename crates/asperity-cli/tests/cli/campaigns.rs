@@ -172,7 +172,18 @@ fn an_unusable_scan_is_a_row_with_its_reason() {
     assert_eq!(failed, [false, false, true], "{found}");
     let reason = members[2]["reason"].as_str().unwrap();
     assert!(reason.starts_with("lot-2/bad.npy"), "{reason}");
-    assert_eq!(found["warnings"][0], "1 of 3 members have no answer");
+    assert_eq!(found["warnings"][0], "1 of 3 members has no answer");
+    // So is a missing file of a list.
+    fs::write(
+        at.join("list.toml"),
+        "study = \"study.toml\"\n[values]\nsurface.file = [\"lot-2/b.npy\", \"gone.npy\"]\n",
+    )
+    .unwrap();
+    let found = run_in(at, "campaign list.toml --json").json(0);
+    let gone = &found["members"][1];
+    assert!(
+        gone["reason"].as_str().unwrap().starts_with("gone.npy") && !found["members"][0]["failed"].as_bool().unwrap()
+    );
     // Without any answer the rows are still written.
     fs::write(at.join("lot-2/b.npy"), "no heights").unwrap();
     fs::write(at.join("lot-1/deep/a.npy"), "").unwrap();
@@ -229,19 +240,21 @@ fn a_killed_campaign_goes_on_with_the_same_bytes() {
 
 #[test]
 fn errors_of_a_campaign_name_its_line() {
-    let cases: [(&str, u32, &[&str]); 13] = [
+    let cases: [(&str, u32, &[&str]); 15] = [
         ("[values]\nvibration.damping_rati = [0.1]\n", 3, &["vibration.damping_rati", "did you mean `damping_ratio`?"]),
         ("[values]\n\"vibration.mass\" = [\"1 kg\", \"2 m\"]\n", 3, &["`m` is not a unit of mass"]),
         ("[values]\nvibration.damping_ratio = 0.1\n", 3, &["a list of values"]),
         ("[values]\n\nvibration.damping_ratio = [0.1, -0.1]\n", 4, &["damping_ratio", "-0.1"]),
         ("[values.vibration]\nmass = [\"1 kg\"]\n[zip]\nvibration.mass = [\"2 kg\"]\n", 5, &["listed twice"]),
-        ("[zip]\nvibration.damping_ratio = [0.1, 0.2]\nvibration.mass = [\"1 kg\"]\n", 4, &["has 1 values", "has 2"]),
+        ("[zip]\nvibration.damping_ratio = [0.1, 0.2]\nvibration.mass = [\"1 kg\"]\n", 4, &["has 1 value,", "has 2"]),
         ("[sample]\nvibration.damping_ratio = \"0.1 .. 0.2\"\n", 2, &["no `count`"]),
         ("[sample]\ncount = 2\nvibration.damping_ratio = 0.1\n", 4, &["not a distribution"]),
         ("[sample]\ncount = 2\nvibration.damping_ratio = \"0.01 ± 0.02\"\n", 4, &["lies outside"]),
         ("[sample]\ncount = 0\nvibration.damping_ratio = \"0.1 .. 0.2\"\n", 3, &["a whole number from 1 on"]),
         ("[value]\nvibration.damping_ratio = [0.1]\n", 2, &["did you mean `values`?"]),
         ("", 1, &["nothing differs"]),
+        ("scans = [\"a\"]\n", 2, &["found [\"a\"], expected one pattern"]),
+        ("scans = \"*.toml\"\n", 2, &["the study states its friction"]),
         ("[values]\nfriction.window = [\"1 mm\"]\n", 3, &["need a [surface] section"]),
     ];
     for (campaign, line, words) in cases {

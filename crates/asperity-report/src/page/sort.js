@@ -1,5 +1,5 @@
 for (const table of document.querySelectorAll("table.sortable")) {
-  const headers = [...table.tHead.rows[0].cells];
+  const headers = [...table.tHead.rows[table.tHead.rows.length - 1].cells];
   headers.forEach((header, column) => {
     const sort = () => {
       const up = header.dataset.sort !== "up";

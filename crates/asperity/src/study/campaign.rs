@@ -12,13 +12,18 @@ use std::path::{Path, PathBuf};
 use asperity_base::blocks::{self, Task};
 use toml::{Table, Value};
 
-use self::factors::{Factor, Key, Reader, SCAN, in_si, set};
+use self::factors::{Column, Factor, Key, Reader, SCAN, set};
 pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
-use crate::study::result::{CampaignResults, InputValue, KindResult, MemberAnswers, MemberResult, Results, VariedKey};
+use crate::study::result::{CampaignResults, KindResult, MemberAnswers, MemberResult, MemberWarning, Results};
 use crate::study::run::{SharedFriction, Stages};
-use crate::study::{RunBlocks, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash};
+use crate::study::{
+    RunBlocks, Stage, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash, sentence,
+};
+
+/// Answers of a member, and its warnings.
+type Answered = (MemberAnswers, Vec<String>);
 
 /// Name of the stage that the blocks of a campaign belong to.
 const STAGE: &str = "campaign";
@@ -113,24 +118,33 @@ impl Campaign {
         &self.study
     }
 
-    /// Returns the study file and the data that the members read, each once.
+    /// Returns the study file and the data that the members read, each once. A missing file that only some members read is left out,
+    /// because these members fail.
     pub fn inputs(&self) -> Vec<PathBuf> {
+        let found = self.files().into_iter().filter(|(file, is_common)| *is_common || file.is_file());
+        found.map(|(file, _)| file).collect()
+    }
+
+    /// Returns the study file and the data that the members read, each once, and whether all members read it.
+    fn files(&self) -> Vec<(PathBuf, bool)> {
         let folder = self.study_folder();
-        let mut found = vec![self.folder.join(&self.study_path)];
-        let mut known: BTreeSet<PathBuf> = found.iter().cloned().collect();
-        for member in self.one_by_one() {
-            let Ok(study) = self.member(member) else { continue };
-            let files = study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder));
-            found.extend(files.filter(|file| known.insert(file.clone())));
-        }
+        let of_member = |study: Study| -> Vec<PathBuf> {
+            study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder)).collect()
+        };
+        let members = self.one_by_one().into_iter().filter_map(|member| self.member(member).ok());
+        let members: Vec<Vec<PathBuf>> = members.map(of_member).collect();
         let mut samples = Vec::new();
         sample_files(&self.table, &mut samples);
         if let Ok(campaign) = toml::from_str(&self.text) {
             sample_files(&campaign, &mut samples);
         }
-        let samples = samples.into_iter().map(|file| folder.join(file));
-        found.extend(samples.filter(|file| known.insert(file.clone())));
-        found
+        let common = samples.into_iter().map(|file| (folder.join(file), true));
+        let study = (self.folder.join(&self.study_path), true);
+        let of_members =
+            members.iter().flatten().map(|file| (file.clone(), members.iter().all(|own| own.contains(file))));
+        let mut known = BTreeSet::new();
+        let all = std::iter::once(study).chain(of_members).chain(common);
+        all.filter(|(file, _)| known.insert(file.clone())).collect()
     }
 
     /// Returns members that have every choice of every factor at least once.
@@ -229,15 +243,22 @@ impl Campaign {
     /// Checks every member. A value with which no member is a valid study is an error; other refused members have a reason.
     fn check_members(&mut self, reader: &Reader<'_>) -> Result<(), StudyFileError> {
         let folder = self.study_folder();
-        let checked: Vec<Result<Option<String>, String>> =
-            blocks::map(0..self.members(), |member| self.member(member).map(|study| study.friction_key(&folder)));
+        let check = |study: Study| (study.friction_key(&folder), study.has(Stage::Vibration));
+        let checked: Vec<Result<(Option<String>, bool), String>> =
+            blocks::map(0..self.members(), |member| self.member(member).map(check));
         let mut valid: Vec<Vec<bool>> = self.factors.iter().map(|factor| vec![false; factor.len()]).collect();
         let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (member, found) in checked.iter().enumerate() {
-            if let Ok(key) = found {
+            if let Ok((key, _)) = found {
                 self.choices(member).into_iter().zip(&mut valid).for_each(|(choice, valid)| valid[choice] = true);
                 key.iter().for_each(|key| groups.entry(key).or_default().push(member));
             }
+        }
+        let has_scans = self.factors.iter().any(|factor| matches!(factor, Factor::Scans(_)));
+        if has_scans && groups.is_empty() && checked.iter().flatten().any(|(_, vibrates)| *vibrates) {
+            let message = "scans change no answer, because the study states its friction instead of computing it; remove `scans`, or \
+                           add [friction] and remove the stated friction";
+            return Err(reader.error(reader.line("scans"), message));
         }
         let mut shared: Vec<Vec<usize>> = groups.into_values().filter(|members| members.len() > 1).collect();
         shared.sort();
@@ -272,7 +293,7 @@ impl Campaign {
     /// fails has its reason in the results.
     pub fn run_with(&self, blocks: Option<&RunBlocks>, monitor: &dyn Monitor) -> Result<CampaignResults, StudyError> {
         let hashes = match blocks {
-            Some(_) => self.inputs().iter().skip(1).map(|file| file_hash(file).unwrap_or_default()).collect(),
+            Some(_) => self.files().iter().skip(1).map(|(file, _)| file_hash(file).unwrap_or_default()).collect(),
             None => Vec::<String>::new(),
         };
         let scans: Vec<&Factor> = self.factors.iter().filter(|factor| matches!(factor, Factor::Scans(_))).collect();
@@ -284,7 +305,7 @@ impl Campaign {
     }
 
     /// Computes the friction stages that several members have in common, then the members.
-    fn compute(&self, monitor: &dyn Monitor) -> Result<Vec<Result<MemberAnswers, String>>, StudyError> {
+    fn compute(&self, monitor: &dyn Monitor) -> Result<Vec<Result<Answered, String>>, StudyError> {
         let inner = Inner(monitor);
         let folder = self.study_folder();
         let alone = |count: usize| count >= rayon::current_num_threads();
@@ -313,7 +334,8 @@ impl Campaign {
             on(alone(count), || {
                 let study = self.member(member)?;
                 let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;
-                Ok(answers(&found.0, found.1.as_ref()))
+                let damping = study.vibration.as_ref().map(|vibration| vibration.damping_ratio);
+                Ok((answers(&found.0, found.1.as_ref(), damping), found.0.warnings))
             })
         })?;
         Ok(members)
@@ -328,44 +350,36 @@ impl Campaign {
         reason
     }
 
-    fn results(&self, answers: Vec<Result<MemberAnswers, String>>) -> CampaignResults {
-        let mut units: Vec<&str> = self.factors.iter().flat_map(Factor::keys).map(|_| "").collect();
+    fn results(&self, answers: Vec<Result<Answered, String>>) -> CampaignResults {
+        let folder = self.study_folder();
+        let columns: Vec<Vec<Column>> = self.factors.iter().map(|factor| factor.columns(&folder)).collect();
+        let member_warnings = member_warnings(&answers);
         let members = answers.into_iter().enumerate().map(|(member, found)| {
-            let choices = self.choices(member);
             let (mut scan, mut values) = (None, Vec::new());
-            for (factor, choice) in self.factors.iter().zip(choices) {
+            for ((factor, columns), choice) in self.factors.iter().zip(&columns).zip(self.choices(member)) {
                 if let Factor::Scans(scans) = factor {
                     scan = Some(scans[choice].clone());
                 }
-                for (key, value) in factor.keys().into_iter().zip(factor.values(choice)) {
-                    values.push(match in_si(&key.name, &value) {
-                        Ok((number, unit)) => {
-                            units[values.len()] = unit;
-                            InputValue::Number(number)
-                        }
-                        Err(text) => InputValue::Name(text),
-                    });
-                }
+                values.extend(columns.iter().map(|column| column.cells[choice].clone()));
             }
             let (failed, reason) = (found.is_err(), found.as_ref().err().cloned());
-            MemberResult { scan, values, failed, reason, answers: found.unwrap_or_default() }
+            MemberResult { scan, values, failed, reason, answers: found.unwrap_or_default().0 }
         });
         let members: Vec<MemberResult> = members.collect();
-        let keys =
-            self.factors.iter().flat_map(|factor| factor.keys().into_iter().map(|key| (key, factor.is_sampled())));
-        let keys = keys.zip(units).map(|((key, sampled), unit)| VariedKey {
-            key: key.name.clone(),
-            unit: unit.into(),
-            sampled,
-        });
-        let keys = keys.collect();
-        let failed = members.iter().filter(|member| member.failed).count();
-        let warnings = (failed > 0).then(|| format!("{failed} of {} members have no answer", members.len()));
+        let warning = match (members.iter().filter(|member| member.failed).count(), members.len()) {
+            (0, _) => None,
+            (1, 1) => Some("the member has no answer".to_owned()),
+            (failed, all) => {
+                let have = if failed == 1 { "has" } else { "have" };
+                Some(format!("{failed} of {} {have} no answer", sentence::count(all, "member", "members")))
+            }
+        };
         CampaignResults {
             seed: self.seed,
-            keys,
+            keys: columns.into_iter().flatten().map(|column| column.key).collect(),
             members,
-            warnings: warnings.into_iter().collect(),
+            warnings: warning.into_iter().collect(),
+            member_warnings,
             ..CampaignResults::default()
         }
     }
@@ -385,10 +399,9 @@ impl Campaign {
             changes.push((span, Value::String(whole).to_string()));
         }
         let mut first = String::new();
-        match (reader.span("seed"), self.other_seed) {
-            (Some(span), Some(seed)) => changes.push((span, seed.to_string())),
-            (None, Some(seed)) => first = format!("seed = {seed}\n"),
-            (_, None) => {}
+        match reader.span("seed") {
+            Some(span) => changes.push((span, self.seed.to_string())),
+            None => first = format!("seed = {}\n", self.seed),
         }
         changes.sort_by_key(|(span, _)| span.start);
         let mut text = self.text.clone();
@@ -397,6 +410,29 @@ impl Campaign {
         }
         first + &text
     }
+}
+
+/// Returns the warnings of the members, those that differ in numbers only as one.
+fn member_warnings(answers: &[Result<Answered, String>]) -> Vec<MemberWarning> {
+    let mut found: Vec<MemberWarning> = Vec::new();
+    let mut known: BTreeMap<String, usize> = BTreeMap::new();
+    for (index, warnings) in
+        answers.iter().enumerate().filter_map(|(index, found)| Some((index, &found.as_ref().ok()?.1)))
+    {
+        for warning in warnings {
+            let has_digit = |word: &&str| word.contains(|letter: char| letter.is_ascii_digit());
+            let words: Vec<&str> = warning.split_whitespace().filter(|word| !has_digit(word)).collect();
+            let place = *known.entry(words.join(" ")).or_insert(found.len());
+            if place == found.len() {
+                found.push(MemberWarning { warning: warning.clone(), members: Vec::new() });
+            }
+            let members = &mut found[place].members;
+            if members.last() != Some(&(index + 1)) {
+                members.push(index + 1);
+            }
+        }
+    }
+    found
 }
 
 /// Adds the files of samples that distributions in a table name.
@@ -432,8 +468,8 @@ impl Monitor for Inner<'_> {
     }
 }
 
-/// Returns the main results of a study. `window` is the friction of its machine.
-fn answers(results: &Results, window: Option<&WindowFriction>) -> MemberAnswers {
+/// Returns the main results of a study. `window` is the friction of its machine, and `damping` its damping ratio.
+fn answers(results: &Results, window: Option<&WindowFriction>, damping: Option<f64>) -> MemberAnswers {
     let point = results.friction.as_ref().map(|friction| &friction.operating_point);
     let mut found = MemberAnswers {
         friction_mean: window.map(|window| window.mean).or(point.map(|point| point.mean)),
@@ -454,6 +490,7 @@ fn answers(results: &Results, window: Option<&WindowFriction>) -> MemberAnswers 
         found.limit_damping_ratio = coupled.limit_damping_ratio;
         (found.kind, found.vibrates) = (Some(coupled.kind), Some(coupled.steady_sliding_unstable));
     }
+    found.damping_margin = damping.zip(found.limit_damping_ratio).map(|(damping, limit)| damping - limit);
     found
 }
 

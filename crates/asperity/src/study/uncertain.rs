@@ -13,8 +13,8 @@ use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use self::keys::LATENT;
 pub(super) use self::keys::{KEYS, UncertainKey};
+use self::keys::{LATENT, any_quantity};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
@@ -124,10 +124,25 @@ impl Place {
     }
 }
 
-/// Returns the number in SI that a key states, with its unit; `None` for keys that cannot be uncertain, and for values that are.
-pub(super) fn si_value(section: &str, key: &str, value: &Value) -> Option<(f64, &'static str)> {
-    let key = UncertainKey::find(section, key, value)?;
-    Some((key.parse(value).ok()?, key.unit))
+/// Number that a study file states, in SI.
+pub(super) struct SiValue {
+    /// The number; of an uncertain value its centre.
+    pub(super) number: f64,
+    /// Standard deviation of an uncertain value.
+    pub(super) std: Option<f64>,
+    /// SI unit; empty for a number without unit.
+    pub(super) unit: &'static str,
+}
+
+/// Returns the number in SI that a key states; `None` for texts and lists, and for plain numbers of keys that cannot be uncertain.
+/// Files of samples are relative to `folder`.
+pub(super) fn si_value(section: &str, key: &str, value: &Value, folder: &Path) -> Option<SiValue> {
+    if let Ok(Some(UncertainValue { place, input, .. })) = uncertain_value(section, key, None, value, folder) {
+        return Some(SiValue { number: input.central(), std: Some(input.marginal().std()), unit: place.key.unit });
+    }
+    let of_key = UncertainKey::find(section, key, value).and_then(|key| Some((key.parse(value).ok()?, key.unit)));
+    let (number, unit) = of_key.or_else(|| any_quantity(value.as_str()?))?;
+    Some(SiValue { number, std: None, unit })
 }
 
 /// Adds the values that no study file states to a table, at their centres.

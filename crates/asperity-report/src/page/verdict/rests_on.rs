@@ -44,13 +44,14 @@ fn scans(input: &RestsOn) -> String {
     match input.value {
         InputValue::Number(1.0) => format!("{}: 1 scan, so for this part", named(&input.input)),
         InputValue::Number(count) => format!("{}: {count} scans", named(&input.input)),
-        InputValue::Name(_) => named(&input.input),
+        InputValue::Integer(_) | InputValue::Name(_) => named(&input.input),
     }
 }
 
 /// Formats the value of an input.
 fn value(input: &RestsOn) -> String {
     match &input.value {
+        InputValue::Integer(number) => number.to_string(),
         InputValue::Number(number) => dimension(&input.unit).show(*number),
         InputValue::Name(name) => match name.as_str() {
             "stribeck" => "Stribeck".into(),

@@ -15,6 +15,8 @@ pub(crate) fn dimension(unit: &str) -> Dimension {
         "m/s" => Dimension::Velocity,
         "rad/s" => Dimension::AngularFrequency,
         "s/m" => Dimension::Other("s/m"),
+        "s" => Dimension::Time,
+        "m/Pa" => Dimension::Compliance,
         _ => Dimension::None,
     }
 }
@@ -30,6 +32,9 @@ pub(crate) fn named(input: &str) -> String {
         _ => {}
     }
     let (key, axis) = match key.split_once('[') {
+        Some((list @ ("mean_pressures" | "penetrations"), place)) => {
+            return format!("{} [{place}", list.replace('_', " "));
+        }
         Some((key, "0]")) => (key, " along x"),
         Some((key, "1]")) => (key, " along y"),
         _ => (key, ""),

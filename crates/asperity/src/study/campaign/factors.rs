@@ -3,14 +3,15 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer, de};
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
 use crate::chaos::{Design, SamplingMethod};
 use crate::study::parse::line_at;
-use crate::study::uncertain::{self, UncertainValue};
-use crate::study::{StudyFileError, uncertain::si_value};
+use crate::study::result::{InputValue, VariedKey};
+use crate::study::uncertain::{self, SiValue, UncertainValue, si_value};
+use crate::study::{StudyFileError, sentence};
 
 /// Stream of the samples.
 const STREAM: &str = "study/campaign";
@@ -26,6 +27,7 @@ pub(super) struct CampaignFile {
     /// Seed in place of the study's.
     pub(super) seed: Option<u64>,
     /// Pattern of the scans, relative to the campaign file.
+    #[serde(default, deserialize_with = "pattern")]
     pub(super) scans: Option<String>,
     /// Lists whose combinations are the members.
     #[serde(default)]
@@ -36,6 +38,13 @@ pub(super) struct CampaignFile {
     /// Number of samples, and the distributions from which they are drawn.
     #[serde(default)]
     sample: Table,
+}
+
+fn pattern<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::String(pattern) => Ok(Some(pattern)),
+        found => Err(de::Error::custom(format!("scans: found {found}, expected one pattern such as \"lot-*/*.x3p\""))),
+    }
 }
 
 /// Key that differs between members.
@@ -89,6 +98,16 @@ impl Factor {
         }
     }
 
+    /// Returns the columns of the keys, `folder` being the folder of the study.
+    pub(super) fn columns(&self, folder: &Path) -> Vec<Column> {
+        let values: Vec<Vec<Value>> = (0..self.len()).map(|choice| self.values(choice)).collect();
+        let of_key = |(place, key): (usize, &Key)| {
+            let own: Vec<Value> = values.iter().map(|choice| choice[place].clone()).collect();
+            columns(&key.name, &own, self.is_sampled(), folder)
+        };
+        self.keys().into_iter().enumerate().flat_map(of_key).collect()
+    }
+
     pub(super) fn is_sampled(&self) -> bool {
         matches!(self, Self::Sampled(..))
     }
@@ -105,14 +124,70 @@ pub(super) fn set(study: &mut Table, name: &str, value: Value) {
     table.insert(name.into(), value);
 }
 
-/// Returns the SI unit of a key and a value of it: the number in SI with the unit, or the text as stated.
-pub(super) fn in_si(name: &str, value: &Value) -> Result<(f64, &'static str), String> {
-    match (name.split_once('.').and_then(|(section, key)| si_value(section, key, value)), value) {
-        (Some(found), _) => Ok(found),
-        (None, Value::Float(number)) => Ok((*number, "")),
-        (None, Value::Integer(number)) => Ok((*number as f64, "")),
-        (None, Value::String(text)) => Err(text.clone()),
-        (None, other) => Err(other.to_string()),
+/// Column of the table of the members: a cell for each choice of a factor.
+#[derive(Debug, Clone)]
+pub(super) struct Column {
+    pub(super) key: VariedKey,
+    pub(super) cells: Vec<InputValue>,
+}
+
+/// Returns the columns of a key: of lists of numbers one for each component, otherwise one; with uncertain values another one of their
+/// standard deviations.
+fn columns(key: &str, values: &[Value], sampled: bool, folder: &Path) -> Vec<Column> {
+    let component = |value: &Value, place: usize| match value {
+        Value::Array(list) => list.get(place).cloned(),
+        // One value holds for all components.
+        value => Some(value.clone()),
+    };
+    let of_place = |place: usize| {
+        let own = values.iter().map(|value| component(value, place)).collect::<Option<Vec<Value>>>()?;
+        numbers(&format!("{key}[{place}]"), &own, sampled, folder)
+    };
+    let found = match values.iter().filter_map(Value::as_array).map(Vec::len).max() {
+        None | Some(0) => numbers(key, values, sampled, folder),
+        Some(length) => {
+            (0..length).map(of_place).collect::<Option<Vec<_>>>().map(|columns| columns.into_iter().flatten().collect())
+        }
+    };
+    found.unwrap_or_else(|| {
+        let key = VariedKey { key: key.into(), unit: String::new(), sampled };
+        vec![Column { key, cells: values.iter().map(as_stated).collect() }]
+    })
+}
+
+/// Returns the numbers in SI that a key states, and texts as stated; `None` if the numbers have different units, or if a component of a
+/// list has a text.
+fn numbers(name: &str, values: &[Value], sampled: bool, folder: &Path) -> Option<Vec<Column>> {
+    let (section, key) = name.split_once('.').unwrap_or(("", name));
+    let key = key.split_once('[').map_or(key, |(key, _)| key);
+    let found: Vec<Option<SiValue>> = values.iter().map(|value| si_value(section, key, value, folder)).collect();
+    let unit = found.iter().flatten().next().map_or("", |value| value.unit);
+    let is_component = name.contains('[');
+    if found.iter().flatten().any(|value| value.unit != unit) || (is_component && found.iter().any(Option::is_none)) {
+        return None;
+    }
+    let column = |name: String, cells| {
+        let key = VariedKey { key: name, unit: unit.into(), sampled };
+        Column { key, cells }
+    };
+    let cells = values.iter().zip(&found).map(|(value, number)| {
+        number.as_ref().map_or_else(|| as_stated(value), |value| InputValue::Number(value.number))
+    });
+    let mut columns = vec![column(name.into(), cells.collect())];
+    if found.iter().flatten().any(|value| value.std.is_some()) {
+        let std = |value: &Option<SiValue>| value.as_ref().and_then(|value| value.std).unwrap_or(0.0);
+        let cells = found.iter().map(|value| InputValue::Number(std(value))).collect();
+        columns.push(column(format!("{name}_std"), cells));
+    }
+    Some(columns)
+}
+
+fn as_stated(value: &Value) -> InputValue {
+    match value {
+        Value::Float(number) => InputValue::Number(*number),
+        Value::Integer(number) => InputValue::Integer(*number),
+        Value::String(text) => InputValue::Name(text.clone()),
+        other => InputValue::Name(other.to_string()),
     }
 }
 
@@ -195,8 +270,8 @@ impl Reader<'_> {
         let zip = self.lists("zip", &file.zip)?;
         if let Some((first, values)) = zip.first() {
             if let Some((key, other)) = zip.iter().find(|(_, other)| other.len() != values.len()) {
-                let (own, other) = (values.len(), other.len());
-                let message = format!("[zip] {} has {other} values, {} has {own}", key.name, first.name);
+                let other = sentence::count(other.len(), "value", "values");
+                let message = format!("[zip] {} has {other}, {} has {}", key.name, first.name, values.len());
                 return Err(self.error(key.line, message));
             }
             factors.push(Factor::Listed(zip));

@@ -97,7 +97,7 @@ pub fn campaign_files(
 }
 
 /// Returns the rows of the members as CSV. Undefined cells are empty; a key with a unit has it at the end of its name.
-fn members_csv(results: &CampaignResults) -> Result<Vec<u8>, TableError> {
+pub(super) fn members_csv(results: &CampaignResults) -> Result<Vec<u8>, TableError> {
     let with_unit = |key: &VariedKey| {
         let unit = key.unit.replace('^', "").replace('/', "_per_").to_lowercase();
         if unit.is_empty() { key.key.clone() } else { format!("{}_{unit}", key.key) }
@@ -108,6 +108,7 @@ fn members_csv(results: &CampaignResults) -> Result<Vec<u8>, TableError> {
         "friction_mean",
         "friction_std",
         "limit_damping_ratio",
+        "damping_margin",
         "kind",
         "vibrates",
         "probability",
@@ -121,6 +122,7 @@ fn members_csv(results: &CampaignResults) -> Result<Vec<u8>, TableError> {
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:?}"));
     for (index, MemberResult { scan, values, failed, reason, answers }) in results.members.iter().enumerate() {
         let values = values.iter().map(|value| match value {
+            InputValue::Integer(value) => value.to_string(),
             InputValue::Number(value) => number(Some(*value)),
             InputValue::Name(text) => text.clone(),
         });
@@ -128,6 +130,7 @@ fn members_csv(results: &CampaignResults) -> Result<Vec<u8>, TableError> {
             number(answers.friction_mean),
             number(answers.friction_std),
             number(answers.limit_damping_ratio),
+            number(answers.damping_margin),
             answers.kind.map_or_else(String::new, |kind| kind.name().into()),
             answers.vibrates.map_or_else(String::new, |vibrates| vibrates.to_string()),
             number(answers.probability),

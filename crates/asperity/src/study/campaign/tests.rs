@@ -1,5 +1,6 @@
 use super::*;
 use crate::monitor::Silent;
+use crate::study::result::InputValue;
 
 const MACHINE: &str = "seed = 5\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
                        nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
@@ -17,6 +18,7 @@ fn values(campaign: &Campaign) -> Vec<Vec<InputValue>> {
 
 fn numbers(campaign: &Campaign) -> Vec<Vec<f64>> {
     let number = |value: &InputValue| match value {
+        InputValue::Integer(number) => *number as f64,
         InputValue::Number(number) => *number,
         InputValue::Name(text) => panic!("{text} is not a number"),
     };
@@ -52,18 +54,99 @@ fn each_stratum_of_a_sampled_distribution_has_one_member() {
     assert!(sampled.results(Vec::new()).keys.iter().all(|key| key.sampled));
 }
 
+/// A surface with friction.
+const SURFACE: &str = "seed = 1\n[surface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                       correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\n\
+                       shear_strength = \"385 MPa\"\n[friction]\nstrip = [\"1600 um\", \"50 um\"]\npoints = [256, 8]\n\
+                       window = \"100 um\"\npercentiles = [50.0]\nrealisations = 8\n";
+
 #[test]
 fn values_that_exclude_each_other_are_a_row_with_the_reason() {
-    let study = "seed = 1\n[surface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
-                 correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\n\
-                 shear_strength = \"385 MPa\"\n[friction]\nstrip = [\"1600 um\", \"50 um\"]\npoints = [256, 8]\nwindow = \"100 um\"\n\
-                 percentiles = [50.0]\nrealisations = 8\n";
     let lines = "[values]\nfriction.strip = [[\"800 um\", \"50 um\"], [\"1600 um\", \"50 um\"]]\nfriction.window = [\"60 um\", \"100 um\"]\n";
-    let found = campaign(lines, study, None).unwrap();
+    let found = campaign(lines, SURFACE, None).unwrap();
     assert_eq!(found.refused.keys().collect::<Vec<_>>(), [&1], "{:?}", found.refused);
     assert!(found.refused[&1].contains("window"), "{:?}", found.refused);
-    // A quantity that cannot be uncertain stays as stated.
-    assert_eq!(values(&found)[2][1], InputValue::Name("60 um".into()));
+}
+
+/// Returns the keys with their units.
+fn keys(campaign: &Campaign) -> Vec<(String, String)> {
+    campaign.results(Vec::new()).keys.into_iter().map(|key| (key.key, key.unit)).collect()
+}
+
+#[test]
+fn quantities_are_numbers_in_si_with_a_column_for_each_component() {
+    let lines = "[zip]\nfriction.strip = [[\"800 um\", \"50 um\"], [\"1600 um\", \"50 um\"]]\nfriction.window = [\"60 um\", \"0.1 mm\"]\n\
+                 surface.correlation_length = [\"20 um\", [\"20 um\", \"10 um\"]]\nfriction.percentiles = [[50.0], [40.0, 60.0]]\n";
+    let found = campaign(lines, SURFACE, None).unwrap();
+    let names = ["friction.strip[0]", "friction.strip[1]", "friction.window", "surface.correlation_length[0]"];
+    let names = names.into_iter().chain(["surface.correlation_length[1]", "friction.percentiles"]);
+    let wanted: Vec<_> =
+        names.map(|name| (name.into(), if name.ends_with("percentiles") { "" } else { "m" }.into())).collect();
+    assert_eq!(keys(&found), wanted);
+    let mut second = values(&found).swap_remove(1);
+    // Lists of different lengths stay as stated.
+    assert_eq!(second.pop(), Some(InputValue::Name("[40.0, 60.0]".into())));
+    assert_eq!(second, [1600e-6, 50e-6, 1e-4, 20e-6, 10e-6].map(InputValue::Number));
+}
+
+#[test]
+fn uncertain_values_are_their_centres_with_standard_deviations() {
+    let lines = "[values]\nvibration.normal_force = [\"2 kN\", \"4 ± 0.5 kN\"]\n";
+    let found = campaign(lines, MACHINE, None).unwrap();
+    let names = ["vibration.normal_force", "vibration.normal_force_std"];
+    assert_eq!(keys(&found), names.map(|name| (name.into(), "N".into())));
+    assert_eq!(numbers(&found), [[2e3, 0.0], [4e3, 500.0]]);
+}
+
+#[test]
+fn seeds_are_written_exactly() {
+    let found = campaign("[values]\nseed = [1, 9007199254740993]\n", MACHINE, None).unwrap();
+    assert_eq!(values(&found), [[InputValue::Integer(1)], [InputValue::Integer(9_007_199_254_740_993)]]);
+    let results = found.results(vec![Err("not computed".into()); 2]);
+    assert!(serde_json::to_string(&results).unwrap().contains("[9007199254740993]"));
+    let rows = String::from_utf8(folder::members_csv(&results).unwrap()).unwrap();
+    assert!(rows.contains("2,,9007199254740993,"), "{rows}");
+}
+
+#[test]
+fn a_resolved_campaign_has_the_seed_of_its_study() {
+    let found = campaign("[values]\nvibration.damping_ratio = [0.1]\n", MACHINE, None).unwrap();
+    let resolved = found.resolved();
+    assert!(resolved.starts_with("seed = 5\n"), "{resolved}");
+    let other = MACHINE.replace("seed = 5", "seed = 6");
+    let again = Campaign::parse(&resolved, Path::new("/elsewhere/campaign.toml"), &other, None).unwrap();
+    assert_eq!(again.seed(), 5);
+}
+
+#[test]
+fn each_distinct_warning_is_listed_once_with_its_members() {
+    let answered = |warnings: [&str; 2]| Ok((MemberAnswers::default(), warnings.map(str::to_owned).to_vec()));
+    let found = member_warnings(&[
+        answered(["3 of 10 windows carry no load", "the scan is small"]),
+        Err("no scan".into()),
+        answered(["4 of 10 windows carry no load", "5 of 10 windows carry no load"]),
+    ]);
+    let found: Vec<_> = found.iter().map(|found| (found.warning.as_str(), found.members.as_slice())).collect();
+    assert_eq!(found, [("3 of 10 windows carry no load", &[1, 3][..]), ("the scan is small", &[1])]);
+}
+
+#[test]
+fn scans_need_a_study_that_computes_its_friction() {
+    let error = Campaign::parse("study = \"study.toml\"\nscans = \"*.toml\"\n", Path::new("Cargo.toml"), MACHINE, None);
+    let error = error.unwrap_err();
+    assert!(error.line == 2 && !error.in_data && error.message.contains("states its friction"), "{error}");
+}
+
+#[test]
+fn a_missing_file_of_some_members_is_no_input() {
+    let study = SURFACE.replace("[surface]", "[surface]\nfile = \"Cargo.toml\"");
+    let inputs = |lines: &str| {
+        let text = format!("study = \"study.toml\"\n{lines}");
+        let inputs = Campaign::parse(&text, Path::new("sweep.toml"), &study, None).unwrap().inputs();
+        inputs.iter().map(|file| file.file_name().unwrap().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(inputs("[values]\nsurface.file = [\"Cargo.toml\", \"gone.x3p\"]\n"), ["study.toml", "Cargo.toml"]);
+    assert_eq!(inputs("[values]\nsurface.file = [\"gone.x3p\"]\n"), ["study.toml", "gone.x3p"]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use toml::Value;
 
 use crate::quantity::{
-    AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Velocity,
+    AngularFrequency, Area, Compliance, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Time, Velocity,
 };
 
 /// Key whose value may be uncertain.
@@ -124,6 +124,12 @@ impl UncertainKey {
     }
 }
 
+/// Returns a quantity of any dimension in SI with its unit.
+pub(super) fn any_quantity(text: &str) -> Option<(f64, &'static str)> {
+    const UNITS: [&str; 10] = ["m", "m^2", "Pa", "kg", "N", "m/s", "s/m", "s", "m/Pa", "rad/s"];
+    UNITS.into_iter().find_map(|unit| Some((quantity(unit, text).ok()?, unit)))
+}
+
 fn quantity(unit: &str, text: &str) -> Result<f64, QuantityError> {
     Ok(match unit {
         "m" => text.parse::<Length>()?.0,
@@ -133,6 +139,8 @@ fn quantity(unit: &str, text: &str) -> Result<f64, QuantityError> {
         "N" => text.parse::<Force>()?.0,
         "m/s" => text.parse::<Velocity>()?.0,
         "s/m" => text.parse::<InverseVelocity>()?.0,
+        "s" => text.parse::<Time>()?.0,
+        "m/Pa" => text.parse::<Compliance>()?.0,
         _ => text.parse::<AngularFrequency>()?.0,
     })
 }

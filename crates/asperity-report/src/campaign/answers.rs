@@ -1,0 +1,232 @@
+//! The first screen of a campaign: how many members vibrate, where the verdict changes, and the ranges of the other answers.
+
+use asperity_results::{CampaignResults, InputValue, MemberResult};
+
+use super::{
+    capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown, values_in_words,
+};
+use crate::format::{count, significant};
+use crate::page::Answer;
+
+/// Largest number of names in a sentence.
+const MOST_NAMES: usize = 4;
+
+pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
+    let found = [verdicts(results), change(results), probabilities(results), friction(results)];
+    let found: Vec<Answer> = found.into_iter().flatten().collect();
+    if !found.is_empty() {
+        return found;
+    }
+    let failed = results.members.iter().filter(|member| member.failed).count();
+    vec![Answer {
+        question: "How many members are compared?",
+        answer: count(results.members.len()),
+        detail: if failed == 0 { "All were computed.".into() } else { failures(failed) },
+    }]
+}
+
+fn failures(failed: usize) -> String {
+    match failed {
+        0 => String::new(),
+        1 => " One member has no answer; the table states the reason.".into(),
+        failed => format!(" {} members have no answer; the table states the reasons.", count(failed)),
+    }
+}
+
+/// Returns the numbers of the members for which a condition holds, counted from 1.
+fn numbers(results: &CampaignResults, holds: impl Fn(&MemberResult) -> bool) -> Vec<usize> {
+    let members = results.members.iter().enumerate().filter(|(_, member)| holds(member));
+    members.map(|(index, _)| index + 1).collect()
+}
+
+/// Answers how many members vibrate.
+fn verdicts(results: &CampaignResults) -> Option<Answer> {
+    let vibrating = numbers(results, |member| member.answers.vibrates == Some(true));
+    let judged = numbers(results, |member| member.answers.vibrates.is_some()).len();
+    let failed = numbers(results, |member| member.failed).len();
+    let which = match vibrating.len() {
+        0 => "No member vibrates.".into(),
+        all if all == judged => "All that have an answer vibrate.".into(),
+        _ => format!("{}.", capitalised(members_in_words(&vibrating))),
+    };
+    (judged > 0).then(|| Answer {
+        question: "How many vibrate?",
+        answer: format!("{} of {}", count(vibrating.len()), count(judged)),
+        detail: format!("{which} Motion begins in stick; uncertain values are at their centres.{}", failures(failed)),
+    })
+}
+
+/// How far one value decides the verdict.
+struct Decision {
+    /// Number of members whose verdict follows from this value alone.
+    members: usize,
+    answer: String,
+    detail: String,
+}
+
+/// Answers where the verdict changes: at the value that alone decides most members.
+fn change(results: &CampaignResults) -> Option<Answer> {
+    let judged: Vec<(&MemberResult, bool)> =
+        results.members.iter().filter_map(|member| Some((member, member.answers.vibrates?))).collect();
+    let is_mixed = judged.iter().any(|(_, vibrates)| *vibrates) && judged.iter().any(|(_, vibrates)| !vibrates);
+    if !is_mixed {
+        return None;
+    }
+    let keys = (0..results.keys.len()).filter(|place| differs(results, *place));
+    let of_key = |place: usize| {
+        let is_number = |(member, _): &(&MemberResult, bool)| matches!(member.values[place], InputValue::Number(_));
+        match judged.iter().all(is_number) {
+            true => threshold(results, place, &judged),
+            false => {
+                let name = |member: &MemberResult| shown(&results.keys[place], &member.values[place]);
+                choices(&key_in_words(&results.keys[place]), &judged, name)
+            }
+        }
+    };
+    let scans = judged.iter().all(|(member, _)| member.scan.is_some());
+    let of_scans = scans.then(|| choices("scan", &judged, |member| member.scan.clone().unwrap_or_default()));
+    let best =
+        keys.map(of_key).chain(of_scans).reduce(|best, next| if next.members > best.members { next } else { best });
+    let best = best.filter(|best| best.members > 0);
+    let (answer, detail) = match best {
+        Some(Decision { members, answer, detail }) if 2 * members >= judged.len() => (answer, detail),
+        Some(Decision { detail, .. }) => ("Several values decide together".into(), detail),
+        None => (
+            "Several values decide together".into(),
+            "The table has the members of each verdict together if it is sorted by it.".into(),
+        ),
+    };
+    Some(Answer { question: "Where does it change?", answer, detail })
+}
+
+/// Returns how far a number decides: all members on one side of it vibrate, or none on the other.
+fn threshold(results: &CampaignResults, place: usize, judged: &[(&MemberResult, bool)]) -> Decision {
+    let key = &results.keys[place];
+    let values = |wanted: bool| {
+        let own = judged.iter().filter(move |(_, vibrates)| *vibrates == wanted);
+        own.filter_map(|(member, _)| number(&member.values[place]))
+    };
+    let ends = |wanted: bool| values(wanted).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    // Verdict below and above.
+    let orientation = |below: bool| {
+        let ((first_above, _), (_, last_below)) = (ends(!below), ends(below));
+        let last = values(below).filter(|value| *value < first_above).reduce(f64::max);
+        let first = values(!below).filter(|value| *value > last_below).reduce(f64::min);
+        let members = values(below).filter(|value| *value < first_above).count()
+            + values(!below).filter(|value| *value > last_below).count();
+        (members, below, last, first)
+    };
+    let [one, other] = [true, false].map(orientation);
+    let (members, below, last, first) = if other.0 > one.0 { other } else { one };
+    let name = key_in_words(key);
+    let value = |number: f64| shown(key, &InputValue::Number(number));
+    let how_many = |vibrates: bool| if vibrates { "all members vibrate" } else { "no member vibrates" };
+    let sides = [
+        last.map(|last| format!("up to {name} {} {}", value(last), how_many(below))),
+        first.map(|first| format!("from {} on {}", value(first), how_many(!below))),
+    ];
+    let sides = sides.into_iter().flatten().collect::<Vec<_>>().join("; ");
+    let rest = if members < judged.len() { " Elsewhere other values decide, too." } else { "" };
+    let answer = match (last, first) {
+        (Some(last), Some(first)) => format!("Between {name} {} and {}", value(last), value(first)),
+        (Some(last), None) => format!("Above {name} {}", value(last)),
+        (None, Some(first)) => format!("Below {name} {}", value(first)),
+        (None, None) => String::new(),
+    };
+    Decision { members, answer, detail: format!("{}.{rest}", capitalised(sides)) }
+}
+
+/// Returns how far a choice decides: all members with it vibrate, or none does.
+fn choices(what: &str, judged: &[(&MemberResult, bool)], name: impl Fn(&MemberResult) -> String) -> Decision {
+    // Names in the order of the members, with the numbers of members and of those that vibrate.
+    let mut groups: Vec<(String, usize, usize)> = Vec::new();
+    for (member, vibrates) in judged {
+        let own = name(member);
+        let place = groups.iter().position(|(known, ..)| *known == own).unwrap_or_else(|| {
+            groups.push((own, 0, 0));
+            groups.len() - 1
+        });
+        groups[place].1 += 1;
+        groups[place].2 += usize::from(*vibrates);
+    }
+    let of = |wanted: fn(usize, usize) -> bool| {
+        let own: Vec<&(String, usize, usize)> =
+            groups.iter().filter(|(_, all, vibrating)| wanted(*all, *vibrating)).collect();
+        let names: Vec<&str> = own.iter().take(MOST_NAMES).map(|(name, ..)| name.as_str()).collect();
+        let more = if own.len() > MOST_NAMES { format!(" and {} more", own.len() - MOST_NAMES) } else { String::new() };
+        (own.iter().map(|(_, all, _)| all).sum::<usize>(), format!("{}{more}", names.join(", ")))
+    };
+    let (with, all) = of(|all, vibrating| vibrating == all);
+    let (without, none) = of(|_, vibrating| vibrating == 0);
+    let mut sentences = Vec::new();
+    if with > 0 {
+        sentences.push(format!("All members with {what} {all} vibrate."));
+    }
+    if without > 0 {
+        sentences.push(format!("No member with {what} {none} vibrates."));
+    }
+    let members = with + without;
+    if members < judged.len() {
+        sentences.push("Elsewhere other values decide, too.".into());
+    }
+    Decision { members, answer: format!("With the {what}"), detail: sentences.join(" ") }
+}
+
+/// Answers how probable vibration is: the numbers of members in ranges of the probability.
+fn probabilities(results: &CampaignResults) -> Option<Answer> {
+    let of = |holds: fn(f64) -> bool| {
+        numbers(results, |member| !is_undetermined(member) && member.answers.probability.is_some_and(holds))
+    };
+    let (low, between, high) = (of(|p| p < 0.05), of(|p| (0.05..=0.95).contains(&p)), of(|p| p > 0.95));
+    let open = numbers(results, is_undetermined);
+    let groups = [("below 5 %", &low), ("5 % to 95 %", &between), ("above 95 %", &high), ("not determined", &open)];
+    let groups: Vec<_> = groups.into_iter().filter(|(_, members)| !members.is_empty()).collect();
+    let answer = match groups.as_slice() {
+        [] => return None,
+        [("not determined", _)] => "Not determined".into(),
+        groups => {
+            let words = groups.iter().map(|(words, members)| format!("{words} in {}", count(members.len())));
+            capitalised(words.collect::<Vec<_>>().join(", "))
+        }
+    };
+    let own = |member: &MemberResult| member.answers.probability.filter(|_| !is_undetermined(member));
+    let detail = match extremes(results, own) {
+        Some([(least, low), (largest, high)]) if probability(low) != probability(high) => {
+            format!("Least in {least} ({}), largest in {largest} ({}).", probability(low), probability(high))
+        }
+        _ => String::new(),
+    };
+    let determined =
+        if open.is_empty() { "" } else { " Intervals that contain nearly every probability are not determined." };
+    Some(Answer { question: "How probable is vibration?", answer, detail: format!("{detail}{determined}") })
+}
+
+/// Answers how the friction coefficient differs.
+fn friction(results: &CampaignResults) -> Option<Answer> {
+    let [(least, low), (largest, high)] = extremes(results, |member| member.answers.friction_mean)?;
+    (low < high).then(|| Answer {
+        question: "What is the friction coefficient?",
+        answer: format!("{} to {}", significant(low, 3), significant(high, 3)),
+        detail: format!("Least in {least}, largest in {largest}."),
+    })
+}
+
+/// Returns the members with the least and the largest answer, and these answers.
+fn extremes(results: &CampaignResults, answer: impl Fn(&MemberResult) -> Option<f64>) -> Option<[(String, f64); 2]> {
+    let found = || results.members.iter().enumerate().filter_map(|(index, member)| Some((index, answer(member)?)));
+    let least = found().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let largest = found().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some([least, largest].map(|(index, value)| (member_in_words(results, index), value)))
+}
+
+/// Returns a member with its first values: `member 5 (damping ratio 0.2, a.x3p)`.
+fn member_in_words(results: &CampaignResults, index: usize) -> String {
+    let member = &results.members[index];
+    let values = values_in_words(results, member, None);
+    let words: Vec<String> = member.scan.iter().cloned().chain(values).take(MOST_NAMES).collect();
+    if words.is_empty() {
+        format!("member {}", index + 1)
+    } else {
+        format!("member {} ({})", index + 1, words.join(", "))
+    }
+}
