@@ -86,7 +86,7 @@ pub(crate) fn owned(array: &PyReadonlyArray2<'_, f64>) -> Array2<f64> {
 }
 
 /// Copies heights in metre into a map.
-pub(crate) fn height_map(heights_m: &PyReadonlyArray2<'_, f64>, dx_m: f64, dy_m: f64) -> PyResult<HeightMap> {
+pub(crate) fn map_of(heights_m: &PyReadonlyArray2<'_, f64>, dx_m: f64, dy_m: f64) -> PyResult<HeightMap> {
     let heights_m = owned(heights_m);
     let (ny, nx) = heights_m.dim();
     HeightMap::new(Grid::new(nx, ny, dx_m, dy_m).raise()?, heights_m).raise()

@@ -23,7 +23,7 @@ mod _core {
     #[pymodule_export]
     use crate::study::{results_schema, run_study};
     #[pymodule_export]
-    use crate::surface::{acf, level, psd, read_map, statistics};
+    use crate::surface::{acf, height_map, level, psd, read_map, statistics};
     #[pymodule_export]
     use crate::vibration::{Oscillator, critical_damping, ensemble, limit_cycle, stability_map};
 }

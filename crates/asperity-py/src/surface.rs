@@ -12,9 +12,9 @@ use asperity_formats::{Channel, LengthUnit, ReadOptions, read_with};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use crate::convert::{from_python, height_map, to_python};
+use crate::convert::{from_python, map_of, to_python};
 use crate::errors::{Raise, value_error};
 use crate::long;
 
@@ -23,7 +23,7 @@ type FileContent<'py> = (Bound<'py, PyArray2<f64>>, Option<(f64, f64)>, Vec<Stri
 
 /// Reads a height map from a file.
 #[pyfunction]
-#[pyo3(signature = (path, *, channel, dx_m, dy_m, height_unit))]
+#[pyo3(signature = (path, channel, dx_m, dy_m, height_unit))]
 pub(crate) fn read_map<'py>(
     py: Python<'py>,
     path: PathBuf,
@@ -45,68 +45,75 @@ pub(crate) fn read_map<'py>(
     Ok((PyArray2::from_owned_array(py, map.into_heights_m()), pitch_m, warnings))
 }
 
+/// Copies heights into a checked map: infinite heights count as missing.
+#[pyfunction]
+pub(crate) fn height_map<'py>(
+    heights_m: PyReadonlyArray2<'py, f64>,
+    dx_m: f64,
+    dy_m: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let map = map_of(&heights_m, dx_m, dy_m)?;
+    Ok(PyArray2::from_owned_array(heights_m.py(), map.into_heights_m()))
+}
+
 /// Steps of a preparation.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Steps {
-    #[serde(default)]
     level: Level,
     outliers: Option<f64>,
     s_filter_m: Option<f64>,
     l_filter_m: Option<f64>,
-    #[serde(default)]
     robust: bool,
 }
 
-/// Returns the preparation of a dictionary of steps.
-fn preparation(steps: &Bound<'_, PyDict>) -> PyResult<Preparation> {
-    let Steps { level, outliers, s_filter_m, l_filter_m, robust } = from_python(steps)?;
-    Ok(Preparation { level, outliers, s_filter_m, l_filter_m, robust })
+/// What a preparation did to a map.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct History {
+    level: Level,
+    outliers: usize,
+    lost: usize,
+    radius_m: Option<f64>,
 }
 
-/// Removes form, outliers and filtered waves. Returns the heights, and the numbers of outliers and of lost heights.
+/// Removes form, outliers and filtered waves. Returns the heights, and what was done to them.
 #[pyfunction]
-#[pyo3(signature = (heights_m, dx_m, dy_m, steps))]
 pub(crate) fn level<'py>(
-    py: Python<'py>,
     heights_m: PyReadonlyArray2<'py, f64>,
     dx_m: f64,
     dy_m: f64,
     steps: &Bound<'py, PyDict>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, usize, usize)> {
-    let (map, preparation) = (height_map(&heights_m, dx_m, dy_m)?, preparation(steps)?);
-    let Prepared { map, outliers, lost, .. } = long::run(py, None, move |_| preparation.apply(&map).raise())?;
-    Ok((PyArray2::from_owned_array(py, map.into_heights_m()), outliers, lost))
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyAny>)> {
+    let map = map_of(&heights_m, dx_m, dy_m)?;
+    let Steps { level, outliers, s_filter_m, l_filter_m, robust } = from_python(steps)?;
+    let preparation = Preparation { level, outliers, s_filter_m, l_filter_m, robust };
+    let py = heights_m.py();
+    let Prepared { map, outliers, lost, radius_m, level } =
+        long::run(py, None, move |_| preparation.apply(&map).raise())?;
+    let history = History { level, outliers, lost, radius_m };
+    Ok((PyArray2::from_owned_array(py, map.into_heights_m()), to_python(py, &history)?))
 }
 
 /// Computes the statistics of a map, with the keys of `asperity surface stats --json`.
 #[pyfunction]
-#[pyo3(signature = (heights_m, dx_m, dy_m, steps))]
 pub(crate) fn statistics<'py>(
-    py: Python<'py>,
     heights_m: PyReadonlyArray2<'py, f64>,
     dx_m: f64,
     dy_m: f64,
-    steps: &Bound<'py, PyDict>,
+    history: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (map, preparation) = (height_map(&heights_m, dx_m, dy_m)?, preparation(steps)?);
-    let found = long::run(py, None, move |_| {
-        let prepared = preparation.apply(&map).raise()?;
-        MapStatistics::new(&prepared).raise()
-    })?;
-    to_python(py, &surface_statistics(&found))
+    let map = map_of(&heights_m, dx_m, dy_m)?;
+    let History { level, outliers, lost, radius_m } = from_python(history)?;
+    let prepared = Prepared { map, outliers, lost, radius_m, level };
+    let found = long::run(heights_m.py(), None, move |_| MapStatistics::new(&prepared).raise())?;
+    to_python(heights_m.py(), &surface_statistics(&found))
 }
 
 /// Computes the autocorrelation along both axes.
 #[pyfunction]
-#[pyo3(signature = (heights_m, dx_m, dy_m))]
-pub(crate) fn acf<'py>(
-    py: Python<'py>,
-    heights_m: PyReadonlyArray2<'py, f64>,
-    dx_m: f64,
-    dy_m: f64,
-) -> PyResult<Bound<'py, PyDict>> {
-    let map = height_map(&heights_m, dx_m, dy_m)?;
+pub(crate) fn acf<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
+    let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
     let found = long::run(py, None, move |_| Autocorrelation::estimate(&map).raise())?;
     let answer = PyDict::new(py);
     for (axis, pitch_m, name) in [(Axis::X, dx_m, "x"), (Axis::Y, dy_m, "y")] {
@@ -122,14 +129,8 @@ pub(crate) fn acf<'py>(
 
 /// Computes the radially averaged power spectral density.
 #[pyfunction]
-#[pyo3(signature = (heights_m, dx_m, dy_m))]
-pub(crate) fn psd<'py>(
-    py: Python<'py>,
-    heights_m: PyReadonlyArray2<'py, f64>,
-    dx_m: f64,
-    dy_m: f64,
-) -> PyResult<Bound<'py, PyDict>> {
-    let map = height_map(&heights_m, dx_m, dy_m)?;
+pub(crate) fn psd<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
+    let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
     let found = long::run(py, None, move |_| radial_spectrum(&map).raise())?;
     let answer = PyDict::new(py);
     answer.set_item("q_rad_per_m", PyArray1::from_vec(py, found.q_rad_per_m))?;
