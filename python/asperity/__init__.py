@@ -24,6 +24,7 @@ from asperity.vibration import (
     critical_damping,
     ensemble,
     limit_cycle,
+    stability_map,
 )
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ __all__ = [
     "limit_cycle",
     "run_study",
     "solve_contact",
+    "stability_map",
 ]
 
 __version__ = version("asperity")

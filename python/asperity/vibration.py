@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,10 @@ from asperity import _core
 from asperity._progress import Progress, callback
 from asperity._record import Record
 
+if TYPE_CHECKING:
+    import pandas
+
+Axis = tuple[float, float, int]
 Kind = Literal["stick_slip", "overtaking", "slip_cycle", "none"]
 
 
@@ -267,6 +271,62 @@ class Ensemble(Record):
     }
 
 
+@dataclass(frozen=True, kw_only=True)
+class MapPoint(Record):
+    """Point of a stability map."""
+
+    x: float
+    y: float
+    sustained: Estimate
+    """Fraction of the trajectories that sustain vibration."""
+    trajectories: int
+    """Number of trajectories of this fraction; 1 without fluctuation."""
+    limit_damping_ratio: float | None
+    """Largest damping ratio at which the machine vibrates without fluctuation."""
+    damping_ratio: float
+    """Damping ratio of the machine."""
+
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"sustained": Estimate}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapContour(Record):
+    """Contour of a stability map."""
+
+    level: float
+    """Probability."""
+    lines: list[list[list[float]]]
+    """Lines of points [x, y]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilityMap(Record):
+    """Probability of sustained vibration over two parameters."""
+
+    axes: list[str]
+    """Names of the parameters x and y."""
+    points: list[MapPoint]
+    """All points, by y and then by x."""
+    cells: list[dict[str, Any]]
+    """Cells that were not halved: ends along x and y, and the mean probability at the corners."""
+    contours: list[MapContour]
+    """Contours at 5, 50 and 95 %."""
+    limit: list[list[list[float]]]
+    """Lines of points [x, y] at which vibration without fluctuation ends."""
+    resolution: dict[str, float]
+    """Widths of the smallest cells, and the fraction of the front that they do not resolve."""
+    clipped_fraction: float
+    """Largest fraction of friction values that were raised so that friction stays positive."""
+
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"points": MapPoint, "contours": MapContour}
+
+    def to_pandas(self) -> pandas.DataFrame:  # type: ignore[override]
+        """Return the points as a data frame."""
+        import pandas  # noqa: PLC0415
+
+        return pandas.json_normalize([point.to_dict() for point in self.points])
+
+
 def limit_cycle(oscillator: Oscillator) -> LimitCycle:
     """Find the vibration that develops from a start in stick, without fluctuation.
 
@@ -338,6 +398,57 @@ def ensemble(
         oscillator._checked, fluctuation, trajectories, duration, seed, drive, callback(progress)
     )
     return Ensemble.from_dict(found)
+
+
+def stability_map(
+    oscillator: Oscillator,
+    *,
+    friction_std: float,
+    correlation_length: float,
+    marginal: str,
+    trajectories: int,
+    duration: float,
+    seed: int,
+    damping_ratios: Axis | None = None,
+    belt_velocities: Axis | None = None,
+    friction_stds: Axis | None = None,
+    loads: Axis | None = None,
+    depth: int = 3,
+    allow_clipping: bool = False,
+    progress: Progress = False,
+) -> StabilityMap:
+    """Map the probability of sustained vibration over two parameters.
+
+    Parameters
+    ----------
+    oscillator
+        The machine, whose parameters on the axes do not matter.
+    friction_std, correlation_length, marginal, trajectories, duration, seed, allow_clipping, progress
+        See `ensemble`; `trajectories` per point of the map.
+    damping_ratios, belt_velocities, friction_stds, loads
+        Two axes, each as least value, largest value and cells of the first grid: damping ratios with belt velocities or
+        with standard deviations of friction, or belt velocities with loads over the load of the machine.
+    depth
+        Number of times that cells at the front are halved.
+    """
+    axes = (damping_ratios, belt_velocities, friction_stds, loads)
+    match axes:
+        case (x, y, None, None) if x and y:
+            over = "damping_velocity"
+        case (x, None, y, None) if x and y:
+            over = "damping_scatter"
+        case (None, x, None, y) if x and y:
+            over = "velocity_load"
+        case _:
+            raise ValueError("give damping_ratios with belt_velocities or friction_stds, or belt_velocities with loads")
+    settings: dict[str, object] = {"over": over, "depth": depth}
+    for name, axis in (("x", x), ("y", y)):
+        settings[name] = dict(zip(("from", "to", "cells"), axis, strict=True))
+    fluctuation = _fluctuation(friction_std, correlation_length, marginal, allow_clipping)
+    found = _core.stability_map(
+        oscillator._checked, fluctuation, settings, trajectories, duration, seed, callback(progress)
+    )
+    return StabilityMap.from_dict(found)
 
 
 def _fluctuation(
