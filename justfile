@@ -34,6 +34,18 @@ validate:
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
 
+# Builds the Python package with PROFILE into the environment, and checks it: stubs and results are current, tests, types, style.
+python PROFILE="dev":
+    maturin develop --quiet --profile {{PROFILE}}
+    maturin generate-stubs --quiet --profile {{PROFILE}} --out target/stubs
+    diff python/asperity/_core.pyi target/stubs/asperity/_core.pyi
+    python python/generate_results.py --check
+    pytest --quiet python
+    mypy python/asperity
+    mypy --strict python/tests/client.py
+    ruff check --quiet python
+    ruff format --check --quiet python
+
 # Everything but the tests.
 lint: fmt clippy doc typos deny
 

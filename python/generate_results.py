@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pathlib
+import subprocess
 import sys
 import textwrap
 from typing import Any
@@ -65,7 +66,7 @@ def references(schema: Any) -> list[str]:
 
 def text(description: str, indent: str) -> str:
     """Return a docstring."""
-    lines = textwrap.wrap(description.replace("\\", "\\\\"), 112) or ["…"]
+    lines = textwrap.wrap(description.replace("\\", "\\\\"), 110) or ["…"]
     if len(lines) == 1:
         return f'{indent}"""{lines[0]}"""\n'
     return f'{indent}"""' + f"\n{indent}".join(lines) + f'\n{indent}"""\n'
@@ -79,7 +80,8 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
         for key, value in part["properties"].items():
             properties.setdefault(key, value)
     has_companions = any("patternProperties" in part for part in [schema, *parts])
-    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}({'WithCompanions' if has_companions else 'Record'}):\n"
+    base = "WithCompanions" if has_companions else "Record"
+    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}({base}):\n"
     source += text(schema["description"], "    ") + "\n"
     for key, value in properties.items():
         kind = annotation(value)
@@ -92,7 +94,10 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
     if has_companions:
         source += "    companions: Mapping[str, Any] = field(default_factory=dict)\n"
         source += text("Further keys: intervals ``x_interval``, standard errors ``x_se`` and the like.", "    ")
-    used = {key: [part for part in references(value) if not is_choice(definitions[part])] for key, value in properties.items()}
+    used = {
+        key: [part for part in references(value) if not is_choice(definitions[part])]
+        for key, value in properties.items()
+    }
     nested = ", ".join(f'"{key}": {parts[0]}' for key, parts in used.items() if parts)
     return source + (f"\n    _nested: ClassVar[Mapping[str, type[Record]]] = {{{nested}}}\n" if nested else "")
 
@@ -119,7 +124,9 @@ def module() -> str:
     for name in definitions:
         add(name)
     root = {key: value for key, value in schema.items() if key != "$defs"}
-    return source + dataclass("Results", root, definitions)
+    source += dataclass("Results", root, definitions)
+    ruff = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(TARGET), "-"]
+    return subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: Suppor
     Computes the radially averaged power spectral density.
     """
 
-def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat | SupportsIndex | None, dy_m: SupportsFloat | SupportsIndex | None, height_unit: str | None) -> tuple[Incomplete, tuple[float, float] | None, list[str]]:
+def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat | SupportsIndex | None, dy_m: SupportsFloat | SupportsIndex | None, height_unit: str | None) -> tuple[Incomplete, tuple[float, float], list[str]]:
     """
     Reads a height map from a file.
     """

@@ -29,7 +29,9 @@ class Record:
         others = {key: values.pop(key) for key in data if key not in known}
         if others and "companions" not in known:
             raise ValueError(f"{cls.__name__} has no key {', '.join(others)}; another version of asperity wrote it")
-        found = cls(**values, companions=others) if others else cls(**values)
+        if others:
+            values["companions"] = others
+        found = cls(**values)
         # Absent keys and those that are null are both None here, and differ in JSON.
         object.__setattr__(found, "_keys", tuple(data))
         return found
@@ -49,7 +51,7 @@ class Record:
 
     def to_pandas(self) -> pandas.Series[Any]:
         """Return the numbers as a series; the names of nested values are joined by dots."""
-        import pandas  # noqa: PLC0415
+        import pandas
 
         return pandas.json_normalize(self.to_dict()).iloc[0]
 
@@ -86,10 +88,13 @@ def _html(value: Any) -> str:
     if isinstance(value, Record):
         names = [field.name for field in dataclasses.fields(value)]  # type: ignore[arg-type]
         shown = [(name, getattr(value, name)) for name in names]
-        rows = (f"<tr><th>{html.escape(name)}</th><td>{_html(item)}</td></tr>" for name, item in shown if item is not None)
+        rows = (
+            f"<tr><th>{html.escape(name)}</th><td>{_html(item)}</td></tr>" for name, item in shown if item is not None
+        )
         return f"<details open><summary>{type(value).__name__}</summary><table>{''.join(rows)}</table></details>"
     if isinstance(value, np.ndarray):
         return html.escape(f"array {value.shape}, {value.dtype}")
     if isinstance(value, list) and value and isinstance(value[0], Record):
-        return f"<details><summary>{len(value)} × {type(value[0]).__name__}</summary>{''.join(map(_html, value))}</details>"
+        title = f"{len(value)} × {type(value[0]).__name__}"
+        return f"<details><summary>{title}</summary>{''.join(map(_html, value))}</details>"
     return html.escape(f"{value:.6g}" if isinstance(value, float) else str(value))

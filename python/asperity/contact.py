@@ -61,7 +61,7 @@ class ContactSolution(Record):
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the fields with the coordinates of the cell centres."""
-        import xarray  # noqa: PLC0415
+        import xarray
 
         units = {name: "Pa" if name.endswith("_pa") else "m" for name in FIELDS}
         arrays = {
@@ -132,7 +132,7 @@ def solve_contact(
     if isinstance(heights, HeightMap):
         if dx_m is not None or dy_m is not None:
             raise ValueError("a HeightMap has its own dx_m and dy_m")
-        heights, dx_m, dy_m = heights.heights, heights.dx_m, heights.dy_m
+        dx_m, dy_m, heights = heights.dx_m, heights.dy_m, heights.heights
     if dx_m is None:
         raise ValueError("state dx_m, the distance between points")
     dy_m = dx_m if dy_m is None else dy_m

@@ -132,7 +132,9 @@ class AtMeanLoad(Record):
     gof: GoodnessResult | None
     """Goodness of fit; `null` for the empirical distribution."""
     laws: list[RankedLawResult]
-    """All fitted distributions, ordered by Akaike's criterion. `marginal` is the first whose ends lie within the data."""
+    """All fitted distributions, ordered by Akaike's criterion. `marginal` is the first whose ends lie within the
+    data.
+    """
     marginal: LawResult | None
     """Marginal distribution ranked first by Akaike's criterion."""
     marginal_parameter_intervals: dict[str, list[float] | None]
@@ -148,7 +150,13 @@ class AtMeanLoad(Record):
     std_interval: list[float] | None
     """95 % interval of `std`."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"correlation_curves": CorrelationCurveResult, "correlation_models": CorrelationModelResult, "gof": GoodnessResult, "laws": RankedLawResult, "marginal": LawResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "correlation_curves": CorrelationCurveResult,
+        "correlation_models": CorrelationModelResult,
+        "gof": GoodnessResult,
+        "laws": RankedLawResult,
+        "marginal": LawResult,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,6 +189,7 @@ class CoupledCycleResult(Record):
     """Fraction of the period in stick."""
     velocity_amplitude_m_per_s: float
     """Half the difference of the largest and the smallest velocity along the belt."""
+
 
 CoupledMotion = Literal["cycle", "steady", "locked", "irregular"]
 """Long-term motion of the machine."""
@@ -259,7 +268,10 @@ class CovarianceResult(Record):
     std_m: float
     """Standard deviation."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"candidates": CovarianceCandidateResult, "empirical": EmpiricalCovariance}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "candidates": CovarianceCandidateResult,
+        "empirical": EmpiricalCovariance,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -368,6 +380,7 @@ class CycleResult(Record):
     """Duration of the slip."""
     velocity_min: float | None
     """Least velocity."""
+
 
 KindResult = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "divergence", "none"]
 """Kind of motion that the machine settles into."""
@@ -496,7 +509,13 @@ class EnsembleResult(Record):
     release: PointsResult
     """Distribution of the points at which the mass leaves the belt, at the study's damping ratio."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"crossings": CrossingResult, "damping": DampingResult, "motion": MotionResult, "reattachment": PointsResult, "release": PointsResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "crossings": CrossingResult,
+        "damping": DampingResult,
+        "motion": MotionResult,
+        "reattachment": PointsResult,
+        "release": PointsResult,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -517,6 +536,7 @@ class FailedPoint(Record):
     """Place in the design."""
     reason: str
     """Reason."""
+
 
 RoughBodyResult = Literal["track", "slider", "both"]
 """Rough body of a sliding contact."""
@@ -602,9 +622,9 @@ class LevelResult(Record):
     beta: LawResult | None
     """The beta distribution with bounds fitted by likelihood."""
     between_parts_std: float | None
-    """Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs from
-    the mean by a constant. `null` for a smooth slider and, if both bodies are rough, at other levels than the
-    operating point and for free strips. The fluctuation along the path has the rest of the variance of
+    """Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs
+    from the mean by a constant. `null` for a smooth slider and, if both bodies are rough, at other levels than
+    the operating point and for free strips. The fluctuation along the path has the rest of the variance of
     `at_mean_load`.
     """
     between_parts_std_interval: list[float] | None
@@ -662,8 +682,8 @@ class LevelResult(Record):
     mean_pressure_pa: float
     """Mean pressure."""
     no_variance: str | None
-    """Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if
-    it has one.
+    """Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null`
+    if it has one.
     """
     penetration_m: float
     """Mean depth of the plane below the highest point of each strip."""
@@ -696,14 +716,24 @@ class LevelResult(Record):
     window_only: bool | None
     """Whether that interval includes lengths below one step, so that the correlation is due to the window alone."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"area_and_load": CrossResult, "at_mean_load": AtMeanLoad, "beta": LawResult, "gof": GoodnessResult, "marginal": LawResult, "return_levels": ReturnLevelResult, "stationarity": StationarityResult, "tail": TailResult, "upscaling": UpscalingResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "area_and_load": CrossResult,
+        "at_mean_load": AtMeanLoad,
+        "beta": LawResult,
+        "gof": GoodnessResult,
+        "marginal": LawResult,
+        "return_levels": ReturnLevelResult,
+        "stationarity": StationarityResult,
+        "tail": TailResult,
+        "upscaling": UpscalingResult,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
 class OperatingPoint(Record):
     """The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the
-    study names or, without a vibration stage, the level with the highest pressure. Windows are weighted by the load
-    they carry, as in `at_mean_load`.
+    study names or, without a vibration stage, the level with the highest pressure. Windows are weighted by the
+    load they carry, as in `at_mean_load`.
     """
 
     contact_fraction: float
@@ -801,7 +831,11 @@ class UncertainLevel(Record):
     responses: list[UncertainResponse]
     """Moments of the quotient F/N of each window."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"at_mean_load": UncertainResponse, "failures": FailedPoint, "responses": UncertainResponse}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "at_mean_load": UncertainResponse,
+        "failures": FailedPoint,
+        "responses": UncertainResponse,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -864,7 +898,12 @@ class FrictionResult(Record):
     window_width_m: float
     """Width of the window."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"cutoff": CutoffResult, "levels": LevelResult, "operating_point": OperatingPoint, "uncertainty": UncertaintyResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "cutoff": CutoffResult,
+        "levels": LevelResult,
+        "operating_point": OperatingPoint,
+        "uncertainty": UncertaintyResult,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -934,6 +973,7 @@ class IndexEntry(Record):
     total_se: float
     """Standard error of `total`."""
 
+
 InputKind = Literal["measured", "stated", "uncertain", "unknown", "default"]
 """Origin of the value of an input."""
 
@@ -958,8 +998,8 @@ class LearntFriction(Record):
     """Friction of the contact as a function of the uncertain values, learnt from solved strips."""
 
     difference_near_limit: float | None
-    """Root-mean-square relative difference between the solved and the predicted mean friction coefficient at the last
-    points near the limit, before they were used.
+    """Root-mean-square relative difference between the solved and the predicted mean friction coefficient at the
+    last points near the limit, before they were used.
     """
     inputs: list[str]
     """Names of the values."""
@@ -976,8 +1016,8 @@ class MapResolutionResult(Record):
     """Resolution of the transition of the probability in a map."""
 
     unresolved_share: float
-    """Fraction of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %, so that the width
-    of the transition is less than a cell and not known.
+    """Fraction of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %, so that the
+    width of the transition is less than a cell and not known.
     """
     x: float
     """Width of the smallest cells along x."""
@@ -1132,6 +1172,7 @@ class ModeCouplingResult(Record):
 
     _nested: ClassVar[Mapping[str, type[Record]]] = {"cycle": CoupledCycleResult}
 
+
 ModelResult = Literal["stick_slip", "mode_coupling"]
 """Model of the machine."""
 
@@ -1266,9 +1307,10 @@ class ScanOfPart(WithCompanions):
 
 @dataclass(frozen=True, kw_only=True)
 class PartStatistics(WithCompanions):
-    """Pooled statistics of several scans of a part, and those of the scans.  Each pooled statistic `x` is the weighted
-    mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the standard error of one scan)
-    and `x_between_std` (the standard deviation between places). All are `null` if `x` is undefined on a scan.
+    """Pooled statistics of several scans of a part, and those of the scans.  Each pooled statistic `x` is the
+    weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the standard error of
+    one scan) and `x_between_std` (the standard deviation between places). All are `null` if `x` is undefined on a
+    scan.
     """
 
     dx_m: float | None
@@ -1337,8 +1379,8 @@ class ScalarEntry(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class SensitivityEntry(Record):
-    """Sobol' indices of one quantity with respect to one set of variables: fractions of the variance that an expansion
-    explains.
+    """Sobol' indices of one quantity with respect to one set of variables: fractions of the variance that an
+    expansion explains.
     """
 
     cross_validated_error: float | None
@@ -1400,11 +1442,21 @@ class PressureResult(Record):
     separation_m: float | None
     """Height of the plane above the mean of the ensemble, where it is fixed in space."""
     sites: int
-    """Cells of each sample whose pressures are pooled: more than one if the surface is stationary on a periodic patch."""
+    """Cells of each sample whose pressures are pooled: more than one if the surface is stationary on a periodic
+    patch.
+    """
     std_pa: float
     """Standard deviation of the pressure in the reference run, zeros out of contact included."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"global_expansion": GlobalExpansionEntry, "homogeneity": HomogeneityEntry, "maps": MapsEntry, "methods": MethodEntry, "quantiles": PressureQuantile, "scalars": ScalarEntry, "sensitivities": SensitivityEntry}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "global_expansion": GlobalExpansionEntry,
+        "homogeneity": HomogeneityEntry,
+        "maps": MapsEntry,
+        "methods": MethodEntry,
+        "quantiles": PressureQuantile,
+        "scalars": ScalarEntry,
+        "sensitivities": SensitivityEntry,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1426,8 +1478,8 @@ class ProbabilityMap(Record):
     leaves_out_fluctuation: bool
     """Whether the friction of the study fluctuates. The map is that of its mean, without fluctuation."""
     probability: list[list[float]]
-    """Probability that a machine vibrates whose motion begins in stick: one row per value of `y`, one column per value
-    of `x`.
+    """Probability that a machine vibrates whose motion begins in stick: one row per value of `y`, one column per
+    value of `x`.
     """
     x: ProbabilityMapAxis
     """First input."""
@@ -1712,7 +1764,12 @@ class SurfaceResult(WithCompanions):
     companions: Mapping[str, Any] = field(default_factory=dict)
     """Further keys: intervals ``x_interval``, standard errors ``x_se`` and the like."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"covariance": CovarianceResult, "karhunen_loeve": KarhunenLoeveResult, "marginal": LawResult, "scans": ScanOfPart}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "covariance": CovarianceResult,
+        "karhunen_loeve": KarhunenLoeveResult,
+        "marginal": LawResult,
+        "scans": ScanOfPart,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1728,7 +1785,11 @@ class VibratingMachines(Record):
     velocity_amplitude_m_per_s: Quantiles | None
     """Half the difference of the largest and the smallest velocity."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"displacement_amplitude_m": Quantiles, "frequency_hz": Quantiles, "velocity_amplitude_m_per_s": Quantiles}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "displacement_amplitude_m": Quantiles,
+        "frequency_hz": Quantiles,
+        "velocity_amplitude_m_per_s": Quantiles,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1736,8 +1797,8 @@ class VerdictResult(Record):
     """Probability of vibration over the uncertain values of a study, what decides it and what changes it."""
 
     area_as_one: list[AreaAsOne] | None
-    """Probability against the number of windows that share the load; `null` if friction neither fluctuates nor differs
-    between parts, or is averaged over an unknown area.
+    """Probability against the number of windows that share the load; `null` if friction neither fluctuates nor
+    differs between parts, or is averaged over an unknown area.
     """
     assumptions: list[str]
     """Assumptions of the verdict, in sentences."""
@@ -1790,7 +1851,21 @@ class VerdictResult(Record):
     rests_on: list[RestsOn]
     """Inputs of the verdict with their origin; empty in results of earlier versions."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"area_as_one": AreaAsOne, "drivers": Driver, "error_sources": ErrorSource, "event_drivers": Driver, "friction": LearntFriction, "guesses": Guess, "if_vibrating": VibratingMachines, "map": ProbabilityMap, "margin_quantiles": MarginQuantile, "nominal": NominalMachine, "probability_over_unknowns": Quantiles, "remedies": Remedy, "rests_on": RestsOn}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "area_as_one": AreaAsOne,
+        "drivers": Driver,
+        "error_sources": ErrorSource,
+        "event_drivers": Driver,
+        "friction": LearntFriction,
+        "guesses": Guess,
+        "if_vibrating": VibratingMachines,
+        "map": ProbabilityMap,
+        "margin_quantiles": MarginQuantile,
+        "nominal": NominalMachine,
+        "probability_over_unknowns": Quantiles,
+        "remedies": Remedy,
+        "rests_on": RestsOn,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1814,16 +1889,16 @@ class VibrationResult(Record):
     hopf_damping_ratio: float | None
     """Damping ratio ζ_H below which steady sliding is unstable."""
     kick_m_per_s: float | None
-    """Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if none
-    is needed, none suffices, or under forcing.
+    """Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if
+    none is needed, none suffices, or under forcing.
     """
     kind: KindResult
     """Kind of motion without fluctuation, started in stick, at the study's damping ratio."""
     level_mean_pressure_pa: float | None
     """Mean pressure of that level."""
     level_percentile: float | None
-    """Percentile of the level of the friction stage that is used; `null` if the level is at N/nominal_area or friction
-    is stated.
+    """Percentile of the level of the friction stage that is used; `null` if the level is at N/nominal_area or
+    friction is stated.
     """
     limit_damping_ratio: float | None
     """Damping ratio ζ_v above which no vibration persists; `null` if the search failed."""
@@ -1842,7 +1917,13 @@ class VibrationResult(Record):
     variance_reduction: float
     """Variance of μ over the nominal area divided by the variance of one window."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"area": EnsembleResult, "cycle": CycleResult, "map": MapResult, "marginal": LawResult, "paper": EnsembleResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "area": EnsembleResult,
+        "cycle": CycleResult,
+        "map": MapResult,
+        "marginal": LawResult,
+        "paper": EnsembleResult,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1872,4 +1953,12 @@ class Results(Record):
     warnings: list[str]
     """Warnings, in sentences."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"counterface": SurfaceResult, "friction": FrictionResult, "mode_coupling": ModeCouplingResult, "pressure": PressureResult, "surface": SurfaceResult, "verdict": VerdictResult, "vibration": VibrationResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "counterface": SurfaceResult,
+        "friction": FrictionResult,
+        "mode_coupling": ModeCouplingResult,
+        "pressure": PressureResult,
+        "surface": SurfaceResult,
+        "verdict": VerdictResult,
+        "vibration": VibrationResult,
+    }

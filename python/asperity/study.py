@@ -25,7 +25,7 @@ class Table(dict[str, NDArray[np.float64] | list[str]]):
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the table as a data frame."""
-        import pandas  # noqa: PLC0415
+        import pandas
 
         return pandas.DataFrame(self)
 
@@ -56,11 +56,9 @@ class StudyResults(Results):
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the fields; each has its own coordinates, as their grids may differ."""
-        import xarray  # noqa: PLC0415
+        import xarray
 
-        renamed = (
-            own.to_xarray().rename(x=f"x_{name}", y=f"y_{name}") for name, own in sorted(self.fields.items())
-        )
+        renamed = (own.to_xarray().rename(x=f"x_{name}", y=f"y_{name}") for name, own in sorted(self.fields.items()))
         return xarray.Dataset({str(array.name): array for array in renamed})
 
 

@@ -133,7 +133,9 @@ class HeightMap:
     def __repr__(self) -> str:
         """Return shape, pixel size and missing points."""
         missing = int(np.isnan(self.heights).sum())
-        return f"HeightMap({self.shape[1]} × {self.shape[0]} points, {self.dx_m:g} × {self.dy_m:g} m, {missing} missing)"
+        return (
+            f"HeightMap({self.shape[1]} × {self.shape[0]} points, {self.dx_m:g} × {self.dy_m:g} m, {missing} missing)"
+        )
 
     def level(
         self,
@@ -191,7 +193,7 @@ class HeightMap:
         >>> round(found.Sq_m / 1e-6 * 2**0.5, 12)
         1.0
         """
-        from asperity.results import SurfaceStatistics  # noqa: PLC0415
+        from asperity.results import SurfaceStatistics
 
         return SurfaceStatistics.from_dict(_core.statistics(self.heights, self.dx_m, self.dy_m, dict(self._history)))
 
@@ -208,11 +210,9 @@ class HeightMap:
         return field_to_xarray(self.heights, self.dx_m, self.dy_m, name="height", unit="m")
 
 
-def field_to_xarray(
-    values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str
-) -> xarray.DataArray:
+def field_to_xarray(values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str) -> xarray.DataArray:
     """Return a field on a grid with the coordinates of the cell centres."""
-    import xarray  # noqa: PLC0415
+    import xarray
 
     ny, nx = values.shape
     coordinates = {"y": (np.arange(ny) + 0.5) * dy_m, "x": (np.arange(nx) + 0.5) * dx_m}

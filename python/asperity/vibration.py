@@ -320,9 +320,9 @@ class StabilityMap(Record):
 
     _nested: ClassVar[Mapping[str, type[Record]]] = {"points": MapPoint, "contours": MapContour}
 
-    def to_pandas(self) -> pandas.DataFrame:  # type: ignore[override]
+    def to_pandas(self) -> pandas.DataFrame:
         """Return the points as a data frame."""
-        import pandas  # noqa: PLC0415
+        import pandas
 
         return pandas.json_normalize([point.to_dict() for point in self.points])
 
@@ -394,9 +394,7 @@ def ensemble(
         See `run_study`.
     """
     fluctuation = _fluctuation(friction_std, correlation_length, marginal, allow_clipping)
-    found = _core.ensemble(
-        oscillator._checked, fluctuation, trajectories, duration, seed, drive, callback(progress)
-    )
+    found = _core.ensemble(oscillator._checked, fluctuation, trajectories, duration, seed, drive, callback(progress))
     return Ensemble.from_dict(found)
 
 

@@ -7,7 +7,9 @@ def test_a_contact_equals_that_of_the_command_line(program, rough, tmp_path):
     file = tmp_path / "rough.npy"
     np.save(file, rough)
     pressed = ("--youngs-modulus", "210GPa", "--hardness", "5GPa", "--boundary", "periodic", "--penetration", "1um")
-    expected = program("contact", file, "--pixel-size", "1um", "--height-unit", "m", *pressed, "--quiet", "--level", "none")
+    expected = program(
+        "contact", file, "--pixel-size", "1um", "--height-unit", "m", *pressed, "--quiet", "--level", "none"
+    )
     found = asperity.solve_contact(rough, dx_m=1e-6, youngs_modulus_pa=210e9, hardness_pa=5e9, penetration_m=1e-6)
     numbers = {key: value for key, value in found.to_dict().items() if key in expected}
     assert len(numbers) == 12

@@ -22,23 +22,23 @@ CALLS = {
     "ensemble": "asperity.ensemble(machine, friction_std=1e-3, correlation_length=0.01, marginal='normal', "
     "trajectories=1000000, duration=1e4, seed=1)",
     "study": "asperity.run_study('studies/quickstart.toml', progress=False)",
-    "statistics": "import numpy as np; asperity.HeightMap.from_array(np.random.default_rng(1).normal(size=(4000, 4000)),"
-    " dx_m=1e-6).level('polynomial:12').statistics()",
+    "statistics": "import numpy as np; z = np.random.default_rng(1).normal(size=(4000, 4000)); "
+    "asperity.HeightMap.from_array(z, dx_m=1e-6).level('polynomial:12').statistics()",
 }
 
 
 @pytest.mark.parametrize("call", CALLS)
 def test_ctrl_c_ends_a_long_call_within_a_second(call):
     script = MACHINE.format(call=CALLS[call])
-    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    assert process.stdout.readline() == "ready\n"
-    time.sleep(1.0)
-    sent = time.monotonic()
-    process.send_signal(signal.SIGINT)
-    assert process.stdout.readline() == "interrupted\n"
-    assert time.monotonic() - sent < 1.0
-    assert process.wait(timeout=5) == 0
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(1.0)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.readline() == "interrupted\n"
+        assert time.monotonic() - sent < 1.0
+        assert process.wait(timeout=5) == 0
 
 
 def test_other_threads_run_during_a_long_call():

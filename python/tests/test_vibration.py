@@ -16,9 +16,8 @@ def paper(damping_ratio: float = 0.17) -> Oscillator:
 def test_cycle_and_critical_damping_equal_those_of_the_command_line(program):
     expected = program("vibration", "cycle", *PAPER, "--damping-ratio", 0.17)
     found = asperity.limit_cycle(paper()).to_dict()
-    assert expected.items() - found.items() <= {("warnings", None)} or {
-        key: value for key, value in expected.items() if key in found
-    }.items() <= found.items()
+    del expected["warnings"]
+    assert {key: found[key] for key in expected} == expected
     expected = program("vibration", "critical-damping", *PAPER)
     found = asperity.critical_damping(paper()).to_dict()
     assert found == {key: expected[key] for key in found}
@@ -59,11 +58,11 @@ def test_an_ensemble_equals_that_of_the_command_line(program):
 def test_a_map_falls_from_vibration_to_sliding_over_damping():
     found = asperity.stability_map(
         paper(), friction_std=1e-4, correlation_length=0.05, marginal="normal", trajectories=8, duration=60, seed=1,
-        damping_ratios=(0.15, 0.3, 2), belt_velocities=(0.003, 0.004, 1), depth=0,
+        damping_ratios=(0.125, 0.375, 2), belt_velocities=(0.003, 0.004, 1), depth=0,
     )  # fmt: skip
     assert found.axes == ["damping_ratio", "belt_velocity"]
     shares = {point.x: point.sustained.value for point in found.points if point.y == 0.003}
-    assert shares == {0.15: 1.0, 0.225: 0.0, 0.3: 0.0}
+    assert shares == {0.125: 1.0, 0.25: 0.0, 0.375: 0.0}
     limits = [point.limit_damping_ratio for point in found.points if point.y == 0.003]
     assert limits == pytest.approx([asperity.critical_damping(paper()).limit_damping_ratio] * 3)
     with pytest.raises(ValueError, match="damping_ratios with"):

@@ -89,10 +89,10 @@ pub(crate) fn solve_contact<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings: Settings = from_python(settings)?;
     let (control, substrate) = (settings.control()?, settings.substrate()?);
-    let heights_m = owned(&heights_m);
-    let (ny, nx) = heights_m.dim();
+    let (ny, nx) = heights_m.as_array().dim();
     let grid = Grid::new(nx, ny, dx_m, dy_m).raise()?;
     require_memory(memory_bytes(grid.points()), "the contact problem")?;
+    let heights_m = owned(&heights_m);
     let boundary = settings.boundary(grid, &substrate, control)?;
     let mut solver = Solver::default();
     if let Some(tolerance) = settings.tolerance {

@@ -19,7 +19,7 @@ use crate::errors::{Raise, value_error};
 use crate::long;
 
 /// Heights, pitches and warnings of a file.
-type FileContent<'py> = (Bound<'py, PyArray2<f64>>, Option<(f64, f64)>, Vec<String>);
+type FileContent<'py> = (Bound<'py, PyArray2<f64>>, (f64, f64), Vec<String>);
 
 /// Reads a height map from a file.
 #[pyfunction]
@@ -39,8 +39,10 @@ pub(crate) fn read_map<'py>(
     };
     let height_unit = height_unit.map(|unit| unit.parse::<LengthUnit>().raise()).transpose()?;
     let options = ReadOptions { channel: channel.as_deref().map(Channel::from), height_unit, pitch_m };
-    let scan = long::run(py, None, move |_| read_with(&path, &options).raise())?;
-    let (pitch_m, warnings) = (scan.pitch_m, scan.warnings.clone());
+    let file = path.clone();
+    let scan = long::run(py, None, move |_| read_with(&file, &options).raise())?;
+    let missing = || value_error(format_args!("{}: the file carries no pixel size; state dx_m", path.display()));
+    let (pitch_m, warnings) = (scan.pitch_m.ok_or_else(missing)?, scan.warnings.clone());
     let map = HeightMap::try_from(scan).raise()?;
     Ok((PyArray2::from_owned_array(py, map.into_heights_m()), pitch_m, warnings))
 }
