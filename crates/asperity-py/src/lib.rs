@@ -8,6 +8,7 @@ mod contact;
 mod convert;
 mod errors;
 mod long;
+mod random_surface;
 mod resources;
 mod study;
 mod surface;
@@ -20,6 +21,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use crate::contact::solve_contact;
+    #[pymodule_export]
+    use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]
     use crate::study::{results_schema, run_study};
     #[pymodule_export]

@@ -72,11 +72,19 @@ struct Steps {
 /// What a preparation did to a map.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct History {
+pub(crate) struct History {
     level: Level,
     outliers: usize,
     lost: usize,
     radius_m: Option<f64>,
+}
+
+impl History {
+    /// Returns the prepared map.
+    pub(crate) fn prepared(self, map: HeightMap) -> Prepared {
+        let Self { level, outliers, lost, radius_m } = self;
+        Prepared { map, outliers, lost, radius_m, level }
+    }
 }
 
 /// Removes form, outliers and filtered waves. Returns the heights, and what was done to them.
@@ -106,8 +114,7 @@ pub(crate) fn statistics<'py>(
     history: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let map = map_of(&heights_m, dx_m, dy_m)?;
-    let History { level, outliers, lost, radius_m } = from_python(history)?;
-    let prepared = Prepared { map, outliers, lost, radius_m, level };
+    let prepared = from_python::<History>(history)?.prepared(map);
     let found = long::run(heights_m.py(), None, move |_| MapStatistics::new(&prepared).raise())?;
     to_python(heights_m.py(), &surface_statistics(&found))
 }
