@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from asperity import _core
 from asperity._progress import Progress, callback
-from asperity.results import Results
+from asperity.results import PressureResult, Results, VerdictResult
 from asperity.surface import field_to_xarray
 
 if TYPE_CHECKING:
@@ -112,3 +112,25 @@ def run_study(
     object.__setattr__(results, "tables", tables)
     object.__setattr__(results, "fields", fields)
     return results
+
+
+def pressure_distribution(
+    study: str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
+) -> PressureResult:
+    """Return the distribution of the contact pressure of a random surface: the pressure stage of a study.
+
+    The study has the sections ``surface``, ``material`` and ``pressure``; see `run_study` for the parameters, and for
+    tables and fields.
+    """
+    found = run_study(study, only="pressure", seed=seed, progress=progress).pressure
+    assert found is not None
+    return found
+
+
+def verdict(
+    study: str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
+) -> VerdictResult:
+    """Return the probability that a machine vibrates, over the uncertain values of a study; see `run_study`."""
+    found = run_study(study, only="verdict", seed=seed, progress=progress).verdict
+    assert found is not None
+    return found

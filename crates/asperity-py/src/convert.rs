@@ -17,6 +17,11 @@ pub(crate) fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> PyResu
     from_value(py, &serde_json::to_value(result).map_err(value_error)?)
 }
 
+/// Returns a JSON text as dictionaries, lists, numbers and strings.
+pub(crate) fn from_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    from_value(py, &serde_json::from_str(text).raise()?)
+}
+
 fn from_value<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Null => py.None().into_bound(py),

@@ -6,6 +6,7 @@ use std::fmt::Display;
 use std::io;
 
 use asperity::friction::FrictionError;
+use asperity::friction::measured::MeasuredError;
 use asperity::monitor::Cancelled;
 use asperity::pressure::PressureError;
 use asperity::study::{FailureKind, StoreError, StudyError, StudyFileError};
@@ -85,7 +86,8 @@ fn kind(error: &(dyn Error + 'static)) -> FailureKind {
     let not_converged = matches!(
         error.downcast_ref(),
         Some(VibrationError::TooFewValid { .. } | VibrationError::NotFound { .. } | VibrationError::Stalled { .. })
-    ) || matches!(error.downcast_ref(), Some(PressureError::TooFewValid { .. }));
+    ) || matches!(error.downcast_ref(), Some(PressureError::TooFewValid { .. }))
+        || error.downcast_ref::<MeasuredError>().is_some_and(MeasuredError::is_too_few);
     let cancelled = error.is::<Cancelled>()
         || matches!(error.downcast_ref(), Some(VibrationError::Cancelled(_)))
         || matches!(error.downcast_ref(), Some(PressureError::Cancelled(_)))

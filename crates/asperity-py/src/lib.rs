@@ -4,10 +4,12 @@
 //! here. Settings and results cross the border as dictionaries ([`convert`]), fields as NumPy arrays, errors by kind
 //! ([`errors`]). Calls that may take long run on a thread of their own ([`long`]), so that Ctrl-C ends them.
 
+mod chaos;
 mod contact;
 mod convert;
 mod errors;
 mod long;
+mod process;
 mod random_surface;
 mod resources;
 mod study;
@@ -20,7 +22,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use crate::chaos::{Expansion, design};
+    #[pymodule_export]
     use crate::contact::solve_contact;
+    #[pymodule_export]
+    use crate::process::{fit_friction_record, friction_process, simulate_friction};
     #[pymodule_export]
     use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]
