@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from asperity.surface import HeightMap
 if TYPE_CHECKING:
     from asperity.results import CovarianceResult
 
+T = TypeVar("T", int, float)
 Boundary = Literal["free", "periodic"]
 Size = float | tuple[float, float]
 """Length along both axes, or along x and y."""
@@ -238,5 +239,5 @@ def _translated(generator: str, covariance: Covariance, rms_height_m: float, mar
     }
 
 
-def _pair(value: float | tuple[float, float] | int | tuple[int, int]) -> tuple[float, float]:
+def _pair(value: T | tuple[T, T]) -> tuple[T, T]:
     return value if isinstance(value, tuple) else (value, value)

@@ -7,6 +7,8 @@ import time
 import asperity
 import pytest
 
+from .conftest import ROOT
+
 MACHINE = """
 import time
 import asperity
@@ -21,7 +23,7 @@ except KeyboardInterrupt:
 CALLS = {
     "ensemble": "asperity.ensemble(machine, friction_std=1e-3, correlation_length=0.01, marginal='normal', "
     "trajectories=1000000, duration=1e4, seed=1)",
-    "study": "asperity.run_study('studies/quickstart.toml', progress=False)",
+    "study": f"asperity.run_study({str(ROOT / 'studies' / 'quickstart.toml')!r}, progress=False)",
     "statistics": "import numpy as np; z = np.random.default_rng(1).normal(size=(4000, 4000)); "
     "asperity.HeightMap.from_array(z, dx_m=1e-6).level('polynomial:12').statistics()",
 }

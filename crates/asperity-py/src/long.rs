@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use asperity::map::HeightMap;
 use asperity::monitor::Monitor;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -27,6 +28,9 @@ const TICK: Duration = Duration::from_millis(50);
 const GRACE: Duration = Duration::from_millis(500);
 /// Stack of the computation in bytes, as on the main thread.
 const STACK: usize = 8 << 20;
+
+/// Largest map that takes milliseconds.
+const SMALL_POINTS: usize = 1 << 12;
 
 /// State that the computation and the calling thread share.
 #[derive(Default)]
@@ -71,6 +75,15 @@ impl Shared {
         };
         changed.into_iter().try_for_each(|report| callback.call1(report).map(drop))
     }
+}
+
+/// Runs a computation on a map without the interpreter lock. A small map needs no thread, which would take longer to start.
+pub(crate) fn run_on_map<T: Send + 'static>(
+    py: Python<'_>,
+    map: HeightMap,
+    compute: impl FnOnce(HeightMap) -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
+    if map.grid().points() <= SMALL_POINTS { py.detach(|| compute(map)) } else { run(py, None, |_| compute(map)) }
 }
 
 /// Runs a computation without the interpreter lock. `progress` is a callable of the task, the blocks done and all blocks.

@@ -100,7 +100,7 @@ pub(crate) fn level<'py>(
     let preparation = Preparation { level, outliers, s_filter_m, l_filter_m, robust };
     let py = heights_m.py();
     let Prepared { map, outliers, lost, radius_m, level } =
-        long::run(py, None, move |_| preparation.apply(&map).raise())?;
+        long::run_on_map(py, map, move |map| preparation.apply(&map).raise())?;
     let history = History { level, outliers, lost, radius_m };
     Ok((PyArray2::from_owned_array(py, map.into_heights_m()), to_python(py, &history)?))
 }
@@ -114,8 +114,8 @@ pub(crate) fn statistics<'py>(
     history: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let map = map_of(&heights_m, dx_m, dy_m)?;
-    let prepared = from_python::<History>(history)?.prepared(map);
-    let found = long::run(heights_m.py(), None, move |_| MapStatistics::new(&prepared).raise())?;
+    let history: History = from_python(history)?;
+    let found = long::run_on_map(heights_m.py(), map, |map| MapStatistics::new(&history.prepared(map)).raise())?;
     to_python(heights_m.py(), &surface_statistics(&found))
 }
 
@@ -123,7 +123,7 @@ pub(crate) fn statistics<'py>(
 #[pyfunction]
 pub(crate) fn acf<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
     let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
-    let found = long::run(py, None, move |_| Autocorrelation::estimate(&map).raise())?;
+    let found = long::run_on_map(py, map, |map| Autocorrelation::estimate(&map).raise())?;
     let answer = PyDict::new(py);
     for (axis, pitch_m, name) in [(Axis::X, dx_m, "x"), (Axis::Y, dy_m, "y")] {
         let correlation = found.along(axis);
@@ -140,7 +140,7 @@ pub(crate) fn acf<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f
 #[pyfunction]
 pub(crate) fn psd<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
     let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
-    let found = long::run(py, None, move |_| radial_spectrum(&map).raise())?;
+    let found = long::run_on_map(py, map, |map| radial_spectrum(&map).raise())?;
     let answer = PyDict::new(py);
     answer.set_item("q_rad_per_m", PyArray1::from_vec(py, found.q_rad_per_m))?;
     answer.set_item("psd_m4", PyArray1::from_vec(py, found.psd_m4))?;

@@ -1,0 +1,54 @@
+import json
+
+import asperity
+import numpy as np
+import pytest
+
+
+def test_a_fit_equals_that_of_the_command_line(program, tmp_path):
+    process = asperity.friction_process(mean=0.21, std=0.008, correlation_length_m=250e-6, marginal="beta:2.1,5")
+    friction = process.simulate(length_m=50e-3, step_m=1e-5, seed=11)
+    rows = "".join(f"{i * 1e-5!r},{value!r}\n" for i, value in enumerate(friction))
+    (tmp_path / "record.csv").write_text("s [m],mu [-]\n" + rows)
+    columns = ("--column", "mu", "--distance-column", "s", "--out", tmp_path / "process.json", "--quiet")
+    program("friction", "fit", tmp_path / "record.csv", *columns)
+    expected = asperity.FrictionProcess.read(tmp_path / "process.json")
+    with pytest.warns(UserWarning) if False else _no_error():
+        found = asperity.fit_friction_record(friction, step_m=1e-5)
+    assert (found.mean, found.std, found.marginal) == (expected.mean, expected.std, expected.marginal)
+    assert found.correlation.length_m == pytest.approx(expected.correlation.length_m, rel=1e-9)
+    low, high = found.mean_interval
+    assert low < 0.21 < high
+    low, high = found.correlation.length_m_interval
+    assert low < 250e-6 < high
+
+
+class _no_error:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+
+def test_a_simulated_record_equals_that_of_the_command_line(program, tmp_path):
+    process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=100e-6)
+    process.write(tmp_path / "process.json")
+    assert asperity.FrictionProcess.read(tmp_path / "process.json") == process
+    size = ("--length", "5 mm", "--step", "10 um", "--seed", 3, "--out", tmp_path / "mu.csv")
+    program("friction", "simulate", tmp_path / "process.json", *size)
+    table = np.genfromtxt(tmp_path / "mu.csv", delimiter=",", names=True)
+    found = process.simulate(length_m=5e-3, step_m=10e-6, seed=3)
+    assert np.array_equal(found, table["mu"])
+    assert json.loads((tmp_path / "process.json").read_text())["format"] == "asperity friction process"
+
+
+def test_wrong_processes_and_records_raise_by_kind():
+    with pytest.raises(ValueError, match="std"):
+        asperity.friction_process(mean=0.2, std=-0.01, correlation_length_m=1e-4)
+    with pytest.raises(ValueError, match="colour"):
+        asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=1e-4, marginal="colour")
+    with pytest.raises(ValueError, match="step_m"):
+        asperity.fit_friction_record(np.ones(100), step_m=0)
+    with pytest.raises(asperity.NotConvergedError):
+        asperity.fit_friction_record([0.1, 0.2, 0.1], step_m=1e-5)
