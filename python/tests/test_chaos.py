@@ -1,22 +1,24 @@
+import math
+
 import asperity
 import numpy as np
 import pytest
 
 
-def ishigami(xi):
-    """Ishigami's function of three variables, uniform on [−π, π] as functions of normal ones."""
-    from math import erf, pi, sin  # noqa: PLC0415
-
-    x = [pi * erf(value / 2**0.5) for value in xi]
-    return sin(x[0]) + 7 * sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * sin(x[0])
-
-
-def test_the_indices_of_ishigami_s_function_are_those_of_the_closed_form():
-    expansion = asperity.Expansion.of(ishigami, variables=3, degree=14, samples=2000, seed=1, sparse=True)
-    found = expansion.sobol_indices()
-    assert expansion.mean == pytest.approx(3.5, abs=0.05)
-    assert found.first_order == pytest.approx([0.3139, 0.4424, 0], abs=0.05)
-    assert found.total == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.05)
+@pytest.mark.parametrize("sparse", [False, True])
+def test_the_indices_of_a_lognormal_product_are_those_of_the_closed_form(sparse):
+    # y = e^{a ξ₀ + b ξ₁} has V = e^{s}(e^{s} − 1) with s = a² + b², and S₀ = (e^{a²} − 1)/(e^{s} − 1).
+    a, b = 0.5, 0.3
+    product = asperity.Expansion.of(
+        lambda xi: math.exp(a * xi[0] + b * xi[1]), variables=2, degree=8, samples=400, seed=1, sparse=sparse
+    )
+    s = math.exp(a * a + b * b)
+    assert product.mean == pytest.approx(s**0.5, rel=1e-4)
+    assert product.variance == pytest.approx(s * (s - 1), rel=1e-3)
+    found = product.sobol_indices()
+    expected = [(math.exp(c * c) - 1) / (s - 1) for c in (a, b)]
+    assert found.first_order == pytest.approx(expected, abs=1e-3)
+    assert found.total == pytest.approx([1 - expected[1], 1 - expected[0]], abs=1e-3)
 
 
 def test_a_polynomial_is_reproduced():
@@ -49,7 +51,7 @@ def test_wrong_samples_are_refused():
         asperity.Expansion.fit(np.zeros((2, 1)), np.zeros(3), degree=1)
     with pytest.raises(ValueError, match="not finite"):
         asperity.Expansion.fit(np.ones((5, 1)), [1, 2, 3, 4, np.nan], degree=1)
-    with pytest.raises(ValueError, match="2 samples|too few|samples"):
+    with pytest.raises(ValueError, match="samples"):
         asperity.Expansion.fit(np.ones((2, 1)), np.ones(2), degree=3)
     expansion = asperity.Expansion.fit([[-1.0], [0.0], [1.0]], [0.0, 1.0, 2.0], degree=1)
     with pytest.raises(ValueError, match="0 variables"):

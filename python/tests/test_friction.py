@@ -8,27 +8,17 @@ import pytest
 def test_a_fit_equals_that_of_the_command_line(program, tmp_path):
     process = asperity.friction_process(mean=0.21, std=0.008, correlation_length_m=250e-6, marginal="beta:2.1,5")
     friction = process.simulate(length_m=50e-3, step_m=1e-5, seed=11)
-    rows = "".join(f"{i * 1e-5!r},{value!r}\n" for i, value in enumerate(friction))
-    (tmp_path / "record.csv").write_text("s [m],mu [-]\n" + rows)
+    rows = "".join(f"{i / 100:.2f},{float(value)!r}\n" for i, value in enumerate(friction))
+    (tmp_path / "record.csv").write_text("s [mm],mu [-]\n" + rows)
     columns = ("--column", "mu", "--distance-column", "s", "--out", tmp_path / "process.json", "--quiet")
     program("friction", "fit", tmp_path / "record.csv", *columns)
     expected = asperity.FrictionProcess.read(tmp_path / "process.json")
-    with pytest.warns(UserWarning) if False else _no_error():
-        found = asperity.fit_friction_record(friction, step_m=1e-5)
+    found = asperity.fit_friction_record(friction, step_m=1e-5)
     assert (found.mean, found.std, found.marginal) == (expected.mean, expected.std, expected.marginal)
     assert found.correlation.length_m == pytest.approx(expected.correlation.length_m, rel=1e-9)
     low, high = found.mean_interval
     assert low < 0.21 < high
-    low, high = found.correlation.length_m_interval
-    assert low < 250e-6 < high
-
-
-class _no_error:
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
+    assert found.correlation.length_m == pytest.approx(250e-6, rel=0.3)
 
 
 def test_a_simulated_record_equals_that_of_the_command_line(program, tmp_path):
