@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity import _core
 from asperity._progress import Progress, callback
+from asperity.friction import FrictionProcess
 from asperity.results import PressureResult, Results, VerdictResult
 from asperity.surface import field_to_xarray
 
@@ -53,6 +54,8 @@ class StudyResults(Results):
     """Tables by name, as in ``tables/``."""
     fields: Mapping[str, Field] = field(default_factory=dict, repr=False)
     """Fields by name, as in ``fields/``."""
+    friction_process: FrictionProcess | None = field(default=None, repr=False)
+    """Friction process at the operating point, as in ``friction_process.json``."""
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the fields; each has its own coordinates, as their grids may differ."""
@@ -109,8 +112,9 @@ def run_study(
     results = StudyResults.from_dict(found["results"])
     tables = {name: Table(columns) for name, columns in found["tables"].items()}
     fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}
-    object.__setattr__(results, "tables", tables)
-    object.__setattr__(results, "fields", fields)
+    process = found["friction_process"] and FrictionProcess.from_dict(found["friction_process"])
+    for name, value in (("tables", tables), ("fields", fields), ("friction_process", process)):
+        object.__setattr__(results, name, value)
     return results
 
 

@@ -80,6 +80,57 @@ def test_results_are_tables_of_pandas_and_html():
     assert "critical_damping_ratio" in found._repr_html_()
 
 
+def test_pressure_and_verdict_are_stages_of_a_study(program, tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY)
+    found = asperity.pressure_distribution(file, progress=False)
+    assert found == asperity.run_study(file, progress=False).pressure
+    machine = {
+        "seed": 1,
+        "vibration": {
+            "mass": "1 kg",
+            "natural_frequency": "316 rad/s",
+            "normal_force": "2.5 kN",
+            "nominal_area": "833 mm^2",
+            "friction_std": 0,
+            "dimensionless_belt_velocity": 0.1,
+            "static_friction": 0.3,
+            "velocity_law": "linear",
+            "linear_weakening": "0.1 ± 0.02",
+            "damping_ratio": 0.05,
+        },
+    }
+    # The machine vibrates if its damping ratio is below half the weakening: at the median of 0.1.
+    found = asperity.verdict(machine, progress=False)
+    assert found.probability == pytest.approx(0.5, abs=0.03)
+    assert isinstance(found.drivers[0].total, float)
+
+
+def test_the_friction_process_of_a_study_is_that_of_its_run_folder(tmp_path):
+    study = {
+        "seed": 2,
+        "surface": {
+            "covariance": "exponential",
+            "marginal": "normal",
+            "rms_height": "1 um",
+            "correlation_length": "20 um",
+        },
+        "material": {"youngs_modulus": "210 GPa", "hardness": "2 GPa", "shear_strength": "385 MPa"},
+        "friction": {
+            "strip": ["3 mm", "50 um"],
+            "points": [512, 8],
+            "window": "200 um",
+            "percentiles": [25.0],
+            "realisations": 4,
+        },
+    }
+    found = asperity.run_study(study, progress=False, out=tmp_path / "run")
+    expected = asperity.FrictionProcess.read(tmp_path / "run" / "friction_process.json")
+    assert found.friction_process == expected
+    assert found.friction is not None
+    assert expected.mean == found.friction.operating_point.mean
+
+
 def test_every_error_has_its_kind(tmp_path):
     file = tmp_path / "study.toml"
     for text, message in [

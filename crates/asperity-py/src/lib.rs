@@ -1,8 +1,8 @@
 //! Python module `asperity._core`: converts arguments, calls the library, converts results.
 //!
 //! The package `python/asperity` wraps every function of this module, with documentation and types. Nothing is computed
-//! here. Settings and results cross the border as dictionaries ([`convert`]), fields as NumPy arrays, errors by kind
-//! ([`errors`]). Calls that may take long run on a thread of their own ([`long`]), so that Ctrl-C ends them.
+//! here. Settings and results cross the border as dictionaries (`convert`), fields as NumPy arrays, errors by kind
+//! (`errors`). Calls that may take long run on a thread of their own (`long`), so that Ctrl-C ends them.
 
 mod chaos;
 mod contact;

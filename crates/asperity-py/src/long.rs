@@ -1,11 +1,11 @@
 //! Long computations: progress and Ctrl-C.
 //!
 //! Python runs its signal handlers on the main thread, and only while that thread executes Python. The library computes
-//! on the threads of rayon, and a thread that waits for them executes nothing. So [`run`] computes on a thread of its
+//! on the threads of rayon, and a thread that waits for them executes nothing. So `run` computes on a thread of its
 //! own, while the calling thread wakes twenty times a second, runs the signal handlers and reports progress.
 //!
 //! If a handler or the progress callback raises, the computation is cancelled. The caller gets the exception at the
-//! latest [`GRACE`] later. A block that is not finished by then ends in the background, and its result is dropped.
+//! latest half a second later. A block that is not finished by then ends in the background, and its result is dropped.
 
 use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -22,7 +22,7 @@ fn process_of(process: &Bound<'_, PyAny>) -> PyResult<FittedProcess> {
 }
 
 /// Returns a process as a dictionary.
-fn dictionary<'py>(py: Python<'py>, process: &FittedProcess) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn dictionary<'py>(py: Python<'py>, process: &FittedProcess) -> PyResult<Bound<'py, PyAny>> {
     from_json(py, &process.to_json().raise()?)
 }
 

@@ -13,6 +13,7 @@ use pyo3::types::PyDict;
 use crate::convert::{to_python, to_value};
 use crate::errors::{Raise, refused, value_error, with_message};
 use crate::long;
+use crate::process::dictionary;
 use crate::resources::require_memory;
 
 /// A study and where it comes from.
@@ -142,6 +143,8 @@ fn answer(py: Python<'_>, outcome: Outcome) -> PyResult<Bound<'_, PyDict>> {
         fields.set_item(name, (PyArray2::from_owned_array(py, field.values), dx_m, dy_m, field.unit))?;
     }
     let answer = PyDict::new(py);
+    let process = outcome.friction_process.as_ref().map(|process| dictionary(py, process)).transpose()?;
+    answer.set_item("friction_process", process)?;
     answer.set_item("results", to_python(py, &outcome.results)?)?;
     answer.set_item("tables", tables)?;
     answer.set_item("fields", fields)?;
