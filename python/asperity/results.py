@@ -1,4 +1,4 @@
-"""Results of a study. Made by python/generate_results.py; do not edit.
+"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
 
 The attributes are the keys of ``results.json``: SI units, with the unit in the name. An undefined number is None, and
 an interval is [low, high] at 95 %.

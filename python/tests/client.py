@@ -1,7 +1,8 @@
 """A program of a user, which mypy --strict accepts."""
 
-import asperity
 import numpy as np
+
+import asperity
 
 
 def contact_fraction(path: str) -> float:

@@ -1,8 +1,6 @@
 """Fixtures: the program of the command line, and a rough map."""
 
 import json
-import os
-import pathlib
 import subprocess
 from collections.abc import Callable
 from typing import Any
@@ -10,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-ROOT = pathlib.Path(__file__).parents[2]
-PROGRAM = pathlib.Path(os.environ.get("ASPERITY_PROGRAM", ROOT / "target" / "debug" / "asperity"))
-SCAN = ROOT / "studies" / "brake_disc.x3p"
+from support import PROGRAM
 
 
 @pytest.fixture(scope="session")

@@ -1,8 +1,9 @@
 import math
 
-import asperity
 import numpy as np
 import pytest
+
+import asperity
 
 
 @pytest.mark.parametrize("sparse", [False, True])

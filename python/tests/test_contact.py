@@ -1,6 +1,7 @@
-import asperity
 import numpy as np
 import pytest
+
+import asperity
 
 
 def test_a_contact_equals_that_of_the_command_line(program, rough, tmp_path):

@@ -1,8 +1,9 @@
 import json
 
-import asperity
 import numpy as np
 import pytest
+
+import asperity
 
 
 def test_a_fit_equals_that_of_the_command_line(program, tmp_path):

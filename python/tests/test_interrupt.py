@@ -4,10 +4,10 @@ import sys
 import threading
 import time
 
-import asperity
 import pytest
 
-from .conftest import ROOT
+import asperity
+from support import ROOT
 
 MACHINE = """
 import time

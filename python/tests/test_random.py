@@ -1,12 +1,12 @@
 import itertools
 import subprocess
 
-import asperity
 import numpy as np
 import pytest
-from asperity import Covariance, HeightMap
 
-from .conftest import PROGRAM, SCAN
+import asperity
+from asperity import Covariance, HeightMap
+from support import PROGRAM, SCAN
 
 SPECIFICATION = """seed = 3
 size = ["64 um", "32 um"]

@@ -1,10 +1,10 @@
 import json
 
-import asperity
 import numpy as np
 import pytest
 
-from .conftest import ROOT
+import asperity
+from support import ROOT
 
 MACHINE = {
     "seed": 4,

@@ -1,9 +1,9 @@
-import asperity
 import numpy as np
 import pytest
-from asperity import HeightMap
 
-from .conftest import SCAN
+import asperity
+from asperity import HeightMap
+from support import SCAN
 
 
 def test_statistics_equal_those_of_the_command_line(program):

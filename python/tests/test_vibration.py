@@ -1,8 +1,9 @@
 import math
 
-import asperity
 import numpy as np
 import pytest
+
+import asperity
 from asperity import Oscillator, Stribeck
 
 PAPER = ("--static-friction", 0.1, "--stribeck", 4.2, "--belt-velocity", 0.003)

@@ -11,8 +11,8 @@ from typing import Any
 
 from asperity import _core
 
-TARGET = pathlib.Path(__file__).parent / "asperity" / "results.py"
-HEAD = '''"""Results of a study. Made by python/generate_results.py; do not edit.
+TARGET = pathlib.Path(__file__).parents[1] / "python" / "asperity" / "results.py"
+HEAD = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
 
 The attributes are the keys of ``results.json``: SI units, with the unit in the name. An undefined number is None, and
 an interval is [low, high] at 95 %.
