@@ -39,7 +39,7 @@ validate:
 python PROFILE="release":
     rm -rf target/wheel
     maturin build --quiet --profile {{PROFILE}} --out target/wheel
-    python3 -m pip --python .venv/bin/python install --quiet --force-reinstall --no-deps target/wheel/*.whl
+    python -m pip install --quiet --force-reinstall --no-deps target/wheel/*.whl
     maturin generate-stubs --quiet --profile {{PROFILE}} --out target/stubs
     diff python/asperity/_core.pyi target/stubs/asperity/_core.pyi
     python scripts/generate_python_results.py --check

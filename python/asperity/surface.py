@@ -74,7 +74,9 @@ class HeightMap:
     _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, repr=False)
 
     def __post_init__(self) -> None:
-        self.heights.flags.writeable = False
+        own = self.heights.view()
+        own.flags.writeable = False
+        object.__setattr__(self, "heights", own)
 
     @staticmethod
     def read(

@@ -1,4 +1,6 @@
+import dataclasses
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -70,6 +72,14 @@ def test_a_map_falls_from_vibration_to_sliding_over_damping():
         asperity.stability_map(
             paper(), friction_std=1e-4, correlation_length=0.05, marginal="normal", trajectories=8, duration=60, seed=1
         )
+
+
+def test_machines_and_results_are_copied_and_sent_to_other_processes():
+    machine = pickle.loads(pickle.dumps(paper()))
+    assert machine == paper()
+    assert asperity.limit_cycle(machine) == pickle.loads(pickle.dumps(asperity.limit_cycle(paper())))
+    damped = dataclasses.replace(machine, damping_ratio=0.3)
+    assert asperity.limit_cycle(damped).kind == "none"
 
 
 def test_wrong_parameters_are_named():
