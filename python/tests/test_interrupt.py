@@ -63,3 +63,27 @@ def test_other_threads_run_during_a_long_call():
     thread.join()
     during = sum(begun < at < ended for at in ticks)
     assert during >= 0.2 * (ended - begun) / 0.005
+
+
+FORK = """
+import multiprocessing
+import asperity
+covariance = asperity.Covariance(model="exponential", correlation_length_m=1e-5)
+field = asperity.Spectral(covariance=covariance, rms_height_m=1e-6, size_m=1e-4, points=32)
+draw = lambda seed: [float(z.heights.std()) for z in field.sample(seed, 4)]
+own = draw(1)
+def check(queue):
+    queue.put(draw(1) == own)
+    multiprocessing.Process(target=lambda: queue.put(draw(1) == own)).start()
+multiprocessing.set_start_method("fork")
+queue = multiprocessing.Queue()
+multiprocessing.Process(target=check, args=(queue,)).start()
+print(queue.get(), queue.get())
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows does not fork")
+def test_forked_processes_compute():
+    command = [sys.executable, "-W", "ignore", "-c", FORK]
+    answer = subprocess.run(command, capture_output=True, check=True, text=True, timeout=60)
+    assert answer.stdout == "True True\n"

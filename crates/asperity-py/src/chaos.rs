@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use crate::convert::owned;
 use crate::errors::{Raise, value_error};
 use crate::long;
+use crate::pool::detached;
 
 /// Name of the random stream of designs of Python programs.
 const STAGE: &str = "python design";
@@ -93,7 +94,7 @@ impl Expansion {
             return Err(value_error(format_args!("samples have {found} variables, the expansion {wanted}")));
         }
         let xi = owned(&xi);
-        let values = py.detach(|| self.expansion.evaluate_many(&rows(&xi)));
+        let values = detached(py, || Ok(self.expansion.evaluate_many(&rows(&xi))))?;
         Ok(PyArray1::from_vec(py, values))
     }
 

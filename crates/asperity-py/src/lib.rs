@@ -9,6 +9,7 @@ mod contact;
 mod convert;
 mod errors;
 mod long;
+mod pool;
 mod process;
 mod random_surface;
 mod resources;
@@ -35,4 +36,9 @@ mod _core {
     use crate::surface::{acf, height_map, level, psd, read_map, statistics};
     #[pymodule_export]
     use crate::vibration::{Oscillator, critical_damping, ensemble, limit_cycle, stability_map};
+
+    #[pymodule_init]
+    fn init() {
+        crate::pool::loaded();
+    }
 }

@@ -21,6 +21,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::errors::refused;
+use crate::pool;
 
 /// Time between two looks at the signals.
 const TICK: Duration = Duration::from_millis(50);
@@ -83,7 +84,11 @@ pub(crate) fn run_on_map<T: Send + 'static>(
     map: HeightMap,
     compute: impl FnOnce(HeightMap) -> PyResult<T> + Send + 'static,
 ) -> PyResult<T> {
-    if map.grid().points() <= SMALL_POINTS { py.detach(|| compute(map)) } else { run(py, None, |_| compute(map)) }
+    if map.grid().points() <= SMALL_POINTS {
+        pool::detached(py, || compute(map))
+    } else {
+        run(py, None, |_| compute(map))
+    }
 }
 
 /// Runs a computation without the interpreter lock. `progress` is a callable of the task, the blocks done and all blocks.
@@ -96,7 +101,7 @@ pub(crate) fn run<T: Send + 'static>(
     let (sender, mut receiver) = sync_channel(1);
     let monitor = Arc::clone(&shared);
     let computation = move || {
-        let found = catch_unwind(AssertUnwindSafe(|| compute(&*monitor)));
+        let found = catch_unwind(AssertUnwindSafe(|| pool::compute(|| compute(&*monitor))));
         // Nobody waits for a cancelled computation.
         let _ = sender.send(found);
     };

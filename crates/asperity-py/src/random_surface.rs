@@ -21,6 +21,7 @@ use serde::Deserialize;
 use crate::convert::{from_python, map_of, to_python};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
+use crate::pool::detached;
 use crate::surface::History;
 
 /// Settings of a random surface. What is left out is measured on the scans.
@@ -155,7 +156,7 @@ impl RandomSurface {
         if xi.len() != wanted || xi.iter().any(|xi| !xi.is_finite()) {
             return Err(value_error(format_args!("xi has {} values, expected {wanted} finite numbers", xi.len())));
         }
-        let map = py.detach(|| self.0.generate(&xi));
+        let map = detached(py, || Ok(self.0.generate(&xi)))?;
         Ok(PyArray2::from_owned_array(py, map.into_heights_m()))
     }
 

@@ -17,6 +17,7 @@ use serde::Deserialize;
 use crate::convert::{from_python, to_python};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
+use crate::pool::detached;
 use crate::resources::require_memory;
 
 /// Checked oscillator.
@@ -42,7 +43,7 @@ pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyRe
         Ok((regime, free.then(|| own.sliding_is_unstable()), kick))
     };
     let (regime, steady_sliding_unstable, kick) = if free {
-        py.detach(find).raise()?
+        detached(py, || find().raise())?
     } else {
         // An irregular motion takes many cycles.
         long::run(py, None, move |_| find().raise())?
@@ -62,7 +63,7 @@ pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyRe
 #[pyfunction]
 pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
     let own = &oscillator.0;
-    let (found, limit) = py.detach(|| {
+    let (found, limit) = detached(py, || {
         let limit = match limit_damping(own) {
             Err(VibrationError::NotFound { .. }) => None,
             limit => Some(limit.raise()?),
