@@ -19,7 +19,7 @@ class Expansion:
         Returns the values at samples.
         """
     @staticmethod
-    def fit(xi: Incomplete, values: Incomplete, degree: SupportsIndex, sparse: bool) -> Expansion:
+    def fit(xi: Incomplete, values: Incomplete, degree, sparse: bool) -> Expansion:
         """
         Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation.
         """
@@ -63,7 +63,7 @@ class RandomSurface:
         """
         Returns the distances between points.
         """
-    def sample(self, /, seed: SupportsIndex, count: SupportsIndex) -> list[Incomplete]:
+    def sample(self, /, seed, count: SupportsIndex) -> list[Incomplete]:
         """
         Draws maps, the same for any number of threads.
         """
@@ -82,7 +82,7 @@ class SurfaceModel:
         """
         Returns the covariance; `None` for a Weierstrass–Mandelbrot surface.
         """
-    def on_grid(self, /, nx: SupportsIndex, ny: SupportsIndex, size_x_m: SupportsFloat | SupportsIndex, size_y_m: SupportsFloat | SupportsIndex, boundary: str) -> RandomSurface:
+    def on_grid(self, /, nx, ny, size_x_m: SupportsFloat | SupportsIndex, size_y_m: SupportsFloat | SupportsIndex, boundary: str) -> RandomSurface:
         """
         Makes the generator of maps on a grid of `nx` × `ny` points.
         """
@@ -101,17 +101,17 @@ def critical_damping(oscillator: Oscillator) -> Any:
     Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
     """
 
-def design(method: str, seed: SupportsIndex, samples: SupportsIndex, variables: SupportsIndex) -> Incomplete:
+def design(method: str, seed, samples, variables) -> Incomplete:
     """
     Plans a design and returns its standard normal variables, shape (samples, variables).
     """
 
-def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories: SupportsIndex, duration: SupportsFloat | SupportsIndex, seed: SupportsIndex, drive: str, progress: Any | None) -> Any:
+def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
     """
     Simulates many trajectories over a random friction fluctuation.
     """
 
-def fit_friction_record(friction: Incomplete, step_m: SupportsFloat | SupportsIndex, law: str, detrend: str, low_pass_m: SupportsFloat | SupportsIndex | None, decimation: SupportsIndex) -> Any:
+def fit_friction_record(friction: Incomplete, step_m: SupportsFloat | SupportsIndex, law: str, detrend: str, low_pass_m: SupportsFloat | SupportsIndex | None, decimation) -> Any:
     """
     Fits a process to a record of the friction coefficient at equal steps; NaN marks gaps.
     """
@@ -151,13 +151,13 @@ def results_schema() -> str:
     Returns the JSON Schema of results, from which the dataclasses are generated.
     """
 
-def run_study(study: Any, only: str | None, seed: SupportsIndex | None, progress: Any | None, out: str | PathLike[str] | None) -> dict:
+def run_study(study: Any, only: str | None, seed, progress: Any | None, out: str | PathLike[str] | None) -> dict:
     """
     Runs a study, the path of a file or a dictionary. Returns results, tables and fields; with `out` also writes the run
     folder.
     """
 
-def simulate_friction(process: Any, length_m: SupportsFloat | SupportsIndex, step_m: SupportsFloat | SupportsIndex, seed: SupportsIndex, index: SupportsIndex) -> Incomplete:
+def simulate_friction(process: Any, length_m: SupportsFloat | SupportsIndex, step_m: SupportsFloat | SupportsIndex, seed, index) -> Incomplete:
     """
     Draws values of the friction coefficient along a path.
     """
@@ -167,7 +167,7 @@ def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy
     Solves a contact problem. Returns fields and numbers, with the keys of `asperity contact --json`.
     """
 
-def stability_map(oscillator: Oscillator, fluctuation: dict, axes: dict, trajectories: SupportsIndex, duration: SupportsFloat | SupportsIndex, seed: SupportsIndex, progress: Any | None) -> Any:
+def stability_map(oscillator: Oscillator, fluctuation: dict, axes: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, progress: Any | None) -> Any:
     """
     Maps the probability of sustained vibration over two parameters.
     """

@@ -10,8 +10,9 @@ import asperity
 from support import ROOT
 
 MACHINE = """
-import time
 import asperity
+import numpy as np
+z = np.random.default_rng(1).normal(size=(3000, 3000))
 law = asperity.Stribeck(kinetic=0.1, decay=4.2)
 machine = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=0.17, belt_velocity=0.003)
 print("ready", flush=True)
@@ -24,8 +25,7 @@ CALLS = {
     "ensemble": "asperity.ensemble(machine, friction_std=1e-3, correlation_length=0.01, marginal='normal', "
     "trajectories=1000000, duration=1e4, seed=1)",
     "study": f"asperity.run_study({str(ROOT / 'studies' / 'quickstart.toml')!r}, progress=False)",
-    "statistics": "import numpy as np; z = np.random.default_rng(1).normal(size=(4000, 4000)); "
-    "asperity.HeightMap.from_array(z, dx_m=1e-6).level('polynomial:12').statistics()",
+    "statistics": "asperity.HeightMap.from_array(z, dx_m=1e-6).level('polynomial:12').statistics()",
 }
 
 

@@ -143,6 +143,8 @@ def test_every_error_has_its_kind(tmp_path):
             asperity.run_study(file)
     with pytest.raises(ValueError, match="unknown key `colour`"):
         asperity.run_study({**MACHINE, "colour": 1})
+    with pytest.raises(ValueError, match="found -1, expected a whole number"):
+        asperity.run_study(MACHINE, seed=-1)
     with pytest.raises(ValueError, match="no stage"):
         asperity.run_study(MACHINE, only="report")
     with pytest.raises(ValueError, match="pressure"):

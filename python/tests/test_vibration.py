@@ -90,6 +90,10 @@ def test_wrong_parameters_are_named():
             paper(), friction_std=1e-3, correlation_length=0.01, marginal="normal", trajectories=1, duration=9, seed=1
         )
     settings = {"correlation_length": 0.01, "trajectories": 2, "duration": 9, "seed": 1}
+    with pytest.raises(ValueError, match="found -1, expected a whole number"):
+        asperity.ensemble(paper(), friction_std=1e-3, marginal="normal", **{**settings, "seed": -1})
+    with pytest.raises(TypeError):
+        asperity.ensemble(paper(), friction_std=1e-3, marginal="normal", **{**settings, "trajectories": 2.5})
     with pytest.raises(ValueError, match="allow_clipping"):
         asperity.ensemble(paper(), friction_std=0.1, marginal="normal", **settings)
     with pytest.raises(ValueError, match="colour"):

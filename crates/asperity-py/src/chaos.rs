@@ -5,7 +5,7 @@ use ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::convert::owned;
+use crate::convert::{owned, whole};
 use crate::errors::{Raise, value_error};
 use crate::long;
 use crate::pool::detached;
@@ -18,9 +18,9 @@ const STAGE: &str = "python design";
 pub(crate) fn design<'py>(
     py: Python<'py>,
     method: &str,
-    seed: u64,
-    samples: usize,
-    variables: usize,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    #[pyo3(from_py_with = whole)] samples: usize,
+    #[pyo3(from_py_with = whole)] variables: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let method = match method {
         "monte_carlo" => SamplingMethod::MonteCarlo,
@@ -64,7 +64,7 @@ impl Expansion {
         py: Python<'_>,
         xi: PyReadonlyArray2<'_, f64>,
         values: PyReadonlyArray1<'_, f64>,
-        degree: usize,
+        #[pyo3(from_py_with = whole)] degree: usize,
         sparse: bool,
     ) -> PyResult<Self> {
         let (xi, values) = (owned(&xi), values.as_array().to_vec());

@@ -3,7 +3,7 @@
 use asperity::map::{Grid, HeightMap};
 use ndarray::Array2;
 use numpy::PyReadonlyArray2;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::Serialize;
@@ -83,6 +83,15 @@ pub(crate) fn to_value(object: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
     let kind = object.get_type().qualname()?;
     Err(PyTypeError::new_err(format!("found {kind}, expected a number, a string, a list or a dictionary")))
+}
+
+/// Reads a number of things, or a seed.
+pub(crate) fn whole<T: TryFrom<u64>>(object: &Bound<'_, PyAny>) -> PyResult<T> {
+    let out_of_range = || value_error(format_args!("found {object}, expected a whole number from 0 on"));
+    let number = object
+        .extract::<u64>()
+        .map_err(|error| if error.is_instance_of::<PyOverflowError>(object.py()) { out_of_range() } else { error })?;
+    T::try_from(number).map_err(|_| out_of_range())
 }
 
 /// Copies an array, once, with contiguous rows.

@@ -5,7 +5,7 @@
 //! own, while the calling thread wakes twenty times a second, runs the signal handlers and reports progress.
 //!
 //! If a handler or the progress callback raises, the computation is cancelled. The caller gets the exception at the
-//! latest half a second later. A block that is not finished by then ends in the background, and its result is dropped.
+//! latest 0.3 s later. A block that is not finished by then ends in the background, and its result is dropped.
 
 use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +26,7 @@ use crate::pool;
 /// Time between two looks at the signals.
 const TICK: Duration = Duration::from_millis(50);
 /// Time that a cancelled computation gets to end.
-const GRACE: Duration = Duration::from_millis(500);
+const GRACE: Duration = Duration::from_millis(300);
 /// Stack of the computation in bytes, as on the main thread.
 const STACK: usize = 8 << 20;
 

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use serde_json::Value;
 
-use crate::convert::{from_json, to_value};
+use crate::convert::{from_json, to_value, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
 
@@ -38,8 +38,8 @@ pub(crate) fn simulate_friction<'py>(
     process: &Bound<'py, PyAny>,
     length_m: f64,
     step_m: f64,
-    seed: u64,
-    index: u64,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    #[pyo3(from_py_with = whole)] index: u64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let own = process_of(process)?;
     let values = long::run(process.py(), None, move |_| own.simulate(length_m, step_m, seed, index).raise())?;
@@ -55,7 +55,7 @@ pub(crate) fn fit_friction_record<'py>(
     law: &str,
     detrend: &str,
     low_pass_m: Option<f64>,
-    decimation: usize,
+    #[pyo3(from_py_with = whole)] decimation: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
     if !(step_m.is_finite() && step_m > 0.0) {
         return Err(value_error(format_args!("step_m is {step_m}, but must be positive")));

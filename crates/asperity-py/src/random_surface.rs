@@ -18,7 +18,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use crate::convert::{from_python, map_of, to_python};
+use crate::convert::{from_python, map_of, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
 use crate::pool::detached;
@@ -119,8 +119,8 @@ impl SurfaceModel {
     fn on_grid(
         &self,
         py: Python<'_>,
-        nx: usize,
-        ny: usize,
+        #[pyo3(from_py_with = whole)] nx: usize,
+        #[pyo3(from_py_with = whole)] ny: usize,
         size_x_m: f64,
         size_y_m: f64,
         boundary: &str,
@@ -161,7 +161,12 @@ impl RandomSurface {
     }
 
     /// Draws maps, the same for any number of threads.
-    fn sample<'py>(&self, py: Python<'py>, seed: u64, count: usize) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = whole)] seed: u64,
+        count: usize,
+    ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
         let surface = Arc::clone(&self.0);
         let maps = long::run(py, None, move |monitor| {
             let draw = |index: usize| (!monitor.cancelled()).then(|| draw_map(surface.as_ref(), seed, index as u64));

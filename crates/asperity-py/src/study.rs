@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{to_python, to_value};
+use crate::convert::{to_python, to_value, whole};
 use crate::errors::{Raise, refused, value_error, with_message};
 use crate::long;
 use crate::process::dictionary;
@@ -85,6 +85,10 @@ impl Source {
     }
 }
 
+fn optional_seed(seed: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
+    if seed.is_none() { Ok(None) } else { whole(seed).map(Some) }
+}
+
 /// Runs a study, the path of a file or a dictionary. Returns results, tables and fields; with `out` also writes the run
 /// folder.
 #[pyfunction]
@@ -93,7 +97,7 @@ pub(crate) fn run_study<'py>(
     py: Python<'py>,
     study: &Bound<'py, PyAny>,
     only: Option<&str>,
-    seed: Option<u64>,
+    #[pyo3(from_py_with = optional_seed)] seed: Option<u64>,
     progress: Option<Bound<'py, PyAny>>,
     out: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
 
-use crate::convert::{from_python, to_python};
+use crate::convert::{from_python, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
 use crate::pool::detached;
@@ -113,9 +113,9 @@ pub(crate) fn ensemble<'py>(
     py: Python<'py>,
     oscillator: &Oscillator,
     fluctuation: &Bound<'py, PyDict>,
-    trajectories: usize,
+    #[pyo3(from_py_with = whole)] trajectories: usize,
     duration: f64,
-    seed: u64,
+    #[pyo3(from_py_with = whole)] seed: u64,
     drive: &str,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -159,9 +159,9 @@ pub(crate) fn stability_map<'py>(
     oscillator: &Oscillator,
     fluctuation: &Bound<'py, PyDict>,
     axes: &Bound<'py, PyDict>,
-    trajectories: usize,
+    #[pyo3(from_py_with = whole)] trajectories: usize,
     duration: f64,
-    seed: u64,
+    #[pyo3(from_py_with = whole)] seed: u64,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (stated, fluctuation): (_, Fluctuation) = (oscillator.0.clone(), from_python(fluctuation)?);
